@@ -1,0 +1,55 @@
+# Everything a user or CI needs, on a machine with Python 3.11 and make only.
+PYTHON ?= python3.11
+VENV   := .venv
+STAMP  := $(VENV)/.installed
+RUN    := $(VENV)/bin/
+
+export MPLBACKEND = Agg
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: demo test test-all lint types bench models lock clean help
+.DEFAULT_GOAL := help
+
+help:
+	@echo "make demo      the whole loop on a simulated KR 500, results in reports/demo"
+	@echo "make test      the tests (under 15 minutes on two cores)"
+	@echo "make test-all  the tests and the slow studies"
+	@echo "make lint types bench models lock clean"
+
+$(STAMP): pyproject.toml requirements.lock
+	$(PYTHON) -m venv $(VENV)
+	$(RUN)python -m pip install --quiet --disable-pip-version-check uv
+	$(RUN)uv pip install --quiet --python $(RUN)python --require-hashes -r requirements.lock
+	$(RUN)uv pip install --quiet --python $(RUN)python --no-deps --no-build-isolation -e .
+	@touch $(STAMP)
+
+demo: $(STAMP)
+	$(RUN)workbench demo
+
+test: $(STAMP)
+	$(RUN)python -m pytest -n 2 -m "not slow" $(PYTEST_ARGS)
+
+test-all: $(STAMP)
+	$(RUN)python -m pytest -n 2 $(PYTEST_ARGS)
+
+lint: $(STAMP)
+	$(RUN)ruff check .
+	$(RUN)ruff format --check .
+
+types: $(STAMP)
+	$(RUN)mypy
+
+bench: $(STAMP)
+	$(RUN)python benchmarks/arm.py
+	$(RUN)python benchmarks/w1.py
+
+models: $(STAMP)
+	$(RUN)python models/make_models.py
+
+lock: $(STAMP)
+	$(RUN)uv pip compile --quiet pyproject.toml --extra dev --generate-hashes --no-emit-index-url \
+		--no-header --no-annotate --python-version 3.11 -o requirements.lock
+
+clean:
+	rm -rf $(VENV) reports .pytest_cache .mypy_cache .ruff_cache

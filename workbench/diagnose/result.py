@@ -1,0 +1,296 @@
+"""The one result object: what a diagnosis found. Reports, scene and `result.json` read it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Verdict = Literal["nothing_missing", "named", "ambiguous", "unknown"]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Errors of one stage, 3-D norms in mm. Held-out: on poses that it was not fitted on."""
+
+    name: str
+    parameters: int
+    heldout_rms_mm: float
+    heldout_mean_mm: float
+    heldout_max_mm: float
+    fit_rms_mm: float
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A fitted number with its standard deviation. `meaning` is one short sentence for people."""
+
+    name: str
+    value: float
+    std: float
+    unit: str
+    meaning: str = ""
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % interval (normal)."""
+        return self.value - 1.96 * self.std, self.value + 1.96 * self.std
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a cause sits; absent keys are None."""
+
+    joint: str | None = None
+    other: str | None = None
+    link: str | None = None
+    payload: str | None = None
+    order: float | None = None
+
+    def keys(self) -> dict[str, Any]:
+        """The keys that are set, in the contract's order."""
+        names = ("joint", "other", "link", "payload", "order")
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
+    def __str__(self) -> str:
+        return ", ".join(str(value) for key, value in self.keys().items() if key != "order")
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What makes a cause visible: the residual against the variable that shows it.
+
+    `x` (k,) in `x_unit`; `before` and `after` (k,) in `y_unit`: the part of the residual along the
+    effect's own direction, without and with the cause in the model. `curve_x`, `curve_y`: the
+    fitted effect as a line.
+    """
+
+    x_name: str
+    x_unit: str
+    y_name: str
+    y_unit: str
+    x: Array
+    before: Array
+    after: Array
+    curve_x: Array
+    curve_y: Array
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One cause of the verdict (or "unknown", then `structure` says what is left)."""
+
+    cause: str
+    title: str
+    where: Where
+    status: Literal["named", "ambiguous"]
+    gain_mm: float
+    p_value: float
+    parameters: tuple[Parameter, ...] = ()
+    rivals: tuple[tuple[str, Where], ...] = ()
+    separate_by: str | None = None
+    structure: str | None = None
+    sentence: str = ""
+    equation: str = ""
+    evidence: Evidence | None = None
+
+    @property
+    def label(self) -> str:
+        """As it stands in a stage's name: `gear_kinematic_error(joint_4)`."""
+        where = str(self.where)
+        return f"{self.cause}({where})" if where else self.cause
+
+
+@dataclass(frozen=True)
+class NotTestable:
+    """A cause that this campaign cannot show, and why."""
+
+    cause: str
+    why: str
+    where: Where = Where()
+
+
+@dataclass(frozen=True)
+class Detectable:
+    """Smallest size of a cause that this campaign would have shown with 80 % power."""
+
+    cause: str
+    where: Where
+    size: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class FaultFound:
+    """A data fault: kind (outlier, swapped_target, ...), the pose, and what was done about it."""
+
+    kind: str
+    pose_id: str | None
+    target: str | None = None
+    what: str = ""
+    done: str = ""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise that the tests used. `source`: stated, repeats or residual."""
+
+    sigma_mm: float
+    source: Literal["stated", "repeats", "residual"]
+    sentence: str = ""
+    repeatability_mm: float | None = None
+    dof: float | None = None
+
+
+@dataclass(frozen=True)
+class TestFigures:
+    """Errors on the campaign given by --test, in mm, 3-D norms."""
+
+    __test__ = False  # not a pytest class
+
+    campaign: str
+    before_mean_mm: float
+    after_mean_mm: float
+    after_rms_mm: float
+    after_max_mm: float
+    before_max_mm: float
+    n_points: int
+
+
+@dataclass(frozen=True)
+class PoseErrors:
+    """Per measured point, for figures and the scene. All in the robot's base frame, metres.
+
+    `points`: (k, 3) measured places; `error_nominal`, `error_geometry`, `error_final`: (k, 3)
+    measured minus predicted; `pose`: (k,) index of the pose; `target`: (k,) index of the target.
+    """
+
+    points: Array
+    error_nominal: Array
+    error_geometry: Array
+    error_final: Array
+    pose: NDArray[np.int64]
+    target: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything that a diagnosis found."""
+
+    robot: str
+    robot_title: str
+    campaign: str
+    n_poses: int
+    n_points: int
+    noise: Noise
+    stages: tuple[Stage, ...]
+    verdict: Verdict
+    headline: str
+    causes: tuple[Finding, ...]
+    remainder_chi2: float
+    remainder_dof: float
+    remainder_p: float
+    not_testable: tuple[NotTestable, ...] = ()
+    detectable: tuple[Detectable, ...] = ()
+    faults: tuple[FaultFound, ...] = ()
+    test: TestFigures | None = None
+    notes: tuple[str, ...] = ()
+    geometry: tuple[Parameter, ...] = ()
+    unidentifiable: tuple[str, ...] = ()
+    facts: Mapping[str, str] = field(default_factory=dict)
+    errors: PoseErrors | None = None
+    joints: tuple[str, ...] = ()
+    q: Array | None = None
+    version: str = ""
+    inputs: Mapping[str, str] = field(default_factory=dict)
+
+    def to_json(self) -> dict[str, Any]:
+        """`result.json` as the contract fixes it (section 6)."""
+        return {
+            "schema": 1,
+            "robot": self.robot,
+            "campaign": self.campaign,
+            "n_poses": self.n_poses,
+            "n_points": self.n_points,
+            "noise": {"sigma_mm": _number(self.noise.sigma_mm), "source": self.noise.source},
+            "stages": [_stage(stage) for stage in self.stages],
+            "test": _test(self.test) if self.test else None,
+            "verdict": self.verdict,
+            "headline": self.headline,
+            "causes": [_finding(finding) for finding in self.causes],
+            "remainder": {
+                "chi2": _number(self.remainder_chi2),
+                "dof": _number(self.remainder_dof),
+                "p_value": _number(self.remainder_p),
+            },
+            "not_testable": [
+                {"cause": item.cause, **item.where.keys(), "why": item.why} for item in self.not_testable
+            ],
+            "detectable": [
+                {"cause": item.cause, **item.where.keys(), "size": _number(item.size), "unit": item.unit}
+                for item in self.detectable
+            ],
+            "faults": [_fault(fault) for fault in self.faults],
+            "notes": list(self.notes),
+            "version": self.version,
+        }
+
+
+def _number(value: float) -> float | None:
+    """A JSON number; not a number and infinite become null."""
+    return float(value) if np.isfinite(value) else None
+
+
+def _stage(stage: Stage) -> dict[str, Any]:
+    return {
+        "name": stage.name,
+        "parameters": stage.parameters,
+        "heldout_rms_mm": _number(stage.heldout_rms_mm),
+        "heldout_mean_mm": _number(stage.heldout_mean_mm),
+        "heldout_max_mm": _number(stage.heldout_max_mm),
+        "fit_rms_mm": _number(stage.fit_rms_mm),
+        **({"note": stage.note} if stage.note else {}),
+    }
+
+
+def _test(test: TestFigures) -> dict[str, Any]:
+    return {
+        "campaign": test.campaign,
+        "before_mean_mm": _number(test.before_mean_mm),
+        "after_mean_mm": _number(test.after_mean_mm),
+        "after_rms_mm": _number(test.after_rms_mm),
+        "after_max_mm": _number(test.after_max_mm),
+        "before_max_mm": _number(test.before_max_mm),
+        "n_points": test.n_points,
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        "cause": finding.cause,
+        **finding.where.keys(),
+        "status": finding.status,
+        "gain_mm": _number(finding.gain_mm),
+        "p_value": _number(finding.p_value),
+        "parameters": [
+            {"name": p.name, "value": _number(p.value), "std": _number(p.std), "unit": p.unit}
+            for p in finding.parameters
+        ],
+        "rivals": [{"cause": cause, **where.keys()} for cause, where in finding.rivals],
+        "separate_by": finding.separate_by,
+        **({"structure": finding.structure} if finding.structure else {}),
+    }
+
+
+def _fault(fault: FaultFound) -> dict[str, Any]:
+    optional = {"target": fault.target, "what": fault.what, "done": fault.done}
+    return {
+        "kind": fault.kind,
+        "pose_id": fault.pose_id,
+        **{key: value for key, value in optional.items() if value},
+    }

@@ -1,0 +1,47 @@
+"""One way to say that the input is wrong: every fault at once, where it is, and how to mend it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing wrong with the user's input.
+
+    `place` names the file, line and column as far as they are known; `what` says what is
+    wrong; `mend` says what to do about it.
+    """
+
+    place: str
+    what: str
+    mend: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.what}" + (f"; {self.mend}" if self.mend else "")
+
+
+class InputError(ValueError):
+    """The input or the call is wrong (exit status 2). Carries all faults, one line each."""
+
+    def __init__(self, faults: Sequence[Fault] | Fault) -> None:
+        self.faults: tuple[Fault, ...] = (faults,) if isinstance(faults, Fault) else tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+def read_text(path: Path) -> str:
+    """The file's text; `InputError` when it is missing, a folder, or not UTF-8."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(Fault(str(path), "no such file", "check the path")) from None
+    except IsADirectoryError:
+        raise InputError(Fault(str(path), "is a folder, not a file", "name the file in it")) from None
+    except UnicodeDecodeError as error:
+        raise InputError(
+            Fault(str(path), f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")
+        ) from None
+    except OSError as error:
+        raise InputError(Fault(str(path), error.strerror or "cannot be read")) from None
