@@ -1,0 +1,271 @@
+"""Loads and what they do to the arm: wrenches at every slot, their derivative, loaded equilibrium.
+
+The wrench at slot k is what the part beyond the slot receives from gravity, payload, external
+wrench and compensator, as generalised forces of the slot's six motions (N and N·m). The arm
+rests where every yielding slot has moved by its law under its own wrench:
+
+    motion = direct + law(wrench(motion)),        law = C · wrench, plus what effects add.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .arm import Arm, Array, Frames, cross, frames
+from .robot import Compensator
+
+ATMOSPHERE = 101325.0  # Pa
+
+
+@dataclass(frozen=True)
+class CompensatorLaw:
+    """Force of a compensator, F(s) in N > 0 when it pulls its pivots together; s in m.
+
+    `charge` scales the absolute gas pressure, or the spring's rate (1 = nominal); `preload` [N]
+    adds to the force.
+    """
+
+    data: Compensator
+    body: int
+    arm: int
+    body_pivot: Array
+    arm_pivot: Array
+    charge: float = 1.0
+    preload: float = 0.0
+
+    def force(self, s: Array) -> tuple[Array, Array, Array]:
+        """F, dF/ds and dF/dcharge at pivot distances s: (N,)."""
+        d = self.data
+        if d.kind == "spring":
+            assert d.rate is not None and d.free_length is not None
+            pull = d.rate * (s - d.free_length)
+            return (self.charge * pull + self.preload, np.full_like(s, self.charge * d.rate), pull)
+        assert d.piston_area and d.precharge and d.gas_length and d.reference is not None
+        length = d.gas_length - (s - d.reference)
+        gas = d.piston_area * d.precharge * (d.gas_length / length) ** d.exponent
+        force = self.charge * gas - d.piston_area * ATMOSPHERE + self.preload
+        return force, self.charge * gas * d.exponent / length, gas
+
+    def ends(self, where: Frames) -> tuple[Array, Array, Array]:
+        """Moving pivot (N, 3), unit vector from it to the fixed pivot (N, 3), distance (N,)."""
+        a = where.p[self.arm] + where.R[self.arm] @ self.arm_pivot
+        b = where.p[self.body] + where.R[self.body] @ self.body_pivot
+        s = np.linalg.norm(b - a, axis=1)
+        return a, (b - a) / s[:, None], s
+
+
+@dataclass(frozen=True)
+class Loads:
+    """What pulls on the arm in N poses.
+
+    mass: (N,) [kg], moment: (N, 3) [kg·m, flange frame] of tool and payload together; wrench:
+    (N, 6) [N, N·m] on the robot at the flange origin, base frame; torque: (N, n) [N·m or N] extra
+    axial torque on each joint (hose); charge: (N,) factor on the compensator, per pose.
+    """
+
+    mass: Array
+    moment: Array
+    wrench: Array
+    torque: Array
+    compensator: CompensatorLaw | None = None
+
+
+@dataclass(frozen=True)
+class Wrenches:
+    """Wrenches at all slots: local (N, S, 6), and the sums that their derivative needs.
+
+    force, moment: (N, S, 3) in the base frame, the moment about the slot's origin. mass: (N, S),
+    first: (N, S, 3) mass and first moment of mass about the slot's origin, of all beyond it.
+    """
+
+    local: Array
+    force: Array
+    moment: Array
+    mass: Array
+    first: Array
+
+
+def wrenches(arm: Arm, where: Frames, loads: Loads) -> Wrenches:
+    """Wrenches at all slots."""
+    n_poses, slots = where.origin.shape[:2]
+    mass = np.empty((n_poses, slots))
+    first = np.empty((n_poses, slots, 3))
+    mass[:, -1] = loads.mass
+    first[:, -1] = loads.mass[:, None] * where.p[-1] + np.einsum("nij,nj->ni", where.R[-1], loads.moment)
+    for k in range(slots - 2, -1, -1):
+        mass[:, k] = mass[:, k + 1] + arm.mass[k]
+        first[:, k] = first[:, k + 1] + arm.mass[k] * where.p[k] + where.R[k] @ arm.moment[k]
+    first = first - mass[..., None] * where.origin
+    external = loads.wrench[:, None, :3]
+    force = mass[..., None] * arm.gravity + external
+    lever = where.p[-1][:, None] - where.origin
+    moment = cross(first, arm.gravity) + cross(lever, external) + loads.wrench[:, None, 3:]
+    if (c := loads.compensator) is not None:
+        a, u, s = c.ends(where)
+        pull = c.force(s)[0][:, None] * u
+        for k in range(c.body + 1, c.arm + 1):
+            force[:, k] += pull
+            moment[:, k] += cross(a - where.origin[:, k], pull)
+    local = np.empty((n_poses, slots, 6))
+    local[..., :3] = np.einsum("nsci,nsi->nsc", where.axes[:, :, :3], force)
+    local[..., 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, :, 3:], moment)
+    local.reshape(n_poses, -1)[:, arm.axial] += loads.torque
+    return Wrenches(local, force, moment, mass, first)
+
+
+Law = Callable[[Array], Array]
+
+
+def equilibrium(
+    arm: Arm, q: Array, direct: Array, loads: Loads, law: Law, tolerance: float = 1e-13
+) -> tuple[Array, Frames, Wrenches]:
+    """Loaded motions (N, S, 6), frames and wrenches.
+
+    `direct`: (N, S, 6) motions that do not depend on load; `law` gives the motions (N, S, 6) under
+    the local wrenches (N, S, 6). Fixed point; the load moves the wrenches by about 1e-3 of
+    themselves, so each round gains three digits. Raises ArithmeticError when an arm is so soft
+    that it does not come to rest.
+    """
+    motion = direct
+    for _ in range(60):
+        where = frames(arm, q, motion)
+        load = wrenches(arm, where, loads)
+        new = direct + law(load.local)
+        step = float(np.abs(new - motion).max(initial=0.0))
+        motion = new
+        if step < tolerance:
+            return motion, where, load
+    raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")
+
+
+def wrench_jacobian(
+    arm: Arm,
+    where: Frames,
+    loads: Loads,
+    load: Wrenches,
+    rows: NDArray[np.int64],
+    axes: Array,
+    origin: Array,
+    before_joint: bool,
+) -> Array:
+    """Derivative of the local wrenches `rows` (columns 6 · slot + component) by slot motions.
+
+    `axes`, `origin` are those of the motions (T's, or G's with before_joint=True: then the motion
+    of a slot comes before all components of T at that slot). Returns (N, len(rows), 6 S).
+
+    A motion beyond the row's axis shifts the masses that hang on it; a motion before it turns
+    the axis and its whole load, while gravity and external wrench keep their direction.
+    """
+    n_poses, slots = origin.shape[:2]
+    out = np.empty((n_poses, len(rows), slots, 6))
+    flange = where.p[-1]
+    external = loads.wrench[:, :3]
+    for i, row in enumerate(rows):
+        slot, component = divmod(int(row), 6)
+        rotary = component >= 3
+        axis = where.axes[:, slot, component]
+        sequence = _sequence(arm, slot)
+        turn = _turned_load(arm, where, loads, load, slot, axis, rotary)
+        out[:, i, :, :3] = 0.0
+        out[:, i, :, 3:] = np.einsum("nsci,ni->nsc", axes[:, :, 3:], turn)
+        beyond = np.zeros((slots, 6), dtype=bool)
+        beyond[slot + 1 :] = True
+        if not before_joint:
+            later = sequence.index(component)
+            beyond[slot, list(sequence[later:])] = True
+        if not rotary:
+            out[:, i][:, beyond] = 0.0
+            continue
+        b = cross(arm.gravity, axis)[:, None]
+        hang = cross(load.first, b)
+        shift = load.mass[..., None] * b
+        if external.any():
+            e = cross(external, axis)[:, None]
+            hang = hang + cross(flange[:, None] - where.origin, e)
+            shift = shift + e
+        # masses are summed about the slot's T origin; G pivots about its own origin
+        hang = hang + cross(where.origin - origin, shift)
+        full = np.concatenate(
+            [
+                np.einsum("nsci,nsi->nsc", axes[:, :, :3], shift),
+                np.einsum("nsci,nsi->nsc", axes[:, :, 3:], hang),
+            ],
+            axis=2,
+        )
+        out[:, i][:, beyond] = full[:, beyond]
+    if loads.compensator is not None:
+        _compensator_jacobian(arm, where, loads.compensator, rows, axes, origin, before_joint, out)
+    return out.reshape(n_poses, len(rows), 6 * slots)
+
+
+def _sequence(arm: Arm, slot: int) -> tuple[int, ...]:
+    """Order in which a slot's components act."""
+    sliding = 1 <= slot <= arm.n and bool(arm.prismatic[slot - 1])
+    return (0, 1, 3, 4, 5, 2) if sliding else (0, 1, 2, 3, 4, 5)
+
+
+def _turned_load(
+    arm: Arm, where: Frames, loads: Loads, load: Wrenches, slot: int, axis: Array, rotary: bool
+) -> Array:
+    """(N, 3): derivative of one local wrench by a rotation that turns its axis and all beyond.
+
+    Compensator forces turn along, so they do not count.
+    """
+    external = loads.wrench[:, :3]
+    weight = load.mass[:, slot, None] * arm.gravity + external
+    if not rotary:
+        return cross(axis, weight)
+    lever = where.p[-1] - where.origin[:, slot]
+    first = load.first[:, slot]
+    moment = cross(first, arm.gravity) + cross(lever, external) + loads.wrench[:, 3:]
+    gravity = cross(first, cross(arm.gravity, axis))
+    return cross(axis, moment) + gravity + cross(lever, cross(external, axis))
+
+
+def _compensator_jacobian(
+    arm: Arm,
+    where: Frames,
+    law: CompensatorLaw,
+    rows: NDArray[np.int64],
+    axes: Array,
+    origin: Array,
+    before_joint: bool,
+    out: Array,
+) -> None:
+    """Adds the compensator's part: motions between its two links stretch it."""
+    a, u, s = law.ends(where)
+    force, rate, _ = law.force(s)
+    pull = force[:, None] * u
+    inside = range(law.body + 1, law.arm + 1)
+    for i, row in enumerate(rows):
+        slot, component = divmod(int(row), 6)
+        if slot not in inside:
+            continue
+        axis, pivot = where.axes[:, slot, component], where.origin[:, slot]
+        sequence = _sequence(arm, slot)
+        for other in inside:
+            for c in range(6):
+                e = axes[:, other, c]
+                turn = e if c >= 3 else np.zeros_like(e)
+                da = cross(e, a - origin[:, other]) if c >= 3 else e
+                along = np.einsum("ni,ni->n", u, da)[:, None] * u
+                dpull = -rate[:, None] * along - (force / s)[:, None] * (da - along)
+                same = other == slot and not before_joint
+                first = other < slot or (other == slot and before_joint)
+                if same:
+                    first = sequence.index(c) < sequence.index(component)
+                daxis = cross(turn, axis) if first else np.zeros_like(e)
+                dpivot = np.zeros_like(e)
+                if first:
+                    dpivot = cross(e, pivot - origin[:, other]) if c >= 3 else e
+                if component < 3:
+                    value = np.einsum("ni,ni->n", daxis, pull) + np.einsum("ni,ni->n", axis, dpull)
+                else:
+                    torque = cross(a - pivot, pull)
+                    dtorque = cross(da - dpivot, pull) + cross(a - pivot, dpull)
+                    value = np.einsum("ni,ni->n", daxis, torque) + np.einsum("ni,ni->n", axis, dtorque)
+                out[:, i, other, c] += value
