@@ -1,0 +1,1 @@
+"""Makes the robots under `models/`: data, kinematics, shapes, files."""

@@ -1,0 +1,80 @@
+"""What is known of a robot: the data that one robot file states, before any file is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .kinematics import Array, Chain, Table
+
+Vector = Sequence[float]
+
+
+@dataclass(frozen=True)
+class Mass:
+    """Mass [kg], centre of mass [mm] and inertia about it [kg·m²], in the frame that `Masses` names.
+
+    `inertia` is a full tensor, or the sides (mm) of the cuboid that stands for the link.
+    """
+
+    mass: float
+    com: Vector
+    inertia: Sequence[Sequence[float]] | None = None
+    box: Vector | None = None
+
+    def tensor(self) -> Array:
+        """(3, 3) about the centre of mass, in the frame of `com`."""
+        if self.inertia is not None:
+            return np.array(self.inertia, dtype=float)
+        if self.box is None:
+            raise ValueError("a mass needs an inertia or a box")
+        x, y, z = (np.array(self.box) / 1000) ** 2
+        return self.mass / 12 * np.diag([y + z, x + z, x + y])
+
+
+@dataclass(frozen=True)
+class Masses:
+    """Masses of links 1..n in frames 1..n of `table` at joint angles `at` (deg, the URDF's joints).
+
+    Without a table they are stated in the base frame at q = 0.
+    """
+
+    links: Sequence[Mass]
+    table: Table | None = None
+    at: Vector | None = None
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits of one joint: degrees and degrees/s (revolute) or mm and mm/s; N·m or N."""
+
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+
+
+@dataclass(frozen=True)
+class Design:
+    """One robot. `mount` is roll, pitch, yaw [deg] of all link frames in the base frame at q = 0."""
+
+    name: str
+    title: str
+    chain: Chain
+    limits: Sequence[Limits]
+    masses: Masses
+    source: Mapping[str, str]
+    look: Callable[[Design], Mapping[str, Any]]
+    base_mass: Mass
+    joints: Sequence[str] = ()
+    mount: Vector = (0.0, 0.0, 0.0)
+    joint_data: Mapping[str, Vector] = field(default_factory=dict)
+    compensator: Mapping[str, Any] | None = None
+    bending_stiffness: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def joint_names(self) -> list[str]:
+        return list(self.joints) or [f"joint_{i + 1}" for i in range(len(self.chain.axes))]

@@ -1,0 +1,1 @@
+"""One file per robot: its data and where they come from."""
