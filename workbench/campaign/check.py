@@ -1,0 +1,139 @@
+"""What can be wrong with a campaign beyond its cells: references, repeated names, doubtful sizes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..faults import Fault
+from ..robot import Robot
+from ..tables import Table, suggest
+from .file import CampaignFile
+
+
+def check_targets(path: Path, file: CampaignFile, robot: Robot) -> list[Fault]:
+    """Targets sit on the flange, the base or a link of the robot."""
+    places = list(dict.fromkeys(["flange", "base", robot.flange, robot.base, *robot.links]))
+    return [
+        Fault(f"{path}: targets.{name}.on", f"{robot.name} has no link {target.on!r}",
+              suggest(target.on, places) or f"one of {places}")
+        for name, target in file.targets.items()
+        if target.on not in places
+    ]  # fmt: skip
+
+
+def check_poses(poses: Table, file: CampaignFile, robot: Robot) -> list[Fault]:
+    """Faults of `poses.csv` beyond single cells."""
+    n = len(robot.joints)
+    table = Table(poses.path, poses.lines, poses.numbers, poses.texts, poses.labels)
+    for name in poses.unused:
+        index = re.match(r"(?:q|r|tau|dir)(\d+)(?:_|$)", name)
+        if index and not 1 <= int(index[1]) <= n:
+            what = f"column {name!r}, but {robot.name} has {n} joints"
+            table.faults.append(Fault(str(poses.path), what, "take it out, or mend `robot`"))
+    for names in (_all(n, "r"), _all(n, "tau")):
+        given = [name for name in names if name in poses.labels]
+        if given and len(given) < n:
+            absent = ", ".join(name for name in names if name not in given)
+            table.faults.append(
+                Fault(str(poses.path), f"{given[0]} but no {absent}", f"give all {n} joints or none")
+            )
+    _check_unique(table)
+    if "payload" in table.texts:
+        known = ["", *file.payloads]
+        rows = [row for row, name in enumerate(table.texts["payload"]) if name not in known]
+        names = [table.texts["payload"][row] for row in rows]
+        told = ", ".join(file.payloads) or "none"
+        mends = [
+            suggest(name, file.payloads) or f"[payloads] has: {told}; empty = no payload" for name in names
+        ]
+        table.add_faults(rows, [f"payload {name!r} is not declared" for name in names], mends)
+    for name in _all(n, "dir"):
+        if name in table.numbers:
+            values = table.numbers[name]
+            wrong = ~np.isin(values, (-1.0, 0.0, 1.0)) & np.isfinite(values)
+            table.add_fault_where(wrong, name, "is not a sign", "write -1, 0 or 1 (0: none or not known)")
+    return table.faults
+
+
+def _all(n: int, stem: str) -> list[str]:
+    return [f"{stem}{joint}" for joint in range(1, n + 1)]
+
+
+def _check_unique(table: Table) -> None:
+    lines: dict[str, list[int]] = {}
+    for name, line in zip(table.texts.get("pose_id", []), table.lines.tolist(), strict=True):
+        lines.setdefault(name, []).append(line)
+    for name, places in lines.items():
+        if name and len(places) > 1:
+            often = "twice" if len(places) == 2 else f"{len(places)} times"
+            what = f"pose_id {name!r} {often}, lines {_and(places)}"
+            table.faults.append(Fault(str(table.path), what, "every row is a pose with a name of its own"))
+
+
+def _and(numbers: list[int], shown: int = 5) -> str:
+    texts = [str(number) for number in numbers]
+    if len(texts) > shown:
+        return ", ".join(texts[:shown]) + ", ..."
+    return ", ".join(texts[:-1]) + " and " + texts[-1]
+
+
+def check_points(points: Table) -> list[Fault]:
+    """Faults of `points.csv` beyond single cells."""
+    table = Table(points.path, points.lines, points.numbers, points.texts, points.labels)
+    given = [axis for axis in "xyz" if f"s{axis}" in points.labels]
+    if given and len(given) < 3:
+        absent = ", ".join(f"s{axis}_mm" for axis in "xyz" if axis not in given)
+        table.faults.append(Fault(str(points.path), f"s{given[0]} but no {absent}", "give all three or none"))
+    for axis in given:
+        values = points.numbers[f"s{axis}"]
+        table.add_fault_where(values <= 0.0, f"s{axis}", "is not above 0", "an uncertainty is positive")
+    return table.faults
+
+
+def doubts(poses: Table, points: Table, robot: Robot) -> list[str]:
+    """Numbers of a doubtful size, as warnings: they may be right."""
+    warnings = []
+    for index, joint in enumerate(robot.joints, 1):
+        name, q = f"q{index}", poses.numbers[f"q{index}"]
+        label, largest = poses.labels[name], int(np.argmax(np.abs(q)))
+        if joint.kind == "revolute" and abs(q[largest]) > 100.0:
+            place = f"{poses.path} line {poses.lines[largest]}"
+            warnings.append(
+                f"{place}: {label} turns {abs(q[largest]) / (2 * np.pi):.0f} times; are these degrees?"
+            )
+            continue
+        beyond = (q < joint.lower - 1e-6) | (q > joint.upper + 1e-6)
+        if beyond.any():
+            place = f"{poses.path} line {poses.lines[int(np.argmax(beyond))]}"
+            count = int(np.count_nonzero(beyond))
+            warnings.append(
+                f"{place}: {label} beyond the limits of {joint.name} (at {count} of {len(q)} poses)"
+            )
+    xyz = np.stack([points.numbers[axis] for axis in "xyz"], axis=1)
+    far = float(np.max(np.abs(xyz)))
+    if far > 200.0:
+        warnings.append(f"{points.path}: points {far:.0f} m away; is the unit right?")
+    elif far < 0.02:
+        warnings.append(
+            f"{points.path}: all points within {1e3 * far:.1f} mm of the origin; are these metres?"
+        )
+    nothing = np.flatnonzero(np.all(xyz == 0.0, axis=1))
+    if len(nothing):
+        place = f"{points.path} line {points.lines[nothing[0]]}"
+        warnings.append(
+            f"{place}: point at exactly 0 0 0 ({len(nothing)} such lines); not seen? leave it out"
+        )
+    temperature = poses.numbers.get("temp")
+    if temperature is not None and np.any((temperature < -60.0) | (temperature > 150.0)):
+        warnings.append(
+            f"{poses.path}: {poses.labels['temp']} is outside -60 .. 150 degC; is the unit right?"
+        )
+    return warnings + _unused(poses) + _unused(points)
+
+
+def _unused(table: Table) -> list[str]:
+    """Columns that nobody asked for, worth a word in a file of our own layout."""
+    return [f"{table.path}: column {name!r} is not used" for name in table.unused]

@@ -1,0 +1,167 @@
+"""`campaign.toml`, and the columns that its two tables may have (contract, section 2)."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, Literal, cast
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from ..faults import Fault, InputError, read_text
+from ..robot import Robot, toml_faults
+from ..tables import Column, Layout, suggest
+
+Name = Annotated[str, Field(min_length=1)]
+Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class TableFile(Layout):
+    """`[poses]` or `[points]`: a file and how it is laid out."""
+
+    file: Name
+
+
+class TargetData(_Section):
+    """`[targets.T1]`."""
+
+    xyz_mm: Vector3 | None = None
+    on: Name = "flange"
+    fixed: bool = False
+
+
+class NoiseData(_Section):
+    """`[noise]`."""
+
+    sigma_mm: FiniteFloat | None = Field(None, gt=0)
+    pose: bool = False
+
+
+class LoadData(_Section):
+    """`[tool]` or `[payloads.heavy]`."""
+
+    mass_kg: FiniteFloat = Field(ge=0)
+    com_mm: Vector3 = (0.0, 0.0, 0.0)
+
+
+class CampaignFile(_Section):
+    """The whole of `campaign.toml`."""
+
+    schema_: Literal[1] = Field(alias="schema")
+    title: str = ""
+    robot: Name
+    poses: TableFile
+    points: TableFile
+    targets: dict[Name, TargetData] = {}
+    noise: NoiseData = NoiseData(sigma_mm=None)
+    tool: LoadData = LoadData(mass_kg=0.0)
+    payloads: dict[Name, LoadData] = {}
+
+
+def read_campaign_file(path: Path) -> CampaignFile:
+    """Parse and check `campaign.toml`; `InputError` with all its faults."""
+    try:
+        content = tomllib.loads(read_text(path))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
+    try:
+        file = CampaignFile.model_validate(content)
+    except ValidationError as error:
+        raise InputError(_faults(path, error)) from None
+    faults = [
+        Fault(f"{path}: targets.{name}.fixed", "a fixed target needs its place", "give xyz_mm")
+        for name, target in file.targets.items()
+        if target.fixed and target.xyz_mm is None
+    ]
+    for section in ("poses", "points"):
+        layout: TableFile = getattr(file, section)
+        if layout.separator == layout.decimal:
+            both = repr(layout.decimal)
+            mend = 'say separator = ";" or whatever separates the columns'
+            faults.append(Fault(f"{path}: {section}", f"separator and decimal are both {both}", mend))
+    if faults:
+        raise InputError(faults)
+    return file
+
+
+def _faults(path: Path, error: ValidationError) -> list[Fault]:
+    """The faults, with the known keys beside an unknown one."""
+    faults = []
+    for item, fault in zip(error.errors(), toml_faults(path, error), strict=True):
+        if item["type"] == "extra_forbidden":
+            known = _keys([part for part in item["loc"][:-1] if isinstance(part, str)])
+            close = suggest(str(item["loc"][-1]), known)
+            fault = replace(fault, mend=close or f"known here: {', '.join(known)}")
+        elif item["type"] == "missing":
+            fault = replace(fault, what="is missing", mend=_EXAMPLES.get(str(item["loc"][-1]), ""))
+        faults.append(fault)
+    return faults
+
+
+_EXAMPLES = {
+    "schema": "schema = 1",
+    "robot": 'robot = "kr500", or the path of a robot TOML',
+    "poses": '[poses] with file = "poses.csv"',
+    "points": '[points] with file = "points.csv"',
+    "file": 'file = "poses.csv", say',
+    "mass_kg": "mass_kg = 60.0, say",
+}
+_SECTIONS: dict[str, type[BaseModel]] = {
+    "poses": TableFile,
+    "points": TableFile,
+    "targets": TargetData,
+    "noise": NoiseData,
+    "tool": LoadData,
+    "payloads": LoadData,
+}
+
+
+def _keys(place: list[str]) -> list[str]:
+    """The keys that a section of the file may have."""
+    model = _SECTIONS.get(place[0], CampaignFile) if place else CampaignFile
+    fields = cast(dict[str, Any], model.model_fields)
+    return sorted(field.alias or name for name, field in fields.items())
+
+
+def pose_columns(robot: Robot) -> list[Column]:
+    """The columns of `poses.csv` for this robot."""
+    columns = [
+        Column("pose_id", text=True, required=True, mend="name every pose"),
+        Column("payload", text=True, blank=True),
+        Column("setup", text=True, blank=True),
+        Column("t", ("time",), blank=True),
+        Column("temp", ("temperature",), blank=True),
+    ]
+    columns += [Column(f"f{axis}", ("force",), mend="write 0 where there is none") for axis in "xyz"]
+    columns += [Column(f"m{axis}", ("torque",), mend="write 0 where there is none") for axis in "xyz"]
+    for index, joint in enumerate(robot.joints, 1):
+        slides = joint.kind == "prismatic"
+        dimension = ("length",) if slides else ("angle",)
+        subject = f"{joint.name} {'slides' if slides else 'turns'}"
+        columns += [
+            Column(
+                f"q{index}", dimension, required=True, subject=subject, mend="a pose needs all its joints"
+            ),
+            Column(f"r{index}", dimension, blank=True, subject=subject),
+            Column(f"tau{index}", ("force",) if slides else ("torque",), blank=True, subject=subject),
+            Column(f"dir{index}", mend="write -1, 0 or 1 (0: none or not known)"),
+        ]
+    return columns
+
+
+def point_columns(file: CampaignFile) -> list[Column]:
+    """The columns of `points.csv`. With a single declared target, its column may be left out."""
+    unseen = "leave out the line of a point that was not seen"
+    stated = file.noise.sigma_mm is not None
+    sigma = "" if stated else "give it for every point, or state [noise] sigma_mm for the others"
+    return [
+        Column("pose_id", text=True, required=True, mend="every point belongs to a pose"),
+        Column("target", text=True, required=len(file.targets) != 1, mend="name the target of every point"),
+        *(Column(axis, ("length",), required=True, mend=unseen) for axis in "xyz"),
+        *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
+    ]

@@ -1,0 +1,17 @@
+"""Delimited text tables with units in the column names: read with all faults at once, written whole."""
+
+from .columns import UNITS, Column, Layout, suggest
+from .read import Table, read_table
+from .write import number_text, write_table, write_text
+
+__all__ = [
+    "UNITS",
+    "Column",
+    "Layout",
+    "Table",
+    "number_text",
+    "read_table",
+    "suggest",
+    "write_table",
+    "write_text",
+]
