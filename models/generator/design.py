@@ -39,12 +39,14 @@ class Mass:
 class Masses:
     """Masses of links 1..n in frames 1..n of `table` at joint angles `at` (deg, the URDF's joints).
 
-    Without a table they are stated in the base frame at q = 0.
+    Without a table they are stated at q = 0 in the base frame, or, where `start` is given, in that of an
+    arm that stands upright: turned as the link frames are, its z axis `start` mm along the base's.
     """
 
     links: Sequence[Mass]
     table: Table | None = None
     at: Vector | None = None
+    start: float | None = None
 
 
 @dataclass(frozen=True)

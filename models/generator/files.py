@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .design import Design, Mass
-from .kinematics import Array, rotation_x, rotation_y, rotation_z
+from .kinematics import Array, pose, rotation_x, rotation_y, rotation_z
 from .mesh import Shape, gltf
 
 HEADER = "Written by models/make_models.py; edit there, not here."
@@ -33,14 +33,13 @@ def write(design: Design, folder: Path) -> list[Path]:
 
 def link_frames(design: Design) -> list[Array]:
     """Poses X_BL of link frames 1..n at q = 0: on the joint axes, all turned alike."""
+    rotation = _mount(design)
+    return [pose(rotation, 1000 * axis.point) for axis in design.chain.axes]
+
+
+def _mount(design: Design) -> Array:
     roll, pitch, yaw = design.mount
-    frames = []
-    for axis in design.chain.axes:
-        X = np.eye(4)
-        X[:3, :3] = rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
-        X[:3, 3] = axis.point
-        frames.append(X)
-    return frames
+    return rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
 
 
 def link_masses(design: Design) -> list[tuple[float, Array, Array]]:
@@ -48,7 +47,8 @@ def link_masses(design: Design) -> list[tuple[float, Array, Array]]:
     frames = link_frames(design)
     masses = design.masses
     if masses.table is None:
-        moved, stated = frames, [np.eye(4)] * len(frames)
+        upright = pose(_mount(design), (0, 0, masses.start)) if masses.start is not None else np.eye(4)
+        moved, stated = frames, [upright] * len(frames)
     else:
         at = np.radians(masses.at if masses.at is not None else np.zeros(len(frames)))
         moved = [motion @ X for motion, X in zip(design.chain.motions(at), frames, strict=True)]
@@ -87,9 +87,10 @@ def urdf_text(design: Design, shapes: Mapping[str, Shape]) -> str:
         ]
         parent = X
     X_LF = np.linalg.inv(parent) @ design.chain.flange
+    turned = " ".join(_exact(v) for v in _right_angles(X_LF))
     lines += [
         '  <joint name="flange_joint" type="fixed">',
-        f'    <origin xyz="{_vector(X_LF[:3, 3])}" rpy="{" ".join(_exact(v) for v in _right_angles(X_LF))}"/>',
+        f'    <origin xyz="{_vector(X_LF[:3, 3])}" rpy="{turned}"/>',
         f'    <parent link="link_{len(frames)}"/>',
         '    <child link="flange"/>',
         "  </joint>",

@@ -84,19 +84,18 @@ KR500 = Design(
     },
     compensator=COMPENSATOR,
     source={
-        "kinematics": "public modified DH table of the KUKA KR 500 R2830 (robot kinematics catalogue). Signs and "
-        "zeros are the table's; a KUKA controller counts A1, A4 and A6 the other way",
-        "limits": "range: public MATLAB model of the KR 500; velocity: recalled from the data sheet, unverified; "
-        "effort: assumed",
-        "masses": "mass, centre of mass and inertia of links 1..6: public MATLAB model of the KR 500, standard DH "
-        "frames, moved into the URDF frames; base: assumed",
+        "kinematics": "public modified DH table of the KR 500 R2830 (robot kinematics catalogue), its "
+        "signs and zeros; a KUKA controller counts A1, A4 and A6 the other way",
+        "limits": "range: public MATLAB model of the KR 500; velocity: recalled from the data sheet, "
+        "unverified; effort: assumed",
+        "masses": "links 1..6: public MATLAB model of the KR 500, from its standard DH frames; base: assumed",
         "stiffness": "paper 001, equation (19)",
         "damping": "public MATLAB model of the KR 500, modal test",
         "gear_ratio": "assumed (KUKA publishes none; range of robots of this size)",
         "rotor_inertia": "assumed",
         "repeatability": "assumed per joint so that the pose scatters within the data sheet's 0.08 mm",
-        "compensator": "pivots: geometry of the KR 210 R2700, put at this robot's joint 2 (assumed); charge, area "
-        "and length: assumed, so that about half of the arm's weight is carried",
+        "compensator": "pivots: geometry of the KR 210 R2700, put at this robot's joint 2 (assumed); "
+        "charge, area and length: assumed, so that about half of the arm's weight is carried",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=plain,

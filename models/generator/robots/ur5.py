@@ -45,7 +45,7 @@ UR5 = Design(
     source={
         "kinematics": "nominal standard DH table of the manufacturer, controller signs and zeros",
         "limits": "manufacturer's data sheet: range, velocity, torque",
-        "masses": "mass and centre of mass of links 1..6: manufacturer; inertia: assumed (cuboids); base: assumed",
+        "masses": "mass and centre of mass of links 1..6: manufacturer; inertia (cuboids) and base: assumed",
         "gear_ratio": "harmonic drives, 101 on all joints: literature, unverified",
         "stiffness": "not known, taken as rigid",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",

@@ -1,0 +1,53 @@
+"""ABB IRB 120-3/0.6."""
+
+from ..design import Design, Limits, Mass, Masses
+from ..kinematics import Table, chain_of
+from ..looks import plain
+
+KINEMATICS = Table(
+    "standard",
+    [
+        (0, -90, 290, 0),
+        (270, 0, 0, -90),
+        (70, -90, 0, 0),
+        (0, 90, 302, 0),
+        (0, -90, 0, 0),
+        (0, 0, 72, 180),
+    ],
+)
+
+# In the base frame at q = 0 (arm up, forearm level).
+LINKS = [
+    Mass(3.067, (0, 0, 228), box=(170, 190, 190)),
+    Mass(3.909, (0, 0, 391), box=(130, 150, 380)),
+    Mass(2.944, (23, 0, 618), box=(210, 150, 180)),
+    Mass(1.328, (225, 0, 630), box=(240, 110, 110)),
+    Mass(0.547, (302, 0, 630), box=(110, 70, 70)),
+    Mass(0.0137, (367, 0, 630), box=(12, 40, 40)),
+]
+
+IRB120 = Design(
+    name="irb120",
+    title="ABB IRB 120-3/0.6",
+    chain=chain_of(KINEMATICS),
+    limits=[
+        Limits(-165, 165, 250, 90),
+        Limits(-110, 110, 250, 90),
+        Limits(-110, 70, 250, 60),
+        Limits(-160, 160, 320, 20),
+        Limits(-120, 120, 320, 20),
+        Limits(-400, 400, 420, 10),
+    ],
+    masses=Masses(LINKS),
+    base_mass=Mass(6.215, (-40, 0, 80), box=(280, 180, 160)),
+    source={
+        "kinematics": "nominal standard DH table, signs and zeros of the ABB controller; flange = tool0",
+        "limits": "range and velocity: recalled from the data sheet, unverified; effort: assumed",
+        "masses": "mass of links: public URDF (base 6.215 kg); centre of mass: rough places in the base "
+        "frame at q = 0; inertia: assumed (cuboids)",
+        "stiffness": "not known, taken as rigid",
+        "gear_ratio": "not known",
+        "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
+    },
+    look=plain,
+)
