@@ -85,6 +85,7 @@ class EffectRecord(_Table):
     link: str | None = None
     payload: str | None = None
     order: float | None = None
+    variant: str = ""
     values: dict[str, float] = {}
 
 

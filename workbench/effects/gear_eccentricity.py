@@ -1,0 +1,67 @@
+"""Gear eccentricity: one or two cycles per joint turn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Array
+from ..diagnose.result import Parameter, Where
+from ..problem import Problem
+from .base import Param, TransmissionEffect, amplitude_phase
+
+
+@dataclass(frozen=True)
+class GearEccentricity(TransmissionEffect):
+    """Δq = a sin(k q) + b cos(k q), k = 1 or 2 cycles per joint turn (`variant`).
+
+    Run-out of the output gear or of an encoder on the output. Drake: a map on the commanded joint.
+    """
+
+    cause: ClassVar[str] = "gear_eccentricity"
+    title: ClassVar[str] = "Gear eccentricity"
+    equation: ClassVar[str] = "Delta q = A sin(k q + phi), quad k in {1, 2}"
+    separate: ClassVar[dict[str, str]] = {
+        "gear_ratio": "sweep the joint over more than half a turn",
+        "gravity_compensator": "record the motor torque of the joint (3 % is enough), or add loads",
+        "joint_compliance": "the same poses with another payload: eccentricity does not change",
+        "link_mass": "the same poses with another payload: eccentricity does not change",
+        "foundation": "targets on the base casting",
+    }
+
+    @property
+    def cycles(self) -> int:
+        return int(self.variant or 1)
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        return (Param("sin", "rad", 1e-4), Param("cos", "rad", 1e-4))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[GearEccentricity]:
+        arm = problem.arm
+        return [
+            cls(Where(joint=name), variant)
+            for name, sliding in zip(arm.names, arm.prismatic, strict=True)
+            if not sliding
+            for variant in ("1", "2")
+        ]
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        angle = self.cycles * q[:, joints.index(str(self.where.joint))]
+        return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        (a, sa), (f, sf) = amplitude_phase(values, covariance)
+        return (
+            Parameter("amplitude", a, sa, "rad", f"of {self.cycles} cycle(s) per joint turn"),
+            Parameter("phase", f, sf, "rad"),
+        )
+
+    def sentence(self, values: Array) -> str:
+        size = np.hypot(*values) * 1e6
+        cycles = "once" if self.cycles == 1 else "twice"
+        return f"The gear of {self.where.joint} runs out {cycles} per turn, by {size:.0f} µrad."

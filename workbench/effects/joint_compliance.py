@@ -1,0 +1,66 @@
+"""Axial stiffness of a joint differs from the model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import RZ, TZ, Arm, Array
+from ..diagnose.result import Where
+from ..problem import Problem
+from .base import LinearYield, Param
+
+
+@dataclass(frozen=True)
+class JointCompliance(LinearYield):
+    """Δq = c₀ · relative · τ, with c₀ = 1/K of the model; Δq = c · τ where the model is rigid.
+
+    τ is the joint's torque from gravity, payload, wrench and compensator. Source 001, eqs. (5), (9).
+    Drake: the stiffness of the joint's RevoluteSpring, a parameter of the Context.
+    """
+
+    nominal: float = 0.0
+
+    cause: ClassVar[str] = "joint_compliance"
+    title: ClassVar[str] = "Joint stiffness differs from the model"
+    equation: ClassVar[str] = "Delta q = c_0 thin r thin tau"
+    separate: ClassVar[dict[str, str]] = {
+        "payload": "weigh the payload, or add a third load",
+        "link_mass": "measure with two payloads: a stiffness acts on both, a link mass on neither",
+        "link_bending": "a target in the middle of the link",
+        "bearing_tilt": "a target on the link next to the joint, or a load from the side",
+        "lost_motion": "a third load, one that reverses the torque",
+        "gravity_compensator": "record the motor torque of the joint",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        if self.nominal > 0:
+            meaning = "compliance of the joint over the model's, minus one"
+            return (Param("relative", "1", 0.3, meaning, lower=-1.0),)
+        return (Param("compliance", "rad/(N·m)", 1e-6, "compliance of the joint", lower=0.0),)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[JointCompliance]:
+        arm = problem.arm
+        nominal = arm.compliance.reshape(arm.slots * 6, 6)[arm.axial, arm.axial % 6]
+        return [cls(Where(joint=name), nominal=float(c)) for name, c in zip(arm.names, nominal, strict=True)]
+
+    def slot(self, arm: Arm) -> int:
+        return arm.names.index(str(self.where.joint)) + 1
+
+    def compliance(self, arm: Arm) -> Array:
+        axial = TZ if arm.prismatic[self.slot(arm) - 1] else RZ
+        out = np.zeros((6, 6))
+        out[axial, axial] = self.nominal or 1.0
+        return out
+
+    def sentence(self, values: Array) -> str:
+        if self.nominal > 0:
+            word = "softer" if values[0] > 0 else "stiffer"
+            change = abs(1 / (1 + values[0]) - 1)
+            return f"{self.where.joint} is {word} than the model: stiffness off by {change:.1%}."
+        return f"{self.where.joint} yields {values[0] * 1e6:.3g} µrad per N·m; the model has it rigid."

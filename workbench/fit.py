@@ -1,0 +1,295 @@
+"""Identification: Gauss–Newton on analytic Jacobians, whitened by the noise, held by wide priors.
+
+Geometry corrections carry a prior of a few mm and mrad, which is far wider than what data decide and
+keeps what they cannot decide at its nominal value: no columns are chosen by hand, nothing runs off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr, solve_triangular
+
+from .arm import Array
+from .effects.base import Effect
+from .model import Linearisation, Model, State, move_frame
+from .noise import Covariance, whitener
+from .problem import Problem
+from .registration import STATED_TARGET, UNKNOWN_TARGET, register
+
+GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
+FRAME_PRIOR = 10.0  # m, rad: as good as none
+KEYS = ("tx", "ty", "tz", "rx", "ry", "rz")
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The fitted numbers: their names and prior standard deviations, in blocks.
+
+    frame: (6K,) shift and turn of each set-up; target: indices (setup, target) with three columns each;
+    geometry: columns 6 · slot + component; effects follow with their own parameters.
+    """
+
+    names: tuple[str, ...]
+    prior: Array
+    setups: int
+    targets: tuple[tuple[int, int], ...]
+    geometry: NDArray[np.int64]
+    effect: tuple[slice, ...]
+
+    @property
+    def background(self) -> int:
+        """Number of columns before the effects'."""
+        return 6 * self.setups + 3 * len(self.targets) + len(self.geometry)
+
+    @property
+    def geometry_slice(self) -> slice:
+        return slice(self.background - len(self.geometry), self.background)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model.
+
+    line: derivatives at the solution; whitener: (N, D, 3T); J: (N, D, P) whitened Jacobian, r: (N, D)
+    whitened residual (measured minus predicted); residual: (N, T, 3) [m], NaN where not seen.
+    upper: (P, P) with (JᵀJ + prior)= upperᵀ upper, in units of the priors.
+    """
+
+    model: Model
+    state: State
+    columns: Columns
+    noise: Covariance
+    line: Linearisation
+    whitener: Array
+    J: Array
+    r: Array
+    residual: Array
+    upper: Array
+    iterations: int
+
+    @property
+    def covariance(self) -> Array:
+        """(P, P) covariance of the fitted numbers."""
+        half = solve_triangular(self.upper, np.eye(len(self.upper))).T * self.columns.prior
+        return np.asarray(half.T @ half)
+
+    @property
+    def rank(self) -> int:
+        """Number of combinations that the data decide better than their prior does."""
+        return int((np.linalg.svd(self.upper, compute_uv=False) > np.sqrt(2)).sum())
+
+    @property
+    def chi2(self) -> float:
+        return float((self.r**2).sum())
+
+    def effect_values(self, i: int) -> tuple[Array, Array]:
+        """Values (p,) and covariance (p, p) of the model's i-th effect."""
+        part = self.columns.effect[i]
+        return self.state.values[i], self.covariance[part, part]
+
+
+def columns(problem: Problem, effects: Sequence[Effect], geometry: bool = True) -> Columns:
+    """The numbers to fit: frames, targets, geometry (unless False) and the effects' parameters."""
+    campaign = problem.campaign
+    names: list[str] = []
+    prior: list[float] = []
+    for setup in campaign.setup_names:
+        names += [f"frame/{setup}/{key}" for key in KEYS]
+        prior += [FRAME_PRIOR] * 6
+    targets = []
+    for k, setup in enumerate(campaign.setup_names):
+        for i, target in enumerate(campaign.targets):
+            if target.fixed or not problem.seen[campaign.setup == k, i].any():
+                continue
+            targets.append((k, i))
+            names += [f"target/{setup}/{target.name}/{axis}" for axis in "xyz"]
+            prior += [STATED_TARGET if target.xyz is not None else UNKNOWN_TARGET] * 3
+    arm = problem.arm
+    which = np.arange(6, 6 * (arm.n + 1)) if geometry else np.zeros(0, dtype=int)
+    for column in which:
+        slot, component = divmod(int(column), 6)
+        names.append(f"geometry/{arm.names[slot - 1]}/{KEYS[component]}")
+        prior.append(GEOMETRY_PRIOR[component // 3])
+    slices, start = [], len(names)
+    for effect in effects:
+        names += [f"{effect.label}/{p.name}" for p in effect.params]
+        prior += [1e3 * p.typical for p in effect.params]
+        slices.append(slice(start, len(names)))
+        start = len(names)
+    return Columns(
+        tuple(names), np.array(prior), len(campaign.setup_names), tuple(targets), which, tuple(slices)
+    )
+
+
+def start_state(problem: Problem) -> State:
+    """State after registration, robot as it is."""
+    R, t, targets = register(problem)
+    return State(problem.arm.geometry, R, t, targets)
+
+
+def fit(
+    model: Model,
+    start: State,
+    noise: Covariance,
+    geometry: bool = True,
+    tolerance: float = 1e-3,
+    max_iterations: int = 30,
+) -> Fit:
+    """Fits frames, targets, geometry and the model's effects to the campaign.
+
+    `start` may lack the effects' values (zeros then). Stops when a step changes no fitted number by
+    more than `tolerance` of its standard deviation. Raises ArithmeticError when it does not converge.
+    """
+    problem = model.problem
+    if len(start.values) != len(model.effects):
+        start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
+    cols = columns(problem, model.effects, geometry)
+    state, damping = start, 0.0
+    W: Array | None = None
+    best: tuple[float, State] | None = None
+    for iteration in range(max_iterations):
+        line = model.linearise(state)
+        if W is None or iteration == 1:
+            W = _whitener(problem, line, noise)
+        residual, r = _residual(problem, line.prediction.points, W)
+        offset = _offset(model, cols, state)
+        cost = float((r**2).sum() + (offset**2).sum())
+        if best is not None and cost > best[0] * (1 + 1e-9) + 1e-6 and iteration > 2:
+            damping = max(10 * damping, 1e-2)
+            if damping > 1e8:
+                raise ArithmeticError("the fit does not converge")
+            cost, state = best[0], best[1]
+            line = model.linearise(state)
+            residual, r = _residual(problem, line.prediction.points, W)
+            offset = _offset(model, cols, state)
+        else:
+            damping = damping / 10 if damping > 1e-9 else 0.0
+        best = cost, state
+        J = _jacobian(model, line, cols, state, W)
+        step, upper = _step(J.reshape(-1, J.shape[2]), r.ravel(), offset, cols.prior, damping)
+        moved = float(np.linalg.norm(upper @ (step / cols.prior)))
+        if moved < tolerance and damping == 0.0:
+            break
+        state = _move(problem, cols, state, line.centre, step)
+    seen = problem.seen[..., None]
+    return Fit(
+        model, state, cols, noise, line, W, J, r, np.where(seen, residual, np.nan), upper, iteration + 1
+    )
+
+
+def _whitener(problem: Problem, line: Linearisation, noise: Covariance) -> Array:
+    axial = line.direct[:, :, problem.arm.axial]
+    turned = None
+    if problem.campaign.six_dof:
+        points = line.prediction.points
+        turned = points - points.mean(axis=1, keepdims=True)
+    return whitener(problem, noise, axial, turned)
+
+
+def _residual(problem: Problem, points: Array, W: Array) -> tuple[Array, Array]:
+    """Measured minus predicted (N, T, 3), zero where not seen, and whitened (N, D)."""
+    residual = np.where(problem.seen[..., None], problem.campaign.points - points, 0.0)
+    flat = residual.reshape(len(residual), -1)
+    return residual, np.matmul(W, flat[..., None])[..., 0]
+
+
+def _offset(model: Model, cols: Columns, state: State) -> Array:
+    """How far each number is from its prior's mean, in units of the prior."""
+    problem = model.problem
+    out = np.zeros(len(cols.names))
+    at = 6 * cols.setups
+    for k, i in cols.targets:
+        if np.isfinite(problem.stated_targets[i]).all():
+            out[at : at + 3] = state.targets[k, i] - problem.stated_targets[i]
+        at += 3
+    change = state.geometry - problem.arm.geometry
+    out[at : at + len(cols.geometry)] = change.ravel()[cols.geometry]
+    for part, values in zip(cols.effect, state.values, strict=True):
+        out[part] = values
+    return out / cols.prior
+
+
+def _jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: Array) -> Array:
+    """(N, D, P) whitened Jacobian."""
+    setup = model.problem.campaign.setup
+    n_poses, rows, _ = line.direct.shape
+    J = np.zeros((n_poses, rows, len(cols.names)))
+    for k in range(cols.setups):
+        J[:, :, 6 * k : 6 * k + 6] = np.where((setup == k)[:, None, None], line.frame, 0.0)
+    at = 6 * cols.setups
+    for k, i in cols.targets:
+        J[:, 3 * i : 3 * i + 3, at : at + 3] = np.where((setup == k)[:, None, None], line.target[:, i], 0.0)
+        at += 3
+    J[:, :, at : at + len(cols.geometry)] = line.geometry[:, :, cols.geometry]
+    for part, effect, values in zip(cols.effect, model.effects, state.values, strict=True):
+        J[:, :, part] = model.effect_jacobian(line, effect, values)
+    return np.asarray(np.matmul(W, J))
+
+
+def _step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tuple[Array, Array]:
+    """Step of all numbers and the triangular factor, by QR of the data's and the priors' rows."""
+    P = len(prior)
+    stacked = np.vstack([J * prior, np.eye(P)])
+    right = np.concatenate([r, -offset])
+    if damping > 0:
+        scale = np.sqrt(damping) * np.linalg.norm(stacked, axis=0)
+        stacked = np.vstack([stacked, np.diag(scale)])
+        right = np.concatenate([right, np.zeros(P)])
+    QtR, upper = _qr(stacked, right)
+    return solve_triangular(upper, QtR) * prior, upper
+
+
+def _qr(A: Array, b: Array) -> tuple[Array, Array]:
+    """Qᵀ b (P,) and R (P, P) of A = Q R, from one triangular factor of [A b]."""
+    P = A.shape[1]
+    R = qr(np.column_stack([A, b]), mode="r", overwrite_a=True, check_finite=False)[0]
+    return R[:P, P], R[:P, :P]
+
+
+def _move(problem: Problem, cols: Columns, state: State, centre: Array, step: Array) -> State:
+    """The state after a step."""
+    for k in range(cols.setups):
+        state = move_frame(state, k, centre[k], step[6 * k : 6 * k + 6])
+    targets = state.targets.copy()
+    at = 6 * cols.setups
+    for k, i in cols.targets:
+        targets[k, i] += step[at : at + 3]
+        at += 3
+    geometry = state.geometry.copy()
+    geometry.reshape(-1)[cols.geometry] += step[at : at + len(cols.geometry)]
+    values = tuple(v + step[part] for v, part in zip(state.values, cols.effect, strict=True))
+    return replace(state, targets=targets, geometry=geometry, values=values)
+
+
+def heldout(result: Fit, folds: int = 10, seed: int = 0) -> Array:
+    """Residuals (N, T, 3) [m] of each pose by a fit that did not see it (NaN where not seen).
+
+    Poses with equal joints and set-up (their loads, their repeats) stay together. The fits without a
+    fold are Gauss–Newton steps from the full solution: exact to the second order of the change.
+    """
+    problem, cols = result.model.problem, result.columns
+    c = problem.campaign
+    _, block = np.unique(np.column_stack([np.round(c.q, 9), c.setup]), axis=0, return_inverse=True)
+    block = block.ravel()
+    order = np.random.default_rng(seed).permutation(block.max() + 1)
+    fold = (order % min(folds, block.max() + 1))[block]
+    plain = _jacobian(result.model, result.line, cols, result.state, _unit(result.whitener.shape[2], len(c.q)))
+    A = result.upper.T @ result.upper
+    out = result.residual.copy()
+    for f in range(fold.max() + 1):
+        here = fold == f
+        J = result.J[here].reshape(-1, len(cols.names)) * cols.prior
+        r = result.r[here].ravel()
+        left = A - J.T @ J
+        left[np.diag_indices_from(left)] += 1e-12 * np.diag(A)
+        change = np.linalg.solve(left, -(J.T @ r)) * cols.prior
+        out[here] -= (plain[here] @ change).reshape(here.sum(), -1, 3)
+    return out
+
+
+def _unit(rows: int, n_poses: int) -> Array:
+    return np.broadcast_to(np.eye(rows), (n_poses, rows, rows))

@@ -1,0 +1,230 @@
+"""Prediction of a campaign and its analytic Jacobian, all effects included.
+
+One chain rule for everything. Let d be the motions that do not depend on load, y the motions of the
+slots that yield, Q the wrenches: y = φ(Q(d + y)). Then with H = ∂Q/∂motion and Φ = ∂φ/∂Q,
+
+    dy = (I − Φ H_yy)⁻¹ (Φ (H_yd dd + H_yg dg + dQ) + dφ)
+
+which is the exact compliance derivative (K − ∂τ/∂θ)⁻¹ for axial springs, and every effect is a dd
+(transmission, temperature, drift), a dφ (stiffness, bending, tilt) or a dQ (payload, compensator).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from .arm import Arm, Array, Frames, point_jacobian
+from .effects.base import DirectEffect, Effect, InstrumentEffect, LoadEffect, YieldEffect
+from .problem import Problem
+from .statics import Loads, Wrenches, equilibrium, wrench_jacobian
+
+
+@dataclass(frozen=True)
+class State:
+    """Everything that a fit changes. K set-ups, T targets, S slots.
+
+    geometry: (S, 6) corrections [m, rad]; R: (K, 3, 3), t: (K, 3) [m] base frame in the instrument's;
+    targets: (K, T, 3) [m] in the frames behind their slots; values: one (p,) per effect of the model.
+    """
+
+    geometry: Array
+    R: Array
+    t: Array
+    targets: Array
+    values: tuple[Array, ...] = ()
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A campaign as a state predicts it.
+
+    base: (N, T, 3) points in the robot's base frame, points: (N, T, 3) in the instrument's [m];
+    motion: (N, S, 6) all slot motions. arm, loads, where, load: what they were computed from.
+    """
+
+    arm: Arm
+    loads: Loads
+    motion: Array
+    where: Frames
+    load: Wrenches
+    base: Array
+    points: Array
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Derivatives of the points (N, T, 3) in the instrument's frame at a state.
+
+    direct: (N, 3T, 6S) by slot motions, load's answer included; geometry: (N, 3T, 6S) by corrections G;
+    torque: (N, 3T, E) by the local wrenches `rows`; frame: (N, 3T, 6) by shift and turn of the
+    instrument frame about `centre`; turn: (N, 3, 3) from the base frame to the instrument's.
+    """
+
+    prediction: Prediction
+    direct: Array
+    geometry: Array
+    torque: Array
+    rows: NDArray[np.int64]
+    frame: Array
+    target: Array
+    centre: Array
+
+
+@dataclass(frozen=True)
+class Model:
+    """A problem with the effects that act in it. `fixed` effects have known values (model.toml)."""
+
+    problem: Problem
+    effects: tuple[Effect, ...] = ()
+
+    def start(self, R: Array, t: Array, targets: Array) -> State:
+        """State with the robot's own geometry and all effects at zero."""
+        values = tuple(np.zeros(len(effect.params)) for effect in self.effects)
+        return State(self.problem.arm.geometry, R, t, targets, values)
+
+    def loaded(self, state: State) -> Prediction:
+        """Loaded poses and points."""
+        problem = self.problem
+        arm, loads = problem.arm.with_geometry(state.geometry), problem.loads
+        n_poses = len(problem.q)
+        direct = np.zeros((n_poses, arm.slots, 6))
+        for effect, values in zip(self.effects, state.values, strict=True):
+            if isinstance(effect, DirectEffect):
+                for column, basis in effect.motion(problem).items():
+                    direct.reshape(n_poses, -1)[:, column] += basis @ values
+            elif isinstance(effect, LoadEffect):
+                arm, loads = effect.apply(problem, arm, loads, values)
+
+        def law(wrench: Array) -> Array:
+            return self._yield(arm, wrench, state)[0]
+
+        motion, where, load = equilibrium(arm, problem.q, direct, loads, law)
+        base = self._place(where, state)
+        points = self._see(base, state)
+        return Prediction(arm, loads, motion, where, load, base, points)
+
+    def predict(self, state: State) -> Array:
+        """Points (N, T, 3) [m] as the instrument would see them."""
+        return self.loaded(state).points
+
+    def _place(self, where: Frames, state: State) -> Array:
+        on, setup = self.problem.on, self.problem.campaign.setup
+        if len(state.targets) == 1:
+            return where.points(state.targets[0], on)
+        every = np.stack([where.points(targets, on) for targets in state.targets])
+        return np.asarray(every[setup, np.arange(len(setup))])
+
+    def _see(self, base: Array, state: State) -> Array:
+        setup = self.problem.campaign.setup
+        points = np.einsum("nij,ntj->nti", state.R[setup], base) + state.t[setup][:, None]
+        change = np.zeros_like(points)
+        for effect, values in zip(self.effects, state.values, strict=True):
+            if isinstance(effect, InstrumentEffect):
+                change += effect.seen(self.problem, points) @ values
+        return points + change
+
+    def _yield(self, arm: Arm, wrench: Array, state: State) -> tuple[Array, Array]:
+        """Motions (N, S, 6) and their derivative by the own slot's wrench (N, S, 6, 6)."""
+        motion = np.einsum("sij,nsj->nsi", arm.compliance, wrench)
+        slope = np.broadcast_to(arm.compliance, (len(wrench), *arm.compliance.shape)).copy()
+        for effect, values in zip(self.effects, state.values, strict=True):
+            if isinstance(effect, YieldEffect):
+                k = effect.slot(arm)
+                more, by_wrench, _ = effect.law(arm, wrench[:, k], values)
+                motion[:, k] += more
+                slope[:, k] += by_wrench
+        return motion, slope
+
+    def linearise(self, state: State) -> Linearisation:
+        """Derivatives at a state."""
+        prediction = self.loaded(state)
+        arm, where, load = prediction.arm, prediction.where, prediction.load
+        on, setup = self.problem.on, self.problem.campaign.setup
+        n_poses, n_targets = prediction.base.shape[:2]
+        turn = state.R[setup]
+        J = point_jacobian(where.axes, where.origin, prediction.base, on)
+        G = point_jacobian(where.geometry_axes, where.geometry_origin, prediction.base, on)
+        J, G = (np.matmul(turn[:, None], X).reshape(n_poses, 3 * n_targets, -1) for X in (J, G))
+        _, slope = self._yield(arm, load.local, state)
+        rows = np.flatnonzero(np.abs(slope).sum(axis=(0, 3)).ravel())
+        torque = np.zeros((n_poses, 3 * n_targets, len(rows)))
+        if len(rows):
+            args = (arm, where, prediction.loads, load, rows)
+            H = wrench_jacobian(*args, where.axes, where.origin, before_joint=False)
+            H_g = wrench_jacobian(*args, where.geometry_axes, where.geometry_origin, before_joint=True)
+            full = np.zeros((n_poses, 6 * arm.slots, 6 * arm.slots))
+            for k in range(arm.slots):
+                full[:, 6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = slope[:, k]
+            Phi = full[:, rows][:, :, rows]
+            answer = np.linalg.solve(np.eye(len(rows)) - Phi @ H[:, :, rows], Phi)
+            torque = J[:, :, rows] @ answer
+            J, G = J + torque @ H, G + torque @ H_g
+        return Linearisation(
+            prediction, J, G, torque, rows, *self._frame_and_target(state, prediction, turn)
+        )
+
+    def _frame_and_target(
+        self, state: State, prediction: Prediction, turn: Array
+    ) -> tuple[Array, Array, Array]:
+        setup = self.problem.campaign.setup
+        n_poses, n_targets = prediction.points.shape[:2]
+        centre = np.stack([prediction.points[setup == k].mean(axis=(0, 1)) for k in range(len(state.R))])
+        arms = prediction.points - centre[setup][:, None]
+        frame = np.zeros((n_poses, n_targets, 3, 6))
+        frame[..., :3] = np.eye(3)
+        frame[..., 3:] = -_skew(arms)
+        target = np.empty((n_poses, n_targets, 3, 3))
+        for i, k in enumerate(self.problem.on):
+            target[:, i] = turn @ prediction.where.R[k]
+        return frame.reshape(n_poses, 3 * n_targets, 6), target, centre
+
+    def effect_jacobian(self, line: Linearisation, effect: Effect, values: Array) -> Array:
+        """(N, 3T, p) motion of the points per unit of each parameter of an effect.
+
+        The effect need not be in the model: then this is what adding it would do.
+        """
+        problem, prediction = self.problem, line.prediction
+        n_poses = len(problem.q)
+        if isinstance(effect, DirectEffect):
+            parts = effect.motion(problem).items()
+            return sum(  # type: ignore[no-any-return]
+                (line.direct[:, :, column, None] * basis[:, None, :] for column, basis in parts),
+                start=np.zeros((n_poses, line.direct.shape[1], len(effect.params))),
+            )
+        if isinstance(effect, YieldEffect):
+            k = effect.slot(prediction.arm)
+            _, _, by_value = effect.law(prediction.arm, prediction.load.local[:, k], values)
+            return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ by_value)
+        if isinstance(effect, LoadEffect):
+            change = effect.wrench(problem, prediction.where, prediction.loads)
+            return np.asarray(line.torque @ change.reshape(n_poses, -1, change.shape[-1])[:, line.rows])
+        assert isinstance(effect, InstrumentEffect)
+        seen = effect.seen(problem, prediction.points)
+        return seen.reshape(n_poses, -1, seen.shape[-1])
+
+
+def move_frame(state: State, setup: int, centre: Array, change: Array) -> State:
+    """The state with one set-up's frame shifted and turned about `centre` by change (6,)."""
+    turn = Rotation.from_rotvec(change[3:]).as_matrix()
+    R, t = state.R.copy(), state.t.copy()
+    R[setup] = turn @ R[setup]
+    t[setup] = turn @ (t[setup] - centre) + centre + change[:3]
+    return replace(state, R=R, t=t)
+
+
+def _skew(v: Array) -> Array:
+    out = np.zeros((*v.shape, 3))
+    out[..., 0, 1], out[..., 0, 2] = -v[..., 2], v[..., 1]
+    out[..., 1, 0], out[..., 1, 2] = v[..., 2], -v[..., 0]
+    out[..., 2, 0], out[..., 2, 1] = -v[..., 1], v[..., 0]
+    return out
+
+
+def with_effects(model: Model, effects: Sequence[Effect]) -> Model:
+    """The same problem with other effects."""
+    return replace(model, effects=tuple(effects))

@@ -1,0 +1,160 @@
+"""Noise of a campaign: the instrument's per point, and the robot's repeatability per pose.
+
+A pose's points share the robot's own error: their covariance is  σ² I + J Σ_q J^T  with Σ_q the joints'
+repeatability. Points of one 6-D measurement carry six independent errors, not three each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from .arm import Array
+from .problem import Problem
+
+
+@dataclass(frozen=True)
+class Covariance:
+    """Noise of the measured points.
+
+    sigma: (N, T) [m] per axis; joint: (n,) [rad or m] one sigma of the joints' repeatability; weight:
+    (N,) factor on each pose (0 leaves it out). dof: degrees of freedom behind the noise (inf: known).
+    turn_ratio: for 6-D measurements, noise of the turning part over that of the shifting part.
+    """
+
+    sigma: Array
+    joint: Array
+    weight: Array
+    dof: float = np.inf
+    turn_ratio: float = 1.0
+
+    def without(self, poses: NDArray[np.bool_]) -> Covariance:
+        """Leaves out the poses marked True."""
+        return replace(self, weight=np.where(poses, 0.0, self.weight))
+
+    def scaled(self, factor: float) -> Covariance:
+        """All standard deviations times `factor`."""
+        return replace(self, sigma=self.sigma * factor, joint=self.joint * factor)
+
+
+def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Array | None) -> Array:
+    """(N, D, 3T): whitens residuals (N, 3T) of a pose; rows of what was not seen are zero.
+
+    axial: (N, 3T, n) motion of the points per joint motion. turned: (N, T, 3) the points from their
+    centroid, in the instrument's frame, for 6-D measurements (D = 6); None else (D = 3T).
+    """
+    seen = np.repeat(problem.seen, 3, axis=1)
+    n_poses, rows = seen.shape
+    sigma = np.repeat(covariance.sigma, 3, axis=1)
+    if turned is not None:
+        W = _six(problem, covariance, turned)
+    elif not covariance.joint.any():
+        W = np.zeros((n_poses, rows, rows))
+        W[:, np.arange(rows), np.arange(rows)] = np.where(seen, 1 / sigma, 0.0)
+    else:
+        J = np.where(seen[..., None], axial, 0.0) * covariance.joint
+        C = J @ J.transpose(0, 2, 1)
+        C[:, np.arange(rows), np.arange(rows)] += np.where(seen, sigma**2, 1.0)
+        L = np.linalg.cholesky(C)
+        W = np.linalg.inv(L) * seen[:, None, :] * seen[:, :, None]
+    return np.asarray(W * covariance.weight[:, None, None])
+
+
+def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:
+    """Projection on the six motions of a rigid pose, each with its own noise."""
+    n_poses, n_targets = problem.seen.shape
+    complete = problem.seen.all(axis=1)
+    A = np.zeros((n_poses, n_targets, 3, 6))
+    A[..., :3] = np.eye(3)
+    for c in range(3):
+        A[..., 3 + c] = np.cross(np.eye(3)[c], turned)
+    A = A.reshape(n_poses, 3 * n_targets, 6)
+    Q, R = np.linalg.qr(A)
+    Q = Q * np.sign(np.diagonal(R, axis1=1, axis2=2))[:, None, :]
+    scale = np.sqrt(n_targets) * covariance.sigma[:, :1] * np.array([1.0] * 3 + [covariance.turn_ratio] * 3)
+    W = Q.transpose(0, 2, 1) / scale[:, :, None]
+    return np.asarray(np.where(complete[:, None, None], W, 0.0))
+
+
+def repeat_groups(problem: Problem) -> NDArray[np.int64]:
+    """(N,) number of the group of repeats of each pose (equal command, load, set-up and approach)."""
+    c = problem.campaign
+    parts = [np.round(c.q, 9), c.payload[:, None], np.round(c.wrench, 6), c.setup[:, None]]
+    if c.direction is not None:
+        parts.append(c.direction)
+    _, group = np.unique(np.hstack(parts), axis=0, return_inverse=True)
+    return np.asarray(group.ravel(), dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class MeasuredNoise:
+    """Noise from repeats and shots. sigma [m] per axis and shot, repeat [m] rms of the robot's part
+    per axis, joint: (n,) one sigma per joint; dof of each; total [m] per axis of a repeated point."""
+
+    sigma: float
+    joint: Array
+    repeat: float
+    total: float
+    dof: float
+
+
+def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
+    """Noise from repeated poses and shots; None where there are fewer than 12 degrees of freedom.
+
+    axial: (N, 3T, n) motion of the points per joint motion. Maximum likelihood of two variances: the
+    instrument's σ² and one for the joints (their ratio as the robot's TOML says, else equal).
+    """
+    c = problem.campaign
+    group = repeat_groups(problem)
+    deviation, weight = _within(c.points, group)
+    seen = np.isfinite(deviation)
+    dof = int(seen.sum() - sum(np.isfinite(c.points[group == g]).any(axis=0).sum() for g in np.unique(group)))
+    shot_ss, shot_dof = c.shot_scatter
+    if dof < 12:
+        return None
+    kept = weight > 0
+    d = np.where(seen, deviation, 0.0).reshape(len(group), -1)[kept]
+    ratio = np.array([joint.data.repeatability or 0.0 for joint in problem.robot.joints])
+    ratio = ratio / ratio.max() if ratio.any() else np.where(problem.arm.prismatic, 0.0, 1.0)
+    J = axial[kept] * ratio * np.repeat(problem.seen, 3, axis=1)[kept][..., None]
+    total = float(np.sqrt((d**2).sum() / dof))
+    # deviations from a group's mean of k members have covariance (1 − 1/k) of the noise's
+    shrink = np.sqrt(weight[kept])
+    d = d / shrink[:, None]
+    share = dof / (seen.sum() - 0.0) / float(np.average(weight[kept]))
+    shots = float(np.median(c.shots[problem.seen])) if problem.seen.any() else 1.0
+    reach = float(np.sqrt((J**2).sum() / max(1, J.shape[0] * J.shape[1])))
+    u, s, _ = np.linalg.svd(J, full_matrices=False)
+    projected = np.einsum("nij,ni->nj", u, d)
+    rest = (d**2).sum(axis=1) - (projected**2).sum(axis=1)
+    free = np.repeat(problem.seen, 3, axis=1)[kept].sum(axis=1) - u.shape[2]
+
+    def cost(x: Array) -> float:
+        v_m, v_q = np.exp(x[0]) / shots, np.exp(x[1])
+        v = v_m + v_q * s**2
+        value = share * (np.sum(np.log(v) + projected**2 / v) + np.sum(rest) / v_m + np.sum(free) * np.log(v_m))
+        if shot_dof > 0:
+            value += shot_dof * np.log(np.exp(x[0])) + shot_ss / np.exp(x[0])
+        return float(value)
+
+    start = np.log([0.5 * total**2 * shots, 0.5 * total**2 / max(reach, 1e-9) ** 2])
+    x = minimize(cost, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-6}).x
+    joint = float(np.exp(x[1] / 2)) * ratio
+    if float(np.exp(x[1] / 2)) * reach < 0.03 * total:
+        joint = np.zeros_like(joint)
+    return MeasuredNoise(float(np.exp(x[0] / 2)), joint, float(np.exp(x[1] / 2)) * reach, total, float(dof + shot_dof))
+
+
+def _within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Deviation of each pose's points from its group's mean, and 1 − 1/k of the group (0: alone)."""
+    deviation = np.full_like(points, np.nan)
+    weight = np.zeros(len(group))
+    order = np.argsort(group, kind="stable")
+    for members in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
+        if len(members) > 1:
+            deviation[members] = points[members] - np.nanmean(points[members], axis=0)
+            weight[members] = 1 - 1 / len(members)
+    return deviation, weight
