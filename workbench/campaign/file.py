@@ -38,14 +38,14 @@ class TargetData(_Section):
 class NoiseData(_Section):
     """`[noise]`."""
 
-    sigma_mm: FiniteFloat | None = Field(None, gt=0)
+    sigma_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
     pose: bool = False
 
 
 class LoadData(_Section):
     """`[tool]` or `[payloads.heavy]`."""
 
-    mass_kg: FiniteFloat = Field(ge=0)
+    mass_kg: Annotated[FiniteFloat, Field(ge=0)]
     com_mm: Vector3 = (0.0, 0.0, 0.0)
 
 
@@ -58,7 +58,7 @@ class CampaignFile(_Section):
     poses: TableFile
     points: TableFile
     targets: dict[Name, TargetData] = {}
-    noise: NoiseData = NoiseData(sigma_mm=None)
+    noise: NoiseData = NoiseData()
     tool: LoadData = LoadData(mass_kg=0.0)
     payloads: dict[Name, LoadData] = {}
 

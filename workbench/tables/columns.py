@@ -60,7 +60,7 @@ class Layout(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    separator: str = Field(",", min_length=1, max_length=1, pattern=r"[^\w.+\-\"\r\n]")
+    separator: Annotated[str, Field(pattern=r"^[^\w.+\-\"\r\n]$")] = ","
     decimal: Literal[".", ","] = "."
     header: bool = True
     comment: str = ""
