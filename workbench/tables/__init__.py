@@ -1,7 +1,8 @@
 """Delimited text tables with units in the column names: read with all faults at once, written whole."""
 
-from .columns import UNITS, Column, Layout, suggest
+from .columns import Column, Layout, suggest
 from .read import Table, read_table
+from .units import UNITS
 from .write import number_text, write_table, write_text
 
 __all__ = [

@@ -3,56 +3,15 @@
 from __future__ import annotations
 
 import difflib
-import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from ..faults import Fault
-
-
-@dataclass(frozen=True)
-class Unit:
-    """SI value = factor · value in the file + offset."""
-
-    dimension: str
-    factor: float
-    offset: float = 0.0
-
-
-PLAIN = Unit("", 1.0)
-UNITS = {
-    "mm": Unit("length", 1e-3),
-    "m": Unit("length", 1.0),
-    "um": Unit("length", 1e-6),
-    "cm": Unit("length", 1e-2),
-    "in": Unit("length", 0.0254),
-    "deg": Unit("angle", math.pi / 180.0),
-    "rad": Unit("angle", 1.0),
-    "mrad": Unit("angle", 1e-3),
-    "N": Unit("force", 1.0),
-    "kN": Unit("force", 1e3),
-    "Nm": Unit("torque", 1.0),
-    "kNm": Unit("torque", 1e3),
-    "s": Unit("time", 1.0),
-    "ms": Unit("time", 1e-3),
-    "min": Unit("time", 60.0),
-    "h": Unit("time", 3600.0),
-    "degC": Unit("temperature", 1.0),
-    "K": Unit("temperature", 1.0, -273.15),
-}
-# What messages propose; the other units are understood as well.
-USUAL = {
-    "length": ("mm", "m"),
-    "angle": ("deg", "rad"),
-    "force": ("N",),
-    "torque": ("Nm",),
-    "time": ("s",),
-    "temperature": ("degC",),
-}
+from .units import PLAIN, UNITS, USUAL, Unit
 
 
 class Layout(BaseModel):
@@ -103,12 +62,13 @@ class Column:
 
 @dataclass(frozen=True)
 class Found:
-    """A wanted column, found: its position in the file, what messages call it, and its unit."""
+    """A wanted column, found: where in the file, our name for it, its unit, and what messages call it."""
 
     column: Column
     index: int
-    label: str
+    name: str
     unit: Unit
+    label: str
 
 
 @dataclass
@@ -170,7 +130,7 @@ def _by_mapping(
         if column.name in result.found:
             result.faults.append(Fault(key, f"{column.name} is mapped twice", "keep one of them"))
         elif isinstance(where, int) and where <= width:
-            result.found[column.name] = Found(column, where - 1, f"{name} (column {where})", unit)
+            result.found[column.name] = Found(column, where - 1, name, unit, f"{name} (column {where})")
         elif isinstance(where, int):
             result.missing = True
             result.faults.append(Fault(key, f"no column {where}", f"the file has {width} columns"))
@@ -184,7 +144,7 @@ def _by_mapping(
             result.faults.append(Fault(key, f"no column {where!r} in the header", mend))
         else:
             index = list(header).index(where)
-            result.found[column.name] = Found(column, index, f"{name} ({where!r})", unit)
+            result.found[column.name] = Found(column, index, name, unit, f"{name} ({where!r})")
 
 
 def _by_header(result: Finding, header: Sequence[str], layout: Layout, names: _Names, file: str) -> None:
@@ -206,7 +166,7 @@ def _by_header(result: Finding, header: Sequence[str], layout: Layout, names: _N
                 other = result.found[column.name].label
                 result.faults.append(Fault(file, f"both {other} and {name}", "keep one of them"))
             else:
-                result.found[column.name] = Found(column, index, name, unit)
+                result.found[column.name] = Found(column, index, name, unit, name)
         elif name:
             result.unused.append(name)
     if not layout.columns:
@@ -220,9 +180,9 @@ def _misspelt(name: str, result: Finding, names: _Names, file: str) -> Fault | N
     stem, _, suffix = name.rpartition("_")
     if name in base and base[name].dimensions:
         return Fault(file, f"column {name!r} does not say its unit", f"name it {base[name].usual}")
-    if stem in base:
+    known = UNITS.get(suffix)
+    if stem in base and base[stem].dimensions and (known or len(suffix) < 3 or suggest(suffix, UNITS)):
         column = base[stem]
-        known = UNITS.get(suffix)
         why = f"{column.subject}, which {suffix!r} does not fit" if known and column.subject else ""
         what = f"column {name!r}: {why or f'{suffix!r} is not a unit of it'}"
         return Fault(file, what, f"name it {column.usual}")
@@ -252,17 +212,14 @@ def _override_units(result: Finding, layout: Layout, names: _Names, place: str) 
         column, _ = names.get(name, (None, None))
         unit = UNITS.get(text)
         if column is None or column.name not in result.found:
-            present = [
-                item for item, (col, _) in names.items() if col.name in result.found and col.dimensions
-            ]
+            present = [found.name for found in result.found.values() if found.column.dimensions]
             mend = suggest(name, present) or "name a column as it is named in `columns` or in the header"
             result.faults.append(Fault(key, "no such column", mend))
         elif unit is None or unit.dimension not in column.dimensions:
             known = [item for item, one in UNITS.items() if one.dimension in column.dimensions]
             result.faults.append(Fault(key, f"{text!r} is not a unit of {name}", f"one of {_list(known)}"))
         else:
-            found = result.found[column.name]
-            result.found[column.name] = Found(column, found.index, found.label, unit)
+            result.found[column.name] = replace(result.found[column.name], unit=unit)
 
 
 def _list(names: Iterable[str]) -> str:

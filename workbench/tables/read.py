@@ -76,27 +76,26 @@ def read_table(path: Path, layout: Layout, wanted: Sequence[Column], place: str 
         return table
     numbered = content(text, layout)
     rows, lines, table.faults = split(numbered, layout.separator, str(path))
-    if not rows:
+    if not rows or lines[0] != numbered[0][0]:
         needs = "a header and a line per row" if layout.header else "a line per row"
         table.faults = table.faults or [Fault(str(path), "is empty", f"it needs {needs}")]
         return table
+    start = 1 if layout.header else 0
+    width = _width(rows, layout)
     first = f"{path} line {lines[0]}"
 
-    def find(row: list[str]) -> Finding:
-        header = _without_empty_end(row) if layout.header else None
-        width = len(row) if header is None else len(header)
-        return find_columns(
-            header, width, layout, wanted, first if layout.header else str(path), place or str(path)
-        )
+    def find(cells: list[str]) -> Finding:
+        """What the first line, split into these cells, says of the columns."""
+        if not layout.header:
+            return find_columns(None, len(cells), layout, wanted, str(path), place or str(path))
+        return find_columns(cells, max(width, len(cells)), layout, wanted, first, place or str(path))
 
-    width = len(_without_empty_end(rows[0])) if layout.header else usual_width(rows)
-    finding = find(rows[0] if layout.header else max(rows, key=lambda row: len(row) == width))
+    finding = find(rows[0][:width] if layout.header else [""] * width)
     if (fault := wrong_layout(numbered, layout, finding, find, first)) is not None:
         table.faults.append(fault)
         return table
     table.faults += finding.faults
     table.unused = [] if layout.columns else finding.unused
-    start = 1 if layout.header else 0
     if len(rows) == start:
         table.faults.append(Fault(str(path), "has a header but no rows", "it needs a line per row"))
         return table
@@ -107,9 +106,12 @@ def read_table(path: Path, layout: Layout, wanted: Sequence[Column], place: str 
     return table
 
 
-def _without_empty_end(row: list[str]) -> list[str]:
-    end = max((index + 1 for index, cell in enumerate(row) if cell), default=0)
-    return row[:end]
+def _width(rows: list[list[str]], layout: Layout) -> int:
+    """How many columns there are: as the header says, or most rows where its names do not count."""
+    by_number = bool(layout.columns) and all(isinstance(where, int) for where in layout.columns.values())
+    if len(rows) > 1 and (by_number or not layout.header):
+        return usual_width(rows[1:])
+    return max((index + 1 for index, cell in enumerate(rows[0]) if cell or not layout.header), default=0)
 
 
 def _rectangular(table: Table, rows: list[list[str]], lines: list[int], width: int) -> list[list[str]]:
@@ -175,6 +177,7 @@ def _tell(found: Found, cell: str, layout: Layout) -> tuple[str, str]:
     other = "," if layout.decimal == "." else "."
     if re.fullmatch(rf"[+-]?\d*\{other}\d+([eE][+-]?\d+)?", cell):
         return f"{found.label} is {cell!r}, not a number", f'say decimal = "{other}"'
-    if cell.lower().strip("+-") in ("nan", "inf", "infinity"):
-        return f"{found.label} is {cell!r}, not a finite number", mend
-    return f"{found.label} is {cell!r}, not a number", mend
+    kind = (
+        "a finite number" if np.isinf(_number(cell, layout.decimal)) or cell.lower() == "nan" else "a number"
+    )
+    return f"{found.label} is {cell!r}, not {kind}", mend
