@@ -1,0 +1,42 @@
+"""The report of a diagnosis: page, PDF, scene and numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from ..diagnose.result import Array, Diagnosis
+from ..robot import Robot
+from .atomic import put
+
+
+def write_all(
+    diagnosis: Diagnosis,
+    robot: Robot,
+    folder: str | Path,
+    q: Array | None = None,
+    ghost_q: Array | None = None,
+    ghost_label: str = "",
+) -> tuple[Path, ...]:
+    """Write `result.json`, `index.html`, `report.pdf` and `scene.html`; their paths.
+
+    Everything is made before anything is written, so a failure leaves the folder as it was.
+    `q`, `ghost_q`, `ghost_label`: poses of the scene, see `scene.scene`.
+    """
+    from ..scene import scene
+    from .content import gather
+    from .page import page
+    from .pdf import pdf
+
+    material = gather(diagnosis)
+    made = {
+        "result.json": (json.dumps(diagnosis.to_json(), indent=2, ensure_ascii=False) + "\n").encode(),
+        "index.html": page(material).encode(),
+        "report.pdf": pdf(material),
+        "scene.html": scene(diagnosis, robot, q, ghost_q, ghost_label).encode(),
+    }
+    place = Path(folder)
+    place.mkdir(parents=True, exist_ok=True)
+    for name, data in made.items():
+        put(place / name, data)
+    return tuple(place / name for name in made)

@@ -1,0 +1,278 @@
+"""The report: every diagnosis renders, the numbers are in it, nothing comes from outside or breaks."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import diagnosis_example as example
+import numpy as np
+import pytest
+
+from workbench import figures
+from workbench.diagnose.result import Diagnosis, Finding, Parameter
+from workbench.report import write_all
+from workbench.report.content import content, gather
+from workbench.report.numbers import mm, p_value, quantity, significant, size
+from workbench.report.page import page
+from workbench.report.pdf import pdf
+from workbench.robot import Robot, load_robot
+from workbench.scene import scene
+
+VARIANTS = [example.diagnosis, example.nothing_missing, example.unknown, example.bare]
+NASTY = "a & b <i> # $x$ _y_ *z* \\n @ref `c` \" ' // [k] {m} ~ = - + 1. é"
+FILES = ("result.json", "index.html", "report.pdf", "scene.html")
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return load_robot("kr500")
+
+
+class Checker(HTMLParser):
+    """Tags must close in order; ids must be unique."""
+
+    VOID = ("meta", "br", "hr", "img", "input", "link")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.text: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.ids += [value for name, value in attrs if name == "id" and value]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text.append(data)
+
+
+def parse(html: str) -> Checker:
+    checker = Checker()
+    checker.feed(html)
+    checker.close()
+    assert checker.open == []
+    assert len(checker.ids) == len(set(checker.ids))
+    return checker
+
+
+def nasty() -> Diagnosis:
+    """A diagnosis whose every text holds characters that mean something to HTML or Typst."""
+    full = example.diagnosis(20, 2)
+    finding = full.causes[0]
+    assert finding.evidence is not None
+    return replace(
+        full,
+        robot_title=NASTY,
+        campaign=NASTY,
+        headline=NASTY,
+        causes=tuple(
+            replace(
+                finding,
+                title=NASTY,
+                sentence=NASTY,
+                structure=NASTY,
+                separate_by=NASTY,
+                equation=NASTY,
+                where=replace(finding.where, joint=NASTY),
+                rivals=((NASTY, finding.where),),
+                parameters=(Parameter(NASTY, 1.0, 0.1, NASTY, NASTY),),
+                evidence=replace(finding.evidence, x_name=NASTY, y_name=NASTY),
+            )
+            for finding in full.causes[:1]
+        ),
+        not_testable=tuple(replace(item, cause=NASTY, why=NASTY) for item in full.not_testable),
+        faults=tuple(replace(fault, kind=NASTY, pose_id=NASTY, what=NASTY) for fault in full.faults),
+        stages=tuple(replace(stage, note=NASTY) for stage in full.stages),
+        notes=(NASTY,),
+        unidentifiable=(NASTY,),
+        facts={NASTY: NASTY},
+        inputs={NASTY: NASTY},
+        version=NASTY,
+    )
+
+
+@pytest.mark.parametrize("make", VARIANTS)
+def test_everything_is_written(make: Callable[[], Diagnosis], robot: Robot, tmp_path: Path) -> None:
+    diagnosis = make()
+    written = write_all(diagnosis, robot, tmp_path / "out")
+    assert [path.name for path in written] == list(FILES)
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(FILES)
+    assert json.loads(written[0].read_text(encoding="utf-8"))["verdict"] == diagnosis.verdict
+    assert written[2].read_bytes().startswith(b"%PDF")
+    assert written[3].stat().st_size < 5e6
+
+
+@pytest.mark.parametrize("make", VARIANTS)
+def test_page_stands_alone(make: Callable[[], Diagnosis]) -> None:
+    html = page(gather(make()))
+    parse(html)
+    without_namespaces = re.sub(r'xmlns(:\w+)?="[^"]*"', "", html)
+    assert "http" not in without_namespaces
+    assert not re.findall(
+        r"""(?:src|href)=["'](?!#|scene\.html|report\.pdf|result\.json|model\.toml)""", html
+    )
+    assert html.count("<svg") == html.count('role="img"')
+    assert html.count("<th") > html.count("<thead>")
+
+
+def test_page_says_the_numbers() -> None:
+    diagnosis = example.diagnosis()
+    text = " ".join("".join(parse(page(gather(diagnosis))).text).split())
+    last = diagnosis.stages[-1]
+    assert diagnosis.headline in text
+    for number in (last.heldout_mean_mm, last.heldout_rms_mm, last.heldout_max_mm):
+        assert mm(number) in text
+    for said in ("210 µrad (43.3 arcsec)", "204 … 216 µrad", "−11.8 %", "p < 10⁻¹²", "0.042 mm", "joint_5 ",
+                 "Fits as well: joint compliance joint_2; link bending link_2", "pose 117, T2",
+                 "no column t_s in poses.csv", "2.47 to 0.071 mm", "joint_2 6.0 µrad"):  # fmt: skip
+        assert said in text, said
+    for name, digest in diagnosis.inputs.items():
+        assert name in text
+        assert digest in text
+
+
+def test_nasty_texts_are_only_texts(robot: Robot) -> None:
+    material = gather(nasty())
+    assert material.equations == {}
+    checker = parse(page(material))
+    assert "".join(checker.text).count(NASTY) > 15
+    assert pdf(material).startswith(b"%PDF")
+    assert NASTY.replace("<", "\\u003c").split("\\n")[0][:9] in scene(nasty(), robot)
+
+
+def test_page_and_pdf_come_out_the_same_twice() -> None:
+    first, second = gather(example.diagnosis()), gather(example.diagnosis())
+    assert page(first) == page(second)
+    assert pdf(first) == pdf(second)
+
+
+def test_failure_leaves_the_folder_as_it_was(
+    robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_all(example.bare(), robot, tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def broken(*_: object) -> bytes:
+        raise RuntimeError("no PDF today")
+
+    monkeypatch.setattr("workbench.report.pdf.pdf", broken)
+    with pytest.raises(RuntimeError, match="no PDF today"):
+        write_all(example.diagnosis(20), robot, tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_file_that_cannot_be_moved_leaves_no_rest(robot: Robot, tmp_path: Path) -> None:
+    (tmp_path / "index.html").mkdir()
+    with pytest.raises(OSError, match=r"index\.html"):
+        write_all(example.bare(), robot, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["index.html", "result.json"]
+
+
+def test_scene_carries_robot_points_and_both_poses(robot: Robot) -> None:
+    diagnosis = example.diagnosis()
+    assert diagnosis.q is not None
+    alone = scene(diagnosis, robot)
+    both = scene(diagnosis, robot, diagnosis.q[0], diagnosis.q[0] + 0.02, "under load, × 100")
+    assert "under load, \\u00d7 100" in both
+    assert len(both) > len(alone)
+    data = json.loads(re.search(r"const data = (\{.*\});", alone)[1])  # type: ignore[index]
+    assert [stage["name"] for stage in data["stages"]] == [
+        "Nominal model", "Geometry calibrated", "Causes in the model",
+    ]  # fmt: skip
+    assert len(data["pose"]) == diagnosis.n_points
+    assert data["ghost"] == ""
+
+
+def test_report_of_a_large_campaign_is_quick(robot: Robot, tmp_path: Path) -> None:
+    diagnosis = example.diagnosis(400, 1)
+    start = time.perf_counter()
+    write_all(diagnosis, robot, tmp_path)
+    assert time.perf_counter() - start < 10
+
+
+def test_same_stage_names_as_the_result() -> None:
+    names = figures.stage_names(example.diagnosis())
+    assert names == [
+        "nominal",
+        "geometry",
+        "+ gear kinematic error (joint_4)",
+        "+ gravity compensator",
+        "+ backlash (joint_5)",
+    ]
+
+
+def test_summary_of_noise_from_the_residual_judges_nothing() -> None:
+    said = content(example.bare())
+    assert "cannot be judged" in said["remainder"]
+    assert said["stages"][-1]["numbers"][2] == "–"
+
+
+def test_unknown_cause_shows_its_structure() -> None:
+    said = content(example.unknown())
+    left: dict[str, str] = said["causes"][-1]
+    assert left["structure"] == "Depends on joint_3."
+    assert left["gain"] == ""
+    assert "More is left than the noise explains" in said["remainder"]
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "interval"),
+    [
+        (Parameter("amplitude", 2.1e-4, 3e-6, "rad"), "210 µrad", "204 … 216 µrad"),
+        (Parameter("phase", -0.72, 0.014, "rad"), "−41.3°", "−42.8 … −39.7°"),
+        (Parameter("relative", -0.118, 0.006, "1"), "−11.8 %", "−13.0 … −10.6 %"),
+        (Parameter("compliance", 3.2e-9, 2e-10, "rad/(N·m)"), "3.2 nrad/(N·m)", "2.8 … 3.6 nrad/(N·m)"),
+        (Parameter("com_x", 0.152, 0.001, "m"), "152.0 mm", "150.0 … 154.0 mm"),
+        (Parameter("mass", 252.1, 1.1, "kg"), "252.1 kg", "249.9 … 254.3 kg"),
+        (Parameter("coefficient", 1.15e-5, 1e-7, "1/K"), "11.50 µm/(m·K)", "11.30 … 11.70 µm/(m·K)"),
+        (Parameter("half_width", 0.0, float("nan"), "rad"), "0 µrad", ""),
+    ],
+)
+def test_numbers_of_parameters(parameter: Parameter, value: str, interval: str) -> None:
+    shown = quantity(parameter)
+    assert (str(shown), shown.interval) == (value, interval)
+
+
+def test_numbers_are_written_for_people() -> None:
+    assert [mm(x) for x in (2.934, 0.0621, 0.00034, 123.4, float("nan"))] == [
+        "2.93",
+        "0.062",
+        "0.0003",
+        "123.4",
+        "–",
+    ]
+    assert [p_value(x) for x in (0.0, 3e-7, 0.0042, 0.26)] == [
+        "p < 10⁻¹²",
+        "p ≈ 10⁻⁷",
+        "p = 0.004",
+        "p = 0.26",
+    ]
+    assert size(6e-6, "rad") == "6.0 µrad"
+    assert significant(3.1e-10) == "3.10·10⁻¹⁰"
+
+
+def test_figures_of_odd_data_are_drawn() -> None:
+    full = example.diagnosis(3, 1)
+    assert full.errors is not None
+    flat = replace(
+        full.errors, error_geometry=full.errors.error_geometry * 0, error_final=full.errors.error_final * 0
+    )
+    assert gather(replace(full, errors=flat)).figures
+    one = np.array([0.1])
+    seen = full.causes[0].evidence
+    assert seen is not None
+    single = replace(seen, x=one, before=one, after=one * 0, curve_x=one[:0], curve_y=one[:0])
+    finding: Finding = replace(full.causes[0], evidence=single)
+    assert figures.evidence(finding, 0) is not None

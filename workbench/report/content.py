@@ -1,0 +1,243 @@
+"""What a report says, in words and ready numbers: the page and the PDF both set this text.
+
+Everything here is a string, a list or a dict, so that the PDF can take it as JSON, and nobody
+downstream formats a number again.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from .. import figures
+from ..diagnose.result import Diagnosis, FaultFound, Finding, Parameter, Where
+from .drawing import Figure
+from .equation import typeset
+from .numbers import MISSING, decimals, mm, p_value, quantity, size, words
+
+Content = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Material:
+    """What page and PDF are set from: text with ready numbers, figures by name, equations as SVG."""
+
+    said: Content
+    figures: Mapping[str, Figure]
+    equations: Mapping[str, str]
+
+
+VERDICTS = {
+    "nothing_missing": "Nothing is missing",
+    "named": "Cause found",
+    "ambiguous": "Rivals remain",
+    "unknown": "Unexplained structure",
+}
+COUNT = ("no", "the", "the two", "the three", "the four", "the five", "the six", "the seven", "the eight")
+SUPPORT = "95 % intervals (1.96 standard deviations, normal)"
+SOURCES = {
+    "stated": "stated in the campaign",
+    "repeats": "from repeated poses",
+    "residual": "from the residual",
+}
+
+
+def content(diagnosis: Diagnosis) -> Content:
+    """All text and numbers of the report, in its order."""
+    return {
+        "robot": diagnosis.robot_title or diagnosis.robot,
+        "campaign": diagnosis.campaign,
+        "verdict": {"kind": diagnosis.verdict, "label": _verdict(diagnosis), "headline": diagnosis.headline},
+        "summary": _summary(diagnosis),
+        "tiles": _tiles(diagnosis),
+        "test": _test(diagnosis),
+        "stages": _stages(diagnosis),
+        "remainder": _remainder(diagnosis),
+        "causes": [_cause(finding, number) for number, finding in enumerate(diagnosis.causes)],
+        "not_testable": _not_testable(diagnosis),
+        "detectable": _detectable(diagnosis),
+        "faults": [_fault(fault) for fault in diagnosis.faults],
+        "unidentifiable": list(diagnosis.unidentifiable),
+        "geometry": [_geometry(parameter) for parameter in diagnosis.geometry],
+        "facts": [[name, value] for name, value in _facts(diagnosis)],
+        "notes": list(diagnosis.notes),
+        "support": SUPPORT,
+        "version": diagnosis.version,
+        "inputs": [[name, digest] for name, digest in diagnosis.inputs.items()],
+    }
+
+
+def gather(diagnosis: Diagnosis) -> Material:
+    """Everything that the report shows, drawn once."""
+    drawn = [figures.stages(diagnosis), figures.histogram(diagnosis), figures.campaign(diagnosis)]
+    drawn += [figures.evidence(finding, number) for number, finding in enumerate(diagnosis.causes)]
+    return Material(
+        content(diagnosis),
+        {figure.name: figure for figure in drawn if figure is not None},
+        typeset([finding.equation for finding in diagnosis.causes]),
+    )
+
+
+def place(where: Where) -> str:
+    """Where a cause sits, in words: `joint_6 with joint_5`, `joint_4, 200 cycles per turn`."""
+    parts = [where.joint or where.link or where.payload or ""]
+    if where.other:
+        parts.append(f"with {where.other}")
+    if where.order is not None:
+        parts.append(f"at {where.order:.6g} cycles per turn")
+    return " ".join(part for part in parts if part)
+
+
+def _verdict(diagnosis: Diagnosis) -> str:
+    if diagnosis.verdict == "named" and len(diagnosis.causes) > 1:
+        return "Causes found"
+    return VERDICTS[diagnosis.verdict]
+
+
+def _summary(diagnosis: Diagnosis) -> str:
+    """The verdict's paragraph: what the model misses, what each step brings, what is left."""
+    first, last = diagnosis.stages[0], diagnosis.stages[-1]
+    known = [finding for finding in diagnosis.causes if finding.cause != "unknown"]
+    said = [f"As it is, the model misses the measured points by {mm(first.heldout_mean_mm)} mm on average."]
+    if len(diagnosis.stages) > 1:
+        said.append(f"Calibrating its geometry brings that to {mm(diagnosis.stages[1].heldout_mean_mm)} mm.")
+    if known and len(diagnosis.stages) > 2:
+        which = "cause" if len(known) == 1 else "causes"
+        number = COUNT[len(known)] if len(known) < len(COUNT) else f"the {len(known)}"
+        said.append(f"With {number} {which} below in it, {mm(last.heldout_mean_mm)} mm are left.")
+    said.append(f"The noise of the measurement alone would make {mm(1.596 * diagnosis.noise.sigma_mm)} mm.")
+    return " ".join(said)
+
+
+def _remainder(diagnosis: Diagnosis) -> str:
+    """Whether what is left looks like noise."""
+    chi2, dof, p = diagnosis.remainder_chi2, diagnosis.remainder_dof, diagnosis.remainder_p
+    if diagnosis.noise.source == "residual":
+        return (
+            "The noise was taken from the residual itself, so whether something is left in it "
+            "cannot be judged; state the instrument's noise or repeat some poses."
+        )
+    if not (math.isfinite(chi2) and math.isfinite(dof) and dof > 0):
+        return "What is left was not tested."
+    figure = f"χ² = {decimals(chi2, 0)} at {decimals(dof, 0)} degrees of freedom, {p_value(p)}"
+    if p < 0.001:
+        return f"More is left than the noise explains ({figure})."
+    return f"What is left cannot be told from noise ({figure})."
+
+
+def _tiles(diagnosis: Diagnosis) -> list[dict[str, str]]:
+    """The big figures: nominal model, calibrated geometry, all causes; held-out."""
+    first, last = diagnosis.stages[0], diagnosis.stages[-1]
+    middle = diagnosis.stages[1] if len(diagnosis.stages) > 2 else None
+    tiles = []
+    for label, key in (("Mean error", "mean"), ("RMS error", "rms"), ("Largest error", "max")):
+        values = [getattr(stage, f"heldout_{key}_mm") for stage in (first, last)]
+        between = f"{mm(getattr(middle, f'heldout_{key}_mm'))} mm with geometry alone" if middle else ""
+        tiles.append({"label": label, "before": mm(values[0]), "after": mm(values[1]), "note": between})
+    return tiles
+
+
+def _test(diagnosis: Diagnosis) -> str:
+    test = diagnosis.test
+    if test is None:
+        return ""
+    return (
+        f"On the test campaign “{test.campaign}” ({test.n_points} points, nothing fitted on it) the mean "
+        f"error falls from {mm(test.before_mean_mm)} to {mm(test.after_mean_mm)} mm, the largest from "
+        f"{mm(test.before_max_mm)} to {mm(test.after_max_mm)} mm; RMS {mm(test.after_rms_mm)} mm."
+    )
+
+
+def _stages(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    names = figures.stage_names(diagnosis)
+    return [
+        {
+            "name": name,
+            "full": stage.name,
+            "parameters": str(stage.parameters),
+            "numbers": [mm(stage.heldout_mean_mm), mm(stage.heldout_rms_mm), mm(stage.heldout_max_mm),
+                        mm(stage.fit_rms_mm)],
+            "note": stage.note,
+        }
+        for name, stage in zip(names, diagnosis.stages, strict=True)
+    ]  # fmt: skip
+
+
+def _cause(finding: Finding, number: int) -> Content:
+    unknown = finding.cause == "unknown"
+    return {
+        "title": finding.title or words(finding.cause),
+        "id": finding.cause,
+        "where": place(finding.where),
+        "status": "unexplained" if unknown else finding.status,
+        "status_label": "Not in the catalogue" if unknown else finding.status.capitalize(),
+        "sentence": finding.sentence,
+        "structure": _sentence(finding.structure or ""),
+        "equation": finding.equation,
+        "gain": "" if unknown else f"{mm(finding.gain_mm)} mm",
+        "p": p_value(finding.p_value),
+        "parameters": [_parameter(parameter) for parameter in finding.parameters],
+        "rivals": [f"{words(cause)} {place(where)}".strip() for cause, where in finding.rivals],
+        "separate_by": finding.separate_by or "",
+        "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",
+    }
+
+
+def _sentence(text: str) -> str:
+    """With a capital and a full stop."""
+    return text and text[:1].upper() + text[1:] + ("" if text[-1] in ".!?" else ".")
+
+
+def _parameter(parameter: Parameter) -> dict[str, str]:
+    shown = quantity(parameter)
+    return {
+        "name": words(parameter.name),
+        "value": f"{shown} ({shown.also})" if shown.also else str(shown),
+        "interval": shown.interval or MISSING,
+        "meaning": parameter.meaning,
+    }
+
+
+def _geometry(parameter: Parameter) -> list[str]:
+    shown = quantity(parameter)
+    *joint, name = parameter.name.removeprefix("geometry/").split("/")
+    return [" ".join(joint), name, str(shown), shown.interval or MISSING]
+
+
+def _not_testable(diagnosis: Diagnosis) -> list[list[str]]:
+    """One row per cause and reason; the places that share them stand together."""
+    places: dict[tuple[str, str], list[str]] = {}
+    for item in diagnosis.not_testable:
+        places.setdefault((words(item.cause), item.why), []).append(place(item.where))
+    return [[cause, ", ".join(filter(None, where)), why] for (cause, why), where in places.items()]
+
+
+def _detectable(diagnosis: Diagnosis) -> list[list[str]]:
+    """One row per cause: the smallest size at each place."""
+    rows: dict[str, list[str]] = {}
+    for item in diagnosis.detectable:
+        number = size(item.size, item.unit, "relative" if item.cause == "gear_ratio" else "")
+        rows.setdefault(words(item.cause), []).append(f"{place(item.where)} {number}".strip())
+    return [[cause, " · ".join(sizes)] for cause, sizes in rows.items()]
+
+
+def _fault(fault: FaultFound) -> list[str]:
+    pose = "" if fault.pose_id is None else f"pose {fault.pose_id}"
+    where = ", ".join(part for part in (pose, fault.target) if part)
+    return [words(fault.kind), where, fault.what, fault.done]
+
+
+def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """The dataset in figures; what the diagnosis says itself comes after the counts."""
+    noise = diagnosis.noise
+    facts = [
+        ("Robot", f"{diagnosis.robot_title} ({diagnosis.robot})"),
+        ("Campaign", diagnosis.campaign),
+        ("Measured", f"{diagnosis.n_poses} poses, {diagnosis.n_points} points"),
+        ("Noise", f"σ = {mm(noise.sigma_mm)} mm per axis, {SOURCES[noise.source]}. {noise.sentence}".strip()),
+    ]
+    if noise.repeatability_mm is not None:
+        facts.append(("Repeatability", f"{mm(noise.repeatability_mm)} mm per axis, one sigma"))
+    return facts + list(diagnosis.facts.items())

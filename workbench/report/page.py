@@ -1,0 +1,227 @@
+"""The page: one self-contained HTML file, verdict first. It needs no network and no script."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+
+from ..diagnose.result import Diagnosis
+from . import drawing
+from .atomic import put
+from .content import Content, Material, gather
+from .drawing import Figure
+
+VARIABLES = {
+    drawing.INK: "--ink",
+    drawing.MUTED: "--muted",
+    drawing.GRID: "--line",
+    drawing.BEFORE: "--before",
+    drawing.MIDDLE: "--middle",
+    drawing.AFTER: "--after",
+    drawing.MODEL: "--curve",
+    drawing.NOISE: "--noise",
+}
+LINKS = {"report.pdf": "PDF", "scene.html": "3-D scene", "result.json": "Numbers", "model.toml": "Model"}
+TOP = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+"""
+
+
+def write_page(diagnosis: Diagnosis, folder: Path) -> Path:
+    """Write `index.html` into the folder; its path."""
+    path = folder / "index.html"
+    put(path, page(gather(diagnosis)).encode())
+    return path
+
+
+def page(material: Material) -> str:
+    """The whole page as text."""
+    said, shown = material.said, material.figures
+    style = Path(__file__).with_name("page.css").read_text(encoding="utf-8")
+    title = escape(f"{said['robot']}: {said['verdict']['headline']}")
+    body = [_head(said), "<main>", _stages(said, shown), _causes(material), _scene(), _limits(said)]
+    body += [_data(said, shown), "</main>", _foot(said)]
+    head = f"{TOP}<title>{title}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
+    return head + "\n".join(body) + "\n</body>\n</html>\n"
+
+
+def _head(said: Content) -> str:
+    verdict = said["verdict"]
+    links = "".join(f'<a href="{file}">{name}</a>' for file, name in LINKS.items())
+    tiles = "".join(
+        f'<dl class="tile"><dt>{escape(tile["label"])}</dt><dd class="big">'
+        f'<span class="was">{tile["before"]}</span><span class="to"> → </span>'
+        f'<span class="now">{tile["after"]}</span> <small>mm</small></dd>'
+        f'<dd class="quiet">{escape(tile["note"])}</dd></dl>'
+        for tile in said["tiles"]
+    )
+    test = f'<p class="lead">{escape(said["test"])}</p>' if said["test"] else ""
+    return (
+        f'<header><div><div class="origin"><span>{escape(said["robot"])} · {escape(said["campaign"])}</span>'
+        f'<nav aria-label="Files">{links}</nav></div>'
+        f'<span class="chip {verdict["kind"]}">{escape(verdict["label"])}</span>'
+        f'<h1>{escape(verdict["headline"])}</h1><p class="lead">{escape(said["summary"])}</p>'
+        f'<div class="tiles">{tiles}</div>'
+        '<p class="quiet">From the nominal model to the model with everything below in it; 3-D errors on '
+        f"poses that were not fitted.</p>{test}</div></header>"
+    )
+
+
+def _stages(said: Content, shown: Mapping[str, Figure]) -> str:
+    rows = []
+    for number, stage in enumerate(said["stages"]):
+        note = f'<span class="stage-note">{escape(stage["note"])}</span>' if stage["note"] else ""
+        values = (stage["parameters"], *stage["numbers"])
+        numbers = "".join(f'<td class="number">{value}</td>' for value in values)
+        final = ' class="final"' if number == len(said["stages"]) - 1 else ""
+        rows.append(f'<tr{final}><th scope="row">{escape(stage["name"])}{note}</th>{numbers}</tr>')
+    head = ("Parameters", "Mean, mm", "RMS, mm", "Largest, mm", "RMS on fitted poses, mm")
+    columns = "".join(f'<th scope="col" class="number">{name}</th>' for name in head)
+    return (
+        f'<section id="stages"><h2>What each step brings</h2>{_figure(shown.get("stages"))}'
+        '<div class="scroll"><table><caption>3-D errors on held-out poses. Each stage keeps what the stages '
+        f'above it have.</caption><thead><tr><th scope="col">Stage</th>{columns}</tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table></div><p>{escape(said['remainder'])}</p></section>"
+    )
+
+
+def _causes(material: Material) -> str:
+    if not material.said["causes"]:
+        return (
+            '<section id="causes"><h2>Causes</h2><p>None is needed. What could not be tested, and how small '
+            "an effect this campaign would have shown, stands below.</p></section>"
+        )
+    cards = "".join(_card(cause, material) for cause in material.said["causes"])
+    return f'<section id="causes"><h2>Causes</h2>{cards}</section>'
+
+
+def _card(cause: Content, material: Material) -> str:
+    where = f' <span class="where">{escape(cause["where"])}</span>' if cause["where"] else ""
+    gain = f"brings <b>{cause['gain']}</b>, " if cause["gain"] else ""
+    said = [f"<p>{escape(cause[key])}</p>" for key in ("structure", "sentence") if cause[key]]
+    if cause["parameters"]:
+        rows = [[p["name"], p["value"], p["interval"], p["meaning"]] for p in cause["parameters"]]
+        said.append(_table("", ("Size", "Value", "95 % interval", "Meaning"), rows, values=(1, 2)))
+    if cause["equation"]:
+        line = cause["equation"]
+        label = f'<svg role="img" aria-label="{escape(line)}" '
+        drawn = material.equations.get(line, "").replace("<svg ", label, 1)
+        said.append(f'<div class="equation">{drawn or f"<code>{escape(line)}</code>"}</div>')
+    said.append(_rivals(cause))
+    said.append(_figure(material.figures.get(cause["figure"])))
+    return (
+        f'<article class="card"><header><h3>{escape(cause["title"])}{where}</h3>'
+        f'<span class="chip {cause["status"]}">{escape(cause["status_label"])}</span>'
+        f'<span class="gain">{gain}{escape(cause["p"])}</span></header>{"".join(said)}</article>'
+    )
+
+
+def _rivals(cause: Content) -> str:
+    if not cause["rivals"] and not cause["separate_by"]:
+        return ""
+    rivals = "; ".join(escape(rival) for rival in cause["rivals"])
+    first = f"<p><b>Fits as well:</b> {rivals}</p>" if rivals else ""
+    decide = f"<p><b>Would decide:</b> {escape(cause['separate_by'])}</p>" if cause["separate_by"] else ""
+    return f'<div class="rivals">{first}{decide}</div>'
+
+
+def _scene() -> str:
+    return (
+        '<section id="scene"><h2>In space</h2><p class="quiet">Measured points and errors, enlarged and '
+        'coloured by size, before and after. Drag to turn, scroll to zoom; <a href="scene.html">open it '
+        'alone</a>.</p><iframe src="scene.html" loading="lazy" title="3-D scene of the robot, the measured '
+        'points and their errors"></iframe></section>'
+    )
+
+
+def _limits(said: Content) -> str:
+    parts = ['<section id="limits"><h2>What this campaign cannot say</h2>']
+    if said["not_testable"]:
+        parts.append("<h4>Not tested</h4>" + _table("", ("Cause", "Where", "Why"), said["not_testable"]))
+    else:
+        parts.append("<p>Every cause of the catalogue could be tested.</p>")
+    if said["detectable"]:
+        caption = "Smaller effects than these would have stayed unseen (80 % power)."
+        rows = said["detectable"]
+        parts.append("<h4>Smallest size that would show</h4>")
+        parts.append(_table(caption, ("Cause", "Smallest size, by place"), rows))
+    if said["unidentifiable"]:
+        parts.append("<h4>What geometry could not tell apart</h4>")
+        parts.append(_bullets(said["unidentifiable"]))
+    return "".join(parts) + "</section>"
+
+
+def _data(said: Content, shown: Mapping[str, Figure]) -> str:
+    parts = ['<section id="data"><h2>The data</h2>']
+    parts += [_figure(shown.get("histogram")), _figure(shown.get("campaign"))]
+    if said["faults"]:
+        parts.append("<h4>Faults in the data</h4>")
+        parts.append(_table("", ("Fault", "Where", "What", "Done"), said["faults"]))
+    else:
+        parts.append("<p>No faults were found in the data.</p>")
+    if said["notes"]:
+        parts.append("<h4>Notes</h4>" + _bullets(said["notes"]))
+    parts.append("<h4>Dataset</h4>" + _table("", ("", ""), said["facts"], heads=False))
+    if said["geometry"]:
+        head = ("Frame", "Parameter", "Value", "95 % interval")
+        table = _table(said["support"], head, said["geometry"], numbers=(2, 3))
+        title = f"Calibrated geometry, {len(said['geometry'])} parameters"
+        parts.append(f"<details><summary>{title}</summary>{table}</details>")
+    return "".join(parts) + "</section>"
+
+
+def _foot(said: Content) -> str:
+    files = "".join(
+        f'<tr><th scope="row">{escape(name)}</th><td class="hash">{escape(digest)}</td></tr>'
+        for name, digest in said["inputs"]
+    )
+    table = f"<table><caption>Input files, SHA-256</caption><tbody>{files}</tbody></table>" if files else ""
+    made = f"{said['support']}. Robot workbench {said['version']}."
+    return f'<footer><div><div class="scroll">{table}</div><p>{escape(made)}</p></div></footer>'
+
+
+def _bullets(lines: Sequence[str]) -> str:
+    return "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in lines) + "</ul>"
+
+
+def _table(
+    caption: str,
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    numbers: Sequence[int] = (),
+    values: Sequence[int] = (),
+    heads: bool = True,
+) -> str:
+    """A table with its first column as row headers; columns left empty throughout are dropped."""
+    used = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
+    kinds = {**dict.fromkeys(numbers, ' class="number"'), **dict.fromkeys(values, ' class="value"')}
+    top = "".join(f'<th scope="col"{kinds.get(i, "")}>{escape(head[i])}</th>' for i in used)
+    body = ""
+    for row in rows:
+        cells = "".join(f"<td{kinds.get(i, '')}>{escape(row[i])}</td>" for i in used[1:])
+        body += f'<tr><th scope="row">{escape(row[0])}</th>{cells}</tr>'
+    said = f"<caption>{escape(caption)}</caption>" if caption else ""
+    thead = f"<thead><tr>{top}</tr></thead>" if heads else ""
+    return f'<div class="scroll"><table>{said}{thead}<tbody>{body}</tbody></table></div>'
+
+
+def _figure(figure: Figure | None) -> str:
+    """The SVG in line, in the page's colours, its ids made its own."""
+    if figure is None:
+        return ""
+    svg = figure.svg[figure.svg.index("<svg") :]
+    svg = re.sub(r"<defs>\s*<style.*?</style>\s*</defs>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r' id="[^"#]*_\d+"', "", svg)
+    svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>{figure.name}-", svg)
+    svg = re.sub(r' (width|height)="[\d.]+pt"', "", svg, count=2)
+    for colour, variable in VARIABLES.items():
+        svg = svg.replace(colour, f"var({variable})")
+    label = f'<svg role="img" aria-label="{escape(figure.alt)}" '
+    svg = svg.replace("<svg ", label, 1)
+    caption = f"<figcaption>{escape(figure.title)}</figcaption>"
+    return f'<figure>{caption}<div class="scroll" tabindex="0">{svg}</div></figure>'
