@@ -1,0 +1,77 @@
+"""Rotations in the controllers' own numbers, exact also at gimbal lock.
+
+Rz(a) Ry(b) Rx(c): KUKA A B C, Fanuc R P W (the same turns, fixed axes x y z read backwards).
+Rx(a) Ry(b) Rz(c): Stäubli rx ry rz, the other order.
+Quaternions w x y z: ABB. Rotation vectors: Universal Robots.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+
+def zyx_angles(R: Array) -> Array:
+    """(N, 3) a, b, c [rad] with R = Rz(a) Ry(b) Rx(c); |b| ≤ 90°.
+
+    c is found after a is taken out of R, not from R itself: so where a and c are not unique (b = ±90°)
+    they still make the same rotation, however a came out.
+    """
+    a = np.arctan2(R[:, 1, 0], R[:, 0, 0])
+    sin, cos = np.sin(a), np.cos(a)
+    b = np.arctan2(-R[:, 2, 0], cos * R[:, 0, 0] + sin * R[:, 1, 0])
+    c = np.arctan2(sin * R[:, 0, 2] - cos * R[:, 1, 2], cos * R[:, 1, 1] - sin * R[:, 0, 1])
+    return np.stack([a, b, c], axis=1)
+
+
+def from_zyx(angles: Array) -> Array:
+    """(N, 3, 3) Rz(a) Ry(b) Rx(c) from (N, 3) [rad]."""
+    return np.asarray(Rotation.from_euler("ZYX", angles).as_matrix())
+
+
+def xyz_angles(R: Array) -> Array:
+    """(N, 3) a, b, c [rad] with R = Rx(a) Ry(b) Rz(c): the transpose is Rz(−c) Ry(−b) Rx(−a)."""
+    return -zyx_angles(np.swapaxes(R, 1, 2))[:, ::-1]
+
+
+def from_xyz(angles: Array) -> Array:
+    """(N, 3, 3) Rx(a) Ry(b) Rz(c) from (N, 3) [rad]."""
+    return np.asarray(Rotation.from_euler("XYZ", angles).as_matrix())
+
+
+def quaternions(R: Array) -> Array:
+    """(N, 4) unit quaternions w x y z: the first with w ≥ 0, each next on the side of the one before."""
+    quaternion = Rotation.from_matrix(R).as_quat(canonical=True)[:, [3, 0, 1, 2]]
+    turned_over = np.einsum("ni,ni->n", quaternion[1:], quaternion[:-1]) < 0
+    sign = np.cumprod(np.concatenate([[1.0], np.where(turned_over, -1.0, 1.0)]))
+    return np.asarray(quaternion * sign[:, None])
+
+
+def from_quaternions(quaternion: Array) -> Array:
+    """(N, 3, 3) from (N, 4) w x y z of any length but zero."""
+    return np.asarray(Rotation.from_quat(quaternion[:, [1, 2, 3, 0]]).as_matrix())
+
+
+def vectors(R: Array) -> Array:
+    """(N, 3) rotation vectors [rad], axis times angle, length ≤ π."""
+    return np.asarray(Rotation.from_matrix(R).as_rotvec())
+
+
+def from_vectors(vector: Array) -> Array:
+    """(N, 3, 3) from (N, 3) rotation vectors [rad]."""
+    return np.asarray(Rotation.from_rotvec(vector).as_matrix())
+
+
+def angle_between(A: Array, B: Array) -> Array:
+    """(N,) angle [rad] of the rotation from A to B, each (N, 3, 3)."""
+    return np.asarray((Rotation.from_matrix(A).inv() * Rotation.from_matrix(B)).magnitude())
+
+
+def pose(p: Array, R: Array) -> Array:
+    """(N, 4, 4) poses of positions (N, 3) [m] and rotations (N, 3, 3)."""
+    X = np.tile(np.eye(4), (len(p), 1, 1))
+    X[:, :3, :3], X[:, :3, 3] = R, p
+    return X
