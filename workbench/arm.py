@@ -69,6 +69,11 @@ class Arm:
         """(n,) column 6 · slot + component of each joint's own motion."""
         return 6 * np.arange(1, self.n + 1) + np.where(self.prismatic, TZ, RZ)
 
+    @property
+    def span(self) -> Array:
+        """(S, 3) [m] from the parent link's frame to each slot, on the slot's axes (nominal)."""
+        return np.einsum("sji,sj->si", self.R, self.p)
+
     def slot_of_link(self, link: str) -> int:
         """Slot behind which a link moves: 0 base, i link of joint i, n + 1 "flange"."""
         if link == "flange":

@@ -32,6 +32,7 @@ from pydrake.multibody.tree import (
 from pydrake.systems.framework import Context
 
 from .arm import RX, RY, RZ, TZ, Arm, Array
+from .beam import bending_compliance
 from .robot import GEOMETRY, Robot
 from .statics import CompensatorLaw, Law, Loads
 
@@ -115,7 +116,7 @@ def arrays(robot: Robot, twin: Twin | None = None) -> Arm:
         inertia=rotary,
         R_link=R_link,
         gravity=np.array(robot.gravity),
-        compliance=_compliance(robot, prismatic),
+        compliance=_compliance(robot, prismatic, np.einsum("sji,sj->si", R, p)),
     )
 
 
@@ -164,8 +165,9 @@ def _geometry(robot: Robot) -> Array:
     return geometry
 
 
-def _compliance(robot: Robot, prismatic: NDArray[np.bool_]) -> Array:
-    """Compliance of each slot as the TOML states it: axial, and tilt of the bearing."""
+def _compliance(robot: Robot, prismatic: NDArray[np.bool_], span: Array) -> Array:
+    """Compliance of each slot as the TOML states it: axial, tilt of the bearing, bending of the link
+    that ends there."""
     compliance = np.zeros((len(robot.joints) + 2, 6, 6))
     for i, joint in enumerate(robot.joints, start=1):
         axial = TZ if prismatic[i - 1] else RZ
@@ -173,27 +175,10 @@ def _compliance(robot: Robot, prismatic: NDArray[np.bool_]) -> Array:
             compliance[i, axial, axial] = 1 / joint.data.stiffness
         if joint.data.tilt_stiffness is not None:
             compliance[i, RX, RX] = compliance[i, RY, RY] = 1 / joint.data.tilt_stiffness
+    for i, link in enumerate((robot.base, *robot.links), start=1):
+        if link in robot.bending_stiffness:
+            compliance[i] += bending_compliance(span[i]) / robot.bending_stiffness[link]
     return compliance
-
-
-def bending_compliance(length: Array) -> Array:
-    """Compliance (6, 6) for EI = 1 N·m² of a cantilever that ends at a slot.
-
-    `length`: (3,) [m] from the link's root to its end, in the slot's frame. Bernoulli: the end moves
-    by F l³/3EI + M l²/2EI and turns by F l²/2EI + M l/EI, across the link only.
-    """
-    l = float(np.linalg.norm(length))
-    out = np.zeros((6, 6))
-    if l < 1e-6:
-        return out
-    u = length / l
-    across = np.eye(3) - np.outer(u, u)
-    U = np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
-    out[:3, :3] = across * l**3 / 3
-    out[3:, 3:] = across * l
-    out[3:, :3] = U * l**2 / 2  # turn by (u × F) l²/2
-    out[:3, 3:] = out[3:, :3].T
-    return out
 
 
 def compensator_law(robot: Robot, arm: Arm) -> CompensatorLaw | None:
@@ -376,7 +361,9 @@ class _Builder:
         body = None
         for component in order:
             if (slot, component) in self.wanted:
-                frame, body = self._free(slot, component, f"{name}_{'tx ty tz rx ry rz'.split()[component]}", frame)
+                frame, body = self._free(
+                    slot, component, f"{name}_{'tx ty tz rx ry rz'.split()[component]}", frame
+                )
         if joint:
             axial = TZ if sliding else RZ
             motor = plant.AddRigidBody(f"{name}_motor_body", SpatialInertia.Zero())
@@ -388,7 +375,9 @@ class _Builder:
             actuator.set_default_gear_ratio(data.gear_ratio or 1.0)
             frame, body = self._free(slot, axial, f"{name}_spring", motor.body_frame())
             if data.stiffness is not None and not sliding:
-                plant.AddForceElement(RevoluteSpring(plant.GetJointByName(f"{name}_spring"), 0.0, data.stiffness))
+                plant.AddForceElement(
+                    RevoluteSpring(plant.GetJointByName(f"{name}_spring"), 0.0, data.stiffness)
+                )
         end = f"{name}_end"
         inertia = self._inertia(slot)
         link = plant.AddRigidBody(end, inertia)

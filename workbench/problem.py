@@ -6,11 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .arm import Arm, Array, Frames, frames
 from .campaign import Campaign
 from .robot import Robot
-from .statics import CompensatorLaw, Loads
+from .statics import CompensatorLaw, Loads, Wrenches, wrenches
+
+REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
 
 
 @dataclass(frozen=True)
@@ -33,9 +36,9 @@ class Problem:
         return [self.arm.slot_of_link(target.on) for target in self.campaign.targets]
 
     @cached_property
-    def seen(self) -> np.ndarray:
+    def seen(self) -> NDArray[np.bool_]:
         """(N, T) bool: the target was measured in that pose."""
-        return np.isfinite(self.campaign.points).all(axis=2)
+        return np.asarray(np.isfinite(self.campaign.points).all(axis=2))
 
     @cached_property
     def loads(self) -> Loads:
@@ -49,16 +52,40 @@ class Problem:
     def stated_targets(self) -> Array:
         """Stated places of the targets (T, 3) [m] in the frames behind their slots; NaN = unknown."""
         places = [target.xyz or (np.nan,) * 3 for target in self.campaign.targets]
-        return np.array([self.arm.R_link[k] @ place for k, place in zip(self.on, np.array(places), strict=True)])
+        return np.array(
+            [self.arm.R_link[k] @ place for k, place in zip(self.on, np.array(places), strict=True)]
+        )
 
     @cached_property
     def rigid(self) -> Frames:
         """Frames of the rigid arm at the commanded joints."""
         return frames(self.arm, self.q)
 
+    @cached_property
+    def nominal_load(self) -> Wrenches:
+        """Wrenches at the slots of the rigid arm under the stated loads."""
+        return wrenches(self.arm, self.rigid, self.loads)
+
+    @cached_property
+    def warmth(self) -> Array | None:
+        """Temperature (N,) [K] over 20 °C, empty cells at the mean; None without the column."""
+        return filled(self.campaign.temperature, REFERENCE_TEMPERATURE)
+
+    @cached_property
+    def time(self) -> Array | None:
+        """Time (N,) [s], empty cells at the mean; None without the column."""
+        return filled(self.campaign.time, 0.0)
+
     def joint(self, name: str | None) -> int:
         """Number of a joint, from 0."""
         return self.arm.names.index(str(name))
+
+
+def filled(column: Array | None, reference: float) -> Array | None:
+    """A column (N,) from its reference, NaN replaced by the mean; None where all are NaN."""
+    if column is None or not np.isfinite(column).any():
+        return None
+    return np.where(np.isfinite(column), column, np.nanmean(column)) - reference
 
 
 def problem(campaign: Campaign) -> Problem:

@@ -20,6 +20,8 @@ from ..diagnose.result import Parameter, Where
 from ..problem import Problem
 from ..statics import Loads
 
+NOWHERE = Where()  # the whole robot
+
 
 @dataclass(frozen=True)
 class Param:
@@ -39,16 +41,18 @@ class Effect(ABC):
 
     cause: id of the contract. title: for people. equation: typst mathematics. separate: rival cause →
     the measurement that tells it apart (in words). variant: forms of the same cause share cause and
-    place and differ in this; they are never each other's rivals.
+    place and differ in this; they are never each other's rivals. settings: names of the fields that
+    are numbers but not fitted (a time constant, say); they are kept with the values in model.toml.
     """
 
-    where: Where = Where()
+    where: Where = NOWHERE
     variant: str = ""
 
     cause: ClassVar[str]
     title: ClassVar[str]
     equation: ClassVar[str] = ""
     separate: ClassVar[Mapping[str, str]] = {}
+    settings: ClassVar[tuple[str, ...]] = ()
 
     @property
     @abstractmethod
@@ -72,6 +76,10 @@ class Effect(ABC):
             Parameter(p.name, float(v), float(s), p.unit, p.meaning)
             for p, v, s in zip(self.params, values, std, strict=True)
         )
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        """The fitted parameters (p,) from numbers by name: `report` the other way round."""
+        return np.array([numbers.get(p.name, 0.0) for p in self.params])
 
     def sentence(self, values: Array) -> str:
         """What was found, for a busy engineer."""
@@ -169,6 +177,13 @@ def mass_wrench(problem: Problem, where: Frames, slot: int, mass: Array, moment:
     out[..., 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, :, 3:], torque)
     out[:, slot + 1 :] = 0.0
     return out
+
+
+def sin_cos(numbers: Mapping[str, float]) -> Array:
+    """(a, b) of  a sin x + b cos x  from numbers by name: sin and cos, or amplitude and phase."""
+    amplitude, phase = numbers.get("amplitude", 0.0), numbers.get("phase", 0.0)
+    a, b = amplitude * np.cos(phase), amplitude * np.sin(phase)
+    return np.array([numbers.get("sin", a), numbers.get("cos", b)])
 
 
 def amplitude_phase(values: Array, covariance: Array) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,7 +11,7 @@ import numpy as np
 from ..arm import Array
 from ..diagnose.result import Parameter, Where
 from ..problem import Problem
-from .base import Param, TransmissionEffect, amplitude_phase
+from .base import Param, TransmissionEffect, amplitude_phase, sin_cos
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,9 @@ class GearEccentricity(TransmissionEffect):
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         angle = self.cycles * q[:, joints.index(str(self.where.joint))]
         return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        return sin_cos(numbers)
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)

@@ -23,6 +23,7 @@ class JointCompliance(LinearYield):
     """
 
     nominal: float = 0.0
+    sliding: bool = False
 
     cause: ClassVar[str] = "joint_compliance"
     title: ClassVar[str] = "Joint stiffness differs from the model"
@@ -41,13 +42,15 @@ class JointCompliance(LinearYield):
         if self.nominal > 0:
             meaning = "compliance of the joint over the model's, minus one"
             return (Param("relative", "1", 0.3, meaning, lower=-1.0),)
-        return (Param("compliance", "rad/(N·m)", 1e-6, "compliance of the joint", lower=0.0),)
+        unit = "m/N" if self.sliding else "rad/(N·m)"
+        return (Param("compliance", unit, 1e-6, "compliance of the joint", lower=0.0),)
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[JointCompliance]:
-        arm = problem.arm
-        nominal = arm.compliance.reshape(arm.slots * 6, 6)[arm.axial, arm.axial % 6]
-        return [cls(Where(joint=name), nominal=float(c)) for name, c in zip(arm.names, nominal, strict=True)]
+        return [
+            cls(Where(joint=joint.name), "", 1 / (joint.data.stiffness or np.inf), joint.kind == "prismatic")
+            for joint in problem.robot.joints
+        ]
 
     def slot(self, arm: Arm) -> int:
         return arm.names.index(str(self.where.joint)) + 1
@@ -63,4 +66,5 @@ class JointCompliance(LinearYield):
             word = "softer" if values[0] > 0 else "stiffer"
             change = abs(1 / (1 + values[0]) - 1)
             return f"{self.where.joint} is {word} than the model: stiffness off by {change:.1%}."
-        return f"{self.where.joint} yields {values[0] * 1e6:.3g} µrad per N·m; the model has it rigid."
+        unit = "µm per N" if self.sliding else "µrad per N·m"
+        return f"{self.where.joint} yields {values[0] * 1e6:.3g} {unit}; the model has it rigid."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -39,8 +39,16 @@ class Payload(LoadEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         if self.variant == "mass":
-            return (Param("mass", "kg", 0.05 * max(self.mass, 1.0), "added to the stated mass", lower=-self.mass),)
+            return (
+                Param("mass", "kg", 0.05 * max(self.mass, 1.0), "added to the stated mass", lower=-self.mass),
+            )
         return tuple(Param(f"moment_{axis}", "kg·m", 0.03 * max(self.mass, 1.0)) for axis in "xyz")
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        if (problem.campaign.payload > 0).any():
+            return None
+        return "no pose with a payload: name one in the column payload, and state it under [payloads]"
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Payload]:
@@ -71,6 +79,11 @@ class Payload(LoadEffect):
             [mass_wrench(problem, where, flange, mass[:, i], moment[:, :, i]) for i in range(mass.shape[1])],
             axis=-1,
         )
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        if self.variant == "mass":
+            return super().given(numbers)
+        return np.array([numbers.get(f"moment_{a}", self.mass * numbers.get(f"com_{a}", 0.0)) for a in "xyz"])
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         std = np.sqrt(np.diag(covariance))

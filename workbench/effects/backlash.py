@@ -1,0 +1,73 @@
+"""Backlash: the joint rests where it was last pushed from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Array
+from ..diagnose.result import Where
+from ..problem import Problem
+from .base import Param, TransmissionEffect
+
+
+@dataclass(frozen=True)
+class Backlash(TransmissionEffect):
+    """Δq = −h · dir, dir = sign of the joint's last motion (0: not known, no shift).
+
+    The joint lags behind its motor: it stops short of the command on the side that it comes from. h is
+    half of the reversal error, in rad (m for a sliding joint): half the play, and the wind-up τ_c/K of
+    the joint under its own friction. Drake: a map with state, or a shift of the commanded joint.
+    """
+
+    sliding: bool = False
+
+    cause: ClassVar[str] = "backlash"
+    title: ClassVar[str] = "Backlash and friction wind-up"
+    equation: ClassVar[str] = 'Delta q = -h thin sgn(dot(q)_"last")'
+    separate: ClassVar[dict[str, str]] = {
+        "lost_motion": "a pose from both sides under the same load: lost motion does not see the side",
+        "gear_kinematic_error": "repeat poses from the other side of approach",
+        "backlash": "reverse one joint at a time",
+        "drift": "change the side of approach in random order",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        meaning = "the joint stops short of the command by this much"
+        return (Param("half_width", "m" if self.sliding else "rad", 3e-5, meaning, lower=0.0),)
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        n = problem.arm.n
+        if problem.campaign.direction is None:
+            return f"no column dir1..dir{n}: record the side of approach"
+        if not cls.sites(problem):
+            return f"dir1..dir{n} never change sign: approach poses from both sides"
+        return None
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Backlash]:
+        """Joints that were approached from both sides."""
+        direction = problem.campaign.direction
+        if direction is None:
+            return []
+        both = np.ptp(np.sign(direction), axis=0) == 2
+        return [
+            cls(Where(joint=name), sliding=bool(sliding))
+            for name, sliding, seen in zip(problem.arm.names, problem.arm.prismatic, both, strict=True)
+            if seen
+        ]
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        if direction is None:
+            return 0.0 * q[:, :1]
+        j = joints.index(str(self.where.joint))
+        return -direction[:, j : j + 1]
+
+    def sentence(self, values: Array) -> str:
+        unit = "µm" if self.sliding else "µrad"
+        return f"{self.where.joint} stops {values[0] * 1e6:.0f} {unit} short on the side that it comes from."

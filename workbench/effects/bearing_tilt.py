@@ -1,0 +1,60 @@
+"""A joint's bearing tilts under overturning moment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import RX, RY, Arm, Array
+from ..diagnose.result import Where
+from ..problem import Problem
+from .base import LinearYield, Param
+
+
+@dataclass(frozen=True)
+class BearingTilt(LinearYield):
+    """φ = c M for both axes across the joint's own, M the overturning moment [N·m].
+
+    The parameter c [rad/(N·m)] comes on top of the TOML's tilt stiffness. Catalogue no. 13; source 004,
+    TX = d₁/(d₁ + d₂) T_x. Drake: two revolute joints across the axis, with springs.
+    """
+
+    nominal: float = 0.0
+
+    cause: ClassVar[str] = "bearing_tilt"
+    title: ClassVar[str] = "A joint's bearing tilts"
+    equation: ClassVar[str] = "phi_perp = c thin M_perp"
+    separate: ClassVar[dict[str, str]] = {
+        "bearing_tilt": "a target on the link between the two joints",
+        "link_bending": "a target on the link next to the joint",
+        "foundation": "targets on the base casting",
+        "joint_compliance": "a target on the link next to the joint, or a load from the side",
+        "payload": "weigh the payload",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        meaning = "tilt per moment, over the model's" if self.nominal else "tilt per moment"
+        return (Param("compliance", "rad/(N·m)", 2e-8, meaning, lower=-self.nominal),)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[BearingTilt]:
+        return [
+            cls(Where(joint=joint.name), nominal=1 / (joint.data.tilt_stiffness or np.inf))
+            for joint in problem.robot.joints
+        ]
+
+    def slot(self, arm: Arm) -> int:
+        return arm.names.index(str(self.where.joint)) + 1
+
+    def compliance(self, arm: Arm) -> Array:
+        out = np.zeros((6, 6))
+        out[RX, RX] = out[RY, RY] = 1.0
+        return out
+
+    def sentence(self, values: Array) -> str:
+        size = f"{values[0] * 1e9:.2g} µrad per kN·m"
+        return f"The bearing of {self.where.joint} tilts by {size} more than modelled."

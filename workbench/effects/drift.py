@@ -1,0 +1,76 @@
+"""The base (or the instrument) moves with time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Array
+from ..diagnose.result import Parameter
+from ..problem import Problem
+from .base import DirectEffect, Param
+
+RATES = ("rate_x", "rate_y", "rate_z")
+TURNS = ("turn_rate_x", "turn_rate_y", "turn_rate_z")
+
+
+@dataclass(frozen=True)
+class Drift(DirectEffect):
+    """The robot's base moves by v (t − t₀), on its own axes, v in m/s; `variant` "shift+turn" turns
+    it by w (t − t₀) about its origin as well, w in rad/s.
+
+    An instrument that moves the other way looks the same. t₀ is the campaign's first instant `start`.
+    Catalogue no. 15. Drake: motion of the base frame.
+    """
+
+    start: float = 0.0
+
+    cause: ClassVar[str] = "drift"
+    title: ClassVar[str] = "Base or instrument drifts"
+    equation: ClassVar[str] = 'Delta X_"base" = v thin (t - t_0)'
+    settings: ClassVar[tuple[str, ...]] = ("start",)
+    separate: ClassVar[dict[str, str]] = {
+        "thermal_growth": "thermometers on the arm; four fixed targets on the floor every ten minutes",
+        "foundation": "return to some poses at other times",
+        "backlash": "change the side of approach in random order",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        shift = tuple(Param(name, "m/s", 1e-8, "of the base, on its own axes") for name in RATES)
+        if self.variant == "shift":
+            return shift
+        return shift + tuple(Param(name, "rad/s", 1e-8, "of the base, about its origin") for name in TURNS)
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        if problem.time is None:
+            return "no column t_s: record when each pose was measured"
+        return None if cls.sites(problem) else "t_s is the same for all poses"
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Drift]:
+        if problem.time is None or np.ptp(problem.time) == 0:
+            return []
+        start = float(problem.time.min())
+        return [cls(variant=variant, start=start) for variant in ("shift", "shift+turn")]
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        assert problem.time is not None
+        since = (problem.time - self.start)[:, None]
+        return {c: since * unit for c, unit in enumerate(np.eye(len(self.params)))}
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        v = values[:3]
+        rate = float(np.linalg.norm(v))
+        along = v / rate if rate > 0 else np.full(3, 3**-0.5)
+        std = float(np.sqrt(along @ covariance[:3, :3] @ along))
+        return (Parameter("rate", rate, std, "m/s", "speed of the base"), *super().report(values, covariance))
+
+    def sentence(self, values: Array) -> str:
+        shift = np.linalg.norm(values[:3]) * 3600e6
+        turn = f" and turns by {np.linalg.norm(values[3:]) * 3600e6:.0f} µrad/h" if len(values) > 3 else ""
+        return f"The base (or the instrument) drifts by {shift:.0f} µm/h{turn}."

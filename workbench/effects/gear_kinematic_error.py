@@ -1,0 +1,79 @@
+"""Kinematic error of a gear: cycles per motor turn, or of any other order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Array
+from ..diagnose.result import Parameter, Where
+from ..problem import Problem
+from .base import Param, TransmissionEffect, amplitude_phase, sin_cos
+
+
+@dataclass(frozen=True)
+class GearKinematicError(TransmissionEffect):
+    """Δq = a sin(k q) + b cos(k q), k = `where.order` cycles per joint turn, q in rad, a and b in rad.
+
+    A harmonic drive errs 2 times per motor turn (k = 2 × ratio), with weaker parts at 1 and 4 times;
+    motor-side run-out once. Source 003, section on gear errors. `variant` is the number of cycles per
+    motor turn; any other order has none. Drake: a map on the commanded joint.
+    """
+
+    cause: ClassVar[str] = "gear_kinematic_error"
+    title: ClassVar[str] = "Kinematic error of a gear"
+    equation: ClassVar[str] = "Delta q = A sin(k q + phi)"
+    separate: ClassVar[dict[str, str]] = {
+        "gear_kinematic_error": "sweep the joint in steps far below its shortest period",
+        "gear_eccentricity": "sweep the joint in steps far below its shortest period",
+        "backlash": "approach each pose from both sides",
+    }
+
+    @property
+    def order(self) -> float:
+        if self.where.order is None:
+            raise ValueError("gear_kinematic_error needs an order (cycles per joint turn)")
+        return self.where.order
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        return (Param("sin", "rad", 3e-5), Param("cos", "rad", 3e-5))
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        if problem.arm.prismatic.all():
+            return "no turning joint: the order counts cycles per joint turn"
+        return None
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[GearKinematicError]:
+        """Known ratios only; other orders are found by a scan."""
+        return [
+            cls(Where(joint=joint.name, order=cycles * abs(joint.data.gear_ratio)), str(cycles))
+            for joint in problem.robot.joints
+            if joint.kind == "revolute" and joint.data.gear_ratio
+            for cycles in (1, 2, 4)
+        ]
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        angle = self.order * q[:, joints.index(str(self.where.joint))]
+        return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        return sin_cos(numbers)
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        (a, sa), (f, sf) = amplitude_phase(values, covariance)
+        return (
+            Parameter("amplitude", a, sa, "rad", f"of {self.order:g} cycles per joint turn"),
+            Parameter("phase", f, sf, "rad", "at joint zero"),
+        )
+
+    def sentence(self, values: Array) -> str:
+        size = np.hypot(*values) * 1e6
+        turns = {"1": ", once per motor turn", "2": ", twice per motor turn", "4": ", 4 times per motor turn"}
+        cycles = f"{self.order:g} cycles per joint turn{turns.get(self.variant, '')}"
+        return f"The gear of {self.where.joint} errs by {size:.0f} µrad in {cycles}."

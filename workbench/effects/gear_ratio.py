@@ -1,0 +1,49 @@
+"""The reduction ratio differs from the controller's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..arm import Array
+from ..diagnose.result import Where
+from ..problem import Problem
+from .base import Param, TransmissionEffect
+
+
+@dataclass(frozen=True)
+class GearRatio(TransmissionEffect):
+    """Δq = ε q: the joint turns (or slides) by 1 + ε of what the controller believes.
+
+    ε is dimensionless, q counts from the joint's zero. Source 003, eq. (3): q_err = q_in/N − q_out.
+    Drake: a map on the commanded joint.
+    """
+
+    cause: ClassVar[str] = "gear_ratio"
+    title: ClassVar[str] = "Reduction ratio is wrong"
+    equation: ClassVar[str] = "Delta q = epsilon thin q"
+    separate: ClassVar[dict[str, str]] = {
+        "hose_torque": "repeat some poses with the hose pack taken off: on poses alone the two are the same",
+        "gear_eccentricity": "sweep the joint over its whole range, at least one full turn",
+        "wrist_coupling": "sweep this joint with the other wrist joints at rest",
+        "gravity_compensator": "record the motor torque of the joint",
+        "joint_compliance": "the same poses with another payload: a ratio does not change",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        return (Param("relative", "1", 5e-5, "joint travel over the commanded travel, minus one"),)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[GearRatio]:
+        return [cls(Where(joint=name)) for name in problem.arm.names]
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        j = joints.index(str(self.where.joint))
+        return q[:, j : j + 1]
+
+    def sentence(self, values: Array) -> str:
+        word = "further" if values[0] > 0 else "less"
+        size = f"{abs(values[0]) * 1e6:.0f} ppm {word}"
+        return f"{self.where.joint} moves {size} than commanded: its ratio is wrong."

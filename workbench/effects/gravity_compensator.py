@@ -1,0 +1,108 @@
+"""The gravity compensator pulls more or less than the model's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Arm, Array, Frames
+from ..problem import Problem
+from ..statics import Loads
+from .base import LoadEffect, Param
+
+
+@dataclass(frozen=True)
+class GravityCompensator(LoadEffect):
+    """The force F between the pivots changes, by `variant`:
+
+    charge       ΔF = r A p (l/(l − Δs))^n of the gas, or r k (s − s₀) of the spring (its rate)
+    preload      ΔF = constant [N]: a spring's length, or friction that always stands on one side
+    temperature  ΔF = c (T − 20 °C) A p (l/(l − Δs))^n: a sealed gas has c = 1/293 per K
+
+    Source 002, eqs. (2)–(6), in physical form (absolute pressure). Drake: generalised force −F s′ of
+    a system beside the plant; a spring may be a LinearSpringDamper.
+    """
+
+    kind: str = "gas"
+
+    cause: ClassVar[str] = "gravity_compensator"
+    title: ClassVar[str] = "Gravity compensator differs from the model"
+    equation: ClassVar[str] = "Delta tau = -Delta F(s) thin (dif s) / (dif q_2)"
+    separate: ClassVar[dict[str, str]] = {
+        "gear_eccentricity": "record the motor torque of joint 2 (3 % is enough)",
+        "gear_ratio": "record the motor torque of joint 2 (3 % is enough)",
+        "joint_compliance": "record the motor torque of joint 2, or add a load",
+        "link_bending": "record the motor torque of joint 2, or a target in the middle of the link",
+        "link_mass": "read the pressure gauge, or weigh the link",
+        "lost_motion": "a load that reverses the torque of joint 2",
+        "thermal_growth": "read the pressure gauge, cold and warm",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        if self.variant == "preload":
+            return (Param("preload", "N", 1e3, "constant force, over the model's"),)
+        if self.variant == "temperature":
+            return (Param("coefficient", "1/K", 3e-3, "relative change of the pressure per K over 20 °C"),)
+        what = "gas charge (absolute pressure)" if self.kind == "gas" else "spring rate"
+        return (Param("relative", "1", 0.05, f"{what} over the model's, minus one", lower=-1.0),)
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        if problem.compensator is None:
+            return "the robot's TOML has no [compensator]: describe it there if the robot has one"
+        return None
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[GravityCompensator]:
+        if problem.compensator is None:
+            return []
+        kind, warmth = problem.compensator.data.kind, problem.warmth
+        variants = ["charge", "preload"]
+        if kind == "gas" and warmth is not None and np.ptp(warmth) > 0:
+            variants.append("temperature")
+        return [cls(variant=variant, kind=kind) for variant in variants]
+
+    def _scale(self, problem: Problem) -> Array:
+        """(N,) relative change of the charge per unit of the parameter."""
+        if self.variant == "temperature":
+            assert problem.warmth is not None
+            return problem.warmth
+        return np.ones(len(problem.q))
+
+    def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
+        law = loads.compensator
+        assert law is not None
+        if self.variant == "preload":
+            law = replace(law, preload=law.preload + float(values[0]))
+        else:
+            law = replace(law, charge=law.charge + values[0] * self._scale(problem))
+        return arm, replace(loads, compensator=law)
+
+    def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
+        law = loads.compensator
+        assert law is not None
+        end, direction, s = law.ends(where)
+        change = np.ones_like(s) if self.variant == "preload" else law.force(s)[2] * self._scale(problem)
+        pull = (change[:, None] * direction)[:, None]
+        torque = np.cross(end[:, None] - where.origin, pull)
+        out = np.zeros((*where.origin.shape[:2], 6, 1))
+        between = slice(law.body + 1, law.arm + 1)
+        axes = where.axes[:, between]
+        out[:, between, :3, 0] = np.einsum(
+            "nsci,nsi->nsc", axes[:, :, :3], np.broadcast_to(pull, torque.shape)[:, between]
+        )
+        out[:, between, 3:, 0] = np.einsum("nsci,nsi->nsc", axes[:, :, 3:], torque[:, between])
+        return out
+
+    def sentence(self, values: Array) -> str:
+        if self.variant == "preload":
+            word = "more" if values[0] > 0 else "less"
+            return f"The gravity compensator pulls {abs(values[0]):.0f} N {word} than the model says."
+        if self.variant == "temperature":
+            return f"The compensator's pressure changes by {values[0]:.2%} per K (sealed gas: 0.34 %)."
+        what = "gas charge" if self.kind == "gas" else "spring rate"
+        return f"The compensator's {what} is off by {values[0]:+.1%}."

@@ -1,0 +1,65 @@
+"""The hose pack pulls on a wrist joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Arm, Array, Frames
+from ..diagnose.result import Where
+from ..problem import Problem
+from ..statics import Loads
+from .base import LoadEffect, Param
+from .wrist_coupling import wrist
+
+
+@dataclass(frozen=True)
+class HoseTorque(LoadEffect):
+    """τ = −k q on the joint: hoses and cables act as a spring about the joint's zero.
+
+    k in N·m/rad; q is the commanded joint. Catalogue no. 20. It shows through the joint's compliance,
+    and so is the twin of a gear ratio error on poses alone. Drake: RevoluteSpring beside the joint.
+    """
+
+    cause: ClassVar[str] = "hose_torque"
+    title: ClassVar[str] = "Hose pack pulls on a joint"
+    equation: ClassVar[str] = "tau = -k thin q"
+    separate: ClassVar[dict[str, str]] = {
+        "gear_ratio": "repeat some poses with the hose pack taken off, or record the motor torque",
+        "wrist_coupling": "repeat some poses with the hose pack taken off",
+        "gear_eccentricity": "repeat some poses with the hose pack taken off, or record the motor torque",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        return (Param("rate", "N·m/rad", 10.0, "torque against the joint, per rad from its zero", lower=0.0),)
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        if cls.sites(problem):
+            return None
+        return "no wrist joint has a stiffness: state it in the robot's TOML"
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[HoseTorque]:
+        """Wrist joints that yield; a rigid one does not show a torque."""
+        stiff = {joint.name for joint in problem.robot.joints if joint.data.stiffness is None}
+        return [cls(Where(joint=name)) for name in wrist(problem) if name not in stiff]
+
+    def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
+        j = problem.joint(self.where.joint)
+        torque = loads.torque.copy()
+        torque[:, j] -= values[0] * problem.q[:, j]
+        return arm, replace(loads, torque=torque)
+
+    def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
+        j = problem.joint(self.where.joint)
+        out = np.zeros((len(problem.q), 6 * problem.arm.slots, 1))
+        out[:, problem.arm.axial[j], 0] = -problem.q[:, j]
+        return out.reshape(len(problem.q), problem.arm.slots, 6, 1)
+
+    def sentence(self, values: Array) -> str:
+        return f"The hose pack pulls {self.where.joint} back with {values[0]:.1f} N·m per rad."

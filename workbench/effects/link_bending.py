@@ -1,0 +1,70 @@
+"""A link bends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Arm, Array
+from ..beam import bending_compliance
+from ..diagnose.result import Where
+from ..problem import Problem
+from .base import LinearYield, Param
+
+SHORTEST = 0.05  # m, shorter links are taken as rigid
+
+
+@dataclass(frozen=True)
+class LinkBending(LinearYield):
+    """A cantilever from joint to joint under the force F and moment M at its end, over its length l:
+
+    w = (F l³/3 + M l²/2)/EI,  turn = (F l²/2 + M l)/EI, both across the link.
+
+    The parameter is 1/EI [1/(N·m²)], over the model's where the TOML states a bending stiffness. The
+    link's own weight counts at its joints only. Source 004, eqs. (15)–(20). Drake: motions of the
+    frame at the link's end; N revolute segments for the closed loop.
+    """
+
+    nominal: float = 0.0
+
+    cause: ClassVar[str] = "link_bending"
+    title: ClassVar[str] = "A link bends"
+    equation: ClassVar[str] = "w = (F l^3 \\/ 3 + M l^2 \\/ 2) \\/ E I"
+    separate: ClassVar[dict[str, str]] = {
+        "joint_compliance": "a target in the middle of the link, or loads in two directions",
+        "bearing_tilt": "targets at both ends of the link",
+        "gravity_compensator": "the motor torque of joint 2, or a target in the middle of the link",
+        "foundation": "targets on the base casting",
+        "payload": "weigh the payload",
+        "link_bending": "a target in the middle of each link",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        meaning = "1/EI of the link, over the model's" if self.nominal else "1/EI of the link"
+        return (Param("compliance", "1/(N·m²)", 2e-8, meaning, lower=-self.nominal),)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[LinkBending]:
+        """Moving links longer than 5 cm."""
+        arm, stated = problem.arm, problem.robot.bending_stiffness
+        return [
+            cls(Where(link=arm.links[k]), nominal=1 / stated.get(arm.links[k], np.inf))
+            for k in range(1, arm.n + 1)
+            if np.linalg.norm(arm.span[k + 1]) > SHORTEST
+        ]
+
+    def slot(self, arm: Arm) -> int:
+        return arm.slot_of_link(str(self.where.link)) + 1
+
+    def compliance(self, arm: Arm) -> Array:
+        return bending_compliance(arm.span[self.slot(arm)])
+
+    def sentence(self, values: Array) -> str:
+        total = values[0] + self.nominal
+        if total <= 0:
+            return f"{self.where.link} does not bend."
+        return f"{self.where.link} bends: its stiffness EI is {1 / total:.2g} N·m²."

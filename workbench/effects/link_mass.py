@@ -1,0 +1,102 @@
+"""Mass or centre of mass of a link differs from the URDF's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Arm, Array, Frames
+from ..diagnose.result import Parameter, Where
+from ..problem import Problem
+from ..statics import Loads
+from .base import LoadEffect, Param, mass_wrench
+
+
+@dataclass(frozen=True)
+class LinkMass(LoadEffect):
+    """Gravity of the link acts with m + Δm at c (`variant` "mass"), or with m at c + Δc ("com").
+
+    The fitted centre-of-mass parameters are first moments m Δc [kg·m] on the URDF link's axes, so that
+    both are linear. Catalogue no. 11. Drake: mass and centre of mass of the body, in the Context.
+    """
+
+    mass: float = 0.0
+
+    cause: ClassVar[str] = "link_mass"
+    title: ClassVar[str] = "Mass of a link differs from the model"
+    equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
+    separate: ClassVar[dict[str, str]] = {
+        "joint_compliance": "measure with two payloads: a stiffness acts on both, a link mass on neither",
+        "payload": "the same poses without payload",
+        "gravity_compensator": "read the pressure gauge, or weigh the link",
+        "gear_eccentricity": "record the motor torque of the joint",
+        "link_mass": "record the motor torques of the joints",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        if self.variant == "mass":
+            return (Param("mass", "kg", 0.05 * self.mass, "added to the URDF's mass", lower=-self.mass),)
+        return tuple(Param(f"moment_{axis}", "kg·m", 0.02 * self.mass) for axis in "xyz")
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        return None if cls.sites(problem) else "the URDF gives no link a mass: state the masses there"
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[LinkMass]:
+        """Moving links that have a mass."""
+        arm = problem.arm
+        return [
+            cls(Where(link=arm.links[k]), variant, float(arm.mass[k]))
+            for k in range(1, arm.n + 1)
+            if arm.mass[k] > 0
+            for variant in ("mass", "com")
+        ]
+
+    def _change(self, arm: Arm) -> tuple[int, Array, Array]:
+        """Slot, (p,) mass and (3, p) first moment on the arm's axes, per unit of each parameter."""
+        k = arm.slot_of_link(str(self.where.link))
+        if self.variant == "mass":
+            return k, np.ones(1), (arm.moment[k] / arm.mass[k])[:, None]
+        return k, np.zeros(3), arm.R_link[k]
+
+    def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
+        k, by_mass, by_moment = self._change(problem.arm)
+        mass, moment = arm.mass.copy(), arm.moment.copy()
+        mass[k] += by_mass @ values
+        moment[k] += by_moment @ values
+        return replace(arm, mass=mass, moment=moment), loads
+
+    def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
+        k, mass, moment = self._change(problem.arm)
+        n_poses = len(problem.q)
+        columns = [
+            mass_wrench(problem, where, k, np.full(n_poses, m), np.broadcast_to(first, (n_poses, 3)))
+            for m, first in zip(mass, moment.T, strict=True)
+        ]
+        return np.stack(columns, axis=-1)
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        if self.variant == "mass":
+            return super().given(numbers)
+        return np.array([numbers.get(f"moment_{a}", self.mass * numbers.get(f"com_{a}", 0.0)) for a in "xyz"])
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        std = np.sqrt(np.diag(covariance))
+        if self.variant == "mass":
+            return (Parameter("mass", float(values[0]), float(std[0]), "kg", "over the URDF's mass"),)
+        return tuple(
+            Parameter(f"com_{axis}", float(v / self.mass), float(s / self.mass), "m", "over the URDF's place")
+            for axis, v, s in zip("xyz", values, std, strict=True)
+        )
+
+    def sentence(self, values: Array) -> str:
+        if self.variant == "mass":
+            word = "heavier" if values[0] > 0 else "lighter"
+            return f"{self.where.link} is {abs(values[0]):.1f} kg {word} than its URDF says."
+        shift = np.linalg.norm(values) / self.mass * 1e3
+        return f"The centre of mass of {self.where.link} is {shift:.0f} mm off its place in the URDF."

@@ -1,0 +1,89 @@
+"""The links grow with temperature, or while the robot warms up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Array
+from ..problem import Problem
+from .base import DirectEffect, Param
+
+WARM_UP = (0.15, 0.4, 1.0)  # time constants that are tried, as shares of the campaign's duration
+
+
+@dataclass(frozen=True)
+class ThermalGrowth(DirectEffect):
+    """Δp = α (T − 20 °C) p for the fixed length p of every link (steel: α = 11.5e-6/K).
+
+    Without thermometer, `variant` "warmup": Δp = a (1 − exp(−(t − t₀)/t_c)) p, a the growth at the end;
+    t₀ `start` and t_c `constant` in s. What a sliding joint travels is measured by its own scale and
+    does not grow. Uniform growth of the whole arm; catalogue no. 14. Drake: motions of the frames.
+    """
+
+    start: float = 0.0
+    constant: float = 0.0
+
+    cause: ClassVar[str] = "thermal_growth"
+    title: ClassVar[str] = "Links grow with temperature"
+    equation: ClassVar[str] = "Delta p = alpha thin (T - T_0) thin p"
+    settings: ClassVar[tuple[str, ...]] = ("start", "constant")
+    separate: ClassVar[dict[str, str]] = {
+        "drift": "four fixed targets on the floor, measured every ten minutes; a target on the base",
+        "tracker_scale": "a scale bar, or two fixed targets of known distance",
+        "gravity_compensator": "read the pressure gauge, cold and warm",
+    }
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        if self.variant.startswith("warmup"):
+            return (Param("coefficient", "1", 1e-4, "relative growth at the end, inferred from time alone"),)
+        return (
+            Param("coefficient", "1/K", 1e-5, "relative growth of the links per K", lower=0.0, upper=1e-4),
+        )
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        if problem.warmth is None and problem.time is None:
+            return "no column temp_degC (or t_s): record the temperature of the arm with each pose"
+        if not cls.sites(problem):
+            return "temp_degC (or t_s) is the same for all poses: measure cold and warm"
+        return None
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[ThermalGrowth]:
+        warmth, time = problem.warmth, problem.time
+        if warmth is not None and np.ptp(warmth) > 0:
+            return [cls()]
+        if warmth is not None or time is None or np.ptp(time) == 0:
+            return []
+        start, span = float(time.min()), float(np.ptp(time))
+        return [cls(variant=f"warmup {share:g}", start=start, constant=share * span) for share in WARM_UP]
+
+    def _warmth(self, problem: Problem) -> Array:
+        if not self.variant.startswith("warmup"):
+            assert problem.warmth is not None
+            return problem.warmth
+        assert problem.time is not None
+        # before the start the arm is cold
+        return 1 - np.exp(-np.maximum(problem.time - self.start, 0.0) / self.constant)
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        warmth, span = self._warmth(problem), problem.arm.span
+        return {
+            6 * slot + c: warmth[:, None] * span[slot, c]
+            for slot in range(problem.arm.slots)
+            for c in range(3)
+            if abs(span[slot, c]) > 1e-9
+        }
+
+    def sentence(self, values: Array) -> str:
+        if self.variant.startswith("warmup"):
+            return (
+                f"The arm grows by {values[0] * 1e6:.0f} µm per metre while it warms up, "
+                f"with a time constant of {self.constant / 60:.0f} min (inferred from time alone)."
+            )
+        return f"The links grow by {values[0] * 1e6:.1f} µm per metre and kelvin."
