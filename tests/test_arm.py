@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from workbench.arm import frames, point_jacobian
-from workbench.plant import arrays, bending_compliance, compensator_law, elastic_twin, rigid_twin
+from workbench.beam import bending_compliance
+from workbench.elastic import elastic_twin
+from workbench.plant import arrays, compensator_law, rigid_twin
 from workbench.robot import load_robot
 from workbench.statics import Loads, equilibrium, wrench_jacobian, wrenches
 from workbench.studies.random_robot import write_random_robot
@@ -49,7 +51,9 @@ def test_loaded_equilibrium_equals_drake(tmp_path, kind):
     robot = load_robot("kr500" if kind == "kr500" else write_random_robot(tmp_path, 3, kind))
     rng = np.random.default_rng(1)
     arm = arrays(robot)
-    arm = arm.with_geometry(1e-3 * rng.normal(size=(arm.slots, 6)) * (np.arange(arm.slots)[:, None] % (arm.n + 1) > 0))
+    arm = arm.with_geometry(
+        1e-3 * rng.normal(size=(arm.slots, 6)) * (np.arange(arm.slots)[:, None] % (arm.n + 1) > 0)
+    )
     compliance = arm.compliance.copy()
     for slot in range(arm.slots):
         compliance[slot, [3, 4], [3, 4]] += 3e-8
@@ -66,7 +70,9 @@ def test_loaded_equilibrium_equals_drake(tmp_path, kind):
     motion, where, _ = equilibrium(arm, q, direct, loads, law)
     twin = elastic_twin(arm, robot)
     for i in range(n_poses):
-        one = Loads(*(x[i : i + 1] for x in (loads.mass, loads.moment, loads.wrench, loads.torque)), loads.compensator)
+        one = Loads(
+            *(x[i : i + 1] for x in (loads.mass, loads.moment, loads.wrench, loads.torque)), loads.compensator
+        )
         there = twin.equilibrium(q[i], direct[i], one, law)
         assert np.abs(there - motion[i]).max() < 1e-11
         tip = twin.points(np.array([[0.1, 0.2, 0.3]]), [arm.n + 1])
