@@ -195,7 +195,7 @@ def _errors(q: Array, load: Array, side: Array, random: np.random.Generator) -> 
     gear = 2.1e-4 * np.sin(200 * q[:, 3] + 0.72)
     across = np.stack([-np.sin(q[:, 0]), np.cos(q[:, 0]), 0.3 * np.cos(q[:, 2])], axis=1)
     noise = random.normal(0, SIGMA, (n, t, 3))
-    effects = 0.42 * gear[:, None, None] * across[:, None, :]
+    effects = 0.42 * gear[:, None, None] * across[:, None, :] + np.zeros((n, t, 3))
     effects = effects + 0.3 * 3.4e-5 * side[:, None, None] * across[:, None, ::-1]
     effects[..., 2] -= (1.1e-4 * load * np.cos(q[:, 1]))[:, None]
     smooth = np.stack([np.sin(q[:, 0] + 0.4), np.cos(q[:, 1] * 1.3), 0.4 - np.sin(q[:, 2])], axis=1)
@@ -203,7 +203,10 @@ def _errors(q: Array, load: Array, side: Array, random: np.random.Generator) -> 
     flat = (n * t, 3)
     pose, target = np.divmod(np.arange(n * t), t)
     final = 1.06 * noise
-    final[min(117, n - 1), 1] += 4.1e-3 if n > 117 else 0.0
+    if n > 117:
+        wrong = np.array([2.5e-3, -2.9e-3, 1.5e-3])
+        effects[117, 1] += wrong
+        final[117, 1] += wrong
     errors = PoseErrors(
         points.reshape(flat),
         (nominal + effects + noise).reshape(flat),

@@ -29,7 +29,6 @@ from .report.drawing import (
 )
 from .report.numbers import Scale, axis_scale, mm, words
 
-
 LEAST = 1e-5  # mm: what a logarithmic axis shows for zero
 
 
@@ -39,6 +38,7 @@ def stages(diagnosis: Diagnosis) -> Figure:
     names = stage_names(diagnosis)
     first, last = shown[0], shown[-1]
     floor = float(np.sqrt(3)) * diagnosis.noise.sigma_mm
+    alone = "" if diagnosis.noise.source == "residual" else f"; the noise alone makes {mm(floor)} mm"
     with drawing("stages", 0.75 + 0.36 * len(shown)) as (axes, svg):
         for row, stage in enumerate(shown):
             colour = BEFORE if row == 0 else AFTER if row == len(shown) - 1 else MIDDLE
@@ -60,7 +60,7 @@ def stages(diagnosis: Diagnosis) -> Figure:
     return Figure(
         "stages",
         f"On poses that were not fitted, the RMS error falls from {mm(first.heldout_rms_mm)} "
-        f"to {mm(last.heldout_rms_mm)} mm; the noise alone makes {mm(floor)} mm",
+        f"to {mm(last.heldout_rms_mm)} mm{alone}",
         "Held-out RMS error per stage: "
         + "; ".join(f"{n} {mm(s.heldout_rms_mm)} mm" for n, s in zip(names, shown, strict=True)),
         svg[0],
@@ -106,11 +106,11 @@ def histogram(diagnosis: Diagnosis) -> Figure | None:
         else:
             axes.set_xlim(0, top)
         axes.set(xlabel="3-D error, mm", ylabel="% of points", ylim=(0, None))
-        axes.legend(loc="upper right")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     return Figure(
         "histogram",
-        f"Half of the points are within {mm(float(np.median(after)))} mm of the model, "
-        f"{mm(float(np.median(before)))} mm {label}; the noise alone would give {mm(1.538 * sigma)} mm",
+        f"Median error {mm(float(np.median(after)))} mm, {mm(float(np.median(before)))} mm {label}; "
+        f"noise of this size alone would give {mm(1.538 * sigma)} mm",
         "Histogram of the 3-D errors before and after, with the curve of the noise alone",
         svg[0],
     )
@@ -143,7 +143,7 @@ def campaign(diagnosis: Diagnosis) -> Figure | None:
     share = np.mean(worst_after < worst_before)
     return Figure(
         "campaign",
-        f"{share:.0%} of the poses come out better; the median pose's worst point falls from "
+        f"{100 * share:.0f} % of the poses come out better; the median pose's worst point falls from "
         f"{mm(float(np.median(worst_before)))} to {mm(float(np.median(worst_after)))} mm",
         "Worst error of every pose in the order of the campaign, before and after; dashed: the largest "
         "that noise alone would give in most poses",
@@ -156,35 +156,42 @@ def evidence(finding: Finding, number: int) -> Figure | None:
     seen = finding.evidence
     if seen is None or len(seen.x) == 0:
         return None
+    name = f"evidence{number}"
     x_scale = axis_scale(np.concatenate([seen.x, seen.curve_x]).tolist(), seen.x_unit)
     y_scale = axis_scale(np.concatenate([seen.before, seen.curve_y]).tolist(), seen.y_unit)
-    with drawing(f"evidence{number}", 2.55, 2, sharex=True, sharey=True) as (axes, svg):
-        for panel, y, colour, name in ((axes[0], seen.before, BEFORE, "without this cause in the model"),
-                                       (axes[1], seen.after, AFTER, "with it")):  # fmt: skip
+    panels = [(seen.before, BEFORE, "without this cause in the model"), (seen.after, AFTER, "with it")]
+    if finding.cause == "unknown":
+        panels = [(seen.before, BEFORE, "what is left")]
+    with drawing(name, 2.55, len(panels), sharex=True, sharey=True, squeeze=False) as (grid, svg):
+        axes = grid[0]
+        for panel, (y, colour, title) in zip(axes, panels, strict=True):
             cloud(panel, seen.x * x_scale.factor, y * y_scale.factor, colour)
-            panel.set_title(name, loc="left", fontsize=8.5, color=colour, fontweight="bold")
+            panel.set_title(title, loc="left", fontsize=8.5, color=colour, fontweight="bold")
             panel.set_xlabel(_axis_label(seen.x_name, x_scale))
-        if len(seen.curve_x):
-            order = np.argsort(seen.curve_x, kind="stable")
-            axes[0].plot(seen.curve_x[order] * x_scale.factor, seen.curve_y[order] * y_scale.factor,
-                         color=MODEL, lw=1.8)  # fmt: skip
-        axes[1].axhline(0, color=MODEL, lw=1)
+        axes[0].plot(seen.curve_x * x_scale.factor, seen.curve_y * y_scale.factor, color=MODEL, lw=1.8)
+        axes[-1].axhline(0, color=MODEL, lw=1)
         axes[0].set_ylabel(_axis_label(seen.y_name, y_scale))
-        low, high = np.quantile(np.concatenate([seen.before, seen.after]), (0.002, 0.998))
-        low, high = min(low, np.min(seen.curve_y, initial=0.0)), max(high, np.max(seen.curve_y, initial=0.0))
-        room = 0.08 * (high - low) or 1e-9
-        axes[0].set_ylim((low - room) * y_scale.factor, (high + room) * y_scale.factor)
-    alt = f"{seen.y_name} against {seen.x_name}, left without and right with the cause in the model"
-    return Figure(f"evidence{number}", _evidence_title(seen), alt, svg[0])
+        axes[0].set_ylim(*(y_scale.factor * _range(seen)))
+    alt = f"{seen.y_name} against {seen.x_name}: " + ", ".join(title for *_, title in panels)
+    return Figure(name, _evidence_title(finding.cause, seen), alt, svg[0])
 
 
-def _evidence_title(seen: Evidence) -> str:
-    before, after = (float(np.sqrt(np.mean(y**2))) for y in (seen.before, seen.after))
+def _range(seen: Evidence) -> Array:
+    """Lowest and highest value to show: nearly all points, the whole curve, and zero."""
+    low, high = np.nanquantile(np.concatenate([seen.before, seen.after]), (0.002, 0.998))
+    low, high = min(low, np.min(seen.curve_y, initial=0.0)), max(high, np.max(seen.curve_y, initial=0.0))
+    room = 0.08 * (high - low) or 1e-9
+    return np.array([low - room, high + room])
+
+
+def _evidence_title(cause: str, seen: Evidence) -> str:
+    before, after = (float(np.sqrt(np.nanmean(y**2))) for y in (seen.before, seen.after))
     scale = axis_scale([before], seen.y_unit)
-    return (
-        f"With this cause in the model, the RMS of {seen.y_name} falls from "
-        f"{before * scale.factor:.3g} to {after * scale.factor:.3g} {scale.unit}"
-    ).rstrip()
+    first = f"{before * scale.factor:.3g}"
+    if cause == "unknown":
+        return f"What is left has an RMS of {first} {scale.unit} and is not the same all along {seen.x_name}"
+    last = f"{after * scale.factor:.3g} {scale.unit}".rstrip()
+    return f"With this cause in the model, the RMS of {seen.y_name} falls from {first} to {last}"
 
 
 def _noise_floor(axes: Any, floor: float) -> None:

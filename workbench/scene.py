@@ -24,7 +24,7 @@ from .robot import Robot
 Array = NDArray[np.float64]
 OVERLAY = Path(__file__).with_name("report") / "scene_overlay.html"
 MOST_POINTS = 6000
-LONGEST = 0.16  # of the scene's size: the length of a large nominal error's arrow
+LONGEST = 0.13  # of the scene's size: the length of a large nominal error's arrow
 
 
 def write_scene(
@@ -54,10 +54,9 @@ def scene(
     """
     pose = _middle_pose(diagnosis, robot) if q is None else np.asarray(q, dtype=float)
     with _meshcat() as meshcat:
-        reach = _draw_robot(meshcat, robot, pose, "robot")
+        reach = _draw_robot(meshcat, robot, pose, "/robot")
         if ghost_q is not None:
-            _draw_robot(meshcat, robot, np.asarray(ghost_q, dtype=float), "ghost")
-            meshcat.SetProperty("ghost", "modulated_opacity", 0.3)
+            _draw_robot(meshcat, robot, np.asarray(ghost_q, dtype=float), "/ghost")
         data = _data(diagnosis, reach, ghost_label if ghost_q is not None else "")
         _look(meshcat, data["centre"], data["extent"])
         html: str = meshcat.StaticHtml()
@@ -128,7 +127,7 @@ def _data(diagnosis: Diagnosis, links: Array, ghost: str) -> dict[str, Any]:
         stages.append(("Causes in the model", errors.error_final))
     seen = np.concatenate([errors.points, links])
     low, high = seen.min(axis=0), seen.max(axis=0)
-    extent = float(np.linalg.norm(high - low)) or 1.0
+    extent = float(np.linalg.norm(high - low)) * (1.0 if len(errors.points) else 1.4) or 1.0
     sizes = np.linalg.norm(errors.error_nominal, axis=1)
     large = float(np.quantile(sizes, 0.98)) if len(sizes) else 1e-3
     return {
@@ -149,9 +148,11 @@ def _data(diagnosis: Diagnosis, links: Array, ghost: str) -> dict[str, Any]:
 
 def _look(meshcat: Any, centre: list[float], extent: float) -> None:
     """The camera, in front and to the right; a light ground; no axes."""
-    middle = np.array(centre)
+    ahead = np.array([0.78, -0.95, 0.42])
+    left = np.array([ahead[1], -ahead[0], 0.0]) / np.hypot(*ahead[:2])
+    middle = np.array(centre) + 0.09 * extent * left  # room for the panel
     meshcat.SetCamera(meshcat.PerspectiveCamera(fov=38, near=0.05, far=200))
-    meshcat.SetCameraPose(middle + extent * np.array([0.78, -0.95, 0.42]), middle)
+    meshcat.SetCameraPose(middle + extent * ahead, middle)
     for name in ("/Axes", "/Grid"):
         meshcat.SetProperty(name, "visible", False)
     meshcat.SetProperty("/Background", "top_color", [0.985, 0.988, 0.992])

@@ -36,7 +36,7 @@ VERDICTS = {
     "unknown": "Unexplained structure",
 }
 COUNT = ("no", "the", "the two", "the three", "the four", "the five", "the six", "the seven", "the eight")
-SUPPORT = "95 % intervals (1.96 standard deviations, normal)"
+SUPPORT = "95 %, plus and minus 1.96 standard deviations (normal)"
 SOURCES = {
     "stated": "stated in the campaign",
     "repeats": "from repeated poses",
@@ -107,7 +107,10 @@ def _summary(diagnosis: Diagnosis) -> str:
         which = "cause" if len(known) == 1 else "causes"
         number = COUNT[len(known)] if len(known) < len(COUNT) else f"the {len(known)}"
         said.append(f"With {number} {which} below in it, {mm(last.heldout_mean_mm)} mm are left.")
-    said.append(f"The noise of the measurement alone would make {mm(1.596 * diagnosis.noise.sigma_mm)} mm.")
+    if diagnosis.noise.source != "residual":
+        said.append(
+            f"The noise of the measurement alone would make {mm(1.596 * diagnosis.noise.sigma_mm)} mm."
+        )
     return " ".join(said)
 
 
@@ -240,4 +243,4 @@ def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     ]
     if noise.repeatability_mm is not None:
         facts.append(("Repeatability", f"{mm(noise.repeatability_mm)} mm per axis, one sigma"))
-    return facts + list(diagnosis.facts.items())
+    return [*facts, *diagnosis.facts.items(), ("Intervals", SUPPORT)]

@@ -67,7 +67,7 @@ class Figure:
 
 
 @contextmanager
-def drawing(name: str, height: float, columns: int = 1, **share: bool) -> Iterator[tuple[Any, list[str]]]:
+def drawing(name: str, height: float, columns: int = 1, **subplots: bool) -> Iterator[tuple[Any, list[str]]]:
     """Axes in the house's style; on leaving, the figure's SVG stands in the list."""
     import matplotlib as mpl
     from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -78,7 +78,7 @@ def drawing(name: str, height: float, columns: int = 1, **share: bool) -> Iterat
     with mpl.rc_context(settings):
         figure: Any = Canvas(figsize=(WIDE, height), layout="constrained")
         FigureCanvasSVG(figure)
-        axes = figure.subplots(1, columns, **share)
+        axes = figure.subplots(1, columns, **subplots)
         yield axes, svg
         text = io.StringIO()
         figure.savefig(text, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))

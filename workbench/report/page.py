@@ -106,7 +106,7 @@ def _card(cause: Content, material: Material) -> str:
     said = [f"<p>{escape(cause[key])}</p>" for key in ("structure", "sentence") if cause[key]]
     if cause["parameters"]:
         rows = [[p["name"], p["value"], p["interval"], p["meaning"]] for p in cause["parameters"]]
-        said.append(_table("", ("Size", "Value", "95 % interval", "Meaning"), rows, values=(1, 2)))
+        said.append(_table("", ("Parameter", "Value", "95 % interval", "Meaning"), rows, values=(1, 2)))
     if cause["equation"]:
         line = cause["equation"]
         label = f'<svg role="img" aria-label="{escape(line)}" '
@@ -169,7 +169,7 @@ def _data(said: Content, shown: Mapping[str, Figure]) -> str:
     parts.append("<h4>Dataset</h4>" + _table("", ("", ""), said["facts"], heads=False))
     if said["geometry"]:
         head = ("Frame", "Parameter", "Value", "95 % interval")
-        table = _table(said["support"], head, said["geometry"], numbers=(2, 3))
+        table = _table(f"Intervals: {said['support']}.", head, said["geometry"], numbers=(2, 3))
         title = f"Calibrated geometry, {len(said['geometry'])} parameters"
         parts.append(f"<details><summary>{title}</summary>{table}</details>")
     return "".join(parts) + "</section>"
@@ -181,7 +181,7 @@ def _foot(said: Content) -> str:
         for name, digest in said["inputs"]
     )
     table = f"<table><caption>Input files, SHA-256</caption><tbody>{files}</tbody></table>" if files else ""
-    made = f"{said['support']}. Robot workbench {said['version']}."
+    made = f"Robot workbench {said['version']}"
     return f'<footer><div><div class="scroll">{table}</div><p>{escape(made)}</p></div></footer>'
 
 
