@@ -11,7 +11,6 @@ which is the exact compliance derivative (K − ∂τ/∂θ)⁻¹ for axial spri
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -77,10 +76,16 @@ class Linearisation:
 
 @dataclass(frozen=True)
 class Model:
-    """A problem with the effects that act in it. `fixed` effects have known values (model.toml)."""
+    """A problem with the effects that act in it: `effects` with the state's values, and `known` ones
+    with values of their own, which no fit changes (those of a model.toml)."""
 
     problem: Problem
     effects: tuple[Effect, ...] = ()
+    known: tuple[tuple[Effect, Array], ...] = ()
+
+    def acting(self, state: State) -> list[tuple[Effect, Array]]:
+        """All effects with their values at a state."""
+        return [*self.known, *zip(self.effects, state.values, strict=True)]
 
     def start(self, R: Array, t: Array, targets: Array) -> State:
         """State with the robot's own geometry and all effects at zero."""
@@ -93,7 +98,7 @@ class Model:
         arm, loads = problem.arm.with_geometry(state.geometry), problem.loads
         n_poses = len(problem.q)
         direct = np.zeros((n_poses, arm.slots, 6))
-        for effect, values in zip(self.effects, state.values, strict=True):
+        for effect, values in self.acting(state):
             if isinstance(effect, DirectEffect):
                 for column, basis in effect.motion(problem).items():
                     direct.reshape(n_poses, -1)[:, column] += basis @ values
@@ -123,7 +128,7 @@ class Model:
         setup = self.problem.campaign.setup
         points = np.einsum("nij,ntj->nti", state.R[setup], base) + state.t[setup][:, None]
         change = np.zeros_like(points)
-        for effect, values in zip(self.effects, state.values, strict=True):
+        for effect, values in self.acting(state):
             if isinstance(effect, InstrumentEffect):
                 change += effect.seen(self.problem, points) @ values
         return points + change
@@ -132,7 +137,7 @@ class Model:
         """Motions (N, S, 6) and their derivative by the own slot's wrench (N, S, 6, 6)."""
         motion = np.einsum("sij,nsj->nsi", arm.compliance, wrench)
         slope = np.broadcast_to(arm.compliance, (len(wrench), *arm.compliance.shape)).copy()
-        for effect, values in zip(self.effects, state.values, strict=True):
+        for effect, values in self.acting(state):
             if isinstance(effect, YieldEffect):
                 k = effect.slot(arm)
                 more, by_wrench, _ = effect.law(arm, wrench[:, k], values)
@@ -223,8 +228,3 @@ def _skew(v: Array) -> Array:
     out[..., 1, 0], out[..., 1, 2] = v[..., 2], -v[..., 0]
     out[..., 2, 0], out[..., 2, 1] = -v[..., 1], v[..., 0]
     return out
-
-
-def with_effects(model: Model, effects: Sequence[Effect]) -> Model:
-    """The same problem with other effects."""
-    return replace(model, effects=tuple(effects))

@@ -86,6 +86,7 @@ class EffectRecord(_Table):
     payload: str | None = None
     order: float | None = None
     variant: str = ""
+    settings: dict[str, float | str | tuple[float, ...]] = {}
     values: dict[str, float] = {}
 
 

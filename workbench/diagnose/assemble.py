@@ -1,0 +1,349 @@
+"""Puts a finished search into words and numbers: stages, findings, verdict, what could not be seen."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arm import Array
+from ..campaign import Campaign
+from ..effects.base import Effect
+from ..fit import Fit, fit, heldout
+from ..model import Model
+from ..problem import Problem
+from .evidence import evidence, structure_evidence
+from .judge import test_figures
+from .power import detectable, swallowed
+from .result import (
+    Diagnosis,
+    FaultFound,
+    Finding,
+    Noise,
+    NotTestable,
+    Parameter,
+    PoseErrors,
+    Stage,
+    Verdict,
+    Where,
+)
+from .search import Selection
+from .verdict import MOSTLY, Remainder, describe_structure, explained_share, remainder, stands_alone
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What the run has gathered."""
+
+    problem: Problem
+    noise: Noise
+    nominal: Fit
+    geometry: Fit
+    selection: Selection
+    faults: tuple[FaultFound, ...]
+    notes: tuple[str, ...]
+    not_testable: tuple[NotTestable, ...]
+    known: bool
+    seed: int
+    test: Campaign | None
+
+
+Groups = list[tuple[Effect, list[int]]]
+
+
+def assemble(parts: Parts) -> Diagnosis:
+    """The Diagnosis."""
+    final, selection, c = parts.selection.fit, parts.selection, parts.problem.campaign
+    groups = _groups(selection)
+    stages, heldouts = _stages(parts, groups)
+    left = remainder(final, parts.known)
+    share = explained_share(parts.geometry, final)
+    sure = _sure(parts, groups, left)
+    mostly = bool(groups) and share >= MOSTLY and all(sure.values()) and parts.known
+    findings = [
+        _finding(parts, groups, g, stages, heldouts, sure[g] or not left.structured) for g in range(len(groups))
+    ]
+    notes = list(parts.notes) + list(c.warnings) + _remarks(parts, left, share, mostly)
+    unknown = left.structured and not mostly
+    if unknown:
+        findings.append(_unknown(parts, left, heldouts[-1]))
+    verdict = _verdict(findings, unknown)
+    test = test_figures(parts.nominal, final, parts.test) if parts.test is not None else None
+    names = [joint.name for joint in parts.problem.robot.joints]
+    return Diagnosis(
+        robot=parts.problem.robot.name,
+        robot_title=parts.problem.robot.title,
+        campaign=c.title,
+        n_poses=len(c.q),
+        n_points=int(parts.problem.seen.sum()),
+        noise=parts.noise,
+        stages=tuple(stages),
+        verdict=verdict,
+        headline=_headline(verdict, findings, stages),
+        causes=tuple(findings),
+        remainder_chi2=left.chi2,
+        remainder_dof=left.dof,
+        remainder_p=left.p,
+        not_testable=parts.not_testable + tuple(swallowed(selection, final, parts.problem)),
+        detectable=tuple(detectable(selection, final, parts.known)),
+        faults=parts.faults,
+        test=test,
+        notes=tuple(notes),
+        geometry=_geometry(final),
+        unidentifiable=_unidentifiable(final),
+        facts=_facts(parts.problem),
+        errors=_errors(parts),
+        joints=tuple(names),
+        q=c.q,
+        version=importlib.metadata.version("robot-workbench"),
+        inputs=c.files,
+    )
+
+
+def _groups(selection: Selection) -> Groups:
+    """Accepted effects of one cause and place together, strongest first (indices into the fit's effects)."""
+    found: dict[tuple[str, Where], tuple[Effect, list[int]]] = {}
+    for i, effect in enumerate(selection.effects):
+        found.setdefault(effect.key, (effect, []))[1].append(i)
+    return list(found.values())
+
+
+def _stages(parts: Parts, groups: Groups) -> tuple[list[Stage], list[Array]]:
+    """Nominal, geometry, then one stage per cause; and the held-out residuals of each."""
+    final = parts.selection.fit
+    fits = [("nominal", parts.nominal), ("geometry", parts.geometry)]
+    members: list[int] = []
+    name = "geometry"
+    for i, (effect, own) in enumerate(groups):
+        members += own
+        name += f" + {effect.label}"
+        last = i == len(groups) - 1
+        fits.append((name, final if last else _refit(final, members)))
+    stages, residuals = [], []
+    for name, result in fits:
+        out = heldout(result, seed=parts.seed)
+        length = np.linalg.norm(out, axis=2)
+        fitted = np.linalg.norm(result.residual, axis=2)
+        stages.append(
+            Stage(
+                name,
+                0 if name == "nominal" else result.rank - parts.nominal.rank,
+                *(1e3 * f(length) for f in (_rms, np.nanmean, np.nanmax)),
+                1e3 * _rms(fitted),
+                _stage_note(parts, name, result),
+            )
+        )
+        residuals.append(out)
+    return stages, residuals
+
+
+def _stage_note(parts: Parts, name: str, result: Fit) -> str:
+    if name != "nominal" or result.rank >= len(result.columns.names):
+        return ""
+    return "The poses cannot tell the instrument's frame from the targets: the targets stay near the stated places."
+
+
+def _rms(length: Array) -> float:
+    return float(np.sqrt(np.nanmean(length**2)))
+
+
+def _refit(final: Fit, members: Sequence[int]) -> Fit:
+    """The final model with some of its effects only."""
+    model = replace(final.model, effects=tuple(final.model.effects[i] for i in members))
+    state = replace(final.state, values=tuple(final.state.values[i] for i in members))
+    return fit(model, state, final.noise)
+
+
+def _sure(parts: Parts, groups: Groups, left: Remainder) -> dict[int, bool]:
+    """Which groups stay significant whatever else is going on."""
+    if not left.structured:
+        return {g: True for g in range(len(groups))}
+    pool = len(parts.selection.pool.candidates)
+    final = parts.selection.fit
+    return {
+        g: any(stands_alone(final, i, left, parts.known, 1e-3 / pool) for i in own)
+        for g, (_, own) in enumerate(groups)
+    }
+
+
+def _finding(
+    parts: Parts, groups: Groups, g: int, stages: list[Stage], heldouts: list[Array], sure: bool
+) -> Finding:
+    effect, own = groups[g]
+    final, selection = parts.selection.fit, parts.selection
+    without = [i for i in range(len(final.model.effects)) if i not in own]
+    worse = _rms(np.linalg.norm(heldout(_refit(final, without), seed=parts.seed), axis=2)) * 1e3
+    gain = worse - stages[-1].heldout_rms_mm
+    pool = selection.pool
+    chosen_keys = {e.key for e, _ in groups}
+    rivals: dict[tuple[str, Where], None] = {}
+    for i in own:
+        for k in selection.rivals[i]:
+            if pool.candidates[k].key not in chosen_keys:
+                rivals.setdefault(pool.candidates[k].key, None)
+    # a cause with several accepted parts has a rival only if that rival replaces the strongest part
+    named = sure and not rivals
+    separate = effect.separate
+    advice = [separate[cause] for cause, _ in rivals if cause in separate]
+    listed: list[tuple[str, Where]] = list(rivals)
+    if not sure:
+        listed.append(("unknown", Where()))
+        advice.append("something else is left in the data: see the unknown structure")
+    if not named and not advice:
+        advice.append("more poses, spread over the whole range of the joints, and a second payload")
+    parameters, sentence = _describe(final, groups[g])
+    joint = effect.where.joint
+    aliases = selection.aliases.get(joint or "", ())
+    if effect.where.order is not None and effect.variant == "scan" and aliases:
+        sentence += f" These poses fit other orders as well (e.g. {aliases[0]:g}): random poses would decide."
+    strongest = min(own, key=lambda i: selection.p_values[i])
+    return Finding(
+        cause=effect.cause,
+        title=effect.title,
+        where=effect.where,
+        status="named" if named else "ambiguous",
+        gain_mm=gain,
+        p_value=selection.p_values[strongest],
+        parameters=parameters,
+        rivals=tuple(listed),
+        separate_by="; ".join(dict.fromkeys(advice)) if not named else None,
+        sentence=sentence,
+        equation=effect.equation,
+        evidence=evidence(final, final.model.effects[strongest], final.state.values[strongest]),
+    )
+
+
+def _describe(final: Fit, group: tuple[Effect, list[int]]) -> tuple[tuple[Parameter, ...], str]:
+    """Parameters and sentence; further parts of one cause carry their order or form in the name."""
+    parameters: list[Parameter] = []
+    sentences: list[str] = []
+    for n, i in enumerate(group[1]):
+        effect = final.model.effects[i]
+        values, covariance = final.effect_values(i)
+        sentences.append(effect.sentence(values))
+        for p in effect.report(values, covariance):
+            clash = n > 0 and any(p.name == other.name for other in parameters)
+            mark = f"order {effect.where.order:g}" if effect.where.order is not None else effect.variant
+            parameters.append(replace(p, name=f"{p.name} ({mark})") if clash else p)
+    return tuple(parameters), " ".join(s for s in sentences if s)
+
+
+def _unknown(parts: Parts, left: Remainder, residual: Array) -> Finding:
+    rms = 1e3 * _rms(np.linalg.norm(residual, axis=2))
+    p = left.tests[0][1] if left.tests else left.p
+    where = Where()
+    if left.tests and left.tests[0][0].family.joint is not None:
+        where = Where(joint=parts.problem.arm.names[left.tests[0][0].family.joint])
+    structure = describe_structure(left, rms)
+    return Finding(
+        cause="unknown",
+        title="Something that no cause of the catalogue explains",
+        where=where,
+        status="ambiguous",
+        gain_mm=0.0,
+        p_value=float(p),
+        structure=structure,
+        sentence=f"What is left {structure}." if left.tests else structure[0].upper() + structure[1:] + ".",
+        evidence=structure_evidence(parts.selection.fit, left.tests[0][0]) if left.tests else None,
+    )
+
+
+def _verdict(findings: Sequence[Finding], unknown: bool) -> Verdict:
+    if unknown:
+        return "unknown"
+    if not findings:
+        return "nothing_missing"
+    return "named" if all(f.status == "named" for f in findings) else "ambiguous"
+
+
+def _headline(verdict: Verdict, findings: Sequence[Finding], stages: Sequence[Stage]) -> str:
+    named = [f"{f.title.lower()} ({f.where})" if str(f.where) else f.title.lower() for f in findings if f.cause != "unknown"]
+    gain = f"{stages[0].heldout_rms_mm:.3f} → {stages[-1].heldout_rms_mm:.3f} mm RMS on held-out poses"
+    if verdict == "nothing_missing":
+        return f"Nothing is missing: geometry explains these data ({gain})."
+    if verdict == "unknown":
+        also = f" Found on the way: {', '.join(named)}." if named else ""
+        return f"Something is left that no cause in the catalogue explains ({gain}).{also}"
+    if verdict == "ambiguous":
+        return f"Found: {', '.join(named)}; these data leave more than one explanation ({gain})."
+    return f"Found: {', '.join(named)} ({gain})."
+
+
+def _remarks(parts: Parts, left: Remainder, share: float, mostly: bool) -> list[str]:
+    notes = []
+    if left.structured and mostly:
+        notes.append(
+            f"The causes found explain {share:.0%} of what geometry leaves; their form is not exact: a "
+            "small remainder is still significant."
+        )
+    if parts.known and not left.structured and left.p < 1e-3:
+        word = "larger" if left.inflation > 1 else "smaller"
+        notes.append(
+            f"The residual is {abs(left.inflation - 1):.0%} {word} than the noise says, without any structure: "
+            "check the stated noise, or repeat ten poses five times."
+        )
+    if not parts.known:
+        notes.append(parts.noise.sentence)
+    return notes
+
+
+def _geometry(final: Fit) -> tuple[Parameter, ...]:
+    """Corrections of the joint frames with standard deviations."""
+    part = final.columns.geometry_slice
+    std = np.sqrt(np.diag(final.covariance)[part])
+    change = final.state.geometry.ravel()[final.columns.geometry]
+    return tuple(
+        Parameter(name.removeprefix("geometry/"), float(v), float(s), "rad" if name[-2] == "r" else "m")
+        for name, v, s in zip(final.columns.names[part], change, std, strict=True)
+    )
+
+
+def _unidentifiable(final: Fit) -> tuple[str, ...]:
+    """Geometry that stays where it was because these data do not show it."""
+    part = final.columns.geometry_slice
+    std = np.sqrt(np.diag(final.covariance)[part]) / final.columns.prior[part]
+    hidden = [name.removeprefix("geometry/") for name, s in zip(final.columns.names[part], std, strict=True) if s > 0.9]
+    return tuple(hidden)
+
+
+def _facts(problem: Problem) -> dict[str, str]:
+    c = problem.campaign
+    facts = {
+        "Poses": str(len(c.q)),
+        "Points": str(int(problem.seen.sum())),
+        "Targets": ", ".join(f"{t.name} (on {t.on})" if t.on != "flange" else t.name for t in c.targets),
+        "Set-ups": ", ".join(name or "one" for name in c.setup_names),
+        "Payloads": ", ".join(
+            f"{name or 'tool only'}: {c.tool_mass + m:g} kg"
+            for i, (name, m) in enumerate(zip(c.payload_names, c.load_mass, strict=True))
+            if (c.payload == i).any()
+        ),
+    }
+    for j, name in enumerate(problem.arm.names):
+        low, high = c.q[:, j].min(), c.q[:, j].max()
+        facts[f"Range of {name}"] = (
+            f"{low * 1e3:.0f} … {high * 1e3:.0f} mm" if problem.arm.prismatic[j] else f"{np.degrees(low):.1f} … {np.degrees(high):.1f}°"
+        )
+    if c.temperature is not None and np.isfinite(c.temperature).any():
+        facts["Temperature"] = f"{np.nanmin(c.temperature):.1f} … {np.nanmax(c.temperature):.1f} °C"
+    extra = [("side of approach", c.direction), ("time", c.time), ("motor torque", c.torque), ("read-back joints", c.readback)]
+    facts["Recorded besides"] = ", ".join(name for name, value in extra if value is not None) or "nothing"
+    return facts
+
+
+def _errors(parts: Parts) -> PoseErrors:
+    """Errors per point, turned into the base frame."""
+    final, c = parts.selection.fit, parts.problem.campaign
+    R = final.state.R[c.setup]
+    base = np.einsum("nij,nti->ntj", R, c.points - final.state.t[c.setup][:, None])
+    seen = parts.problem.seen
+    n, t = np.nonzero(seen)
+
+    def turned(result: Fit) -> Array:
+        return np.einsum("nij,nti->ntj", result.state.R[c.setup], result.residual)[seen]
+
+    return PoseErrors(
+        base[seen], turned(parts.nominal), turned(parts.geometry), turned(final), n.astype(np.int64), t.astype(np.int64)
+    )

@@ -1,0 +1,100 @@
+"""From campaigns to a Diagnosis: data faults, noise, geometry, causes, verdict, figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+
+from ..campaign import Campaign, join
+from ..effects import catalogue
+from ..effects.base import Effect
+from ..extended import active_effects
+from ..fit import Fit, fit, start_state
+from ..model import Model
+from ..problem import Problem, problem
+from ..registration import check_units
+from .data_faults import clean, moved_instrument, split_setup
+from .noise_choice import choose, from_residual, provisional
+from .assemble import Parts, assemble
+from .result import Diagnosis, FaultFound, NotTestable
+from .search import Search
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The diagnosis with what later steps need: the final fit and the problem it was made on."""
+
+    diagnosis: Diagnosis
+    problem: Problem
+    fit: Fit
+
+
+def diagnose(
+    campaigns: Campaign | Sequence[Campaign],
+    test: Campaign | None = None,
+    progress: Progress = lambda _: None,
+    seed: int = 0,
+) -> Outcome:
+    """What the simulation gets wrong, why, and the gain of saying so.
+
+    Several campaigns of one robot are fitted together. Nothing is fitted on `test` but the frame and
+    targets of set-ups that the campaigns do not have. Raises InputError where the data are unusable.
+    """
+    campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
+    progress("loading the robot")
+    whole = problem(campaign)
+    check_units(whole)
+    known_effects = active_effects(whole)
+    start = start_state(whole)
+    progress("looking for data faults")
+    model = Model(whole, (), known_effects)
+    guess, noise, notes = choose(whole, model.linearise(start))
+    cleaned = clean(whole, start, guess, known_effects, judged=noise.source != "residual")
+    whole, faults = cleaned.problem, list(cleaned.faults)
+    step = moved_instrument(cleaned.fit)
+    if step is not None:
+        whole = split_setup(whole, step[0])
+        name = whole.campaign.pose_ids[step[0]]
+        what = f"the frame steps by {step[1] * 1e3:.2f} mm before this pose"
+        faults.append(FaultFound("moved_instrument", name, None, what, "frame and targets fitted anew from here on"))
+        start = start_state(whole)
+        guess, noise, _ = choose(whole, Model(whole, (), known_effects).linearise(start))
+    else:
+        start = cleaned.fit.state
+    progress("fitting geometry")
+    model, covariance = Model(whole, (), known_effects), guess
+    geometry = fit(model, start, covariance)
+    known = noise.source != "residual"
+    if not known:
+        covariance, noise = from_residual(geometry)
+        geometry = fit(model, geometry.state, covariance)
+    progress("testing causes")
+    candidates, not_testable = testable(whole)
+    selection = Search(geometry, candidates, known).run()
+    if not known and selection.effects:
+        covariance, noise = from_residual(selection.fit)
+        geometry = fit(model, geometry.state, covariance)
+        selection = Search(geometry, candidates, known).run()
+    nominal = fit(model, replace(start, geometry=whole.arm.geometry), covariance, geometry=False)
+    progress("writing down what was found")
+    parts = Parts(
+        whole, noise, nominal, geometry, selection, tuple(faults), tuple(notes), tuple(not_testable), known, seed, test
+    )
+    diagnosis = assemble(parts)
+    return Outcome(diagnosis, whole, selection.fit)
+
+
+def testable(whole: Problem) -> tuple[list[Effect], list[NotTestable]]:
+    """Candidates of the catalogue at every place, and the causes that the data cannot show."""
+    candidates: list[Effect] = []
+    missing: list[NotTestable] = []
+    for cause, kind in catalogue().items():
+        why = kind.needs(whole)
+        if why is not None:
+            missing.append(NotTestable(cause, why))
+            continue
+        candidates += kind.sites(whole)
+    return candidates, missing

@@ -1,0 +1,223 @@
+"""Which causes: the subset of candidates that explains the residual, and who could stand in for whom.
+
+Cost of a set = misfit + a penalty per cause that a chance hit pays with probability `ALPHA` over the
+whole catalogue. Additions, removals and exchanges until none helps; then a full nonlinear fit, and
+again, because an accepted cause sharpens the view of the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import stats
+
+from ..effects.base import Effect
+from ..effects.gear_kinematic_error import GearKinematicError
+from ..fit import Fit, fit
+from .result import Where
+from .scan import Line, scan
+from .screen import Screen, screen
+
+ALPHA = 0.004  # chance that clean data show some catalogue cause
+ALPHA_SCAN = 0.002  # and that they show some gear line of unknown order
+RIVAL = 1e-3  # a rival is dropped when the accepted cause still adds to it at this level
+MOST_CAUSES = 8
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Accepted causes with their fit; the pool they were taken from, screened at the geometry fit.
+
+    p_value: per accepted cause, look-elsewhere included. rivals: per accepted cause, indices into the
+    pool. aliases: orders of a gear line that the poses cannot tell apart.
+    """
+
+    fit: Fit
+    effects: tuple[Effect, ...]
+    pool: Screen
+    chosen: tuple[int, ...]
+    p_values: tuple[float, ...]
+    rivals: tuple[tuple[int, ...], ...]
+    aliases: dict[str, tuple[float, ...]]
+
+
+class Search:
+    """Subset search on one geometry fit."""
+
+    def __init__(self, geometry: Fit, candidates: Sequence[Effect], known: bool, max_causes: int = MOST_CAUSES):
+        self.geometry, self.known, self.max_causes = geometry, known, max_causes
+        self.candidates: list[Effect] = list(candidates)
+        self.tries: dict[Effect, int] = {}
+        self.aliases: dict[str, tuple[float, ...]] = {}
+        self.regular = max(1, len(self.candidates))
+
+    def run(self) -> Selection:
+        """Search until nothing significant can be added."""
+        current, chosen = self.geometry, list[int]()
+        self._add_lines(current)
+        pool = screen(self.geometry, self.candidates, self.known)
+        for _ in range(self.max_causes):
+            before = set(self._effects(pool, chosen))
+            chosen = self._local(pool, chosen)
+            current = self._fit(pool, chosen)
+            grew = self._add_lines(current)
+            fresh = self._next(current, pool, chosen)
+            if grew:
+                kept = self._effects(pool, chosen)
+                pool = screen(self.geometry, self.candidates, self.known)
+                chosen = [self.candidates.index(effect) for effect in kept]
+            if fresh is not None and len(chosen) < self.max_causes:
+                chosen.append(self.candidates.index(fresh))
+                continue
+            if not grew and set(self._effects(pool, chosen)) == before:
+                break
+        chosen = self._backward(pool, chosen)
+        current = self._fit(pool, chosen)
+        order = sorted(range(len(chosen)), key=lambda i: -pool.statistic([chosen[i]], [c for c in chosen if c != chosen[i]])[0])
+        chosen = [chosen[i] for i in order]
+        current = self._fit(pool, chosen)
+        rivals = tuple(self._rivals(pool, chosen, a) for a in chosen)
+        p = tuple(self._p(pool, chosen, a) for a in chosen)
+        return Selection(current, tuple(self._effects(pool, chosen)), pool, tuple(chosen), p, rivals, self.aliases)
+
+    # ------------------------------------------------------------------ parts
+
+    def _effects(self, pool: Screen, chosen: Sequence[int]) -> list[Effect]:
+        return [pool.candidates[i] for i in chosen]
+
+    def _fit(self, pool: Screen, chosen: Sequence[int]) -> Fit:
+        model = replace(self.geometry.model, effects=tuple(self._effects(pool, chosen)))
+        return fit(model, replace(self.geometry.state, values=()), self.geometry.noise)
+
+    def _add_lines(self, at: Fit) -> bool:
+        """Puts significant lines of the order scan into the candidates."""
+        grew = False
+        for line in scan(at):
+            p = self._tail(line.statistic, 2, at)
+            if p * line.tries > ALPHA_SCAN or self._is_known(line):
+                continue
+            name = at.model.problem.arm.names[line.joint]
+            effect = GearKinematicError(Where(joint=name, order=round(line.order, 3)), "scan")
+            self.candidates.append(effect)
+            self.tries[effect] = line.tries
+            self.aliases[effect.where.joint or ""] = line.aliases
+            grew = True
+        return grew
+
+    def _is_known(self, line: Line) -> bool:
+        """A candidate of (nearly) that order is there already."""
+        problem = self.geometry.model.problem
+        width = max(1.5 * np.pi / max(float(np.ptp(problem.q[:, line.joint])), 1e-3), 0.3)
+        return any(
+            isinstance(effect, GearKinematicError)
+            and effect.where.joint == problem.arm.names[line.joint]
+            and abs((effect.where.order or 0.0) - line.order) < width
+            for effect in self.candidates
+        )
+
+    def _tail(self, statistic: float, rank: int, at: Fit) -> float:
+        from .screen import effective_dof, p_value
+
+        return p_value(statistic, rank, at.chi2, effective_dof(at), at.noise.dof, self.known)
+
+    def _penalty(self, effect: Effect, rank: int, dof: float) -> float:
+        """Gain in misfit that a chance hit reaches with the family-wise probability."""
+        tries = self.tries.get(effect)
+        alpha = ALPHA_SCAN / tries if tries else ALPHA / self.regular
+        if self.known:
+            if np.isinf(self.geometry.noise.dof):
+                return float(stats.chi2.isf(alpha, rank))
+            return float(rank * stats.f.isf(alpha, rank, self.geometry.noise.dof))
+        F = stats.f.isf(alpha, rank, max(dof - rank, 2.0))
+        return float(dof * np.log1p(rank * F / max(dof - rank, 2.0)))
+
+    def _cost(self, pool: Screen, chosen: Sequence[int]) -> float:
+        gain, _ = pool.statistic(chosen)
+        penalty = sum(self._penalty(pool.candidates[i], len(pool.candidates[i].params), pool.dof) for i in chosen)
+        if chosen and not self._possible(pool, chosen):
+            return np.inf
+        if self.known:
+            return pool.rss - gain + penalty
+        return float(pool.dof * np.log(max(pool.rss - gain, 1e-12 * pool.rss))) + penalty
+
+    def _possible(self, pool: Screen, chosen: Sequence[int]) -> bool:
+        """Physical bounds, with two standard deviations of grace."""
+        values, covariance = pool.solution(chosen)
+        std = np.sqrt(np.maximum(np.diag(covariance), 0))
+        params = [p for i in chosen for p in pool.candidates[i].params]
+        return all(
+            p.lower <= v + 2 * s and v - 2 * s <= p.upper for p, v, s in zip(params, values, std, strict=True)
+        )
+
+    def _local(self, pool: Screen, chosen: list[int]) -> list[int]:
+        """Additions, removals and exchanges while they lower the cost."""
+        cost = self._cost(pool, chosen)
+        for _ in range(4 * self.max_causes):
+            moves = [[c for c in chosen if c != a] for a in chosen]
+            free = [k for k in range(len(pool.candidates)) if k not in chosen]
+            if len(chosen) < self.max_causes:
+                moves += [[*chosen, k] for k in free]
+            moves += [[k if c == a else c for c in chosen] for a in chosen for k in free]
+            costs = [self._cost(pool, move) for move in moves]
+            best = int(np.argmin(costs))
+            if costs[best] >= cost - 1e-9:
+                break
+            cost, chosen = costs[best], list(moves[best])
+        return chosen
+
+    def _next(self, at: Fit, pool: Screen, chosen: Sequence[int]) -> Effect | None:
+        """A cause that is significant only now that the chosen ones are in the model."""
+        rest = [effect for effect in self.candidates if effect not in self._effects(pool, chosen)]
+        there = screen(at, rest, self.known)
+        best: tuple[float, Effect] | None = None
+        for k, effect in enumerate(rest):
+            gain, rank = there.statistic([k])
+            if rank == 0 or not self._possible(there, [k]):
+                continue
+            loss = self._penalty(effect, rank, there.dof)
+            value = gain - loss if self.known else there.dof * -np.log(max(1 - gain / there.rss, 1e-12)) - loss
+            if value > 0 and (best is None or value > best[0]):
+                best = value, effect
+        return best[1] if best else None
+
+    def _backward(self, pool: Screen, chosen: list[int]) -> list[int]:
+        """Drops what is no longer significant, and what does not help on held-out poses."""
+        while chosen:
+            worth = []
+            for a in chosen:
+                rest = [c for c in chosen if c != a]
+                gain, rank = pool.statistic([a], rest)
+                worth.append(gain - self._penalty(pool.candidates[a], rank, pool.dof) if self.known else np.inf)
+            weakest = int(np.argmin(worth))
+            if worth[weakest] > 0:
+                break
+            chosen = [c for i, c in enumerate(chosen) if i != weakest]
+        return chosen
+
+    def _p(self, pool: Screen, chosen: Sequence[int], a: int) -> float:
+        """p-value of an accepted cause given the others, times the number of looks."""
+        rest = [c for c in chosen if c != a]
+        gain, rank = pool.statistic([a], rest)
+        tries = self.tries.get(pool.candidates[a], self.regular)
+        return min(1.0, tries * pool.p_value(gain, rank, pool.statistic(rest)[0]))
+
+    def _rivals(self, pool: Screen, chosen: Sequence[int], a: int) -> tuple[int, ...]:
+        """Causes that could stand in for an accepted one: beside them it adds nothing significant."""
+        rest = [c for c in chosen if c != a]
+        keys = {pool.candidates[c].key for c in chosen}
+        base = pool.statistic(rest)[0]
+        found = {}
+        for k, effect in enumerate(pool.candidates):
+            if effect.key in keys or not self._possible(pool, [*rest, k]):
+                continue
+            alone, rank = pool.statistic([k], rest)
+            if rank == 0 or alone < 0.2 * pool.statistic([a], rest)[0]:
+                continue
+            more, extra = pool.statistic([a], [*rest, k])
+            if extra and pool.p_value(more, extra, base + alone) < RIVAL:
+                continue
+            if effect.key not in found or alone > found[effect.key][0]:
+                found[effect.key] = alone, k
+        return tuple(k for _, k in sorted(found.values(), reverse=True))

@@ -1,0 +1,123 @@
+"""What is left when the causes are in the model, and what may be called by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+from scipy.linalg import qr, solve_triangular
+
+from ..effects.base import Effect
+from ..fit import Fit
+from .generic import FamilyTest, test_families
+from .screen import effective_dof, p_value
+
+ALPHA_GENERIC = 0.004  # chance that clean data show a dependence on some variable
+ALPHA_GLOBAL = 1e-3  # and that their residual exceeds the noise
+INFLATED = 1.10  # residual over noise from which pure scatter counts as something left
+MOSTLY = 0.9  # share of the excess that a cause must explain to be named although its form is not exact
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """chi2, dof, p of the residual against the noise (p NaN where the noise is the residual's own).
+
+    inflation: residual over noise. tests: families that still show something, strongest first, with
+    p-values that count all families. structured: something is left that depends on a variable, or
+    far more scatter than noise.
+    """
+
+    chi2: float
+    dof: float
+    p: float
+    inflation: float
+    tests: tuple[tuple[FamilyTest, float], ...]
+    structured: bool
+    scatter: bool
+
+
+def remainder(result: Fit, known: bool) -> Remainder:
+    """Global test and the families' tests at a fit."""
+    dof = effective_dof(result)
+    chi2 = result.chi2
+    if not known:
+        p = float("nan")
+    elif np.isinf(result.noise.dof):
+        p = float(stats.chi2.sf(chi2, dof))
+    else:
+        p = float(stats.f.sf(chi2 / dof, dof, result.noise.dof))
+    tests = test_families(result)
+    significant = []
+    for test in tests:
+        one = p_value(test.statistic, test.rank, chi2, dof, result.noise.dof, known) * len(tests)
+        if one < ALPHA_GENERIC:
+            significant.append((test, one))
+    significant.sort(key=lambda pair: (pair[1], -pair[0].statistic / max(pair[0].rank, 1)))
+    inflation = float(np.sqrt(chi2 / dof))
+    scatter = bool(known and p < ALPHA_GLOBAL and inflation > INFLATED)
+    return Remainder(chi2, dof, p, inflation, tuple(significant), bool(significant) or scatter, scatter)
+
+
+def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: float) -> bool:
+    """Whether the model's i-th effect stays significant when all that is left is modelled freely too.
+
+    The families that still show something, and those of the effect's own joint, go into the background:
+    what then remains of the effect cannot be a piece of the unknown.
+    """
+    effect: Effect = result.model.effects[i]
+    own = result.model.problem.arm.names.index(effect.where.joint) if effect.where.joint else -1
+    blocks = [test.family.columns for test, _ in left.tests[:6]]
+    from .generic import families
+
+    blocks += [f.columns for f in families(result) if f.joint == own and own >= 0]
+    F = np.concatenate(blocks, axis=2) if blocks else np.zeros((*result.r.shape, 0))
+    flat = F.reshape(-1, F.shape[2])
+    size = np.linalg.norm(flat, axis=0)
+    flat = flat[:, size > 1e-9] / size[size > 1e-9]
+    rows = int((np.abs(result.whitener).sum(axis=2) > 0).sum())
+    P = result.J.shape[2]
+    if P + flat.shape[1] > 0.6 * rows:
+        return False
+    J = result.J.reshape(-1, P) * result.columns.prior
+    stacked = np.block([[J, flat], [np.eye(P), np.zeros((P, flat.shape[1]))], [np.zeros((flat.shape[1], P)), 1e-3 * np.eye(flat.shape[1])]])
+    right = np.concatenate([result.r.ravel(), np.zeros(len(stacked) - len(result.r.ravel()))])
+    R = qr(np.column_stack([stacked, right]), mode="r", check_finite=False)[0]
+    n = stacked.shape[1]
+    upper = R[:n, :n]
+    step = solve_triangular(upper, R[:n, n])
+    inverse = solve_triangular(upper, np.eye(n))
+    part = result.columns.effect[i]
+    index = np.arange(part.start, part.stop)
+    prior = result.columns.prior[index]
+    value = result.state.values[i] + step[index] * prior
+    covariance = (inverse[index] * prior[:, None]) @ (inverse[index] * prior[:, None]).T
+    wald = float(value @ np.linalg.solve(covariance, value))
+    rss = float(R[n, n] ** 2)
+    dof = max(rows - n, 1)
+    p = p_value(wald, len(index), rss + wald, dof + len(index), result.noise.dof, known)
+    return bool(p < threshold)
+
+
+def explained_share(before: Fit, after: Fit) -> float:
+    """Share of the geometry fit's excess over the noise that the causes took away."""
+    excess = before.chi2 - effective_dof(before)
+    left = after.chi2 - effective_dof(after)
+    return float(1 - max(left, 0.0) / excess) if excess > 0 else 1.0
+
+
+def describe_structure(left: Remainder, rms_mm: float) -> str:
+    """What the unknown depends on, in words."""
+    if not left.tests:
+        return (
+            f"the residual is {left.inflation:.2f} times the noise ({rms_mm:.4f} mm RMS) but depends on no "
+            "recorded variable: repeat some poses, and record approach, time and temperature"
+        )
+    names = [test.family.variable for test, _ in left.tests[:3]]
+    return "depends on " + names[0] + (f" (also seen against {', '.join(names[1:])})" if names[1:] else "")
+
+
+def threshold_of(effects: Sequence[Effect], pool: int) -> float:
+    """Significance that a named cause must keep."""
+    return 0.01 / max(pool, 1) if effects else 0.01
