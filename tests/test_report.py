@@ -16,8 +16,10 @@ import pytest
 
 from workbench import figures
 from workbench.diagnose.result import Diagnosis, Finding, Parameter
+from workbench.effects import catalogue
 from workbench.report import write_all
 from workbench.report.content import content, gather
+from workbench.report.equation import typeset
 from workbench.report.numbers import mm, p_value, quantity, significant, size
 from workbench.report.page import page
 from workbench.report.pdf import pdf
@@ -213,6 +215,12 @@ def test_same_stage_names_as_the_result() -> None:
     ]
 
 
+def test_every_equation_of_the_catalogue_is_set() -> None:
+    equations = {cause: effect.equation for cause, effect in catalogue().items()}
+    drawn = typeset(list(equations.values()))
+    assert [cause for cause, equation in equations.items() if equation not in drawn] == []
+
+
 def test_summary_of_noise_from_the_residual_judges_nothing() -> None:
     said = content(example.bare())
     assert "cannot be judged" in said["remainder"]
@@ -237,6 +245,11 @@ def test_unknown_cause_shows_its_structure() -> None:
         (Parameter("com_x", 0.152, 0.001, "m"), "152.0 mm", "150.0 … 154.0 mm"),
         (Parameter("mass", 252.1, 1.1, "kg"), "252.1 kg", "249.9 … 254.3 kg"),
         (Parameter("coefficient", 1.15e-5, 1e-7, "1/K"), "11.50 µm/(m·K)", "11.30 … 11.70 µm/(m·K)"),
+        (
+            Parameter("compliance", 2.1e-8, 1e-9, "1/(N·m²)"),
+            "21.0·10⁻⁹/(N·m²)",
+            "19.0 … 23.0·10⁻⁹/(N·m²)",
+        ),
         (Parameter("half_width", 0.0, float("nan"), "rad"), "0 µrad", ""),
     ],
 )

@@ -58,7 +58,7 @@ def scene(
         if ghost_q is not None:
             _draw_robot(meshcat, robot, np.asarray(ghost_q, dtype=float), "/ghost")
         data = _data(diagnosis, reach, ghost_label if ghost_q is not None else "")
-        _look(meshcat, data["centre"], data["extent"])
+        _look(meshcat, data["centre"], data["extent"], reach[-1] - reach[0])
         html: str = meshcat.StaticHtml()
     overlay = OVERLAY.read_text(encoding="utf-8").replace("/*DATA*/", _script_json(data))
     title = f"<title>{_plain(diagnosis.robot_title)}, {_plain(diagnosis.campaign)}</title>"
@@ -146,10 +146,11 @@ def _data(diagnosis: Diagnosis, links: Array, ghost: str) -> dict[str, Any]:
     }
 
 
-def _look(meshcat: Any, centre: list[float], extent: float) -> None:
-    """The camera, in front and to the right; a light ground; no axes."""
-    ahead = np.array([0.78, -0.95, 0.42])
-    left = np.array([ahead[1], -ahead[0], 0.0]) / np.hypot(*ahead[:2])
+def _look(meshcat: Any, centre: list[float], extent: float, arm: Array) -> None:
+    """The camera, looking at the side of the arm (base to flange); a light ground; no axes."""
+    azimuth = np.arctan2(arm[1], arm[0]) - np.radians(60)
+    ahead = np.array([1.05 * np.cos(azimuth), 1.05 * np.sin(azimuth), 0.38])
+    left = np.array([np.sin(azimuth), -np.cos(azimuth), 0.0])
     middle = np.array(centre) + 0.09 * extent * left  # room for the panel
     meshcat.SetCamera(meshcat.PerspectiveCamera(fov=38, near=0.05, far=200))
     meshcat.SetCameraPose(middle + extent * ahead, middle)

@@ -15,7 +15,7 @@ TEMPLATE = """#set page(width: auto, height: auto, margin: 1pt, fill: none)
 #let lines = json("lines.json")
 #for (number, line) in lines.enumerate() {
   if number > 0 { pagebreak() }
-  math.equation(block: true, eval(line, mode: "math"))
+  math.equation(block: true, eval(line, mode: "math", scope: (sgn: math.op("sgn"), sign: math.op("sign"))))
 }
 """
 

@@ -43,8 +43,8 @@ class Quantity:
 
 
 def join(value: str, unit: str) -> str:
-    """Number and unit, with the space that the unit wants (none before °)."""
-    return f"{value}{unit}" if unit == "°" else f"{value} {unit}".rstrip()
+    """Number and unit, with the space that the unit wants (none before ° and ·10⁻⁹)."""
+    return value + unit if unit.startswith(("°", "·")) else f"{value} {unit}".rstrip()
 
 
 def decimals(value: float, places: int) -> str:
@@ -97,8 +97,11 @@ def scale(size: float, unit: str, name: str = "") -> Scale:
     if unit in ("", "1"):
         return _ratio(size, name)
     if unit in ("1/K", "1/degC", "1/°C"):
-        return Scale(1e6, "µm/(m·K)")
+        return Scale(1e6, "µm/(m·K)") if size < 2e-4 else Scale(100.0, "%/K")
     head, rest = _first(unit)
+    if head == "1":
+        power = 3 * math.floor(math.log10(size) / 3)
+        return Scale(10.0**-power, f"·10{str(power).translate(SUPERSCRIPTS)}{rest}" if power else unit)
     if head in PLAIN or head not in SCALABLE:
         return Scale(1.0, unit)
     if head == "m" and not rest:
@@ -111,11 +114,11 @@ def scale(size: float, unit: str, name: str = "") -> Scale:
 
 
 def _ratio(size: float, name: str) -> Scale:
-    if name in ("relative", "scale", "ratio") and size < 2e-4:
+    if name in ("relative", "scale", "coefficient") and size < 2e-4:
         return Scale(1e6, "ppm")
     if name == "coupling" and size < 5e-3:
         return Scale(1e6, "µrad/rad")
-    return Scale(100.0, "%") if size < 5 and name != "order" else Scale(1.0, "")
+    return Scale(100.0, "%") if size < 5 and name not in ("order", "weight") else Scale(1.0, "")
 
 
 def _first(unit: str) -> tuple[str, str]:

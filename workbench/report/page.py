@@ -80,7 +80,7 @@ def _stages(said: Content, shown: Mapping[str, Figure]) -> str:
         numbers = "".join(f'<td class="number">{value}</td>' for value in values)
         final = ' class="final"' if number == len(said["stages"]) - 1 else ""
         rows.append(f'<tr{final}><th scope="row">{escape(stage["name"])}{note}</th>{numbers}</tr>')
-    head = ("Parameters", "Mean, mm", "RMS, mm", "Largest, mm", "RMS on fitted poses, mm")
+    head = ("Parameters", "Mean, mm", "RMS, mm", "Largest, mm", "RMS fitted, mm")
     columns = "".join(f'<th scope="col" class="number">{name}</th>' for name in head)
     return (
         f'<section id="stages"><h2>What each step brings</h2>{_figure(shown.get("stages"))}'
