@@ -25,8 +25,8 @@ ATMOSPHERE = 101325.0  # Pa
 class CompensatorLaw:
     """Force of a compensator, F(s) in N > 0 when it pulls its pivots together; s in m.
 
-    `charge` scales the absolute gas pressure, or the spring's rate (1 = nominal); `preload` [N]
-    adds to the force.
+    `charge` scales the absolute gas pressure, or the spring's rate (1 = nominal), for all poses or for
+    each (N,); `preload` [N] adds to the force.
     """
 
     data: Compensator
@@ -34,17 +34,21 @@ class CompensatorLaw:
     arm: int
     body_pivot: Array
     arm_pivot: Array
-    charge: float = 1.0
+    charge: float | Array = 1.0
     preload: float = 0.0
 
     def force(self, s: Array) -> tuple[Array, Array, Array]:
         """F, dF/ds and dF/dcharge at pivot distances s: (N,)."""
         d = self.data
         if d.kind == "spring":
-            assert d.rate is not None and d.free_length is not None
+            assert d.rate is not None
+            assert d.free_length is not None
             pull = d.rate * (s - d.free_length)
-            return (self.charge * pull + self.preload, np.full_like(s, self.charge * d.rate), pull)
-        assert d.piston_area and d.precharge and d.gas_length and d.reference is not None
+            return self.charge * pull + self.preload, self.charge * np.full_like(s, d.rate), pull
+        assert d.piston_area
+        assert d.precharge
+        assert d.gas_length
+        assert d.reference is not None
         length = d.gas_length - (s - d.reference)
         gas = d.piston_area * d.precharge * (d.gas_length / length) ** d.exponent
         force = self.charge * gas - d.piston_area * ATMOSPHERE + self.preload
@@ -64,7 +68,7 @@ class Loads:
 
     mass: (N,) [kg], moment: (N, 3) [kg·m, flange frame] of tool and payload together; wrench:
     (N, 6) [N, N·m] on the robot at the flange origin, base frame; torque: (N, n) [N·m or N] extra
-    axial torque on each joint (hose); charge: (N,) factor on the compensator, per pose.
+    axial torque on each joint (hose).
     """
 
     mass: Array

@@ -56,11 +56,11 @@ class Backlash(TransmissionEffect):
         if direction is None:
             return []
         both = np.ptp(np.sign(direction), axis=0) == 2
-        return [
-            cls(Where(joint=name), sliding=bool(sliding))
-            for name, sliding, seen in zip(problem.arm.names, problem.arm.prismatic, both, strict=True)
-            if seen
-        ]
+        return [place for place, seen in zip(cls.places(problem), both, strict=True) if seen]
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[Backlash]:
+        return [cls(Where(joint=j.name), sliding=j.kind == "prismatic") for j in problem.robot.joints]
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         if direction is None:

@@ -69,6 +69,11 @@ class Effect(ABC):
     def sites(cls, problem: Problem) -> Sequence[Effect]:
         """Every place (and variant) that may be tested on this problem."""
 
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[Effect]:
+        """Every place where it can sit, whether this campaign would show it or not."""
+        return cls.sites(problem)
+
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         """The parameters as the contract names them, from the fitted ones (p,), (p, p)."""
         std = np.sqrt(np.diag(covariance))
@@ -76,6 +81,11 @@ class Effect(ABC):
             Parameter(p.name, float(v), float(s), p.unit, p.meaning)
             for p, v, s in zip(self.params, values, std, strict=True)
         )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names that `given` understands."""
+        return tuple(p.name for p in self.params)
 
     def given(self, numbers: Mapping[str, float]) -> Array:
         """The fitted parameters (p,) from numbers by name: `report` the other way round."""
@@ -177,6 +187,9 @@ def mass_wrench(problem: Problem, where: Frames, slot: int, mass: Array, moment:
     out[..., 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, :, 3:], torque)
     out[:, slot + 1 :] = 0.0
     return out
+
+
+SIN_COS = ("amplitude", "phase", "sin", "cos")
 
 
 def sin_cos(numbers: Mapping[str, float]) -> Array:

@@ -53,13 +53,16 @@ class Drift(DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Drift]:
-        if problem.time is None or np.ptp(problem.time) == 0:
-            return []
-        start = float(problem.time.min())
+        return [] if problem.time is None or np.ptp(problem.time) == 0 else cls.places(problem)
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[Drift]:
+        start = 0.0 if problem.time is None else float(problem.time.min())
         return [cls(variant=variant, start=start) for variant in ("shift", "shift+turn")]
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        assert problem.time is not None
+        if problem.time is None:
+            return {}
         since = (problem.time - self.start)[:, None]
         return {c: since * unit for c, unit in enumerate(np.eye(len(self.params)))}
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..arm import Array
 from ..diagnose.result import Parameter, Where
 from ..problem import Problem
-from .base import Param, TransmissionEffect, amplitude_phase, sin_cos
+from .base import SIN_COS, Param, TransmissionEffect, amplitude_phase, sin_cos
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,10 @@ class GearEccentricity(TransmissionEffect):
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         angle = self.cycles * q[:, joints.index(str(self.where.joint))]
         return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return SIN_COS
 
     def given(self, numbers: Mapping[str, float]) -> Array:
         return sin_cos(numbers)

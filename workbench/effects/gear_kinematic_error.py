@@ -11,7 +11,7 @@ import numpy as np
 from ..arm import Array
 from ..diagnose.result import Parameter, Where
 from ..problem import Problem
-from .base import Param, TransmissionEffect, amplitude_phase, sin_cos
+from .base import SIN_COS, Param, TransmissionEffect, amplitude_phase, sin_cos
 
 
 @dataclass(frozen=True)
@@ -58,9 +58,19 @@ class GearKinematicError(TransmissionEffect):
             for cycles in (1, 2, 4)
         ]
 
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[GearKinematicError]:
+        """Orders of known ratios, and any order of a turning joint (order None, for `replace`)."""
+        turning = [joint.name for joint in problem.robot.joints if joint.kind == "revolute"]
+        return [*cls.sites(problem), *(cls(Where(joint=name)) for name in turning)]
+
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         angle = self.order * q[:, joints.index(str(self.where.joint))]
         return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return SIN_COS
 
     def given(self, numbers: Mapping[str, float]) -> Array:
         return sin_cos(numbers)

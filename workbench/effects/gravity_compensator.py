@@ -58,20 +58,22 @@ class GravityCompensator(LoadEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[GravityCompensator]:
+        warm_and_cold = problem.warmth is not None and np.ptp(problem.warmth) > 0
+        return [place for place in cls.places(problem) if warm_and_cold or place.variant != "temperature"]
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[GravityCompensator]:
         if problem.compensator is None:
             return []
-        kind, warmth = problem.compensator.data.kind, problem.warmth
-        variants = ["charge", "preload"]
-        if kind == "gas" and warmth is not None and np.ptp(warmth) > 0:
-            variants.append("temperature")
+        kind = problem.compensator.data.kind
+        variants = ("charge", "preload", "temperature") if kind == "gas" else ("charge", "preload")
         return [cls(variant=variant, kind=kind) for variant in variants]
 
     def _scale(self, problem: Problem) -> Array:
         """(N,) relative change of the charge per unit of the parameter."""
-        if self.variant == "temperature":
-            assert problem.warmth is not None
-            return problem.warmth
-        return np.ones(len(problem.q))
+        if self.variant != "temperature":
+            return np.ones(len(problem.q))
+        return np.zeros(len(problem.q)) if problem.warmth is None else problem.warmth
 
     def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
         law = loads.compensator

@@ -14,6 +14,8 @@ from ..problem import Problem
 from ..statics import Loads
 from .base import LoadEffect, Param, mass_wrench
 
+MOMENT = ("com_x", "com_y", "com_z", "moment_x", "moment_y", "moment_z")
+
 
 @dataclass(frozen=True)
 class LinkMass(LoadEffect):
@@ -79,6 +81,10 @@ class LinkMass(LoadEffect):
             for m, first in zip(mass, moment.T, strict=True)
         ]
         return np.stack(columns, axis=-1)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return ("mass",) if self.variant == "mass" else MOMENT
 
     def given(self, numbers: Mapping[str, float]) -> Array:
         if self.variant == "mass":

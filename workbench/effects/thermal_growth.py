@@ -55,24 +55,32 @@ class ThermalGrowth(DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[ThermalGrowth]:
-        warmth, time = problem.warmth, problem.time
-        if warmth is not None and np.ptp(warmth) > 0:
-            return [cls()]
-        if warmth is not None or time is None or np.ptp(time) == 0:
-            return []
-        start, span = float(time.min()), float(np.ptp(time))
-        return [cls(variant=f"warmup {share:g}", start=start, constant=share * span) for share in WARM_UP]
+        by_temperature, *by_time = cls.places(problem)
+        if problem.warmth is not None:
+            return [by_temperature] if np.ptp(problem.warmth) > 0 else []
+        return by_time if problem.time is not None and np.ptp(problem.time) > 0 else []
 
-    def _warmth(self, problem: Problem) -> Array:
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[ThermalGrowth]:
+        time = np.zeros(1) if problem.time is None else problem.time
+        start, span = float(time.min()), float(np.ptp(time)) or 3600.0
+        return [
+            cls(),
+            *(cls(variant=f"warmup {share:g}", start=start, constant=share * span) for share in WARM_UP),
+        ]
+
+    def _warmth(self, problem: Problem) -> Array | None:
         if not self.variant.startswith("warmup"):
-            assert problem.warmth is not None
             return problem.warmth
-        assert problem.time is not None
+        if problem.time is None:
+            return None
         # before the start the arm is cold
         return 1 - np.exp(-np.maximum(problem.time - self.start, 0.0) / self.constant)
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         warmth, span = self._warmth(problem), problem.arm.span
+        if warmth is None:
+            return {}
         return {
             6 * slot + c: warmth[:, None] * span[slot, c]
             for slot in range(problem.arm.slots)
