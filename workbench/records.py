@@ -115,7 +115,8 @@ def _place(kind: type[Effect], item: EffectRecord, problem: Problem, text: str) 
         if _matches(place, where, item.variant):
             return replace(place, variant=item.variant or place.variant)
     for place in places:  # any order
-        if place.where.order is None and replace(place.where, order=item.order) == where and not item.variant:
+        free = place.ordered and place.where.order is None
+        if free and item.order and not item.variant and replace(place.where, order=item.order) == where:
             return replace(place, where=where)
     why = None if places else kind.needs(problem)
     raise InputError(Fault(text, why or "cannot sit there", "" if why else _possible(places)))
@@ -126,7 +127,8 @@ def _matches(place: Effect, where: Where, variant: str) -> bool:
         return False
     if where.order is None:
         # the order of a known ratio goes without saying when the variant names it
-        return replace(place.where, order=None) == where and (place.where.order is None or bool(variant))
+        named = bool(variant) if place.ordered else True
+        return replace(place.where, order=None) == where and named
     same = place.where.order is not None and bool(np.isclose(place.where.order, where.order, rtol=1e-12))
     return same and replace(place.where, order=None) == replace(where, order=None)
 
@@ -135,6 +137,8 @@ def _possible(places: Sequence[Effect]) -> str:
     said: dict[str, None] = {}
     for place in places:
         keys = place.where.keys() | ({"variant": place.variant} if place.variant else {})
+        if place.ordered:
+            keys = {"joint": place.where.joint, "order": "(cycles per joint turn)"}
         said[",".join(f"{key}={value}" for key, value in keys.items())] = None
     listed = [text for text in said if text]
     return f"possible: {'; '.join(listed[:12])}" + (" ..." if len(listed) > 12 else "") if listed else ""

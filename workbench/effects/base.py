@@ -43,6 +43,7 @@ class Effect(ABC):
     the measurement that tells it apart (in words). variant: forms of the same cause share cause and
     place and differ in this; they are never each other's rivals. settings: names of the fields that
     are numbers but not fitted (a time constant, say); they are kept with the values in model.toml.
+    ordered: `where` needs an order.
     """
 
     where: Where = NOWHERE
@@ -53,6 +54,7 @@ class Effect(ABC):
     equation: ClassVar[str] = ""
     separate: ClassVar[Mapping[str, str]] = {}
     settings: ClassVar[tuple[str, ...]] = ()
+    ordered: ClassVar[bool] = False
 
     @property
     @abstractmethod

@@ -1,0 +1,208 @@
+"""For every cause, place and variant of the catalogue: exact Jacobian, the same in Drake, text and back."""
+
+import atexit
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+
+from workbench.campaign import Target
+from workbench.effects import catalogue
+from workbench.faults import InputError
+from workbench.model import Model, State
+from workbench.poses import planned, random_poses
+from workbench.problem import problem
+from workbench.records import effect_text, from_record, parse_effect, record, stated_effects
+from workbench.robot import load_robot
+from workbench.simulate import Truth, simulate
+from workbench.studies.random_robot import write_random_robot
+
+FOLDER = TemporaryDirectory()  # the parameters of the tests need the robots
+atexit.register(FOLDER.cleanup)
+N_POSES = 8
+ROBOTS = ("kr500", "longlink", "6R", "PRRR")
+
+
+@cache
+def job(name):
+    """A problem with every column that an effect may need, and its robot's geometry errors."""
+    known = name in ("kr500", "longlink")
+    robot = load_robot(name if known else write_random_robot(Path(FOLDER.name), 7, name))
+    rng = np.random.default_rng(11)
+    n = len(robot.joints)
+    q = random_poses(robot, N_POSES, rng, floor=-9.0, clear=0.0)
+    targets = (
+        Target("T1", (0.15, 0.02, 0.05), fixed=True),
+        Target("T2", (-0.1, 0.1, 0.1), fixed=True),
+        Target("L", (0.1, 0.0, 0.2), on=robot.links[2]),
+        Target("B", (0.5, 0.3, 0.1), on="base"),
+    )
+    plan = planned(
+        robot,
+        q,
+        targets=targets,
+        payloads={"heavy": (120.0, (0.05, 0.02, 0.2))},
+        payload=["", "heavy"] * (N_POSES // 2),
+        tool=(20.0, (0.0, 0.0, 0.1)),
+        wrench=rng.normal(0, 100, (N_POSES, 6)),
+        direction=rng.choice([-1.0, 1.0], (N_POSES, n)),
+        time=np.linspace(0, 7200, N_POSES),
+        temperature=rng.uniform(20, 30, N_POSES),
+        readback=q + 1e-4 * rng.normal(size=q.shape),
+    )
+    case = problem(plan)
+    geometry = 1e-3 * rng.normal(size=(case.arm.slots, 6))
+    geometry[[0, -1]] = 0.0
+    R = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    R *= np.sign(np.linalg.det(R))
+    return case, State(
+        case.arm.geometry + geometry, R[None], rng.normal(size=(1, 3)), case.stated_targets[None]
+    )
+
+
+def values_of(effect):
+    """Typical, each a little different, inside the bounds."""
+    return np.array([p.typical * (1 + 0.3 * i) for i, p in enumerate(effect.params)])
+
+
+def places(name):
+    """One place per cause and variant (the second, where there is one)."""
+    case, _ = job(name)
+    chosen = {}
+    for cause, kind in catalogue().items():
+        for effect in kind.places(case):
+            if cause == "gear_kinematic_error" and effect.where.order is None:
+                effect = replace(effect, where=replace(effect.where, order=37.5))
+            form = cause, effect.variant, getattr(effect, "sliding", False)
+            chosen.setdefault(form, []).append(effect)
+    return [same[min(1, len(same) - 1)] for same in chosen.values()]
+
+
+CASES = [(name, effect) for name in ROBOTS for effect in places(name)]
+every = pytest.mark.parametrize(
+    ("name", "effect"), CASES, ids=[f"{name}-{effect.label}-{effect.variant}" for name, effect in CASES]
+)
+
+
+def test_every_cause_of_the_contract_has_a_file():
+    causes = {
+        "joint_compliance", "gear_ratio", "gear_eccentricity", "gear_kinematic_error", "wrist_coupling",
+        "backlash", "lost_motion", "gravity_compensator", "payload", "link_mass", "link_bending",
+        "bearing_tilt", "foundation", "thermal_growth", "drift", "hose_torque", "tracker_scale",
+        "readback_joints",
+    }  # fmt: skip
+    assert set(catalogue()) == causes
+    tested = {effect.cause for _, effect in CASES}
+    assert tested == causes
+
+
+@every
+def test_jacobian_equals_finite_differences(name, effect):
+    case, state = job(name)
+    values = values_of(effect)
+    model = Model(case, (effect,))
+    J = model.effect_jacobian(model.linearise(replace(state, values=(values,))), effect, values)
+    for i, p in enumerate(effect.params):
+        step = np.zeros(len(values))
+        step[i] = 0.1 * p.typical
+        there, back = (
+            model.predict(replace(state, values=(values + sign * step,))).reshape(N_POSES, -1)
+            for sign in (1, -1)
+        )
+        change = (there - back) / (2 * step[i])
+        scale = np.abs(change).max()
+        assert scale > 0 or (name, effect.cause, effect.variant) == ("PRRR", "link_mass", "com")
+        assert np.abs(J[:, :, i] - change).max() < 1e-5 * scale + 1e-12 / step[i]
+
+
+@every
+def test_batch_equals_drake(name, effect):
+    case, state = job(name)
+    values = values_of(effect)
+    predicted = Model(case, (effect,)).predict(replace(state, values=(values,)))
+    truth = Truth(
+        geometry=state.geometry - case.arm.geometry,
+        effects=((effect, values),),
+        repeatability=np.zeros(case.arm.n),
+    )
+    measured = simulate(case.campaign, truth, instrument=(state.R, state.t))
+    assert np.abs(measured.points - predicted).max() < 1e-9
+
+
+@every
+def test_text_and_back(name, effect):
+    case, _ = job(name)
+    values = values_of(effect)
+    same, numbers = from_record(record(effect, values), case)
+    assert same == effect
+    assert np.allclose(numbers, values, rtol=1e-14)
+    same, numbers = parse_effect(effect_text(effect, values), case)
+    assert same == effect
+    assert np.allclose(numbers, values, rtol=1e-14)
+    # the names of the report say the same
+    reported = {p.name: p.value for p in effect.report(values, np.eye(len(values))) if p.name in effect.names}
+    assert np.allclose(effect.given(reported), values, rtol=1e-12)
+    assert all(p.unit for p in effect.params)
+    assert effect.sentence(values)
+    assert effect.equation
+    assert set(effect.separate) <= {*catalogue(), "geometry"}
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("rust", "no cause 'rust'; known: backlash,"),
+        ("gear_ratio:joint=joint_9,relative=1e-4", "no joint 'joint_9'; known: joint_1,"),
+        ("gear_ratio:joint=joint_1,relativ=1e-4", "no parameter 'relativ'; known: relative"),
+        ("gear_ratio:joint=joint_1,relative=much", "'much', not a number"),
+        ("gear_ratio:joint_1", "'joint_1' is no key=value"),
+        (
+            "gear_kinematic_error:joint=joint_4,amplitude=1e-4",
+            "possible: joint=joint_1,order=(cycles per joint turn)",
+        ),
+        ("wrist_coupling:joint=joint_1,other=joint_2", "possible: joint=joint_4,other=joint_5"),
+        ("payload:payload=light", "no payload 'light'; known: heavy"),
+    ],
+)
+def test_wrong_text_is_refused_with_what_is_known(text, said):
+    with pytest.raises(InputError) as caught:
+        parse_effect(text, job("kr500")[0])
+    assert said in str(caught.value)
+
+
+def test_text_takes_the_contract_s_names():
+    case, _ = job("kr500")
+    text = "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.3"
+    effect, values = parse_effect(text, case)
+    assert effect.where.order == 200
+    assert effect.variant == "2"
+    assert np.allclose(values, [2e-4 * np.cos(0.3), 2e-4 * np.sin(0.3)])
+    effect, values = parse_effect("lost_motion:joint=joint_2,variant=soft,torque=800,amplitude=1e-4", case)
+    assert (effect.torque, values[0]) == (800.0, 1e-4)
+    effect, values = parse_effect("payload:payload=heavy,variant=com,com_x=0.01", case)
+    assert np.allclose(values, [1.2, 0, 0])
+
+
+def test_what_the_data_cannot_show_is_said():
+    robot = load_robot("kr500")
+    bare = problem(planned(robot, np.zeros((4, 6))))
+    whys = {cause: kind.needs(bare) for cause, kind in catalogue().items()}
+    assert whys["backlash"] == "no column dir1..dir6: record the side of approach"
+    missing = {cause for cause, why in whys.items() if why}
+    assert missing == {"backlash", "drift", "payload", "readback_joints", "thermal_growth", "tracker_scale"}
+    for cause, why in whys.items():
+        assert why or catalogue()[cause].sites(bare)
+
+
+def test_a_robot_s_own_effects_act_in_its_campaigns():
+    case, _ = job("kr500")
+    robot = replace(case.robot, effects=(record(*parse_effect("foundation:compliance=1e-8", case)),))
+    changed = replace(case.campaign, robot=robot)
+    assert [effect.cause for effect, _ in stated_effects(problem(changed))] == ["foundation"]
+    still = np.zeros(6)
+    with_it = simulate(changed, Truth(repeatability=still)).points
+    without = simulate(case.campaign, Truth(repeatability=still)).points
+    assert 1e-5 < np.abs(with_it - without).max() < 1e-3
