@@ -88,6 +88,13 @@ def simulate(
     )
 
 
+def random_geometry(arm: Arm, rng: np.random.Generator, length: float = 5e-4, angle: float = 5e-4) -> Array:
+    """Corrections (S, 6) of the joints' frames with these standard deviations [m, rad]."""
+    geometry = rng.normal(size=(arm.slots, 6)) * ([length] * 3 + [angle] * 3)
+    geometry[[0, -1]] = 0.0
+    return geometry
+
+
 @dataclass(frozen=True)
 class _Draws:
     """Random parts, each from a stream of its own: more shots do not change the robot."""
