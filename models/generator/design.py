@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .kinematics import Array, Chain, Table
+from .kinematics import Array, Chain, Table, pose, rotation_x, rotation_y, rotation_z
 
 Vector = Sequence[float]
 
@@ -80,3 +80,13 @@ class Design:
     @property
     def joint_names(self) -> list[str]:
         return list(self.joints) or [f"joint_{i + 1}" for i in range(len(self.chain.axes))]
+
+    @property
+    def rotation(self) -> Array:
+        """(3, 3) of all link frames in the base frame at q = 0."""
+        roll, pitch, yaw = self.mount
+        return rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
+
+    def link_frames(self) -> list[Array]:
+        """Poses X_BL (4, 4) of link frames 1..n at q = 0: on the joint axes, all turned alike."""
+        return [pose(self.rotation, 1000 * axis.point) for axis in self.chain.axes]

@@ -31,23 +31,12 @@ def write(design: Design, folder: Path) -> list[Path]:
     return [target / name for name in texts]
 
 
-def link_frames(design: Design) -> list[Array]:
-    """Poses X_BL of link frames 1..n at q = 0: on the joint axes, all turned alike."""
-    rotation = _mount(design)
-    return [pose(rotation, 1000 * axis.point) for axis in design.chain.axes]
-
-
-def _mount(design: Design) -> Array:
-    roll, pitch, yaw = design.mount
-    return rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
-
-
 def link_masses(design: Design) -> list[tuple[float, Array, Array]]:
     """Mass, centre of mass and inertia of links 1..n in their URDF frames."""
-    frames = link_frames(design)
+    frames = design.link_frames()
     masses = design.masses
     if masses.table is None:
-        upright = pose(_mount(design), (0, 0, masses.start)) if masses.start is not None else np.eye(4)
+        upright = pose(design.rotation, (0, 0, masses.start)) if masses.start is not None else np.eye(4)
         moved, stated = frames, [upright] * len(frames)
     else:
         at = np.radians(masses.at if masses.at is not None else np.zeros(len(frames)))
@@ -69,7 +58,7 @@ def urdf_text(design: Design, shapes: Mapping[str, Shape]) -> str:
     for i, mass in enumerate(link_masses(design)):
         lines += _link(f"link_{i + 1}", mass, shapes)
     lines += _link("flange", None, shapes)
-    frames = link_frames(design)
+    frames = design.link_frames()
     parent = np.eye(4)
     for i, (X, axis, limits) in enumerate(zip(frames, design.chain.axes, design.limits, strict=True)):
         X_PL = np.linalg.inv(parent) @ X

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-CREASE = np.cos(np.radians(44.0))
+CREASE = np.cos(np.radians(58.0))
 POSITION_GRID, NORMAL_GRID = 5e-5, 2e-3
 
 
@@ -26,7 +26,7 @@ class Paint:
 
     rgb: tuple[int, int, int]
     metallic: float = 0.0
-    roughness: float = 0.55
+    roughness: float = 0.75
 
     def material(self) -> dict[str, object]:
         linear = [round((c / 255) ** 2.2, 4) for c in self.rgb]
@@ -36,13 +36,18 @@ class Paint:
 
 @dataclass(frozen=True)
 class Mesh:
-    """A closed surface: vertices (v, 3) [mm], faces (f, 3), counter-clockwise from outside."""
+    """A closed surface: vertices (v, 3) [mm], faces (f, 3), counter-clockwise from outside.
+
+    The last `flat` faces are its flat ends.
+    """
 
     vertices: Array
     faces: NDArray[np.int64]
+    flat: int
 
     def moved(self, rotation: Array, origin: ArrayLike) -> Mesh:
-        return Mesh(np.einsum("ij,vj->vi", rotation, self.vertices) + np.asarray(origin), self.faces)
+        moved = np.einsum("ij,vj->vi", rotation, self.vertices) + np.asarray(origin)
+        return Mesh(moved, self.faces, self.flat)
 
 
 Shape = list[tuple[Paint, Mesh]]
@@ -63,7 +68,7 @@ def loft(rings: Sequence[Array]) -> Mesh:
     made = np.array(faces)
     p, q, r = (vertices[made[:, i]] for i in range(3))
     volume = np.sum(np.cross(p, q) * r)
-    return Mesh(vertices, made if volume > 0 else made[:, ::-1])
+    return Mesh(vertices, made if volume > 0 else made[:, ::-1], 2 * n)
 
 
 def gltf(shape: Shape) -> str:
@@ -132,11 +137,16 @@ def _on_grid(values: Array, grid: float) -> NDArray[np.int64]:
 
 
 def _corner_normals(mesh: Mesh) -> Array:
-    """(f, 3, 3): at each corner the area-weighted mean of the faces there that meet it smoothly."""
+    """(f, 3, 3): at each corner the mean of the faces there that meet it smoothly, by area squared.
+
+    A flat end keeps its own normal, so that it looks flat.
+    """
     p, q, r = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
     areas = np.cross(q - p, r - p)
     size = np.sqrt(np.sum(areas**2, axis=1, keepdims=True))
     units = areas / np.maximum(size, 1e-12)
+    weighted = areas * size / np.max(size)
+    weighted[len(weighted) - mesh.flat :] *= 1e3
     around: dict[int, list[int]] = {}
     for f, face in enumerate(mesh.faces):
         for vertex in face:
@@ -146,6 +156,6 @@ def _corner_normals(mesh: Mesh) -> Array:
         for corner, vertex in enumerate(face):
             near = np.array(around[int(vertex)])
             smooth = near[np.sum(units[near] * units[f], axis=1) > CREASE]
-            total = areas[smooth].sum(axis=0) if len(smooth) else units[f]
+            total = weighted[smooth].sum(axis=0) if len(smooth) else units[f]
             normals[f, corner] = total / max(np.sqrt(np.sum(total**2)), 1e-12)
     return normals

@@ -1,20 +1,23 @@
-"""The parts that robots are made of: drums, plates, limbs, motors, feet. Lengths in mm.
+"""The parts that robots are made of: drums, slabs, bodies. Lengths in mm.
 
-Everything is a loft of rings. A part is placed by a point and directions in the base frame at
-q = 0; `place.links` moves it into its link's frame.
+Everything is a loft of rings. Parts are drawn in the base frame at q = 0, with the help of a
+`Triad`: an origin and the directions along an arm, to its side, and up from it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .mesh import Array, Mesh, loft
+from .design import Design
+from .mesh import Array, Mesh, Shape, loft
 
-# Quarter-round edges: inset and depth, as parts of the edge's radius.
-ROUND = ((1.0, 0.0), (0.62, 0.08), (0.29, 0.29), (0.08, 0.62), (0.0, 1.0))
+# Rounded edges: inset and depth, as parts of the edge's radius. The large faces beside it decide the
+# normals at its two rings, so one step is shaded as a round.
+ROUND = ((1.0, 0.0), (0.0, 1.0))
 
 
 def circle(n: int) -> Array:
@@ -23,75 +26,132 @@ def circle(n: int) -> Array:
     return np.round(np.column_stack([np.cos(angles), np.sin(angles)]), 9)
 
 
-def across(axis: ArrayLike) -> tuple[Array, Array, Array]:
-    """Two directions u, v across an axis, and the axis: a right-handed set."""
-    w = np.asarray(axis, dtype=float)
-    w = w / np.sqrt(np.sum(w * w))
-    helper = np.eye(3)[int(np.argmin(np.abs(w) + np.array([2e-3, 1e-3, 0.0])))]
-    u = np.cross(helper, w)
-    u = u / np.sqrt(np.sum(u * u))
-    return u, np.cross(w, u), w
+@dataclass(frozen=True)
+class Triad:
+    """Where a part is drawn: origin [mm] and unit vectors along (a), to the side (s), up (n)."""
+
+    origin: ArrayLike = (0.0, 0.0, 0.0)
+    a: ArrayLike = (1.0, 0.0, 0.0)
+    s: ArrayLike = (0.0, 1.0, 0.0)
+    n: ArrayLike = (0.0, 0.0, 1.0)
+
+    @property
+    def axes(self) -> Array:
+        return np.array([self.a, self.s, self.n], dtype=float)
+
+    def at(self, *place: float) -> Array:
+        """The point at (along, side, up) in the base frame."""
+        return np.asarray(self.origin, dtype=float) + np.array(place) @ self.axes
+
+    def moved(self, *place: float) -> Triad:
+        return Triad(self.at(*place), self.a, self.s, self.n)
+
+    def turned(self, profile: Sequence[tuple[float, float]], axis: str = "n", sides: int = 28) -> Mesh:
+        """A turned part about an axis through the origin; `profile` is (place on the axis, radius)."""
+        k = "asn".index(axis)
+        u, v, w = (self.axes[(k + i) % 3] for i in (1, 2, 3))
+        c = circle(sides)
+        spokes = c[:, :1] * u + c[:, 1:] * v
+        return loft([self.at(0, 0, 0) + z * w + r * spokes for z, r in profile])
+
+    def drum(
+        self,
+        axis: str,
+        span: tuple[float, float],
+        radius: float,
+        edge: float = 0.0,
+        end: float | None = None,
+        sides: int = 28,
+    ) -> Mesh:
+        """A cylinder about an axis through the origin with rounded edges; `end`: radius at the far end."""
+        (low, high), last = span, radius if end is None else end
+        profile = [(low, radius), (high, last)]
+        if edge > 0:
+            profile = [(low + d * edge, radius - i * edge) for i, d in ROUND]
+            profile += [(high - d * edge, last - i * edge) for i, d in reversed(ROUND)]
+        return self.turned(profile, axis, sides)
+
+    def slab(
+        self,
+        circles: Sequence[tuple[float, float, float]],
+        span: tuple[float, float],
+        edge: float,
+        axis: str = "s",
+        sides: int = 32,
+    ) -> Mesh:
+        """Convex hull of circles (two places across the axis, radius), thick from low to high.
+
+        Places across are (along, up) for axis s, (along, side) for n, (side, up) for a.
+        """
+        k = "asn".index(axis)
+        first, second = [i for i in range(3) if i != k]
+        u, v, w = self.axes[first], self.axes[second], self.axes[k]
+        directions = circle(sides)
+        centres, radii = np.array([c[:2] for c in circles]), np.array([c[2] for c in circles])
+        far = directions[:, :1] * centres[:, 0] + directions[:, 1:] * centres[:, 1] + radii
+        best = np.argmax(np.round(far, 6), axis=1)
+
+        def ring(inset: float, along: float) -> Array:
+            flat = centres[best] + (radii[best] - inset)[:, None] * directions
+            return self.at(0, 0, 0) + flat[:, :1] * u + flat[:, 1:] * v + along * w
+
+        low, high = span
+        rings = [ring(i * edge, low + d * edge) for i, d in ROUND]
+        rings += [ring(i * edge, high - d * edge) for i, d in reversed(ROUND)]
+        return loft(rings)
+
+    def body(
+        self,
+        sections: Sequence[tuple[float, float, float, float, float, float]],
+        edge: float = 0.0,
+        axis: str = "a",
+        sides: int = 28,
+    ) -> Mesh:
+        """A tapered body along an axis through sections with rounded ends.
+
+        A section: (place on the axis, shift across twice, half-width across twice, squareness);
+        across is (side, up) for axis a, (along, side) for n, (along, up) for s. Squareness 2 is an
+        ellipse, 4 and more a rounded rectangle.
+        """
+        k = "asn".index(axis)
+        first, second = [i for i in range(3) if i != k]
+        u, v, w = self.axes[first], self.axes[second], self.axes[k]
+        c = circle(sides)
+        if edge > 0:
+            head, tail = sections[0], sections[-1]
+            way = 1.0 if tail[0] > head[0] else -1.0
+            ends = [_shrunk(head, i * edge, way * d * edge) for i, d in ROUND]
+            others = [_shrunk(tail, i * edge, -way * d * edge) for i, d in reversed(ROUND)]
+            sections = [*ends, *sections[1:-1], *others]
+        rings = []
+        for place, p, q, half_u, half_v, squareness in sections:
+            shape = np.round(np.sign(c) * np.abs(c) ** (2 / squareness), 9)
+            flat = np.array([p, q]) + np.array([half_u, half_v]) * shape
+            rings.append(self.at(0, 0, 0) + place * w + flat[:, :1] * u + flat[:, 1:] * v)
+        return loft(rings)
 
 
-def lathe(origin: ArrayLike, axis: ArrayLike, profile: Sequence[tuple[float, float]], n: int = 32) -> Mesh:
-    """A turned part: `profile` is (distance along the axis, radius)."""
-    u, v, w = across(axis)
-    c = circle(n)
-    spokes = c[:, :1] * u + c[:, 1:] * v
-    return loft([np.asarray(origin) + z * w + r * spokes for z, r in profile])
+def _shrunk(section: tuple[float, ...], inset: float, shift: float) -> tuple[float, ...]:
+    place, p, q, half_u, half_v, squareness = section
+    return (place + shift, p, q, half_u - inset, half_v - inset, squareness)
 
 
-def drum(
-    start: ArrayLike, end: ArrayLike, radius: float, edge: float = 0.0, n: int = 32, taper: float = 1.0
+def box(
+    t: Triad, a: tuple[float, float], s: tuple[float, float], n: tuple[float, float], edge: float
 ) -> Mesh:
-    """A cylinder (a cone with `taper` != 1) from `start` to `end` with rounded edges."""
-    a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    length = float(np.sqrt(np.sum((b - a) ** 2)))
-    profile = [(0.0, radius), (length, radius * taper)]
-    if edge > 0:
-        profile = [(d * edge, radius - i * edge) for i, d in ROUND]
-        profile += [(length - d * edge, radius * taper - i * edge) for i, d in reversed(ROUND)]
-    return lathe(a, b - a, profile, n)
+    """A box with rounded edges between places along, to the side and up."""
+    (a0, a1), (s0, s1) = a, s
+    corners = [(x, y, edge) for x in (a0 + edge, a1 - edge) for y in (s0 + edge, s1 - edge)]
+    return t.slab(corners, n, min(edge, 0.49 * (n[1] - n[0])), axis="n", sides=20)
 
 
-def plate(
-    circles: Sequence[tuple[ArrayLike, float]],
-    axis: ArrayLike,
-    span: tuple[float, float],
-    edge: float,
-    n: int = 48,
-) -> Mesh:
-    """The convex hull of circles (centre, radius) in the plane across `axis`, as thick as `span`.
-
-    `span` is measured along the axis from the base origin; the centres' own places along it are ignored.
-    """
-    u, v, w = across(axis)
-    directions = circle(n)
-    centres = np.array([[np.dot(c, u), np.dot(c, v)] for c, _ in circles])
-    radii = np.array([r for _, r in circles])
-    best = np.argmax(np.round(directions @ centres.T + radii, 6), axis=1)
-
-    def ring(inset: float, along: float) -> Array:
-        flat = centres[best] + (radii[best] - inset)[:, None] * directions
-        return flat[:, :1] * u + flat[:, 1:] * v + along * w
-
-    low, high = span
-    rings = [ring(i * edge, low + d * edge) for i, d in ROUND]
-    rings += [ring(i * edge, high - d * edge) for i, d in reversed(ROUND)]
-    return loft(rings)
-
-
-def limb(
-    sections: Sequence[tuple[ArrayLike, float, float, float]], u: ArrayLike, v: ArrayLike, n: int = 32
-) -> Mesh:
-    """A tapered body through sections (centre, half-width along u, along v, squareness).
-
-    Squareness 2 is an ellipse, 4 and more a rounded rectangle.
-    """
-    e, f = np.asarray(u, dtype=float), np.asarray(v, dtype=float)
-    c = circle(n)
-    rings = []
-    for centre, a, b, squareness in sections:
-        shape = np.round(np.sign(c) * np.abs(c) ** (2 / squareness), 9)
-        rings.append(np.asarray(centre) + a * shape[:, :1] * e + b * shape[:, 1:] * f)
-    return loft(rings)
+def in_link_frames(design: Design, drawn: Mapping[str, Shape], X_BD: Array | None = None) -> dict[str, Shape]:
+    """Shapes drawn in one frame D (base, unless X_BD [mm] is given), each in its own link's frame."""
+    X = np.eye(4) if X_BD is None else X_BD
+    shapes = {}
+    for link, shape in drawn.items():
+        X_BL = np.eye(4) if link == "base_link" else design.link_frames()[int(link.split("_")[1]) - 1].copy()
+        X_BL[:3, 3] *= 1000
+        X_LD = np.linalg.inv(X_BL) @ X
+        shapes[link] = [(paint, mesh.moved(X_LD[:3, :3], X_LD[:3, 3])) for paint, mesh in shape]
+    return shapes

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import chain_along, pose
-from ..looks import plain
+from ..looks.cylindrical import cylindrical
 
 LIFT, REACH = 500.0, 500.0  # l1, l2 [mm]
 
@@ -44,5 +44,5 @@ CYLINDRICAL = Design(
         "stiffness": "paper 000, Table 1 (its unit for joint_1 read as N·m/rad)",
         "visuals": "own shapes drawn from the kinematics",
     },
-    look=plain,
+    look=cylindrical,
 )

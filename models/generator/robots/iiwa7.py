@@ -2,7 +2,7 @@
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
-from ..looks import plain
+from ..looks.iiwa import iiwa
 
 KINEMATICS = Table(
     "standard",
@@ -52,5 +52,5 @@ IIWA7 = Design(
         "gear_ratio": "harmonic drives, ratios not known",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
-    look=plain,
+    look=iiwa,
 )

@@ -2,7 +2,9 @@
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
-from ..looks import plain
+from ..looks.arms import Sizes
+from ..looks.heavy import heavy
+from ..looks.paints import GREY, WHITE
 
 KINEMATICS = Table(
     "standard",
@@ -25,6 +27,25 @@ LINKS = [
     Mass(0.547, (302, 0, 630), box=(110, 70, 70)),
     Mass(0.0137, (367, 0, 630), box=(12, 40, 40)),
 ]
+
+LOOK = Sizes(
+    paint=WHITE,
+    cover=GREY,
+    foot=92,
+    waist=80,
+    turntable=125,
+    block=84,
+    hub=76,
+    elbow=58,
+    near=-42,
+    far=-92,
+    cheek=80,
+    forearm=54,
+    tube=40,
+    tube_start=125,
+    wrist=31,
+    flange=24,
+)
 
 IRB120 = Design(
     name="irb120",
@@ -49,5 +70,5 @@ IRB120 = Design(
         "gear_ratio": "not known",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
-    look=plain,
+    look=lambda design: heavy(design, LOOK),
 )

@@ -2,7 +2,9 @@
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_along, pose, rotation_y
-from ..looks import plain
+from ..looks.arms import Sizes
+from ..looks.heavy import heavy
+from ..looks.paints import ORANGE
 
 # Arm level and forwards at q = 0, as in the controller, which turns A1, A4 and A6 the other way round.
 KINEMATICS = chain_along(
@@ -56,6 +58,26 @@ LINKS = [
     Mass(4.0, (0, 0, -20), box=(160, 160, 40)),
 ]
 
+LOOK = Sizes(
+    paint=ORANGE,
+    foot=390,
+    waist=300,
+    turntable=260,
+    block=285,
+    hub=235,
+    elbow=180,
+    near=-165,
+    far=-320,
+    cheek=265,
+    forearm=175,
+    tube=112,
+    tube_start=480,
+    wrist=88,
+    flange=80,
+    motor=82,
+    cylinder=58,
+)
+
 KR120 = Design(
     name="kr120",
     title="KUKA KR 120 R2500 pro",
@@ -107,5 +129,5 @@ KR120 = Design(
         "hold); charge, area and length: assumed, not public",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
-    look=plain,
+    look=lambda design: heavy(design, LOOK),
 )

@@ -2,7 +2,9 @@
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
-from ..looks import plain
+from ..looks.arms import Sizes
+from ..looks.heavy import heavy
+from ..looks.paints import ORANGE
 
 KINEMATICS = Table(
     "modified",
@@ -61,6 +63,26 @@ COMPENSATOR = {
     "exponent": 1.0,
 }
 
+LOOK = Sizes(
+    paint=ORANGE,
+    foot=540,
+    waist=420,
+    turntable=400,
+    block=400,
+    hub=300,
+    elbow=240,
+    near=-215,
+    far=-430,
+    cheek=360,
+    forearm=235,
+    tube=165,
+    tube_start=560,
+    wrist=125,
+    flange=115,
+    motor=110,
+    cylinder=72,
+)
+
 KR500 = Design(
     name="kr500",
     title="KUKA KR 500 R2830",
@@ -98,5 +120,5 @@ KR500 = Design(
         "charge, area and length: assumed, so that about half of the arm's weight is carried",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
-    look=plain,
+    look=lambda design: heavy(design, LOOK),
 )

@@ -2,7 +2,7 @@
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
-from ..looks import plain
+from ..looks.longlink import longlink
 
 KINEMATICS = Table(
     "standard",
@@ -71,5 +71,5 @@ LONGLINK = Design(
         "micrometres",
         "visuals": "own shapes drawn from the kinematics",
     },
-    look=plain,
+    look=longlink,
 )

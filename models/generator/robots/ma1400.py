@@ -2,7 +2,7 @@
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
-from ..looks import plain
+from ..looks.ma1400 import ma1400_look
 
 ROWS = [
     (150, -90, 1415.9, 0),
@@ -56,7 +56,7 @@ def ma1400(side: str) -> Design:
             "gear_ratio": "not known",
             "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
         },
-        look=plain,
+        look=ma1400_look,
     )
 
 

@@ -2,7 +2,9 @@
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
-from ..looks import plain
+from ..looks.arms import Sizes
+from ..looks.heavy import heavy
+from ..looks.paints import YELLOW
 
 # All joints at 0: arm and forearm stand up. Arm and forearm are 70 mm beside axis 1.
 KINEMATICS = Table(
@@ -26,6 +28,24 @@ LINKS = [
     Mass(15, (100, 70, 2385), box=(140, 130, 190)),
     Mass(5, (100, 70, 2470), box=(110, 110, 40)),
 ]
+
+LOOK = Sizes(
+    paint=YELLOW,
+    foot=300,
+    waist=235,
+    turntable=250,
+    block=225,
+    hub=205,
+    elbow=150,
+    near=-110,
+    far=-250,
+    cheek=180,
+    forearm=140,
+    tube=88,
+    tube_start=330,
+    wrist=66,
+    flange=52,
+)
 
 RX170 = Design(
     name="rx170",
@@ -75,5 +95,5 @@ RX170 = Design(
         "ends of the sweep of paper 003 (50 degrees either way)",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
-    look=plain,
+    look=lambda design: heavy(design, LOOK),
 )

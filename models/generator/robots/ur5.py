@@ -2,7 +2,7 @@
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
-from ..looks import plain
+from ..looks.ur import ur
 
 KINEMATICS = Table(
     "standard",
@@ -50,5 +50,5 @@ UR5 = Design(
         "stiffness": "not known, taken as rigid",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
-    look=plain,
+    look=ur,
 )

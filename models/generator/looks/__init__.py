@@ -1,0 +1,1 @@
+"""How the robots look: shapes drawn around the joint axes. Not the manufacturers' shapes."""
