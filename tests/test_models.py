@@ -1,15 +1,19 @@
 """The robots that come with the workbench: they load, and move as their tables say."""
 
+import base64
 import importlib
+import json
 import sys
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from pydrake.geometry import Meshcat, MeshcatParams, MeshcatVisualizer
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import JointIndex
+from pydrake.systems.framework import DiagramBuilder
 
 from workbench.robot import list_robots, load_robot
 
@@ -241,6 +245,34 @@ def test_spring_of_the_rx170_leaves_a_little_of_the_gravity_torque():
         left = gravity - data.rate * (s - data.free_length) * slope
         assert 140 < abs(left) < 300
         assert left * degrees > 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_link_is_drawn(name):
+    for link in ("base_link", *load_robot(name).links):
+        content = json.loads((MODELS / name / f"{link}.gltf").read_text())
+        uri = content["buffers"][0]["uri"]
+        blob = base64.b64decode(uri.split(",")[1])
+        assert len(blob) == content["buffers"][0]["byteLength"]
+        for primitive in content["meshes"][0]["primitives"]:
+            views = [content["bufferViews"][content["accessors"][i]["bufferView"]] for i in
+                     (primitive["attributes"]["NORMAL"], primitive["indices"])]  # fmt: skip
+            normal, index = (blob[v["byteOffset"] : v["byteOffset"] + v["byteLength"]] for v in views)
+            lengths = np.linalg.norm(np.frombuffer(normal, "<f4").reshape(-1, 3), axis=1)
+            np.testing.assert_allclose(lengths, 1, atol=1e-5)
+            assert np.frombuffer(index, "<u2").max() == len(lengths) - 1
+
+
+def test_shapes_show_in_meshcat():
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+    Parser(plant).AddModels(str(load_robot("kr500").urdf))
+    plant.Finalize()
+    meshcat = Meshcat(MeshcatParams(port=0, show_stats_plot=False))
+    MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
+    diagram = builder.Build()
+    diagram.ForcedPublish(diagram.CreateDefaultContext())
+    assert len(meshcat.StaticHtml()) > 2_000_000 + 280_000
 
 
 def test_made_again_the_files_are_the_same_to_the_byte(tmp_path):

@@ -73,14 +73,18 @@ def loft(rings: Sequence[Array]) -> Mesh:
 
 def gltf(shape: Shape) -> str:
     """glTF 2.0 text of a shape in link coordinates; its buffer stands inside."""
-    blob, views, accessors, primitives, materials = b"", [], [], [], []
+    blob = b""
+    views: list[dict[str, object]] = []
+    accessors: list[dict[str, object]] = []
+    primitives: list[dict[str, object]] = []
+    materials: list[dict[str, object]] = []
     paints = list(dict.fromkeys(paint for paint, _ in shape))
     for paint in paints:
         positions, normals, indices = _surface([mesh for other, mesh in shape if other == paint])
         start = len(accessors)
         for data, kind in ((positions, "VEC3"), (normals, "VEC3"), (indices, "SCALAR")):
             views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": data.nbytes})
-            accessor = {"bufferView": len(views) - 1, "count": len(data), "type": kind}
+            accessor: dict[str, object] = {"bufferView": len(views) - 1, "count": len(data), "type": kind}
             accessor["componentType"] = 5123 if kind == "SCALAR" else 5126
             accessors.append(accessor)
             blob += data.tobytes() + b"\0" * (-data.nbytes % 4)

@@ -26,6 +26,9 @@ def circle(n: int) -> Array:
     return np.round(np.column_stack([np.cos(angles), np.sin(angles)]), 9)
 
 
+Section = tuple[float, float, float, float, float, float]
+
+
 @dataclass(frozen=True)
 class Triad:
     """Where a part is drawn: origin [mm] and unit vectors along (a), to the side (s), up (n)."""
@@ -102,7 +105,7 @@ class Triad:
 
     def body(
         self,
-        sections: Sequence[tuple[float, float, float, float, float, float]],
+        sections: Sequence[Section],
         edge: float = 0.0,
         axis: str = "a",
         sides: int = 28,
@@ -131,7 +134,7 @@ class Triad:
         return loft(rings)
 
 
-def _shrunk(section: tuple[float, ...], inset: float, shift: float) -> tuple[float, ...]:
+def _shrunk(section: Section, inset: float, shift: float) -> Section:
     place, p, q, half_u, half_v, squareness = section
     return (place + shift, p, q, half_u - inset, half_v - inset, squareness)
 

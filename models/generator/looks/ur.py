@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..design import Design
-from ..mesh import Mesh, Shape
+from ..mesh import Array, Mesh, Shape
 from ..parts import Triad, in_link_frames
 from .paints import BLACK, DARK, SILVER, SKY, STEEL
 
@@ -55,7 +55,7 @@ def _base() -> Shape:
     return shape
 
 
-def _shoulder(shoulder, upper: float) -> Shape:
+def _shoulder(shoulder: Array, upper: float) -> Shape:
     t = Triad(shoulder)
     seam = upper + BIG + 4
     return [
@@ -65,7 +65,7 @@ def _shoulder(shoulder, upper: float) -> Shape:
     ]
 
 
-def _upper_arm(shoulder, elbow, upper: float, fore: float) -> Shape:
+def _upper_arm(shoulder: Array, elbow: Array, upper: float, fore: float) -> Shape:
     t, e = Triad(shoulder), Triad(elbow)
     length = float(elbow[0] - shoulder[0])
     face = 0.5 * (upper + fore)
@@ -83,7 +83,7 @@ def _upper_arm(shoulder, elbow, upper: float, fore: float) -> Shape:
     ]
 
 
-def _forearm(elbow, wrist, upper: float, fore: float, plane: float) -> Shape:
+def _forearm(elbow: Array, wrist: Array, upper: float, fore: float, plane: float) -> Shape:
     e, w = Triad(elbow), Triad(wrist)
     length = float(wrist[0] - elbow[0])
     face, end = 0.5 * (upper + fore), 0.5 * (fore + plane)
@@ -100,7 +100,7 @@ def _forearm(elbow, wrist, upper: float, fore: float, plane: float) -> Shape:
     ]
 
 
-def _wrist(wrist, y: tuple[float, float], z: tuple[float, float]) -> Shape:
+def _wrist(wrist: Array, y: tuple[float, float], z: tuple[float, float]) -> Shape:
     fore, plane = y
     t = Triad((wrist[0], 0, wrist[2]))
     up = Triad((wrist[0], plane, 0))
@@ -113,7 +113,7 @@ def _wrist(wrist, y: tuple[float, float], z: tuple[float, float]) -> Shape:
     ]
 
 
-def _hand(wrist, z: tuple[float, float], end: float) -> Shape:
+def _hand(wrist: Array, z: tuple[float, float], end: float) -> Shape:
     x, plane, low = wrist
     up = Triad((x, plane, 0))
     t = Triad((x, 0, low))
@@ -126,7 +126,7 @@ def _hand(wrist, z: tuple[float, float], end: float) -> Shape:
     ]
 
 
-def _flange(tip) -> Shape:
+def _flange(tip: Array) -> Shape:
     t = Triad(tip)
     shape: Shape = [
         (SILVER, t.drum("s", (6, 32), SMALL, 2)),
