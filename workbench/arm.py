@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,15 +94,33 @@ class Frames:
 
     R, p: (S, N, 3, 3), (S, N, 3) [m] link frames (slot n + 1: the flange).
     axes: (N, S, 6, 3) unit axes of the motions T; origin: (N, S, 3) [m] where their rotations pivot.
-    geometry_axes: (N, S, 6, 3), geometry_origin: (N, S, 3): the same for the corrections G.
     """
 
+    arm: Arm
     R: Array
     p: Array
     axes: Array
     origin: Array
-    geometry_axes: Array
-    geometry_origin: Array
+
+    @cached_property
+    def geometry_axes(self) -> Array:
+        """(N, S, 6, 3) unit axes of the corrections G."""
+        axes = _corrected(self.arm)[2]
+        out = np.empty((self.arm.slots, len(self.origin), 6, 3))
+        out[0] = axes[0]
+        for k in range(1, self.arm.slots):
+            out[k] = (self.R[k - 1].reshape(-1, 3) @ axes[k].T).reshape(-1, 3, 6).transpose(0, 2, 1)
+        return out.transpose(1, 0, 2, 3)
+
+    @cached_property
+    def geometry_origin(self) -> Array:
+        """(N, S, 3) [m] where the corrections' rotations pivot."""
+        p = _corrected(self.arm)[1]
+        out = np.empty((self.arm.slots, len(self.origin), 3))
+        out[0] = p[0]
+        for k in range(1, self.arm.slots):
+            out[k] = self.p[k - 1] + self.R[k - 1] @ p[k]
+        return out.transpose(1, 0, 2)
 
     def points(self, targets: Array, on: Sequence[int]) -> Array:
         """Places of targets: (T, 3) in the frames behind slots `on` → (N, T, 3) [m]."""
@@ -117,27 +136,24 @@ class Frames:
 def frames(arm: Arm, q: Array, motion: Array | None = None) -> Frames:
     """Frames for commanded joints q: (N, n) and slot motions: (N, S, 6) [m, rad] (None: zero)."""
     n_poses = len(q)
-    G_R, G_p, G_axes = _corrected(arm)
+    G_R, G_p, _ = _corrected(arm)
+    # slot by slot in memory: each step writes one block
     R_out = np.empty((arm.slots, n_poses, 3, 3))
     p_out = np.empty((arm.slots, n_poses, 3))
-    axes = np.empty((n_poses, arm.slots, 6, 3))
-    origin = np.empty((n_poses, arm.slots, 3))
-    g_axes = np.empty((n_poses, arm.slots, 6, 3))
-    g_origin = np.empty((n_poses, arm.slots, 3))
+    axes = np.empty((arm.slots, n_poses, 6, 3))
+    origin = np.empty((arm.slots, n_poses, 3))
     R = np.broadcast_to(np.eye(3), (n_poses, 3, 3))
     p = np.zeros((n_poses, 3))
     for k in range(arm.slots):
         flat = R.reshape(-1, 3)
-        g_axes[:, k] = (flat @ G_axes[k].T).reshape(n_poses, 3, 6).transpose(0, 2, 1)
         p = p + (flat @ G_p[k]).reshape(n_poses, 3)
         R = (flat @ G_R[k]).reshape(n_poses, 3, 3)
-        g_origin[:, k] = p
         moved = motion[:, k] if motion is not None else None
         joint = q[:, k - 1] if 1 <= k <= arm.n else None
         sliding = joint is not None and bool(arm.prismatic[k - 1])
-        R, p = _step(R, p, moved, joint, sliding, axes[:, k], origin[:, k])
+        R, p = _step(R, p, moved, joint, sliding, axes[k], origin[k])
         R_out[k], p_out[k] = R, p
-    return Frames(R_out, p_out, axes, origin, g_axes, g_origin)
+    return Frames(arm, R_out, p_out, axes.transpose(1, 0, 2, 3), origin.transpose(1, 0, 2))
 
 
 def _step(

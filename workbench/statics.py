@@ -96,29 +96,32 @@ class Wrenches:
 def wrenches(arm: Arm, where: Frames, loads: Loads) -> Wrenches:
     """Wrenches at all slots."""
     n_poses, slots = where.origin.shape[:2]
-    mass = np.empty((n_poses, slots))
-    first = np.empty((n_poses, slots, 3))
-    mass[:, -1] = loads.mass
-    first[:, -1] = loads.mass[:, None] * where.p[-1] + np.einsum("nij,nj->ni", where.R[-1], loads.moment)
+    # slot by slot in memory, as the frames are
+    axes, origin = where.axes.transpose(1, 0, 2, 3), where.origin.transpose(1, 0, 2)
+    mass, first = np.empty((slots, n_poses)), np.empty((slots, n_poses, 3))
+    mass[-1] = loads.mass
+    first[-1] = loads.mass[:, None] * where.p[-1] + (where.R[-1] @ loads.moment[..., None])[..., 0]
     for k in range(slots - 2, -1, -1):
-        mass[:, k] = mass[:, k + 1] + arm.mass[k]
-        first[:, k] = first[:, k + 1] + arm.mass[k] * where.p[k] + where.R[k] @ arm.moment[k]
-    first = first - mass[..., None] * where.origin
-    external = loads.wrench[:, None, :3]
+        mass[k] = mass[k + 1] + arm.mass[k]
+        first[k] = first[k + 1] + arm.mass[k] * where.p[k] + where.R[k] @ arm.moment[k]
+    first -= mass[..., None] * origin
+    external = loads.wrench[:, :3]
     force = mass[..., None] * arm.gravity + external
-    lever = where.p[-1][:, None] - where.origin
-    moment = cross(first, arm.gravity) + cross(lever, external) + loads.wrench[:, None, 3:]
+    moment = cross(first, arm.gravity)
+    if loads.wrench.any():
+        moment += cross(where.p[-1] - origin, external) + loads.wrench[:, 3:]
     if (c := loads.compensator) is not None:
         a, u, s = c.ends(where)
         pull = c.force(s)[0][:, None] * u
         for k in range(c.body + 1, c.arm + 1):
-            force[:, k] += pull
-            moment[:, k] += cross(a - where.origin[:, k], pull)
-    local = np.empty((n_poses, slots, 6))
-    local[..., :3] = np.einsum("nsci,nsi->nsc", where.axes[:, :, :3], force)
-    local[..., 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, :, 3:], moment)
-    local.reshape(n_poses, -1)[:, arm.axial] += loads.torque
-    return Wrenches(local, force, moment, mass, first)
+            force[k] += pull
+            moment[k] += cross(a - origin[k], pull)
+    local = np.empty((slots, n_poses, 6))
+    np.matmul(axes[..., :3, :], force[..., None], out=local[..., :3, None])
+    np.matmul(axes[..., 3:, :], moment[..., None], out=local[..., 3:, None])
+    slot, component = np.divmod(arm.axial, 6)
+    local[slot, :, component] += loads.torque.T
+    return Wrenches(*(x.swapaxes(0, 1) for x in (local, force, moment, mass, first)))
 
 
 Law = Callable[[Array], Array]
