@@ -20,6 +20,7 @@ MOST_JOINTS = 20  # looked for where no robot says how many
 POSITION = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
 ABC = ("a", "b", "c")
+WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,8 @@ class Path:
     """A path of N samples, as joints or as tool poses.
 
     time: (N,) s, rising; q: (N, n) rad or m; X: (N, 4, 4) tool in the base frame. One of q and X
-    is None.
+    is None. wrench: (N, 6) [N, N·m] on the robot at the flange origin, base frame, and temperature:
+    (N,) [degC], where the file gives them. file and lines (N): where the samples stand, for messages.
     """
 
     time: Array
@@ -35,15 +37,26 @@ class Path:
     X: Array | None = None
     title: str = ""
     warnings: tuple[str, ...] = ()
+    wrench: Array | None = None
+    temperature: Array | None = None
+    file: str = ""
+    lines: tuple[int, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def place(self, index: int) -> str:
+        """Where a sample stands: file and line."""
+        line = self.lines[index] if self.lines else index + 2
+        file = self.file or (self.title or "path") + ".csv"
+        return f"{file} line {line}"
 
 
 def load_path(file: str | pathlib.Path, robot: Robot | None = None) -> Path:
     """Load and check a path. Raises `InputError` with all faults.
 
-    With a robot, the joint columns have to be the robot's, each in a unit that fits.
+    With a robot, the joint columns have to be the robot's, each in a unit that fits. The columns
+    `fx_N fy_N fz_N mx_Nm my_Nm mz_Nm` and `temp_degC` may stand beside, as in `poses.csv`.
     """
     file = pathlib.Path(file)
     table = read_table(file, Layout(), _columns(robot))
@@ -64,13 +77,25 @@ def load_path(file: str | pathlib.Path, robot: Robot | None = None) -> Path:
         raise InputError(table.faults)
     q = np.stack([table.numbers[name] for name in joints], axis=1) if joints else None
     warnings = tuple(f"{file}: column {name!r} is not used" for name in table.unused)
-    return Path(table.numbers["t"], q, None if joints else _tool_poses(table), file.stem, warnings)
+    return Path(
+        table.numbers["t"],
+        q,
+        None if joints else _tool_poses(table),
+        file.stem,
+        warnings,
+        _wrench(table),
+        table.numbers.get("temp"),
+        str(file),
+        tuple(int(line) for line in table.lines),
+    )
 
 
 def _columns(robot: Robot | None) -> list[Column]:
     columns = [Column("t", ("time",), required=True, mend="every sample needs its time")]
     columns += [Column(name, ("length",)) for name in POSITION]
     columns += [Column(name) for name in QUATERNION] + [Column(name, ("angle",)) for name in ABC]
+    columns += [Column(name, ("force" if name[0] == "f" else "torque",)) for name in WRENCH]
+    columns += [Column("temp", ("temperature",))]
     if robot is None:
         return columns + [Column(f"q{index}", ("angle", "length")) for index in range(1, MOST_JOINTS + 1)]
     for index, joint in enumerate(robot.joints, 1):
@@ -147,6 +172,14 @@ def _tool_poses(table: Table) -> Array:
     return pose(columns(POSITION), turned)
 
 
+def _wrench(table: Table) -> Array | None:
+    """(N, 6), what is not given zero; None where nothing is given."""
+    if not any(name in table.numbers for name in WRENCH):
+        return None
+    nothing = np.zeros(len(table))
+    return np.stack([table.numbers.get(name, nothing) for name in WRENCH], axis=1)
+
+
 def write_path(
     file: str | pathlib.Path,
     path: Path,
@@ -170,6 +203,10 @@ def write_path(
             columns += zip(("a_deg", "b_deg", "c_deg"), np.rad2deg(zyx_angles(R)).T, strict=True)
         else:
             columns += zip(QUATERNION, quaternions(R).T, strict=True)
+    if path.wrench is not None:
+        columns += zip((f"{n}_N" if n[0] == "f" else f"{n}_Nm" for n in WRENCH), path.wrench.T, strict=True)
+    if path.temperature is not None:
+        columns.append(("temp_degC", path.temperature))
     rows = [
         [number_text(value) for value in row] for row in zip(*(column for _, column in columns), strict=True)
     ]
