@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
+from scipy.spatial.transform import Rotation
 
 from .arm import Array
 from .effects.base import Effect
@@ -29,21 +30,23 @@ KEYS = ("tx", "ty", "tz", "rx", "ry", "rz")
 class Columns:
     """The fitted numbers: their names and prior standard deviations, in blocks.
 
-    frame: (6K,) shift and turn of each set-up; target: indices (setup, target) with three columns each;
-    geometry: columns 6 · slot + component; effects follow with their own parameters.
+    First the frames: shift and turn of each set-up. Then `targets`: (setup, target, columns), three
+    columns for one target, or six (shift and turn, target None) for all of a 6-D measurement together.
+    Then geometry: columns 6 · slot + component; then the effects' own parameters.
     """
 
     names: tuple[str, ...]
     prior: Array
     setups: int
-    targets: tuple[tuple[int, int], ...]
+    targets: tuple[tuple[int, int | None, slice], ...]
     geometry: NDArray[np.int64]
     effect: tuple[slice, ...]
 
     @property
     def background(self) -> int:
         """Number of columns before the effects'."""
-        return 6 * self.setups + 3 * len(self.targets) + len(self.geometry)
+        start = self.targets[-1][2].stop if self.targets else 6 * self.setups
+        return int(start) + len(self.geometry)
 
     @property
     def geometry_slice(self) -> slice:
@@ -100,14 +103,12 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool = True) 
     for setup in campaign.setup_names:
         names += [f"frame/{setup}/{key}" for key in KEYS]
         prior += [FRAME_PRIOR] * 6
-    targets = []
+    targets: list[tuple[int, int | None, slice]] = []
     for k, setup in enumerate(campaign.setup_names):
-        for i, target in enumerate(campaign.targets):
-            if target.fixed or not problem.seen[campaign.setup == k, i].any():
-                continue
-            targets.append((k, i))
-            names += [f"target/{setup}/{target.name}/{axis}" for axis in "xyz"]
-            prior += [STATED_TARGET if target.xyz is not None else UNKNOWN_TARGET] * 3
+        for i, label, keys, spread in _free_targets(problem, k):
+            targets.append((k, i, slice(len(names), len(names) + len(keys))))
+            names += [f"target/{setup}/{label}/{key}" for key in keys]
+            prior += spread
     arm = problem.arm
     which = np.arange(6, 6 * (arm.n + 1)) if geometry else np.zeros(0, dtype=int)
     for column in which:
@@ -125,6 +126,30 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool = True) 
     )
 
 
+def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, tuple[str, ...], list[float]]]:
+    """Targets of a set-up that are fitted: index (None: all as one body), name, keys, priors."""
+    campaign = problem.campaign
+    seen = problem.seen[campaign.setup == setup].any(axis=0)
+    free = [i for i, target in enumerate(campaign.targets) if seen[i] and not target.fixed]
+    stated = [campaign.targets[i].xyz is not None for i in free]
+    if campaign.six_dof and free:
+        spread = [STATED_TARGET] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
+        return [(None, "body", KEYS, spread)]
+    return [
+        (i, campaign.targets[i].name, ("x", "y", "z"), [STATED_TARGET if known else UNKNOWN_TARGET] * 3)
+        for i, known in zip(free, stated, strict=True)
+    ]
+
+
+def _body_motion(places: Array) -> Array:
+    """(3T, 6) motion of places (T, 3) by shift and turn of all about their centroid."""
+    arms = places - places.mean(axis=0)
+    out = np.zeros((len(places), 3, 6))
+    out[..., :3] = np.eye(3)
+    out[..., 3:] = np.cross(np.eye(3)[None], arms[:, None]).transpose(0, 2, 1)
+    return out.reshape(-1, 6)
+
+
 def start_state(problem: Problem) -> State:
     """State after registration, robot as it is."""
     R, t, targets = register(problem)
@@ -136,7 +161,7 @@ def fit(
     start: State,
     noise: Covariance,
     geometry: bool = True,
-    tolerance: float = 1e-3,
+    tolerance: float = 1e-2,
     max_iterations: int = 30,
 ) -> Fit:
     """Fits frames, targets, geometry and the model's effects to the campaign.
@@ -181,6 +206,14 @@ def fit(
     )
 
 
+def refit(result: Fit, effects: Sequence[Effect]) -> Fit:
+    """The same data with other effects, started from the numbers that a fit has already."""
+    had = dict(zip(result.model.effects, result.state.values, strict=True))
+    values = tuple(had.get(effect, np.zeros(len(effect.params))) for effect in effects)
+    model = replace(result.model, effects=tuple(effects))
+    return fit(model, replace(result.state, values=values), result.noise)
+
+
 def _whitener(problem: Problem, line: Linearisation, noise: Covariance) -> Array:
     axial = line.direct[:, :, problem.arm.axial]
     turned = None
@@ -201,13 +234,14 @@ def _offset(model: Model, cols: Columns, state: State) -> Array:
     """How far each number is from its prior's mean, in units of the prior."""
     problem = model.problem
     out = np.zeros(len(cols.names))
-    at = 6 * cols.setups
-    for k, i in cols.targets:
-        if np.isfinite(problem.stated_targets[i]).all():
-            out[at : at + 3] = state.targets[k, i] - problem.stated_targets[i]
-        at += 3
+    for k, i, part in cols.targets:
+        off = state.targets[k] - problem.stated_targets
+        if i is not None:
+            out[part] = np.nan_to_num(off[i])
+        elif np.isfinite(off).all():
+            out[part] = np.linalg.lstsq(_body_motion(state.targets[k]), off.ravel(), rcond=None)[0]
     change = state.geometry - problem.arm.geometry
-    out[at : at + len(cols.geometry)] = change.ravel()[cols.geometry]
+    out[cols.geometry_slice] = change.ravel()[cols.geometry]
     for part, values in zip(cols.effect, state.values, strict=True):
         out[part] = values
     return out / cols.prior
@@ -220,11 +254,14 @@ def _jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W:
     J = np.zeros((n_poses, rows, len(cols.names)))
     for k in range(cols.setups):
         J[:, :, 6 * k : 6 * k + 6] = np.where((setup == k)[:, None, None], line.frame, 0.0)
-    at = 6 * cols.setups
-    for k, i in cols.targets:
-        J[:, 3 * i : 3 * i + 3, at : at + 3] = np.where((setup == k)[:, None, None], line.target[:, i], 0.0)
-        at += 3
-    J[:, :, at : at + len(cols.geometry)] = line.geometry[:, :, cols.geometry]
+    for k, i, part in cols.targets:
+        here = (setup == k)[:, None, None]
+        if i is not None:
+            J[:, 3 * i : 3 * i + 3, part] = np.where(here, line.target[:, i], 0.0)
+        else:
+            body = _body_motion(state.targets[k]).reshape(-1, 3, 6)
+            J[:, :, part] = np.where(here, (line.target @ body).reshape(n_poses, rows, 6), 0.0)
+    J[:, :, cols.geometry_slice] = line.geometry[:, :, cols.geometry]
     for part, effect, values in zip(cols.effect, model.effects, state.values, strict=True):
         J[:, :, part] = model.effect_jacobian(line, effect, values)
     return np.asarray(np.matmul(W, J))
@@ -255,12 +292,15 @@ def _move(problem: Problem, cols: Columns, state: State, centre: Array, step: Ar
     for k in range(cols.setups):
         state = move_frame(state, k, centre[k], step[6 * k : 6 * k + 6])
     targets = state.targets.copy()
-    at = 6 * cols.setups
-    for k, i in cols.targets:
-        targets[k, i] += step[at : at + 3]
-        at += 3
+    for k, i, part in cols.targets:
+        if i is not None:
+            targets[k, i] += step[part]
+            continue
+        centre = targets[k].mean(axis=0)
+        turn = Rotation.from_rotvec(step[part][3:])
+        targets[k] = turn.apply(targets[k] - centre) + centre + step[part][:3]
     geometry = state.geometry.copy()
-    geometry.reshape(-1)[cols.geometry] += step[at : at + len(cols.geometry)]
+    geometry.reshape(-1)[cols.geometry] += step[cols.geometry_slice]
     values = tuple(v + step[part] for v, part in zip(state.values, cols.effect, strict=True))
     return replace(state, targets=targets, geometry=geometry, values=values)
 

@@ -11,8 +11,7 @@ import numpy as np
 from ..arm import Array
 from ..campaign import Campaign
 from ..effects.base import Effect
-from ..fit import Fit, fit, heldout
-from ..model import Model
+from ..fit import Fit, heldout, refit
 from ..problem import Problem
 from .evidence import evidence, structure_evidence
 from .judge import test_figures
@@ -120,7 +119,7 @@ def _stages(parts: Parts, groups: Groups) -> tuple[list[Stage], list[Array]]:
         members += own
         name += f" + {effect.label}"
         last = i == len(groups) - 1
-        fits.append((name, final if last else _refit(final, members)))
+        fits.append((name, final if last else refit(final, [final.model.effects[m] for m in members])))
     stages, residuals = [], []
     for name, result in fits:
         out = heldout(result, seed=parts.seed)
@@ -149,13 +148,6 @@ def _rms(length: Array) -> float:
     return float(np.sqrt(np.nanmean(length**2)))
 
 
-def _refit(final: Fit, members: Sequence[int]) -> Fit:
-    """The final model with some of its effects only."""
-    model = replace(final.model, effects=tuple(final.model.effects[i] for i in members))
-    state = replace(final.state, values=tuple(final.state.values[i] for i in members))
-    return fit(model, state, final.noise)
-
-
 def _sure(parts: Parts, groups: Groups, left: Remainder) -> dict[int, bool]:
     """Which groups stay significant whatever else is going on."""
     if not left.structured:
@@ -173,8 +165,8 @@ def _finding(
 ) -> Finding:
     effect, own = groups[g]
     final, selection = parts.selection.fit, parts.selection
-    without = [i for i in range(len(final.model.effects)) if i not in own]
-    worse = _rms(np.linalg.norm(heldout(_refit(final, without), seed=parts.seed), axis=2)) * 1e3
+    without = [e for i, e in enumerate(final.model.effects) if i not in own]
+    worse = _rms(np.linalg.norm(heldout(refit(final, without), seed=parts.seed), axis=2)) * 1e3
     gain = worse - stages[-1].heldout_rms_mm
     pool = selection.pool
     chosen_keys = {e.key for e, _ in groups}

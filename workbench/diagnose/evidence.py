@@ -26,8 +26,8 @@ def evidence(result: Fit, effect: Effect, values: Array, together: Array | None 
     keep = size > 1e-3 * max(float(size.max()), 1e-300)
     unit = added[keep] / size[keep, None]
     # whitened lengths back to mm by the noise of the pose
-    mm = 1e3 / np.maximum(np.linalg.norm(np.matmul(result.whitener, _direction(result, effect, values))[keep], axis=1), 1e-300)
-    mm = mm * np.linalg.norm(_direction(result, effect, values)[keep], axis=1)[:, 0]
+    move = (result.model.effect_jacobian(result.line, effect, values) @ values)[keep]
+    mm = 1e3 * np.linalg.norm(move, axis=1) / size[keep]
     after = (unit * result.r[keep]).sum(axis=1) * mm
     x, name, x_unit = size[keep] * mm, "effect predicted", "mm"
     before = after + size[keep] * mm
@@ -37,12 +37,6 @@ def evidence(result: Fit, effect: Effect, values: Array, together: Array | None 
     order = np.argsort(x)
     curve = size[keep] * mm
     return Evidence(name, x_unit, "error along the effect", "mm", x, before, after, x[order], curve[order])
-
-
-def _direction(result: Fit, effect: Effect, values: Array) -> Array:
-    """(N, 3T, 1) displacement of the points by the effect."""
-    move = result.model.effect_jacobian(result.line, effect, values) @ values
-    return np.asarray(move)[..., None]
 
 
 def _joint(result: Fit, effect: Effect, values: Array, added: Array) -> Evidence:

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
 from scipy.linalg import solve_triangular
 
@@ -49,10 +51,53 @@ class Screen:
         S, u = self._without(a, g)
         return quadratic(S, u, self.own[a])
 
+    def increments(self, given: Sequence[int]) -> tuple[Array, NDArray[np.int64]]:
+        """Drop of the residual by every single candidate beyond `given`, and its rank: (c,), (c,)."""
+        g = self._columns(given)
+        cross, u = self.S[g], self.u
+        solved = self._solve(g, cross)
+        u = u - solved.T @ self.u[g]
+        out, ranks = np.zeros(len(self.parts)), np.zeros(len(self.parts), dtype=np.int64)
+        for size, members, index in self.by_size:
+            blocks = self.S[index[:, :, None], index[:, None, :]]
+            blocks = blocks - np.einsum("gki,gkj->kij", cross[:, index], solved[:, index])
+            length = np.sqrt(np.maximum(self.own[index], 1e-300))
+            x = u[index] / length
+            blocks = blocks / (length[:, :, None] * length[:, None, :])
+            if size == 1:
+                keep = blocks[:, 0, 0] > SURVIVES
+                out[members] = np.where(keep, x[:, 0] ** 2 / np.where(keep, blocks[:, 0, 0], 1.0), 0.0)
+                ranks[members] = keep
+                continue
+            values, vectors = np.linalg.eigh(blocks)
+            y = np.einsum("ki,kij->kj", x, vectors)
+            kept = values > SURVIVES
+            out[members] = np.sum(np.where(kept, y**2 / np.where(kept, values, 1.0), 0.0), axis=1)
+            ranks[members] = kept.sum(axis=1)
+        return out, ranks
+
+    @cached_property
+    def by_size(self) -> list[tuple[int, NDArray[np.int64], NDArray[np.int64]]]:
+        """Candidates with equally many columns together: size, their numbers (k,), columns (k, size)."""
+        sizes = np.array([part.stop - part.start for part in self.parts], dtype=np.int64)
+        starts = np.array([part.start for part in self.parts], dtype=np.int64)
+        return [
+            (int(size), np.flatnonzero(sizes == size), starts[sizes == size][:, None] + np.arange(size))
+            for size in np.unique(sizes)
+        ]
+
+    def _solve(self, g: Array, right: Array) -> Array:
+        """S_gg⁻¹ right, with a whiff of ridge for sets that are nearly dependent."""
+        if not len(g):
+            return np.zeros((0, *right.shape[1:]))
+        S = self.S[np.ix_(g, g)].copy()
+        S[np.diag_indices_from(S)] += 1e-10 * self.own[g]
+        return np.linalg.solve(S, right)
+
     def solution(self, k: Sequence[int]) -> tuple[Array, Array]:
         """Values of the candidates' parameters (their own units) and covariance, fitted together."""
         a = self._columns(k)
-        inverse = np.linalg.pinv(self.S[np.ix_(a, a)], rcond=1e-10, hermitian=True)
+        inverse = self._solve(a, np.eye(len(a)))
         value = inverse @ self.u[a]
         return value * self.scale[a], inverse * np.outer(self.scale[a], self.scale[a])
 
@@ -67,9 +112,7 @@ class Screen:
         S, u = self.S[np.ix_(a, a)], self.u[a]
         if len(g):
             cross = self.S[np.ix_(g, a)]
-            solved = np.linalg.pinv(self.S[np.ix_(g, g)], rcond=1e-10, hermitian=True) @ np.column_stack(
-                [cross, self.u[g]]
-            )
+            solved = self._solve(g, np.column_stack([cross, self.u[g]]))
             S, u = S - cross.T @ solved[:, :-1], u - cross.T @ solved[:, -1]
         return S, u
 
@@ -77,7 +120,14 @@ class Screen:
 def quadratic(S: Array, u: Array, own: Array) -> tuple[float, int]:
     """uᵀ S⁺ u and the rank of S; directions that the background swallowed do not count."""
     length = np.sqrt(np.maximum(own, 1e-300))
-    values, vectors = np.linalg.eigh(S / np.outer(length, length))
+    scaled = S / (length[:, None] * length)
+    if len(u) == 2:
+        a, b, c = scaled[0, 0], scaled[1, 1], scaled[0, 1]
+        det = a * b - c * c
+        if det > SURVIVES * max(a + b, SURVIVES):
+            x, y = u / length
+            return float((x * x * b - 2 * x * y * c + y * y * a) / det), 2
+    values, vectors = np.linalg.eigh(scaled)
     keep = values > SURVIVES
     if not keep.any():
         return 0.0, 0

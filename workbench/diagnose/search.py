@@ -8,14 +8,16 @@ again, because an accepted cause sharpens the view of the rest.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import stats
 
 from ..effects.base import Effect
 from ..effects.gear_kinematic_error import GearKinematicError
-from ..fit import Fit, fit
+from ..arm import Array
+from ..fit import Fit, refit
 from .result import Where
 from .scan import Line, scan
 from .screen import Screen, screen
@@ -23,7 +25,7 @@ from .screen import Screen, screen
 ALPHA = 0.004  # chance that clean data show some catalogue cause
 ALPHA_SCAN = 0.002  # and that they show some gear line of unknown order
 RIVAL = 1e-3  # a rival is dropped when the accepted cause still adds to it at this level
-MOST_CAUSES = 8
+MOST_CAUSES = 16
 
 
 @dataclass(frozen=True)
@@ -43,11 +45,22 @@ class Selection:
     aliases: dict[str, tuple[float, ...]]
 
 
+@lru_cache(maxsize=1000)
+def _gain_by_chance(alpha: float, rank: int, dof: float, noise_dof: float, known: bool) -> float:
+    if known and np.isinf(noise_dof):
+        return float(stats.chi2.isf(alpha, rank))
+    if known:
+        return float(rank * stats.f.isf(alpha, rank, noise_dof))
+    F = stats.f.isf(alpha, rank, max(dof - rank, 2.0))
+    return float(dof * np.log1p(rank * F / max(dof - rank, 2.0)))
+
+
 class Search:
     """Subset search on one geometry fit."""
 
     def __init__(self, geometry: Fit, candidates: Sequence[Effect], known: bool, max_causes: int = MOST_CAUSES):
         self.geometry, self.known, self.max_causes = geometry, known, max_causes
+        self.last = geometry
         self.candidates: list[Effect] = list(candidates)
         self.tries: dict[Effect, int] = {}
         self.aliases: dict[str, tuple[float, ...]] = {}
@@ -88,8 +101,11 @@ class Search:
         return [pool.candidates[i] for i in chosen]
 
     def _fit(self, pool: Screen, chosen: Sequence[int]) -> Fit:
-        model = replace(self.geometry.model, effects=tuple(self._effects(pool, chosen)))
-        return fit(model, replace(self.geometry.state, values=()), self.geometry.noise)
+        effects = tuple(self._effects(pool, chosen))
+        if effects == self.last.model.effects:
+            return self.last
+        self.last = refit(self.last, effects)
+        return self.last
 
     def _add_lines(self, at: Fit) -> bool:
         """Puts significant lines of the order scan into the candidates."""
@@ -126,21 +142,13 @@ class Search:
         """Gain in misfit that a chance hit reaches with the family-wise probability."""
         tries = self.tries.get(effect)
         alpha = ALPHA_SCAN / tries if tries else ALPHA / self.regular
-        if self.known:
-            if np.isinf(self.geometry.noise.dof):
-                return float(stats.chi2.isf(alpha, rank))
-            return float(rank * stats.f.isf(alpha, rank, self.geometry.noise.dof))
-        F = stats.f.isf(alpha, rank, max(dof - rank, 2.0))
-        return float(dof * np.log1p(rank * F / max(dof - rank, 2.0)))
+        return _gain_by_chance(alpha, rank, dof, self.geometry.noise.dof, self.known)
 
-    def _cost(self, pool: Screen, chosen: Sequence[int]) -> float:
-        gain, _ = pool.statistic(chosen)
-        penalty = sum(self._penalty(pool.candidates[i], len(pool.candidates[i].params), pool.dof) for i in chosen)
-        if chosen and not self._possible(pool, chosen):
-            return np.inf
+    def _cost(self, pool: Screen, gain: float) -> float:
+        """Misfit of a set that is `gain` below the geometry's, on the scale of the penalties."""
         if self.known:
-            return pool.rss - gain + penalty
-        return float(pool.dof * np.log(max(pool.rss - gain, 1e-12 * pool.rss))) + penalty
+            return pool.rss - gain
+        return float(pool.dof * np.log(max(pool.rss - gain, 1e-12 * pool.rss)))
 
     def _possible(self, pool: Screen, chosen: Sequence[int]) -> bool:
         """Physical bounds, with two standard deviations of grace."""
@@ -152,29 +160,46 @@ class Search:
         )
 
     def _local(self, pool: Screen, chosen: list[int]) -> list[int]:
-        """Additions, removals and exchanges while they lower the cost."""
-        cost = self._cost(pool, chosen)
+        """Additions while they pay, then removals and exchanges, until nothing lowers the cost."""
+        penalty = np.array([self._penalty(e, len(e.params), pool.dof) for e in pool.candidates])
         for _ in range(4 * self.max_causes):
-            moves = [[c for c in chosen if c != a] for a in chosen]
-            free = [k for k in range(len(pool.candidates)) if k not in chosen]
-            if len(chosen) < self.max_causes:
-                moves += [[*chosen, k] for k in free]
-            moves += [[k if c == a else c for c in chosen] for a in chosen for k in free]
-            costs = [self._cost(pool, move) for move in moves]
-            best = int(np.argmin(costs))
-            if costs[best] >= cost - 1e-9:
+            now = self._cost(pool, pool.statistic(chosen)[0]) + penalty[chosen].sum()
+            better = self._best(pool, penalty, [chosen], now) if len(chosen) < self.max_causes else None
+            if better is None:
+                better = self._best(pool, penalty, [[c for c in chosen if c != a] for a in chosen], now)
+            if better is None:
                 break
-            cost, chosen = costs[best], list(moves[best])
+            chosen = better
         return chosen
+
+    def _best(self, pool: Screen, penalty: Array, bases: list[list[int]], now: float) -> list[int] | None:
+        """The cheapest physically possible set that is a base, or a base and one candidate more."""
+        moves: list[tuple[float, list[int]]] = []
+        for base in bases:
+            gain, cost = pool.statistic(base)[0], float(penalty[base].sum())
+            moves.append((self._cost(pool, gain) + cost, base))
+            more, rank = pool.increments(base)
+            moves += [
+                (self._cost(pool, gain + more[k]) + cost + penalty[k], [*base, int(k)])
+                for k in np.argsort(-more)[:12]
+                if rank[k] and more[k] > 0 and int(k) not in base
+            ]
+        for cost, move in sorted(moves, key=lambda pair: pair[0]):
+            if cost >= now - 1e-6:
+                return None
+            if not move or self._possible(pool, move):
+                return move
+        return None
 
     def _next(self, at: Fit, pool: Screen, chosen: Sequence[int]) -> Effect | None:
         """A cause that is significant only now that the chosen ones are in the model."""
         rest = [effect for effect in self.candidates if effect not in self._effects(pool, chosen)]
         there = screen(at, rest, self.known)
         best: tuple[float, Effect] | None = None
+        gains, ranks = there.increments([])
         for k, effect in enumerate(rest):
-            gain, rank = there.statistic([k])
-            if rank == 0 or not self._possible(there, [k]):
+            gain, rank = float(gains[k]), int(ranks[k])
+            if rank == 0 or gain < 8.0 or not self._possible(there, [k]):
                 continue
             loss = self._penalty(effect, rank, there.dof)
             value = gain - loss if self.known else there.dof * -np.log(max(1 - gain / there.rss, 1e-12)) - loss
@@ -208,12 +233,12 @@ class Search:
         rest = [c for c in chosen if c != a]
         keys = {pool.candidates[c].key for c in chosen}
         base = pool.statistic(rest)[0]
-        found = {}
+        own = pool.statistic([a], rest)[0]
+        alones, ranks = pool.increments(rest)
+        found: dict[tuple[str, Where], tuple[float, int]] = {}
         for k, effect in enumerate(pool.candidates):
-            if effect.key in keys or not self._possible(pool, [*rest, k]):
-                continue
-            alone, rank = pool.statistic([k], rest)
-            if rank == 0 or alone < 0.2 * pool.statistic([a], rest)[0]:
+            alone = float(alones[k])
+            if ranks[k] == 0 or alone < 0.2 * own or effect.key in keys or not self._possible(pool, [*rest, k]):
                 continue
             more, extra = pool.statistic([a], [*rest, k])
             if extra and pool.p_value(more, extra, base + alone) < RIVAL:
