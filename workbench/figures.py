@@ -27,7 +27,7 @@ from .report.drawing import (
     drawing,
     plain_log,
 )
-from .report.numbers import Scale, axis_scale, mm, words
+from .report.numbers import Scale, axis_scale, join, mm, significant, words
 
 LEAST = 1e-5  # mm: what a logarithmic axis shows for zero
 
@@ -53,7 +53,7 @@ def stages(diagnosis: Diagnosis) -> Figure:
         axes.set(xscale="log", yticks=range(len(shown)), ylim=(len(shown) - 0.4, -0.6))
         axes.set_yticklabels(names, color=INK)
         axes.grid(axis="y", visible=False)
-        _noise_floor(axes, floor)
+        _noise_floor(axes, floor, "noise alone" if alone else "noise, from the residual")
         plain_log(axes.xaxis)
         axes.annotate("RMS, mm", (1.0, 1.0), (6, 3), "axes fraction", "offset points", color=MUTED)
         axes.set_xlabel("3-D error on held-out poses, mm: mean, RMS (dot), largest (bar)")
@@ -187,18 +187,18 @@ def _range(seen: Evidence) -> Array:
 def _evidence_title(cause: str, seen: Evidence) -> str:
     before, after = (float(np.sqrt(np.nanmean(y**2))) for y in (seen.before, seen.after))
     scale = axis_scale([before], seen.y_unit)
-    first = f"{before * scale.factor:.3g}"
+    first = significant(before * scale.factor)
     if cause == "unknown":
         return f"What is left has an RMS of {first} {scale.unit} and is not the same all along {seen.x_name}"
-    last = f"{after * scale.factor:.3g} {scale.unit}".rstrip()
+    last = join(significant(after * scale.factor), scale.unit)
     return f"With this cause in the model, the RMS of {seen.y_name} falls from {first} to {last}"
 
 
-def _noise_floor(axes: Any, floor: float) -> None:
+def _noise_floor(axes: Any, floor: float, label: str) -> None:
     if not floor > 0:
         return
     axes.axvline(floor, color=NOISE, ls="--", lw=1.3)
-    axes.annotate("noise alone", (floor, 1), (0, 3), xycoords=("data", "axes fraction"), color=NOISE,
+    axes.annotate(label, (floor, 1), (0, 3), xycoords=("data", "axes fraction"), color=NOISE,
                   textcoords="offset points", ha="center")  # fmt: skip
 
 

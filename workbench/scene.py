@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .atomic import put
 from .diagnose.result import Diagnosis, PoseErrors
-from .report.atomic import put
 from .robot import Robot
 
 Array = NDArray[np.float64]
@@ -149,9 +149,9 @@ def _data(diagnosis: Diagnosis, links: Array, ghost: str) -> dict[str, Any]:
 def _look(meshcat: Any, centre: list[float], extent: float, arm: Array) -> None:
     """The camera, looking at the side of the arm (base to flange); a light ground; no axes."""
     azimuth = np.arctan2(arm[1], arm[0]) - np.radians(60)
-    ahead = np.array([1.05 * np.cos(azimuth), 1.05 * np.sin(azimuth), 0.38])
+    ahead = np.array([1.15 * np.cos(azimuth), 1.15 * np.sin(azimuth), 0.4])
     left = np.array([np.sin(azimuth), -np.cos(azimuth), 0.0])
-    middle = np.array(centre) + 0.09 * extent * left  # room for the panel
+    middle = np.array(centre) + 0.12 * extent * left  # room for the panel
     meshcat.SetCamera(meshcat.PerspectiveCamera(fov=38, near=0.05, far=200))
     meshcat.SetCameraPose(middle + extent * ahead, middle)
     for name in ("/Axes", "/Grid"):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from ..atomic import put
 from ..diagnose.result import Array, Diagnosis
 from ..robot import Robot
-from .atomic import put
 
 
 def write_all(

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from .. import figures
-from ..diagnose.result import Diagnosis, FaultFound, Finding, Parameter, Where
+from ..diagnose.result import Diagnosis, FaultFound, Finding, Parameter
 from .drawing import Figure
 from .equation import typeset
-from .numbers import MISSING, decimals, mm, p_value, quantity, size, words
+from .limits import detectable, not_testable, place, unidentifiable
+from .numbers import MISSING, decimals, mm, p_value, quantity, words
 
 Content = dict[str, Any]
 
@@ -37,6 +38,7 @@ VERDICTS = {
 }
 COUNT = ("no", "the", "the two", "the three", "the four", "the five", "the six", "the seven", "the eight")
 SUPPORT = "95 %, plus and minus 1.96 standard deviations (normal)"
+OUTSIDE = "something that no cause of the catalogue explains"
 SOURCES = {
     "stated": "stated in the campaign",
     "repeats": "from repeated poses",
@@ -49,17 +51,17 @@ def content(diagnosis: Diagnosis) -> Content:
     return {
         "robot": diagnosis.robot_title or diagnosis.robot,
         "campaign": diagnosis.campaign,
-        "verdict": {"kind": diagnosis.verdict, "label": _verdict(diagnosis), "headline": diagnosis.headline},
+        "verdict": _verdict(diagnosis),
         "summary": _summary(diagnosis),
         "tiles": _tiles(diagnosis),
         "test": _test(diagnosis),
         "stages": _stages(diagnosis),
         "remainder": _remainder(diagnosis),
         "causes": [_cause(finding, number) for number, finding in enumerate(diagnosis.causes)],
-        "not_testable": _not_testable(diagnosis),
-        "detectable": _detectable(diagnosis),
+        "not_testable": not_testable(diagnosis),
+        "detectable": detectable(diagnosis),
         "faults": [_fault(fault) for fault in diagnosis.faults],
-        "unidentifiable": list(diagnosis.unidentifiable),
+        "unidentifiable": unidentifiable(diagnosis),
         "geometry": [_geometry(parameter) for parameter in diagnosis.geometry],
         "facts": [[name, value] for name, value in _facts(diagnosis)],
         "notes": list(diagnosis.notes),
@@ -80,20 +82,16 @@ def gather(diagnosis: Diagnosis) -> Material:
     )
 
 
-def place(where: Where) -> str:
-    """Where a cause sits, in words: `joint_6 with joint_5`, `joint_4, 200 cycles per turn`."""
-    parts = [where.joint or where.link or where.payload or ""]
-    if where.other:
-        parts.append(f"with {where.other}")
-    if where.order is not None:
-        parts.append(f"at {where.order:.6g} cycles per turn")
-    return " ".join(part for part in parts if part)
-
-
-def _verdict(diagnosis: Diagnosis) -> str:
-    if diagnosis.verdict == "named" and len(diagnosis.causes) > 1:
-        return "Causes found"
-    return VERDICTS[diagnosis.verdict]
+def _verdict(diagnosis: Diagnosis) -> dict[str, str]:
+    """The headline is the first sentence; what more there is comes below it."""
+    several = diagnosis.verdict == "named" and len(diagnosis.causes) > 1
+    headline, _, more = diagnosis.headline.partition(". ")
+    return {
+        "kind": diagnosis.verdict,
+        "label": "Causes found" if several else VERDICTS[diagnosis.verdict],
+        "headline": headline.removesuffix("."),
+        "more": more,
+    }
 
 
 def _summary(diagnosis: Diagnosis) -> str:
@@ -177,20 +175,29 @@ def _cause(finding: Finding, number: int) -> Content:
         "status": "unexplained" if unknown else finding.status,
         "status_label": "Not in the catalogue" if unknown else finding.status.capitalize(),
         "sentence": finding.sentence,
-        "structure": _sentence(finding.structure or ""),
+        "structure": "" if (finding.structure or "") in finding.sentence else _sentence(finding.structure),
         "equation": finding.equation,
         "gain": "" if unknown else f"{mm(finding.gain_mm)} mm",
         "p": p_value(finding.p_value),
         "parameters": [_parameter(parameter) for parameter in finding.parameters],
-        "rivals": [f"{words(cause)} {place(where)}".strip() for cause, where in finding.rivals],
+        "rivals": _rivals(finding),
         "separate_by": finding.separate_by or "",
         "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",
     }
 
 
-def _sentence(text: str) -> str:
+def _rivals(finding: Finding) -> list[str]:
+    """One entry per cause, with its places: `lost motion (joint_1, joint_2)`."""
+    places: dict[str, list[str]] = {}
+    for cause, where in finding.rivals:
+        places.setdefault(OUTSIDE if cause == "unknown" else words(cause), []).append(place(where))
+    found = {cause: ", ".join(dict.fromkeys(filter(None, where))) for cause, where in places.items()}
+    return [f"{cause} ({where})" if where else cause for cause, where in found.items()]
+
+
+def _sentence(text: str | None) -> str:
     """With a capital and a full stop."""
-    return text and text[:1].upper() + text[1:] + ("" if text[-1] in ".!?" else ".")
+    return "" if not text else text[:1].upper() + text[1:] + ("" if text[-1] in ".!?" else ".")
 
 
 def _parameter(parameter: Parameter) -> dict[str, str]:
@@ -207,23 +214,6 @@ def _geometry(parameter: Parameter) -> list[str]:
     shown = quantity(parameter)
     *joint, name = parameter.name.removeprefix("geometry/").split("/")
     return [" ".join(joint), name, str(shown), shown.interval or MISSING]
-
-
-def _not_testable(diagnosis: Diagnosis) -> list[list[str]]:
-    """One row per cause and reason; the places that share them stand together."""
-    places: dict[tuple[str, str], list[str]] = {}
-    for item in diagnosis.not_testable:
-        places.setdefault((words(item.cause), item.why), []).append(place(item.where))
-    return [[cause, ", ".join(filter(None, where)), why] for (cause, why), where in places.items()]
-
-
-def _detectable(diagnosis: Diagnosis) -> list[list[str]]:
-    """One row per cause: the smallest size at each place."""
-    rows: dict[str, list[str]] = {}
-    for item in diagnosis.detectable:
-        number = size(item.size, item.unit, "relative" if item.cause == "gear_ratio" else "")
-        rows.setdefault(words(item.cause), []).append(f"{place(item.where)} {number}".strip())
-    return [[cause, " · ".join(sizes)] for cause, sizes in rows.items()]
 
 
 def _fault(fault: FaultFound) -> list[str]:
@@ -243,4 +233,5 @@ def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     ]
     if noise.repeatability_mm is not None:
         facts.append(("Repeatability", f"{mm(noise.repeatability_mm)} mm per axis, one sigma"))
-    return [*facts, *diagnosis.facts.items(), ("Intervals", SUPPORT)]
+    more = [(name, value) for name, value in diagnosis.facts.items() if name not in ("Poses", "Points")]
+    return [*facts, *more, ("Intervals", SUPPORT)]

@@ -74,7 +74,7 @@ def mm(value: float) -> str:
     if not math.isfinite(value):
         return MISSING
     if value != 0 and abs(value) < 0.001:
-        return significant(value, 1) if abs(value) >= 0.00005 else "< 0.0001"
+        return decimals(value, 4) if abs(value) >= 0.0001 else "< 0.0001"
     return decimals(value, 3 if abs(value) < 1 else 2 if abs(value) < 100 else 1)
 
 

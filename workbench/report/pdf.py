@@ -7,8 +7,8 @@ import shutil
 import tempfile
 from pathlib import Path
 
+from ..atomic import put
 from ..diagnose.result import Diagnosis
-from .atomic import put
 from .content import Material, gather
 
 

@@ -1,0 +1,56 @@
+"""What a campaign cannot say: causes not tested, sizes too small to show, geometry not told apart."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from ..diagnose.result import Diagnosis, Where
+from .numbers import size, words
+
+IMPOSSIBLE = {"rad": 0.1, "m": 0.1, "1": 1.0, "": 1.0, "rad/(N·m)": 1e-3, "1/(N·m²)": 1e-2}
+
+
+def place(where: Where) -> str:
+    """Where a cause sits, in words: `joint_6 with joint_5`, `joint_4, 200 cycles per turn`."""
+    parts = [where.joint or where.link or where.payload or ""]
+    if where.other:
+        parts.append(f"with {where.other}")
+    if where.order is not None:
+        parts.append(f"at {where.order:.6g} cycles per turn")
+    return " ".join(part for part in parts if part)
+
+
+def not_testable(diagnosis: Diagnosis) -> list[list[str]]:
+    """One row per cause and reason; the places that share them stand together."""
+    places: dict[tuple[str, str], list[str]] = {}
+    for item in diagnosis.not_testable:
+        places.setdefault((words(item.cause), item.why), []).append(place(item.where))
+    return [[cause, ", ".join(filter(None, where)), why] for (cause, why), where in places.items()]
+
+
+def detectable(diagnosis: Diagnosis) -> list[list[str]]:
+    """One row per cause: the smallest size at each place, and where no possible size would show."""
+    seen: dict[str, list[str]] = {}
+    unseen: dict[str, list[str]] = {}
+    for item in diagnosis.detectable:
+        cause, where = words(item.cause), place(replace(item.where, order=None))
+        seen.setdefault(cause, [])
+        if not item.size < IMPOSSIBLE.get(item.unit, math.inf):
+            unseen.setdefault(cause, []).append(where)
+            continue
+        number = size(item.size, item.unit, "relative" if item.cause == "gear_ratio" else "")
+        seen[cause].append(f"{where} {number}".strip())
+    for cause, places in unseen.items():
+        seen[cause].append("at no size: " + ", ".join(filter(None, places)) if any(places) else "at no size")
+    return [[cause, " · ".join(sizes)] for cause, sizes in seen.items()]
+
+
+def unidentifiable(diagnosis: Diagnosis) -> list[str]:
+    """As said; `frame/parameter` grouped by frame."""
+    frames: dict[str, list[str]] = {}
+    for item in diagnosis.unidentifiable:
+        frame, slash, name = item.removeprefix("geometry/").partition("/")
+        plain = slash and " " not in item
+        frames.setdefault(frame if plain else item, []).extend([name] if plain else [])
+    return [f"{frame}: {', '.join(names)}" if names else frame for frame, names in frames.items()]
