@@ -4,64 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import tomli_w
 
 from .arm import Array
-from .effects import catalogue
-from .effects.base import Effect
-from .diagnose.result import Where
-from .faults import Fault, InputError
+from .atomic import put
 from .fit import Fit
-from .problem import Problem
+from .records import record
 from .robot import GEOMETRY, EffectRecord, Robot
 
 
-def effect_of(record: EffectRecord, robot: Robot) -> tuple[Effect, Array]:
-    """Effect and values of a record. Raises InputError for unknown causes or parameters."""
-    kind = catalogue().get(record.cause)
-    place = f"{robot.path}: effects.{record.cause}"
-    if kind is None:
-        raise InputError(Fault(place, "no such cause", f"known: {', '.join(catalogue())}"))
-    where = Where(record.joint, record.other, record.link, record.payload, record.order)
-    settings: dict[str, Any] = dict(record.settings)
-    effect = kind(where, record.variant, **settings)
-    names = [p.name for p in effect.params]
-    if set(names) != set(record.values):
-        raise InputError(Fault(place, f"values are {sorted(record.values)}", f"give {names}"))
-    return effect, np.array([record.values[name] for name in names])
-
-
-def record_of(effect: Effect, values: Array) -> EffectRecord:
-    """The record of an effect with its values."""
-    settings = {
-        f.name: getattr(effect, f.name) for f in fields(effect) if f.name not in ("where", "variant")
-    }
-    return EffectRecord(
-        cause=effect.cause,
-        variant=effect.variant,
-        settings=settings,
-        values={p.name: float(v) for p, v in zip(effect.params, values, strict=True)},
-        **effect.where.keys(),
-    )
-
-
-def active_effects(problem: Problem) -> tuple[tuple[Effect, Array], ...]:
-    """Effects of the robot's model that act in this campaign, with their values."""
-    names = problem.campaign.payload_names
-    return tuple(
-        (effect, values)
-        for effect, values in (effect_of(record, problem.robot) for record in problem.robot.effects)
-        if (effect.where.payload is None or effect.where.payload in names) and effect.needs(problem) is None
-    )
-
-
-def write_model(path: Path, robot: Robot, geometry: Array, pairs: Sequence[tuple[Effect, Array]]) -> None:
-    """Writes the extended robot. geometry: (S, 6) corrections; pairs: all effects with values."""
+def write_model(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
+    """Writes the extended robot. geometry: (S, 6) corrections; effects: all of them."""
     table: dict[str, Any] = {
         "schema": 1,
         "name": robot.name,
@@ -84,10 +40,8 @@ def write_model(path: Path, robot: Robot, geometry: Array, pairs: Sequence[tuple
         for i, name in enumerate(robot.joint_names)
         if geometry[i + 1].any()
     }
-    table["effects"] = [_given(record_of(effect, values).model_dump()) for effect, values in pairs]
-    temporary = path.with_name(path.name + ".part")
-    temporary.write_text(tomli_w.dumps(table), encoding="utf-8")
-    temporary.replace(path)
+    table["effects"] = [_given(item.model_dump()) for item in effects]
+    put(path, tomli_w.dumps(table).encode())
 
 
 def _given(table: dict[str, Any]) -> dict[str, Any]:
@@ -102,6 +56,6 @@ def _given(table: dict[str, Any]) -> dict[str, Any]:
 def write_fit(path: Path, fit: Fit) -> None:
     """Writes a fit as the extended robot: what it found, beside what the robot's model had already."""
     model = fit.model
-    before = [effect_of(record, model.problem.robot) for record in model.problem.robot.effects]
-    found = zip(model.effects, fit.state.values, strict=True)
-    write_model(path, model.problem.robot, fit.state.geometry, [*before, *found])
+    found = [record(e, v) for e, v in zip(model.effects, fit.state.values, strict=True)]
+    robot = model.problem.robot
+    write_model(path, robot, fit.state.geometry, [*robot.effects, *found])

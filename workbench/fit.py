@@ -317,7 +317,9 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0) -> Array:
     block = block.ravel()
     order = np.random.default_rng(seed).permutation(block.max() + 1)
     fold = (order % min(folds, block.max() + 1))[block]
-    plain = _jacobian(result.model, result.line, cols, result.state, _unit(result.whitener.shape[2], len(c.q)))
+    plain = _jacobian(
+        result.model, result.line, cols, result.state, _unit(result.whitener.shape[2], len(c.q))
+    )
     A = result.upper.T @ result.upper
     out = result.residual.copy()
     for f in range(fold.max() + 1):

@@ -169,9 +169,7 @@ class Model:
             answer = np.linalg.solve(np.eye(len(rows)) - Phi @ H[:, :, rows], Phi)
             torque = J[:, :, rows] @ answer
             J, G = J + torque @ H, G + torque @ H_g
-        return Linearisation(
-            prediction, J, G, torque, rows, *self._frame_and_target(state, prediction, turn)
-        )
+        return Linearisation(prediction, J, G, torque, rows, *self._frame_and_target(state, prediction, turn))
 
     def _frame_and_target(
         self, state: State, prediction: Prediction, turn: Array

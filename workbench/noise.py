@@ -135,7 +135,9 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     def cost(x: Array) -> float:
         v_m, v_q = np.exp(x[0]) / shots, np.exp(x[1])
         v = v_m + v_q * s**2
-        value = share * (np.sum(np.log(v) + projected**2 / v) + np.sum(rest) / v_m + np.sum(free) * np.log(v_m))
+        value = share * (
+            np.sum(np.log(v) + projected**2 / v) + np.sum(rest) / v_m + np.sum(free) * np.log(v_m)
+        )
         if shot_dof > 0:
             value += shot_dof * np.log(np.exp(x[0])) + shot_ss / np.exp(x[0])
         return float(value)
@@ -145,7 +147,9 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     joint = float(np.exp(x[1] / 2)) * ratio
     if float(np.exp(x[1] / 2)) * reach < 0.03 * total:
         joint = np.zeros_like(joint)
-    return MeasuredNoise(float(np.exp(x[0] / 2)), joint, float(np.exp(x[1] / 2)) * reach, total, float(dof + shot_dof))
+    return MeasuredNoise(
+        float(np.exp(x[0] / 2)), joint, float(np.exp(x[1] / 2)) * reach, total, float(dof + shot_dof)
+    )
 
 
 def _within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array]:

@@ -46,7 +46,11 @@ def check_units(problem: Problem) -> None:
             if joint_factor == factor == 1.0:
                 continue
             misfit, extent = _misfit(problem, where, factor)
-            if misfit / extent < 0.05 and misfit / extent < 0.1 * stated / size and (best is None or misfit / extent < best[0]):
+            if (
+                misfit / extent < 0.05
+                and misfit / extent < 0.1 * stated / size
+                and (best is None or misfit / extent < best[0])
+            ):
                 best = misfit / extent, joint_factor, factor
     if best is None:
         return

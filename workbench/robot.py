@@ -86,7 +86,6 @@ class EffectRecord(_Table):
     payload: str | None = None
     order: float | None = None
     variant: str = ""
-    settings: dict[str, float | str | tuple[float, ...]] = {}
     values: dict[str, float] = {}
 
 
@@ -194,7 +193,9 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
     data = {joint.name: joint for joint in file.joints}
     names = [name for name, *_ in chain]
     faults = [
-        Fault(f"{path}: joints.{name}", "no moving joint of the URDF between base and flange", f"has: {names}")
+        Fault(
+            f"{path}: joints.{name}", "no moving joint of the URDF between base and flange", f"has: {names}"
+        )
         for name in data
         if name not in names
     ]
@@ -302,7 +303,9 @@ def _chain(urdf: Path, flange: str) -> tuple[str, list[_Segment]]:
         if kind in ("revolute", "continuous", "prismatic"):
             chain.append(_segment(joint, link))
         elif kind != "fixed":
-            faults.append(Fault(str(urdf), f"joint {joint.get('name')!r} is {kind!r}", "revolute, prismatic, fixed"))
+            faults.append(
+                Fault(str(urdf), f"joint {joint.get('name')!r} is {kind!r}", "revolute, prismatic, fixed")
+            )
         link = parent_link
     if not chain:
         faults.append(Fault(str(urdf), f"no moving joint between {link!r} and {flange!r}"))

@@ -109,16 +109,15 @@ def _same_robot(one: Robot, other: Robot) -> bool:
 
 
 def _labels(campaigns: Sequence[Campaign]) -> list[str]:
-    """A short name for each campaign: its folder, with the file where two lie in one folder."""
-    folders = [campaign.folder for campaign in campaigns]
-    labels = [
-        folder if folders.count(folder) == 1 else f"{folder}/{campaign.path.stem}"
-        for folder, campaign in zip(folders, campaigns, strict=True)
-    ]
-    return [
-        label if labels.count(label) == 1 else f"{label} {labels[: i + 1].count(label)}"
-        for i, label in enumerate(labels)
-    ]
+    """A short name for each campaign: its folder, with as many folders above as make it the only one."""
+    folders = [campaign.path.resolve().parent for campaign in campaigns]
+    alone = len(set(folders)) == len(folders)
+    paths = folders if alone else [campaign.path.resolve().with_suffix("") for campaign in campaigns]
+    for depth in range(1 if alone else 2, max(len(path.parts) for path in paths)):
+        labels = ["/".join(path.parts[-depth:]) for path in paths]
+        if len(set(labels)) == len(labels):
+            return labels
+    return [str(path) for path in paths]
 
 
 def _pose_ids(campaigns: Sequence[Campaign], labels: Sequence[str]) -> tuple[str, ...]:

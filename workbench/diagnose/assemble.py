@@ -62,7 +62,8 @@ def assemble(parts: Parts) -> Diagnosis:
     sure = _sure(parts, groups, left)
     mostly = bool(groups) and share >= MOSTLY and all(sure.values()) and parts.known
     findings = [
-        _finding(parts, groups, g, stages, heldouts, sure[g] or not left.structured) for g in range(len(groups))
+        _finding(parts, groups, g, stages, heldouts, sure[g] or not left.structured)
+        for g in range(len(groups))
     ]
     notes = list(parts.notes) + list(c.warnings) + _remarks(parts, left, share, mostly)
     unknown = left.structured and not mostly
@@ -251,7 +252,11 @@ def _verdict(findings: Sequence[Finding], unknown: bool) -> Verdict:
 
 
 def _headline(verdict: Verdict, findings: Sequence[Finding], stages: Sequence[Stage]) -> str:
-    named = [f"{f.title.lower()} ({f.where})" if str(f.where) else f.title.lower() for f in findings if f.cause != "unknown"]
+    named = [
+        f"{f.title.lower()} ({f.where})" if str(f.where) else f.title.lower()
+        for f in findings
+        if f.cause != "unknown"
+    ]
     gain = f"{stages[0].heldout_rms_mm:.3f} → {stages[-1].heldout_rms_mm:.3f} mm RMS on held-out poses"
     if verdict == "nothing_missing":
         return f"Nothing is missing: geometry explains these data ({gain})."
@@ -296,7 +301,11 @@ def _unidentifiable(final: Fit) -> tuple[str, ...]:
     """Geometry that stays where it was because these data do not show it."""
     part = final.columns.geometry_slice
     std = np.sqrt(np.diag(final.covariance)[part]) / final.columns.prior[part]
-    hidden = [name.removeprefix("geometry/") for name, s in zip(final.columns.names[part], std, strict=True) if s > 0.9]
+    hidden = [
+        name.removeprefix("geometry/")
+        for name, s in zip(final.columns.names[part], std, strict=True)
+        if s > 0.9
+    ]
     return tuple(hidden)
 
 
@@ -316,11 +325,18 @@ def _facts(problem: Problem) -> dict[str, str]:
     for j, name in enumerate(problem.arm.names):
         low, high = c.q[:, j].min(), c.q[:, j].max()
         facts[f"Range of {name}"] = (
-            f"{low * 1e3:.0f} … {high * 1e3:.0f} mm" if problem.arm.prismatic[j] else f"{np.degrees(low):.1f} … {np.degrees(high):.1f}°"
+            f"{low * 1e3:.0f} … {high * 1e3:.0f} mm"
+            if problem.arm.prismatic[j]
+            else f"{np.degrees(low):.1f} … {np.degrees(high):.1f}°"
         )
     if c.temperature is not None and np.isfinite(c.temperature).any():
         facts["Temperature"] = f"{np.nanmin(c.temperature):.1f} … {np.nanmax(c.temperature):.1f} °C"
-    extra = [("side of approach", c.direction), ("time", c.time), ("motor torque", c.torque), ("read-back joints", c.readback)]
+    extra = [
+        ("side of approach", c.direction),
+        ("time", c.time),
+        ("motor torque", c.torque),
+        ("read-back joints", c.readback),
+    ]
     facts["Recorded besides"] = ", ".join(name for name, value in extra if value is not None) or "nothing"
     return facts
 
@@ -337,5 +353,10 @@ def _errors(parts: Parts) -> PoseErrors:
         return np.einsum("nij,nti->ntj", result.state.R[c.setup], result.residual)[seen]
 
     return PoseErrors(
-        base[seen], turned(parts.nominal), turned(parts.geometry), turned(final), n.astype(np.int64), t.astype(np.int64)
+        base[seen],
+        turned(parts.nominal),
+        turned(parts.geometry),
+        turned(final),
+        n.astype(np.int64),
+        t.astype(np.int64),
     )

@@ -32,7 +32,9 @@ class Cleaned:
     faults: tuple[FaultFound, ...]
 
 
-def clean(problem: Problem, start: State, noise: Covariance, known_effects: tuple = (), judged: bool = True) -> Cleaned:
+def clean(
+    problem: Problem, start: State, noise: Covariance, known_effects: tuple = (), judged: bool = True
+) -> Cleaned:
     """Finds data faults and mends them or leaves the points out."""
     faults: list[FaultFound] = []
     problem, frozen = _frozen(problem)
@@ -89,7 +91,13 @@ def _mend(problem: Problem, result: Fit, noise: Covariance | None) -> tuple[Prob
             points[n] = points[n][list(order)]
             names = [c.targets[i].name for i in range(len(order)) if order[i] != i]
             faults.append(
-                FaultFound("swapped_target", c.pose_ids[n], " and ".join(names), "targets exchanged", "exchanged back")
+                FaultFound(
+                    "swapped_target",
+                    c.pose_ids[n],
+                    " and ".join(names),
+                    "targets exchanged",
+                    "exchanged back",
+                )
             )
             continue
         for i in np.flatnonzero(wild[n]):
@@ -137,7 +145,9 @@ def _frozen(problem: Problem) -> tuple[Problem, list[FaultFound]]:
         for n in np.flatnonzero(still & moved) + 1:
             points[n, i] = np.nan
             faults.append(
-                FaultFound("frozen_target", c.pose_ids[n], target.name, "same numbers as the pose before", "left out")
+                FaultFound(
+                    "frozen_target", c.pose_ids[n], target.name, "same numbers as the pose before", "left out"
+                )
             )
     if not faults:
         return problem, []
@@ -172,7 +182,7 @@ def moved_instrument(result: Fit) -> tuple[int, float] | None:
     return best[1], size
 
 
-def _prefix(result: Fit, base: Array):  # noqa: ANN202
+def _prefix(result: Fit, base: Array):
     """S, u, own of "a step before pose k" for all k, by running sums."""
     from scipy.linalg import solve_triangular
 

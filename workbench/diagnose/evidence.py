@@ -55,7 +55,17 @@ def _joint(result: Fit, effect: Effect, values: Array, added: Array) -> Evidence
         if not revolute or effect.cause not in ("joint_compliance", "lost_motion"):
             size = (g * added).sum(axis=1)[keep] / strength[keep] * factor
             order = np.argsort(size)
-            return Evidence("effect predicted", y_unit, f"error at {effect.where.joint}", y_unit, size, before, after, size[order], size[order])
+            return Evidence(
+                "effect predicted",
+                y_unit,
+                f"error at {effect.where.joint}",
+                y_unit,
+                size,
+                before,
+                after,
+                size[order],
+                size[order],
+            )
         wrench = result.line.prediction.load.local[:, j + 1]
         x = result.line.prediction.load.local.reshape(len(g), -1)[keep, column]
         grid = np.linspace(x.min(), x.max(), 200)
@@ -63,21 +73,51 @@ def _joint(result: Fit, effect: Effect, values: Array, added: Array) -> Evidence
         sample[:, column % 6] = grid
         del wrench
         curve = effect.law(result.line.prediction.arm, sample, values)[0][:, column % 6] * factor
-        return Evidence(f"torque of {effect.where.joint}", "N·m", f"error of {effect.where.joint}", y_unit, x, before, after, grid, curve)
+        return Evidence(
+            f"torque of {effect.where.joint}",
+            "N·m",
+            f"error of {effect.where.joint}",
+            y_unit,
+            x,
+            before,
+            after,
+            grid,
+            curve,
+        )
     assert isinstance(effect, DirectEffect)
     order = effect.where.order
     if order is not None:
         x = np.degrees(np.mod(order * q, 2 * np.pi))
         grid = np.linspace(0, 360, 200)
         wave = np.column_stack([np.sin(np.radians(grid)), np.cos(np.radians(grid))]) @ values * factor
-        return Evidence(f"phase of order {order:g}", "deg", f"error of {effect.where.joint}", y_unit, x, before, after, grid, wave)
+        return Evidence(
+            f"phase of order {order:g}",
+            "deg",
+            f"error of {effect.where.joint}",
+            y_unit,
+            x,
+            before,
+            after,
+            grid,
+            wave,
+        )
     if effect.cause == "backlash":
         direction = problem.campaign.direction
         assert direction is not None
         x = direction[keep, j].astype(float)
         grid = np.array([-1.0, 1.0])
         curve = -grid * values[0] * factor
-        return Evidence(f"side of approach of {effect.where.joint}", "1", f"error of {effect.where.joint}", y_unit, x, before, after, grid, curve)
+        return Evidence(
+            f"side of approach of {effect.where.joint}",
+            "1",
+            f"error of {effect.where.joint}",
+            y_unit,
+            x,
+            before,
+            after,
+            grid,
+            curve,
+        )
     other = problem.joint(effect.where.other) if effect.where.other else j
     turn = 180 / np.pi if not problem.arm.prismatic[other] else 1e3
     x = problem.q[keep, other] * turn
@@ -86,7 +126,17 @@ def _joint(result: Fit, effect: Effect, values: Array, added: Array) -> Evidence
     assert isinstance(effect, TransmissionEffect)
     curve = effect.basis(grid_q, None, problem.arm.names) @ values * factor
     unit = "deg" if turn < 1e3 else "mm"
-    return Evidence(problem.arm.names[other], unit, f"error of {effect.where.joint}", y_unit, x, before, after, grid_q[:, other] * turn, curve)
+    return Evidence(
+        problem.arm.names[other],
+        unit,
+        f"error of {effect.where.joint}",
+        y_unit,
+        x,
+        before,
+        after,
+        grid_q[:, other] * turn,
+        curve,
+    )
 
 
 def structure_evidence(result: Fit, test: FamilyTest) -> Evidence:

@@ -25,7 +25,13 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     """
     fitted = final.model.problem
     if campaign.robot.joint_names != fitted.robot.joint_names:
-        raise InputError(Fault(str(campaign.path), f"its robot is {campaign.robot.name}", f"give a test of {fitted.robot.name}"))
+        raise InputError(
+            Fault(
+                str(campaign.path),
+                f"its robot is {campaign.robot.name}",
+                f"give a test of {fitted.robot.name}",
+            )
+        )
     problem = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     check_units(problem)
     before = _lengths(problem, nominal)
@@ -56,7 +62,9 @@ def _lengths(problem: Problem, result: Fit) -> Array:
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)
     state = _carried(problem, result)
-    new = [name for name in problem.campaign.setup_names if name not in result.model.problem.campaign.setup_names]
+    new = [
+        name for name in problem.campaign.setup_names if name not in result.model.problem.campaign.setup_names
+    ]
     if new:
         state = _own_setups(model, state, new)
     residual = problem.campaign.points - model.predict(state)

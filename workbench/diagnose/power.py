@@ -80,6 +80,8 @@ def _why(effect: Effect, own: Array, problem: Problem, final: Fit) -> str:
                 return "gravity makes no torque about a vertical axis: pull sideways"
             return "no load turns this joint in these poses: add a payload with its mass off the axis"
         if isinstance(effect, LoadEffect):
-            return "the model has no joint that yields to this load: state stiffness, or measure with two loads"
+            return (
+                "the model has no joint that yields to this load: state stiffness, or measure with two loads"
+            )
         return "it moves no target in these poses"
     return "in these poses it looks exactly like a change of geometry, frame or targets"

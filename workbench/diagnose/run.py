@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-
 from ..campaign import Campaign, join
 from ..effects import catalogue
 from ..effects.base import Effect
-from ..extended import active_effects
 from ..fit import Fit, fit, start_state
 from ..model import Model
 from ..problem import Problem, problem
+from ..records import stated_effects
 from ..registration import check_units
-from .data_faults import clean, moved_instrument, split_setup
-from .noise_choice import choose, from_residual, provisional
 from .assemble import Parts, assemble
+from .data_faults import clean, moved_instrument, split_setup
+from .noise_choice import choose, from_residual
 from .result import Diagnosis, FaultFound, NotTestable
 from .search import Search
 
@@ -47,7 +46,7 @@ def diagnose(
     progress("loading the robot")
     whole = problem(campaign)
     check_units(whole)
-    known_effects = active_effects(whole)
+    known_effects = tuple(stated_effects(whole))
     start = start_state(whole)
     progress("looking for data faults")
     model = Model(whole, (), known_effects)
@@ -59,7 +58,9 @@ def diagnose(
         whole = split_setup(whole, step[0])
         name = whole.campaign.pose_ids[step[0]]
         what = f"the frame steps by {step[1] * 1e3:.2f} mm before this pose"
-        faults.append(FaultFound("moved_instrument", name, None, what, "frame and targets fitted anew from here on"))
+        faults.append(
+            FaultFound("moved_instrument", name, None, what, "frame and targets fitted anew from here on")
+        )
         start = start_state(whole)
         guess, noise, _ = choose(whole, Model(whole, (), known_effects).linearise(start))
     else:
@@ -81,7 +82,17 @@ def diagnose(
     nominal = fit(model, replace(start, geometry=whole.arm.geometry), covariance, geometry=False)
     progress("writing down what was found")
     parts = Parts(
-        whole, noise, nominal, geometry, selection, tuple(faults), tuple(notes), tuple(not_testable), known, seed, test
+        whole,
+        noise,
+        nominal,
+        geometry,
+        selection,
+        tuple(faults),
+        tuple(notes),
+        tuple(not_testable),
+        known,
+        seed,
+        test,
     )
     diagnosis = assemble(parts)
     return Outcome(diagnosis, whole, selection.fit)

@@ -36,7 +36,9 @@ def scan(fit: Fit, per_joint: int = 2) -> list[Line]:
     problem = fit.model.problem
     lines = []
     orders = np.arange(LOWEST, HIGHEST, STEP)
-    searched = [j for j in range(problem.arm.n) if not problem.arm.prismatic[j] and np.ptp(problem.q[:, j]) > 0.1]
+    searched = [
+        j for j in range(problem.arm.n) if not problem.arm.prismatic[j] and np.ptp(problem.q[:, j]) > 0.1
+    ]
     for j in searched:
         statistic = spectrum(fit, j, orders)
         tries = len(orders) * len(searched)

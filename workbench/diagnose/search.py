@@ -14,9 +14,9 @@ from functools import lru_cache
 import numpy as np
 from scipy import stats
 
+from ..arm import Array
 from ..effects.base import Effect
 from ..effects.gear_kinematic_error import GearKinematicError
-from ..arm import Array
 from ..fit import Fit, refit
 from .result import Where
 from .scan import Line, scan
@@ -58,7 +58,9 @@ def _gain_by_chance(alpha: float, rank: int, dof: float, noise_dof: float, known
 class Search:
     """Subset search on one geometry fit."""
 
-    def __init__(self, geometry: Fit, candidates: Sequence[Effect], known: bool, max_causes: int = MOST_CAUSES):
+    def __init__(
+        self, geometry: Fit, candidates: Sequence[Effect], known: bool, max_causes: int = MOST_CAUSES
+    ):
         self.geometry, self.known, self.max_causes = geometry, known, max_causes
         self.last = geometry
         self.candidates: list[Effect] = list(candidates)
@@ -88,12 +90,17 @@ class Search:
                 break
         chosen = self._backward(pool, chosen)
         current = self._fit(pool, chosen)
-        order = sorted(range(len(chosen)), key=lambda i: -pool.statistic([chosen[i]], [c for c in chosen if c != chosen[i]])[0])
+        order = sorted(
+            range(len(chosen)),
+            key=lambda i: -pool.statistic([chosen[i]], [c for c in chosen if c != chosen[i]])[0],
+        )
         chosen = [chosen[i] for i in order]
         current = self._fit(pool, chosen)
         rivals = tuple(self._rivals(pool, chosen, a) for a in chosen)
         p = tuple(self._p(pool, chosen, a) for a in chosen)
-        return Selection(current, tuple(self._effects(pool, chosen)), pool, tuple(chosen), p, rivals, self.aliases)
+        return Selection(
+            current, tuple(self._effects(pool, chosen)), pool, tuple(chosen), p, rivals, self.aliases
+        )
 
     # ------------------------------------------------------------------ parts
 
@@ -202,7 +209,9 @@ class Search:
             if rank == 0 or gain < 8.0 or not self._possible(there, [k]):
                 continue
             loss = self._penalty(effect, rank, there.dof)
-            value = gain - loss if self.known else there.dof * -np.log(max(1 - gain / there.rss, 1e-12)) - loss
+            value = (
+                gain - loss if self.known else there.dof * -np.log(max(1 - gain / there.rss, 1e-12)) - loss
+            )
             if value > 0 and (best is None or value > best[0]):
                 best = value, effect
         return best[1] if best else None
@@ -214,7 +223,9 @@ class Search:
             for a in chosen:
                 rest = [c for c in chosen if c != a]
                 gain, rank = pool.statistic([a], rest)
-                worth.append(gain - self._penalty(pool.candidates[a], rank, pool.dof) if self.known else np.inf)
+                worth.append(
+                    gain - self._penalty(pool.candidates[a], rank, pool.dof) if self.known else np.inf
+                )
             weakest = int(np.argmin(worth))
             if worth[weakest] > 0:
                 break
@@ -238,7 +249,12 @@ class Search:
         found: dict[tuple[str, Where], tuple[float, int]] = {}
         for k, effect in enumerate(pool.candidates):
             alone = float(alones[k])
-            if ranks[k] == 0 or alone < 0.2 * own or effect.key in keys or not self._possible(pool, [*rest, k]):
+            if (
+                ranks[k] == 0
+                or alone < 0.2 * own
+                or effect.key in keys
+                or not self._possible(pool, [*rest, k])
+            ):
                 continue
             more, extra = pool.statistic([a], [*rest, k])
             if extra and pool.p_value(more, extra, base + alone) < RIVAL:

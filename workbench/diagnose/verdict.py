@@ -81,7 +81,13 @@ def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: f
     if P + flat.shape[1] > 0.6 * rows:
         return False
     J = result.J.reshape(-1, P) * result.columns.prior
-    stacked = np.block([[J, flat], [np.eye(P), np.zeros((P, flat.shape[1]))], [np.zeros((flat.shape[1], P)), 1e-3 * np.eye(flat.shape[1])]])
+    stacked = np.block(
+        [
+            [J, flat],
+            [np.eye(P), np.zeros((P, flat.shape[1]))],
+            [np.zeros((flat.shape[1], P)), 1e-3 * np.eye(flat.shape[1])],
+        ]
+    )
     right = np.concatenate([result.r.ravel(), np.zeros(len(stacked) - len(result.r.ravel()))])
     R = qr(np.column_stack([stacked, right]), mode="r", check_finite=False)[0]
     n = stacked.shape[1]

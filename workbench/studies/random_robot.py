@@ -25,7 +25,10 @@ def write_random_robot(folder: Path, seed: int, kind: str = "6R", elastic: bool 
     n = len(axes)
     size = rng.uniform(0.6, 1.2)
     name = f"{kind.lower()}_{seed}"
-    parts = [f'<?xml version="1.0"?>\n<robot name="{name}">', _link("base_link", 100.0 * size, (0, 0, 0.1), size)]
+    parts = [
+        f'<?xml version="1.0"?>\n<robot name="{name}">',
+        _link("base_link", 100.0 * size, (0, 0, 0.1), size),
+    ]
     toml = [
         'schema = 1', f'name = "{name}"', f'title = "Random {kind} arm, seed {seed}"',
         f'urdf = "{name}.urdf"', 'flange = "flange"',
@@ -52,8 +55,7 @@ def write_random_robot(folder: Path, seed: int, kind: str = "6R", elastic: bool 
             toml.append(f"gear_ratio = {rng.integers(60, 180)}.0")
     parts.append(
         '<joint name="flange_joint" type="fixed"><parent link="link_%d"/><child link="flange"/>'
-        '<origin xyz="%.4f 0 0.02" rpy="0 0 0"/></joint><link name="flange"/></robot>'
-        % (n, 0.12 * size)
+        '<origin xyz="%.4f 0 0.02" rpy="0 0 0"/></joint><link name="flange"/></robot>' % (n, 0.12 * size)
     )
     toml += ["", "[source]", 'everything = "assumed: drawn at random"', ""]
     (folder / f"{name}.urdf").write_text("\n".join(parts), encoding="utf-8")

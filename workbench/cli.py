@@ -1,0 +1,257 @@
+"""The command line. Thin: it reads arguments, calls the verbs, prints. Imports are late, so help is instant."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from .faults import Fault, InputError
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs one command; exit status 0 done, 2 the input or the call is wrong, 1 the program failed."""
+    for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(threads, "1")
+    arguments = _parser().parse_args(argv)
+    try:
+        return int(arguments.run(arguments) or 0)
+    except InputError as error:
+        for fault in error.faults:
+            print(f"error: {fault}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        if os.environ.get("WORKBENCH_DEBUG"):
+            raise
+        print(f"failed: {type(error).__name__}: {error} (WORKBENCH_DEBUG=1 shows where)", file=sys.stderr)
+        return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="workbench",
+        description="What a robot's simulation gets wrong, why, and how to draw the right path all the same.",
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for add in (_demo, _diagnose, _simulate, _compensate, _verify, _study, _robots, _causes):
+        add(commands)
+    return parser
+
+
+def _common(parser: argparse.ArgumentParser, out: str | None = None) -> None:
+    parser.add_argument("--out", type=Path, default=Path(out) if out else None, help="where results go")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--json", action="store_true", help="the result to standard output, nothing else there"
+    )
+    parser.add_argument("--quick", action="store_true", help="smaller and faster")
+    parser.add_argument("--workers", type=int, default=None, help="processes (default: all cores)")
+    parser.add_argument("--resume", action="store_true", help="go on where a stopped run ended")
+
+
+def _progress(message: str) -> None:
+    print(f"… {message}", file=sys.stderr, flush=True)
+
+
+def _demo(commands) -> None:
+    parser = commands.add_parser("demo", help="the whole loop on a simulated robot")
+    _common(parser, "reports/demo")
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .studies.demo import demo
+
+        summary = demo(arguments.out, arguments.seed, _progress, arguments.quick)
+        print(json.dumps(summary.to_json()) if arguments.json else summary.text)
+        return 0
+
+    parser.set_defaults(run=run)
+
+
+def _diagnose(commands) -> None:
+    parser = commands.add_parser(
+        "diagnose", help="what the simulation gets wrong, why, and the gain of saying so"
+    )
+    parser.add_argument("campaigns", nargs="+", metavar="CAMPAIGN.toml")
+    parser.add_argument(
+        "--test", metavar="CAMPAIGN.toml", help="judge on this campaign; nothing is fitted on it"
+    )
+    _common(parser)
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .campaign import load_campaign
+        from .diagnose.run import diagnose
+
+        campaigns, faults = [], list[Fault]()
+        for path in [*arguments.campaigns, *([arguments.test] if arguments.test else [])]:
+            try:
+                campaigns.append(load_campaign(path))
+            except InputError as error:
+                faults += error.faults
+        if faults:
+            raise InputError(faults)
+        test = campaigns.pop() if arguments.test else None
+        outcome = diagnose(campaigns, test, _progress, arguments.seed)
+        folder = arguments.out
+        if folder is None and not arguments.json:
+            folder = Path("reports") / Path(arguments.campaigns[0]).resolve().parent.name
+        if folder is not None:
+            from .report.outcome import write_outcome
+
+            _progress("writing the page, the report and the scene")
+            write_outcome(outcome, folder)
+        if arguments.json:
+            print(json.dumps(outcome.diagnosis.to_json(), ensure_ascii=False))
+        else:
+            from .report.terminal import short_verdict
+
+            print(short_verdict(outcome.diagnosis, folder))
+        return 0
+
+    parser.set_defaults(run=run)
+
+
+def _simulate(commands) -> None:
+    parser = commands.add_parser(
+        "simulate", help="a campaign from the Drake model, with chosen effects and noise"
+    )
+    parser.add_argument("robot", metavar="ROBOT", help="a name or the path of a robot TOML")
+    poses = parser.add_mutually_exclusive_group(required=True)
+    poses.add_argument("--poses", metavar="FILE", help="poses.csv with q1_deg ... as in a campaign")
+    poses.add_argument("--random", type=int, metavar="N", help="N random poses within the limits")
+    poses.add_argument(
+        "--grid", metavar="JOINT=FROM:TO:COUNT,...", help="joints on a grid, deg or mm; others at 0"
+    )
+    parser.add_argument("--effect", action="append", default=[], metavar="ID:key=value,...")
+    parser.add_argument("--payload", action="append", default=[], metavar="NAME=KG[:x,y,z mm]")
+    parser.add_argument("--tool", metavar="KG[:x,y,z mm]", help="always mounted")
+    parser.add_argument("--sigma-mm", type=float, default=0.03, help="noise per axis, one sigma (0.03)")
+    parser.add_argument(
+        "--geometry-mm", type=float, default=0.5, help="random errors of lengths, one sigma (0.5)"
+    )
+    parser.add_argument(
+        "--geometry-mrad", type=float, default=0.5, help="random errors of angles, one sigma (0.5)"
+    )
+    parser.add_argument("--shots", type=int, default=1)
+    parser.add_argument("--approach", action="store_true", help="record random sides of approach (dir1 ...)")
+    parser.add_argument("--hours", type=float, default=0.0, help="record times over so many hours")
+    parser.add_argument(
+        "--warm-degC", type=float, default=0.0, help="record a warm-up from 20 °C by this much"
+    )
+    _common(parser, "reports/simulated")
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .plans import simulate_command
+
+        campaign = simulate_command(arguments)
+        facts = {"robot": campaign.robot.name, "n_poses": len(campaign.q), "folder": str(arguments.out)}
+        print(
+            json.dumps(facts)
+            if arguments.json
+            else f"{len(campaign.q)} poses written to {arguments.out}/campaign.toml"
+        )
+        return 0
+
+    parser.set_defaults(run=run)
+
+
+def _compensate(commands) -> None:
+    parser = commands.add_parser("compensate", help="offline path modification")
+    parser.add_argument("path", metavar="PATH.csv")
+    parser.add_argument("--model", required=True, metavar="MODEL.toml")
+    parser.add_argument("--format", default="csv", choices=("csv", "krl", "rapid", "val3", "ls", "urscript"))
+    _common(parser)
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .compensate import compensate_file
+
+        written = compensate_file(arguments.path, arguments.model, arguments.format, arguments.out)
+        print(json.dumps(written.to_json()) if arguments.json else written.text)
+        return 0
+
+    parser.set_defaults(run=run)
+
+
+def _verify(commands) -> None:
+    parser = commands.add_parser(
+        "verify", help="closed-loop Drake simulation of a path, with and without compensation"
+    )
+    parser.add_argument("path", metavar="PATH.csv")
+    parser.add_argument("--model", required=True, metavar="MODEL.toml", help="what the compensation knows")
+    parser.add_argument("--truth", metavar="MODEL.toml", help="what is simulated (default: the model)")
+    _common(parser, "reports/verify")
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .closed_loop import verify_file
+
+        done = verify_file(arguments.path, arguments.model, arguments.truth, arguments.out)
+        print(json.dumps(done.to_json()) if arguments.json else done.text)
+        return 0
+
+    parser.set_defaults(run=run)
+
+
+def _study(commands) -> None:
+    parser = commands.add_parser("study", help="studies: blind (our error rates)")
+    parser.add_argument("name", choices=("blind",))
+    parser.add_argument("--draws", type=int, default=20, help="draws per cause (20)")
+    _common(parser, "reports/blind")
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .studies.blind import blind
+
+        result = blind(
+            arguments.out,
+            arguments.draws,
+            arguments.seed,
+            arguments.workers,
+            arguments.resume,
+            arguments.quick,
+        )
+        print(json.dumps(result.to_json()) if arguments.json else result.text)
+        return 0
+
+    parser.set_defaults(run=run)
+
+
+def _robots(commands) -> None:
+    parser = commands.add_parser("robots", help="the robots that come with the workbench")
+    parser.add_argument("--json", action="store_true")
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .robot import list_robots, load_robot
+
+        robots = [load_robot(path) for path in list_robots()]
+        if arguments.json:
+            print(json.dumps([{"name": r.name, "title": r.title, "joints": len(r.joints)} for r in robots]))
+        else:
+            for r in robots:
+                print(f"{r.name:<14} {len(r.joints)} joints   {r.title}")
+        return 0
+
+    parser.set_defaults(run=run)
+
+
+def _causes(commands) -> None:
+    parser = commands.add_parser("causes", help="the causes that a diagnosis can name")
+    parser.add_argument("--json", action="store_true")
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .effects import catalogue
+
+        if arguments.json:
+            print(json.dumps([{"cause": key, "title": kind.title} for key, kind in catalogue().items()]))
+        else:
+            for key, kind in catalogue().items():
+                print(f"{key:<22} {kind.title}")
+        return 0
+
+    parser.set_defaults(run=run)

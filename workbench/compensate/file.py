@@ -1,0 +1,60 @@
+"""From a path's file and a model's to a controller's program on disk."""
+
+from __future__ import annotations
+
+import pathlib
+from dataclasses import dataclass
+
+from ..arm import Array
+from ..paths import load_path
+from ..programs import RoundingEffect, find_format, rounding_effect, write_program
+from ..robot import load_robot
+from .command import BANDWIDTH_HZ, EXACT, Compensation, compensate
+from .conditions import Conditions
+
+
+@dataclass(frozen=True, eq=False)
+class Written:
+    """A compensated program on disk. rounding: what the format's decimals do at the tool."""
+
+    compensation: Compensation
+    files: tuple[pathlib.Path, ...]
+    rounding: RoundingEffect
+
+    def lines(self) -> list[str]:
+        """What a user should know, a line each."""
+        return [*self.compensation.lines(), str(self.rounding)]
+
+
+def compensate_file(
+    path: str | pathlib.Path,
+    model: str | pathlib.Path,
+    format: str = "csv",
+    out: str | pathlib.Path | None = None,
+    *,
+    conditions: Conditions | None = None,
+    tool: Array | None = None,
+    start: Array | None = None,
+    method: str = EXACT,
+    bandwidth_hz: float = BANDWIDTH_HZ,
+    seed: int = 0,
+) -> Written:
+    """Reads a path, corrects it for the model's robot and writes the program.
+
+    out: the file, or a folder; default: beside the path, with `_compensated` and the format's extension.
+    Raises `InputError` with all faults, and then nothing is written.
+    """
+    chosen = find_format(format)
+    robot = load_robot(model)
+    wanted = load_path(path, robot)
+    done = compensate(
+        robot, wanted, conditions, tool=tool, start=start, method=method, bandwidth_hz=bandwidth_hz, seed=seed
+    )
+    source = pathlib.Path(path)
+    place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated{chosen.extension}")
+    name = chosen.legal_name(place.stem if not place.is_dir() else source.stem)
+    # a table of joints says more than one of poses: the redundancy of seven joints, rails, few joints
+    as_joints = chosen.name == "csv" and (wanted.q is not None or len(robot.joints) != 6)
+    program = done.program(name, "joints" if as_joints else "poses")
+    files = write_program(program, chosen, place)
+    return Written(done, tuple(files), rounding_effect(program, chosen, done.forward))

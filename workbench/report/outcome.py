@@ -1,0 +1,29 @@
+"""All files of a diagnosis in one folder, the extended robot included."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..diagnose.run import Outcome
+from ..extended import write_fit
+from . import write_all
+
+
+def write_outcome(outcome: Outcome, folder: Path) -> None:
+    """Writes result.json, index.html, report.pdf, scene.html and model.toml.
+
+    The scene shows the pose that bends most, rigid, and its loaded twin with the deflection enlarged.
+    """
+    fit = outcome.fit
+    axial = fit.line.prediction.motion.reshape(len(outcome.problem.q), -1)[:, outcome.problem.arm.axial]
+    n = int(np.argmax(np.abs(axial).sum(axis=1)))
+    q = outcome.problem.q[n]
+    bend = float(np.abs(axial[n]).max())
+    ghost = label = None
+    if bend > 1e-7:
+        factor = float(f"{0.1 / bend:.1g}")
+        ghost, label = q + factor * axial[n], f"loaded, deflection × {factor:g}"
+    write_all(outcome.diagnosis, outcome.problem.robot, folder, q, ghost, label or "")
+    write_fit(folder / "model.toml", fit)

@@ -1,0 +1,52 @@
+"""The verdict on a terminal: read in ten seconds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..diagnose.result import Diagnosis
+from .content import place
+
+
+def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
+    """A few lines: verdict, causes with gain, faults, where the report lies."""
+    first, last = diagnosis.stages[0], diagnosis.stages[-1]
+    geometry = diagnosis.stages[1]
+    lines = [
+        f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
+        f"noise {diagnosis.noise.sigma_mm:.4f} mm per axis ({diagnosis.noise.source})",
+        "",
+        diagnosis.headline,
+        "",
+        f"  held-out error, mm RMS   nominal {first.heldout_rms_mm:.4f}   geometry {geometry.heldout_rms_mm:.4f}"
+        f"   with causes {last.heldout_rms_mm:.4f}",
+    ]
+    if diagnosis.test:
+        t = diagnosis.test
+        lines.append(
+            f"  test campaign, mm mean   before {t.before_mean_mm:.4f}   after {t.after_mean_mm:.4f}   (max {t.after_max_mm:.4f})"
+        )
+    for finding in diagnosis.causes:
+        sentence = finding.sentence or finding.structure or ""
+        where = place(finding.where)
+        name = f"{finding.cause} ({where})" if where and finding.cause != "unknown" else finding.cause
+        lines += ["", f"  {finding.status.upper():<10}{name}   gain {finding.gain_mm * 1e3:.1f} µm"]
+        lines += [f"            {sentence}"] if sentence else []
+        if finding.rivals:
+            rivals = ", ".join(f"{cause} ({place(w)})" if place(w) else cause for cause, w in finding.rivals)
+            lines.append(f"            fits as well: {rivals}")
+        if finding.separate_by:
+            lines.append(f"            to decide: {finding.separate_by}")
+    for fault in diagnosis.faults[:10]:
+        lines.append(f"  data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done})")
+    if len(diagnosis.faults) > 10:
+        lines.append(f"  ... and {len(diagnosis.faults) - 10} more data faults")
+    causes = sorted({item.cause for item in diagnosis.not_testable if not item.where.keys()})
+    if causes:
+        lines += ["", f"  not testable with these data: {', '.join(causes)}"]
+    if folder is not None:
+        lines += [
+            "",
+            f"  page: {folder}/index.html   report: {folder}/report.pdf   model: {folder}/model.toml",
+        ]
+    return "\n".join(lines)
