@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
+from workbench.campaign import load_campaign
+from workbench.faults import InputError
+
 URDF = """<robot name="tiny">
-  <link name="world_mount"/><link name="link_1"/><link name="link_2"/><link name="link_3"/><link name="tool0"/>
+  <link name="world_mount"/><link name="link_1"/><link name="link_2"/><link name="link_3"/>
+  <link name="tool0"/>
   <joint name="joint_1" type="revolute"><parent link="world_mount"/><child link="link_1"/>
     <axis xyz="0 0 1"/><limit lower="-3.2" upper="3.2" effort="1" velocity="1"/></joint>
   <joint name="joint_2" type="revolute"><parent link="link_1"/><child link="link_2"/>
@@ -53,3 +59,10 @@ def write_example(folder: Path, toml: str = TOML, poses: str = POSES, points: st
     (folder / "points.csv").write_text(points)
     (folder / "campaign.toml").write_text(toml)
     return folder / "campaign.toml"
+
+
+def faults(path: Path) -> list[str]:
+    """All faults of a campaign, with the folder taken out."""
+    with pytest.raises(InputError) as caught:
+        load_campaign(path)
+    return [str(fault).replace(f"{path.parent}/", "") for fault in caught.value.faults]

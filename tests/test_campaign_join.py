@@ -1,0 +1,91 @@
+"""Campaigns: several of one robot made one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from campaign_example import POSES, TOML, write_example
+
+from workbench.campaign import join, load_campaign
+from workbench.faults import InputError
+
+
+def test_join_keeps_set_ups_and_what_differs_apart(tmp_path: Path) -> None:
+    one = load_campaign(write_example(tmp_path / "one", TOML + "[noise]\nsigma_mm = 0.1\n"))
+    toml = TOML.replace("[100.0, ", "[101.0, ").replace("250", "100") + "[noise]\nsigma_mm = 0.2\n"
+    poses = "pose_id,q1_deg,q2_rad,q3_mm,setup,dir1,t_s,payload\nd,1,0,0,s1,1,0,heavy\ne,2,0,0,s2,1,1,\n"
+    points = "pose_id,target,x_mm,y_mm,z_mm\nd,T1,1000,2,3\nd,T1,1000,2,3\ne,T2,1,2,3\n"
+    two = load_campaign(write_example(tmp_path / "two", toml, poses, points))
+    both = join([one, two])
+    assert both.pose_ids == ("a", "b", "c", "d", "e")
+    assert both.setup_names == ("one", "two/s1", "two/s2")
+    assert both.setup.tolist() == [0, 0, 0, 1, 2]
+    assert [target.name for target in both.targets] == ["T1 (one)", "T2", "T1 (two)"]
+    assert both.shots.tolist() == [[1, 1, 0], [1, 0, 0], [1, 0, 0], [0, 0, 2], [0, 1, 0]]
+    np.testing.assert_array_equal(both.points[3, 2], two.points[0, 0])
+    assert np.isnan(both.points).all(axis=2).tolist() == (both.shots == 0).tolist()
+    assert both.payload_names == ("", "heavy (one)", "heavy (two)")
+    assert both.payload.tolist() == [0, 0, 0, 2, 0]
+    assert both.load_mass.tolist() == [0.0, 250.0, 100.0]
+    assert both.direction is not None
+    assert both.direction[:, 0].tolist() == [0, 0, 0, 1, 1]
+    assert both.time is not None
+    assert np.isnan(both.time).tolist() == [True, True, True, False, False]
+    assert both.torque is None
+    assert both.sigma is not None
+    np.testing.assert_allclose(both.sigma[[0, 3, 4], [0, 2, 1], 0], [1e-4, 2e-4 / 2**0.5, 2e-4])
+    assert np.isnan(both.sigma).tolist() == np.isnan(both.points).tolist()
+    assert both.noise_sigma == pytest.approx(np.sqrt((4 * 1e-8 + 2 * 4e-8) / 6))
+    assert both.shot_scatter == (0.0, 3)
+    assert both.title == "Tiny + Tiny"
+    assert len(both.files) == 8
+
+
+def test_join_of_like_campaigns_shares_targets_and_noise(tmp_path: Path) -> None:
+    one = load_campaign(write_example(tmp_path / "x" / "run", TOML + "[noise]\nsigma_mm = 0.1\n"))
+    two = load_campaign(
+        write_example(tmp_path / "y" / "run", TOML + "[noise]\nsigma_mm = 0.1\n", POSES + "\n")
+    )
+    both = join([one, two])
+    assert [target.name for target in both.targets] == ["T1", "T2"]
+    assert (both.sigma, both.noise_sigma) == (None, 1e-4)
+    assert len(set(both.pose_ids)) == 6
+    assert both.setup_names == ("x/run", "y/run")
+    assert both.pose_ids[0] == "x/run/a"
+    assert len(both.files) == 6  # the second poses.csv differs, all else is the same
+    assert join([one]) is one
+
+
+def test_two_campaigns_in_one_folder_are_told_apart_by_their_files(tmp_path: Path) -> None:
+    path = write_example(tmp_path / "run")
+    other = path.with_name("again.toml")
+    other.write_text(path.read_text())
+    assert join([load_campaign(path), load_campaign(other)]).setup_names == ("run/campaign", "run/again")
+
+
+def test_join_with_unknown_noise_says_so(tmp_path: Path) -> None:
+    one = load_campaign(write_example(tmp_path / "one", TOML + "[noise]\nsigma_mm = 0.1\n"))
+    two = load_campaign(write_example(tmp_path / "two"))
+    both = join([one, two])
+    assert (both.sigma, both.noise_sigma) == (None, None)
+    assert "two/campaign.toml: states no noise" in both.warnings[-1]
+
+
+def test_join_refuses_what_cannot_be_one(tmp_path: Path) -> None:
+    one = load_campaign(write_example(tmp_path / "one"))
+    other = write_example(tmp_path / "two", TOML + "[noise]\npose = true\n[tool]\nmass_kg = 1.0\n")
+    robot = other.parent / "robot" / "tiny.toml"
+    robot.write_text(robot.read_text().replace('"tiny"', '"huge"'))
+    two = load_campaign(other)
+    with pytest.raises(InputError) as caught:
+        join([one, two, one])
+    whats = [(fault.place.replace(f"{tmp_path}/", ""), fault.what.replace(f"{tmp_path}/", ""))
+             for fault in caught.value.faults]  # fmt: skip
+    assert whats == [
+        ("two/campaign.toml", "robot 'huge', but 'tiny' in one/campaign.toml"),
+        ("two/campaign.toml", "[noise] pose is true, not as in one/campaign.toml"),
+        ("two/campaign.toml: tool", "not the tool of one/campaign.toml"),
+        ("one/campaign.toml", "the same campaign twice"),
+    ]
