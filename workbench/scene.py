@@ -149,7 +149,7 @@ def _data(diagnosis: Diagnosis, links: Array, ghost: str) -> dict[str, Any]:
 def _look(meshcat: Any, centre: list[float], extent: float, arm: Array) -> None:
     """The camera, looking at the side of the arm (base to flange); a light ground; no axes."""
     azimuth = np.arctan2(arm[1], arm[0]) - np.radians(60)
-    ahead = np.array([1.15 * np.cos(azimuth), 1.15 * np.sin(azimuth), 0.4])
+    ahead = np.array([1.22 * np.cos(azimuth), 1.22 * np.sin(azimuth), 0.43])
     left = np.array([np.sin(azimuth), -np.cos(azimuth), 0.0])
     middle = np.array(centre) + 0.12 * extent * left  # room for the panel
     meshcat.SetCamera(meshcat.PerspectiveCamera(fov=38, near=0.05, far=200))
