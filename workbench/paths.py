@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pathlib
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -117,6 +118,10 @@ def _joint_names(table: Table, robot: Robot | None) -> list[str]:
         table.faults.append(
             Fault(str(table.path), f"no column {', '.join(absent)}", "a path needs all joints")
         )
+    for name in table.unused:
+        if robot is not None and re.match(r"q\d+(_|$)", name):
+            what = f"column {name!r}, but {robot.name} has {count} joints"
+            table.faults.append(Fault(str(table.path), what, "take it out, or name the right robot"))
     return names
 
 
