@@ -18,13 +18,13 @@ from .course import Course, ready
 from .extended_arm import Shares, sided
 from .mirror import METHODS
 from .ripple import LeftOut, frequency, left_out, ripple_shares, speeds
-from .solve import Rest, correct, settle, turning_sides
+from .solve import Rest, correct, first_step, settle, turning_sides
 from .trouble import Trouble, impossible, near_singular, out_of_range, too_fast, unreached
 
 EXACT = "exact"
 BANDWIDTH_HZ = 10.0
 COARSE = 8  # samples per cycle of a ripple, below which straight motion between them misses it
-LOOSE = 1e-7  # m, rad: near enough to tell the error, and which way a joint goes
+ROUGH = 1e-8  # rad, m: near enough to rest to tell the uncorrected error
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,16 +121,15 @@ def compensate(
     course = ready(robot, path, conditions or Conditions(), tool, start, seed)
     needs_side = sided(course.extended)
     direction = turning_sides(course.q) if needs_side else None
-    before = settle(course, course.q, direction, still=0.1 * LOOSE)
+    before = settle(course, course.q, direction, still=ROUGH)
     speed = speeds(course.q, path.time)
     shares: dict[int, Array] = {}
     if method == EXACT:
         shares = ripple_shares(course.extended, speed, bandwidth_hz)
-        rest = before
+        first = first_step(course, before, direction, shares)
         if direction is not None:
-            rest = correct(course, before, direction, shares, LOOSE)
-            direction = turning_sides(_behind_play(course, rest.q, direction))
-        rest = correct(course, rest, direction, shares)
+            direction = turning_sides(_behind_play(course, first, direction))
+        rest = correct(course, first, direction, before.sag, shares)
         after = settle(course, rest.q, direction, rest.sag) if shares else rest
     else:
         q, there = METHODS[method](course, before, direction)

@@ -18,8 +18,8 @@ from ..programs.rotations import angle_between
 from .extended_arm import PART, parts
 from .inverse import Tip, newton
 
-SPACING = 0.15  # way between knots, in rad and lengths of the tip
-STARTS = 256  # random postures that are tried for the first pose
+SPACING = 0.1  # way between knots, in rad and lengths of the tip
+STARTS = 128  # random postures that are tried for the first pose
 BRANCHES = 16  # solutions of it that are followed
 JUMP = 0.15  # rad or lengths: joints that move by so much more than the way asks for change the branch
 SAME = 1e-3
@@ -85,7 +85,7 @@ def start_postures(arm: Arm, tip: Tip, X: Array, limits: Range, start: Array | N
     else:
         guesses = np.asarray(start, float)[None]
     target = np.broadcast_to(X, (len(guesses), 4, 4))
-    q, solved = newton(arm, tip, target, guesses, rounds=80, refresh=1)
+    q, solved = newton(arm, tip, target, guesses, rounds=40, refresh=1)
     q = q[solved]
     if start is not None or not len(q):
         return q

@@ -14,7 +14,7 @@ from ..programs.rotations import pose
 DAMPING = 1e-4  # of a joint motion, relative to the arm's length: only felt at a singularity
 STEP = 0.3  # rad, or of the arm's length: the longest step of any joint
 TOLERANCE = 1e-11  # m
-REFRESH = 3  # rounds that one Jacobian serves
+REFRESH = 5  # rounds that one Jacobian serves
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,7 +45,7 @@ def geometry(course: Course, rest: Rest, direction: Array | None) -> Command:
     whole = course.extended.whole
     rigid = replace(whole.arm, compliance=np.zeros_like(whole.arm.compliance))
     only = replace(course, extended=ExtendedArm(replace(whole, arm=rigid), ()))
-    found = correct(only, replace(rest, sag=np.zeros_like(rest.sag)), None, {})
+    found = correct(only, rest.q, None, np.zeros_like(rest.sag), {})
     return found.q, found.there
 
 

@@ -8,13 +8,13 @@ gains about three digits (a fast gear ripple: one or two); the frames are the ex
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arm import Array
+from ..problem import Problem
 from .course import Course
 from .extended_arm import Shares, parts
 from .inverse import limited
@@ -24,7 +24,6 @@ STILL = 1e-11  # rad, m: a smaller change under load is rest
 ROUNDS = 60
 REFRESH = 4  # rounds after which samples that are slow get a Jacobian of their own
 STANDING = 1e-6  # rad, m: a joint that has not gone so far has not turned round
-THREADS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +45,26 @@ def settle(
     return _run(course, q, direction, sag, {}, still, None)
 
 
-def correct(
-    course: Course, rest: Rest, direction: Array | None, shares: Shares, tolerance: float = TOLERANCE
-) -> Rest:
-    """Joints that put the extended robot's tool on the path, from where it rests; `shares` of effects."""
-    return _run(course, rest.q, direction, rest.sag, shares, max(STILL, 0.1 * tolerance), tolerance)
+def first_step(course: Course, rest: Rest, direction: Array | None, shares: Shares) -> Array:
+    """(N, n) joints that take the error at rest off, to first order; `shares` of effects."""
+    q = rest.q.copy()
+    for part in parts(len(q)):
+        some = np.arange(part.start, part.stop)
+        problem = course.extended.at(q[part], None if direction is None else direction[part], some)
+        here = {i: share[part] for i, share in shares.items()}
+        q[part] += _step(course, problem, course.gain[part], course.tip.scaled(rest.error[part]), here)
+    return q
+
+
+def correct(course: Course, q: Array, direction: Array | None, sag: Array, shares: Shares) -> Rest:
+    """Joints that put the extended robot's tool on the path, from a guess of joints and sag."""
+    return _run(course, q, direction, sag, shares, STILL, TOLERANCE)
+
+
+def _step(course: Course, problem: Problem, gain: Array, scaled: Array, shares: Shares) -> Array:
+    """(K, n) change of the command that takes the error (K, rows) [m] off."""
+    step = np.einsum("kij,kj->ki", gain, scaled) / (1 + course.extended.gear_slope(problem, shares))
+    return limited(course.nominal, course.tip, step)
 
 
 def _run(
@@ -66,12 +80,7 @@ def _run(
     count, slots = len(q), course.nominal.slots
     sag = np.zeros((count, slots, 6)) if sag is None else sag.copy()
     out = Rest(q.copy(), sag, np.empty((count, 6)), np.ones(count, bool), 0)
-
-    def work(part: slice) -> int:
-        return _part(course, out, part, direction, shares, still, tolerance)
-
-    with ThreadPoolExecutor(THREADS) as pool:
-        rounds = list(pool.map(work, parts(count)))
+    rounds = [_part(course, out, part, direction, shares, still, tolerance) for part in parts(count)]
     return replace(out, rounds=max(rounds))
 
 
@@ -91,19 +100,21 @@ def _part(
         q, sag = out.q[active], out.sag[active]
         problem = course.extended.at(q, None if direction is None else direction[active], active)
         here = {i: share[active] for i, share in shares.items()}
-        where, out.sag[active] = course.extended.move(problem, sag, here)
-        out.error[active] = error = tip.error(where, course.X[active])
-        busy = np.abs(out.sag[active] - sag).max(axis=(1, 2)) > still
-        if tolerance is None:
-            active = active[busy]
-        else:
+        where, new = course.extended.move(problem, sag, here)
+        error = tip.error(where, course.X[active])
+        out.sag[active], out.error[active] = new, error
+        change = (new - sag).reshape(len(q), -1)
+        busy = np.abs(change).max(axis=1) > still
+        if tolerance is not None:
             scaled = tip.scaled(error)
             busy |= np.abs(scaled).max(axis=1) > tolerance
             if count % REFRESH == 0:
                 gain = tip.gain(nominal, tip.jacobian(nominal, where))
-            step = np.einsum("kij,kj->ki", gain, scaled) / (1 + course.extended.gear_slope(problem, here))
-            out.q[active] += np.where(busy[:, None], limited(nominal, tip, step), 0.0)
-            active, gain = active[busy], gain[busy]
+            # what the joints yield more than they did is taken off before it shows
+            step = _step(course, problem, gain, scaled, here) - change[:, nominal.axial]
+            out.q[active[busy]] += step[busy]
+            gain = gain[busy]
+        active = active[busy]
         if not len(active):
             return count
     out.there[active] = False
