@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from campaign_example import POINTS, POSES, TOML, faults, write_example
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.campaign import load_campaign
+from workbench.faults import InputError
 
 
 @pytest.mark.parametrize(
@@ -37,6 +43,14 @@ def test_faults_of_the_toml(tmp_path: Path, change: tuple[str, str], told: str) 
     assert change[0] in TOML
     got = faults(write_example(tmp_path, TOML.replace(*change, 1)))
     assert any(fault.startswith(f"campaign.toml: {told}") for fault in got), got
+
+
+def test_a_table_pasted_twice_does_not_flood_the_screen(tmp_path: Path) -> None:
+    rows = "".join(f"p{row},0,0,0\n" for row in range(30))
+    told = faults(write_example(tmp_path, poses=POSES + rows + rows))
+    assert told[0].startswith("poses.csv: pose_id 'p0' twice, lines 5 and 35; every row")
+    assert told[-1].startswith("poses.csv: 20 more pose_ids several times")
+    assert len(told) == 11
 
 
 def test_missing_table(tmp_path: Path) -> None:
@@ -144,3 +158,47 @@ def test_a_wrong_robot_does_not_hide_the_faults_of_the_points(tmp_path: Path) ->
     told = faults(write_example(tmp_path, toml, points=POINTS.replace("600", "x")))
     assert len(told) == 2
     assert told[0].startswith("campaign.toml: robot = 'nobody': no such robot; known: ")
+
+
+SCRAPS = [
+    ",",
+    ";",
+    "\n",
+    "",
+    "nan",
+    "1e999",
+    '"',
+    "a",
+    "T1",
+    "q1_deg",
+    "_",
+    "-",
+    "x_mm",
+    "heavy",
+    "é",
+    "\t",
+    "[",
+    "=",
+]
+CHANGES = st.lists(st.tuples(st.integers(0, 400), st.integers(0, 5), st.sampled_from(SCRAPS)), max_size=3)
+
+
+@settings(max_examples=150, deadline=None)
+@given(changes=st.tuples(CHANGES, CHANGES, CHANGES))
+def test_whatever_the_files_hold_it_is_loaded_or_told(
+    tmp_path_factory: pytest.TempPathFactory, changes: tuple[list[tuple[int, int, str]], ...]
+) -> None:
+    texts = []
+    for text, edits in zip((TOML, POSES, POINTS), changes, strict=True):
+        for start, length, scrap in edits:
+            at = start % (len(text) + 1)
+            text = text[:at] + scrap + text[at + length :]
+        texts.append(text)
+    try:
+        campaign = load_campaign(write_example(tmp_path_factory.mktemp("scraps"), *texts))
+    except InputError as error:
+        assert error.faults
+        assert all("\n" not in str(fault) for fault in error.faults)
+    else:
+        assert np.isfinite(campaign.q).all()
+        assert np.array_equal(np.isfinite(campaign.points).all(axis=2), campaign.seen)

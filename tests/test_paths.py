@@ -96,6 +96,7 @@ def test_wrench_temperature_and_what_is_not_used(tmp_path: FilePath) -> None:
         ("q1_deg\n1\n2\n", "path.csv line 1: no column t_s; add it"),
         ("t_s\n1\n2\n", "path.csv: has neither joints nor tool poses; give q1_deg ... , or x_mm"),
         ("t_s,q1_deg,q3_deg\n0,1,2\n1,2,3\n", "path.csv: no column q2; a path needs all joints"),
+        ("t_s,q2_deg,x_mm\n0,1,2\n1,2,3\n", "path.csv: has joints (q2_deg, ...) and tool poses (x_mm, ...)"),
         ("t_s,q1_deg,x_mm\n0,1,2\n1,2,3\n", "path.csv: has joints (q1_deg, ...) and tool poses (x_mm, ...)"),
         (
             "t_s,x_mm,y_mm,z_mm\n0,1,2,3\n1,2,3,4\n",

@@ -67,7 +67,10 @@ def load_path(file: str | pathlib.Path, robot: Robot | None = None) -> Path:
     joints = _joint_names(table, robot)
     poses = [name for name in (*POSITION, *QUATERNION, *ABC) if name in table.numbers]
     if joints and poses:
-        what = f"has joints ({table.labels[joints[0]]}, ...) and tool poses ({table.labels[poses[0]]}, ...)"
+        one, other = (
+            next(table.labels[name] for name in names if name in table.labels) for names in (joints, poses)
+        )
+        what = f"has joints ({one}, ...) and tool poses ({other}, ...)"
         table.faults.append(Fault(str(file), what, "a path is one or the other: take one out"))
     elif not joints and not poses:
         mend = "give q1_deg ... , or x_mm y_mm z_mm with qw qx qy qz or with a_deg b_deg c_deg"

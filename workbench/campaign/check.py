@@ -9,7 +9,7 @@ import numpy as np
 
 from ..faults import Fault
 from ..robot import Robot
-from ..tables import Table, suggest
+from ..tables import SHOWN, Table, suggest
 from .file import CampaignFile
 
 
@@ -64,13 +64,19 @@ def _all(n: int, stem: str) -> list[str]:
 
 def _check_unique(table: Table) -> None:
     lines: dict[str, list[int]] = {}
-    for name, line in zip(table.texts.get("pose_id", []), table.lines.tolist(), strict=True):
+    if "pose_id" not in table.texts:
+        return
+    for name, line in zip(table.texts["pose_id"], table.lines.tolist(), strict=True):
         lines.setdefault(name, []).append(line)
-    for name, places in lines.items():
-        if name and len(places) > 1:
-            often = "twice" if len(places) == 2 else f"{len(places)} times"
-            what = f"pose_id {name!r} {often}, lines {_and(places)}"
-            table.faults.append(Fault(str(table.path), what, "every row is a pose with a name of its own"))
+    repeated = {name: places for name, places in lines.items() if name and len(places) > 1}
+    mend = "every row is a pose with a name of its own"
+    for name in list(repeated)[:SHOWN]:
+        often = "twice" if len(repeated[name]) == 2 else f"{len(repeated[name])} times"
+        what = f"pose_id {name!r} {often}, lines {_and(repeated[name])}"
+        table.faults.append(Fault(str(table.path), what, mend))
+    if len(repeated) > SHOWN:
+        what = f"{len(repeated) - SHOWN} more pose_ids several times"
+        table.faults.append(Fault(str(table.path), what, mend))
 
 
 def _and(numbers: list[int], shown: int = 5) -> str:
