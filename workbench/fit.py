@@ -312,13 +312,11 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0) -> Array:
     fold are Gauss–Newton steps from the full solution: exact to the second order of the change.
     """
     problem, cols = result.model.problem, result.columns
-    c = problem.campaign
-    _, block = np.unique(np.column_stack([np.round(c.q, 9), c.setup]), axis=0, return_inverse=True)
-    block = block.ravel()
+    block = problem.positions
     order = np.random.default_rng(seed).permutation(block.max() + 1)
     fold = (order % min(folds, block.max() + 1))[block]
     plain = _jacobian(
-        result.model, result.line, cols, result.state, _unit(result.whitener.shape[2], len(c.q))
+        result.model, result.line, cols, result.state, _unit(result.whitener.shape[2], len(block))
     )
     A = result.upper.T @ result.upper
     out = result.residual.copy()

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 from .arm import Arm, Array, Frames, frames
 from .campaign import Campaign
@@ -55,6 +56,12 @@ class Problem:
         return np.array(
             [self.arm.R_link[k] @ place for k, place in zip(self.on, np.array(places), strict=True)]
         )
+
+    @cached_property
+    def positions(self) -> NDArray[np.int64]:
+        """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
+        table = np.column_stack([np.round(self.q, 9), self.campaign.setup])
+        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
 
     @cached_property
     def rigid(self) -> Frames:

@@ -6,6 +6,7 @@ import pathlib
 from dataclasses import dataclass
 
 from ..arm import Array
+from ..faults import Fault, InputError
 from ..paths import load_path
 from ..programs import RoundingEffect, find_format, rounding_effect, write_program
 from ..robot import load_robot
@@ -46,6 +47,10 @@ def compensate_file(
     """
     chosen = find_format(format)
     robot = load_robot(model)
+    turning = sum(joint.kind == "revolute" for joint in robot.joints)
+    if chosen.arm_joints not in (None, turning):
+        what = f"{turning} turning joints; poses in {chosen.title} say the posture of {chosen.arm_joints}"
+        raise InputError(Fault(f"{model}: {robot.name}", what, "use csv"))
     wanted = load_path(path, robot)
     done = compensate(
         robot, wanted, conditions, tool=tool, start=start, method=method, bandwidth_hz=bandwidth_hz, seed=seed

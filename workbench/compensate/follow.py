@@ -21,6 +21,8 @@ from .inverse import Tip, newton
 SPACING = 0.1  # way between knots, in rad and lengths of the tip
 STARTS = 128  # random postures that are tried for the first pose
 BRANCHES = 16  # solutions of it that are followed
+MENDED = 4  # of these that are looked at knot by knot
+TRIES = 3  # knots in a row that are tried in vain
 JUMP = 0.15  # rad or lengths: joints that move by so much more than the way asks for change the branch
 SAME = 1e-3
 
@@ -56,8 +58,7 @@ def follow(
             break
     if not len(postures):
         return np.full((len(X), arm.n), np.nan), np.zeros(len(X), dtype=bool)
-    tracks = _track(arm, tip, X[knots], first, postures)
-    q_knots, solved = min(tracks, key=lambda track: _badness(track, limits))
+    q_knots, solved = _best_track(arm, tip, X[knots], first, postures, limits)
     return _fill(arm, tip, X, way, knots[solved], q_knots[solved])
 
 
@@ -104,45 +105,44 @@ def start_postures(arm: Arm, tip: Tip, X: Array, limits: Range, start: Array | N
 Track = tuple[Array, Bools]
 
 
-def _track(arm: Arm, tip: Tip, X: Array, first: int, postures: Array) -> list[Track]:
-    """For each posture at knot `first`: joints (M, n) at all knots, and which were solved."""
-    count = len(X)
-    every = np.tile(X, (len(postures), 1, 1))
+def _best_track(arm: Arm, tip: Tip, X: Array, first: int, postures: Array, limits: Range) -> Track:
+    """Joints (M, n) at all knots X, and which were solved, of the posture at knot `first` that serves best.
+
+    From each posture, one Newton run to every knot; it stands where neighbours are smooth. The postures
+    that come farthest so are mended knot by knot.
+    """
+    count, every = len(X), np.tile(X, (len(postures), 1, 1))
     q, solved = newton(arm, tip, every, np.repeat(postures, count, axis=0))
     smooth = np.zeros(len(q), dtype=bool)
     smooth[1:] = solved[1:] & solved[:-1] & one_branch(arm, tip, every[1:], q[:-1], q[1:])
-    tracks = []
-    for b in range(len(postures)):
-        here = slice(b * count, (b + 1) * count)
-        tracks.append(_mended(arm, tip, X, first, q[here].copy(), solved[here].copy(), smooth[here]))
-    return tracks
+    joins = smooth.reshape(-1, count)
+    tracks = list(zip(q.reshape(-1, count, arm.n), solved.reshape(-1, count), strict=True))
+    order = sorted(range(len(tracks)), key=lambda b: (-int(joins[b].sum()), _badness(tracks[b], limits)))
+    mended = [_mended(arm, tip, X, first, *tracks[b], joins[b]) for b in order[:MENDED]]
+    return min(mended, key=lambda track: _badness(track, limits))
 
 
 def _mended(arm: Arm, tip: Tip, X: Array, first: int, q: Array, solved: Bools, smooth: Bools) -> Track:
     """The track with every knot on the branch of its neighbour towards `first`, or not solved.
 
-    The run straight from the start posture stands where it joins on (`smooth[k]`: knot k to k - 1);
-    elsewhere the knot is solved once more from its neighbour.
+    `smooth[k]`: knot k joins on to knot k - 1 as it is; others are solved once more from their neighbour,
+    until some in a row are out of reach.
     """
+    q, solved = q.copy(), solved.copy()
     for order in (range(first + 1, len(X)), range(first - 1, -1, -1)):
-        last, touched = first, False
+        last, touched, misses = first, False, 0
         for k in order:
-            joined = abs(k - last) == 1 and not touched and smooth[max(k, last)]
-            if not joined:
-                solved[k], q[k], touched = _join(arm, tip, X[[last, k]], q[[last, k]], bool(solved[k]))
-            if solved[k]:
+            if abs(k - last) == 1 and not touched and smooth[max(k, last)]:
                 last = k
+                continue
+            solved[k] = solved[k] and one_branch(arm, tip, X[[k]], q[[last]], q[[k]])[0]
+            touched = not solved[k] and misses < TRIES
+            if touched:
+                again, reached = newton(arm, tip, X[[k]], q[[last]], rounds=12)
+                solved[k] = reached[0] and one_branch(arm, tip, X[[k]], q[[last]], again)[0]
+                q[k] = again[0] if solved[k] else q[k]
+            last, misses = (k, 0) if solved[k] else (last, misses + 1)
     return q, solved
-
-
-def _join(arm: Arm, tip: Tip, X: Array, q: Array, solved: bool) -> tuple[bool, Array, bool]:
-    """The second of two knots X: (2, 4, 4), q: (2, n) on the first one's branch: whether it is there,
-    its joints, and whether they are new."""
-    if solved and one_branch(arm, tip, X[1:], q[:1], q[1:])[0]:
-        return True, q[1], False
-    again, reached = newton(arm, tip, X[1:], q[:1])
-    there = bool(reached[0] and one_branch(arm, tip, X[1:], q[:1], again)[0])
-    return there, again[0] if there else q[1], there
 
 
 def one_branch(arm: Arm, tip: Tip, X: Array, a: Array, b: Array) -> Bools:

@@ -29,7 +29,7 @@ from .result import (
     Where,
 )
 from .search import Selection
-from .verdict import MOSTLY, Remainder, describe_structure, explained_share, remainder, stands_alone
+from .verdict import MOSTLY, Remainder, describe_structure, explained_share, remainder, stands_alone, stands_out
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def assemble(parts: Parts) -> Diagnosis:
     sure = _sure(parts, groups, left)
     mostly = bool(groups) and share >= MOSTLY and all(sure.values()) and parts.known
     findings = [
-        _finding(parts, groups, g, stages, heldouts, sure[g] or not left.structured)
+        _finding(parts, groups, g, stages, heldouts, sure[g])
         for g in range(len(groups))
     ]
     notes = list(parts.notes) + list(c.warnings) + _remarks(parts, left, share, mostly)
@@ -151,14 +151,14 @@ def _rms(length: Array) -> float:
 
 def _sure(parts: Parts, groups: Groups, left: Remainder) -> dict[int, bool]:
     """Which groups stay significant whatever else is going on."""
-    if not left.structured:
-        return {g: True for g in range(len(groups))}
-    pool = len(parts.selection.pool.candidates)
-    final = parts.selection.fit
-    return {
-        g: any(stands_alone(final, i, left, parts.known, 1e-3 / pool) for i in own)
-        for g, (_, own) in enumerate(groups)
-    }
+    selection = parts.selection
+    final, pool = selection.fit, len(selection.pool.candidates)
+    sure = {}
+    for g, (_, own) in enumerate(groups):
+        out = any(stands_out(final, i) * selection.tries[i] < 0.01 for i in own)
+        free = not left.structured or any(stands_alone(final, i, left, parts.known, 1e-3 / pool) for i in own)
+        sure[g] = out and free
+    return sure
 
 
 def _finding(

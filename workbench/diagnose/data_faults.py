@@ -19,6 +19,7 @@ from ..model import Model, State
 from ..noise import Covariance
 from ..problem import Problem
 from .result import FaultFound
+from .screen import effective_dof, quadratic, reduce_columns
 
 FAR = 6.0  # robust standard deviations per axis from which a point is an outlier
 
@@ -162,20 +163,21 @@ def moved_instrument(result: Fit) -> tuple[int, float] | None:
     c = result.model.problem.campaign
     if len(c.setup_names) > 1 or len(c.q) < 20:
         return None
-    from .screen import quadratic, reduce_columns
 
     base = np.matmul(result.whitener, result.line.frame)
     ramp = np.linspace(-1, 1, len(c.q))
     S, u, own = reduce_columns(result, base * ramp[:, None, None])
-    drift, _ = quadratic(S, u, own)
+    drift, _ = quadratic(S, u, np.maximum(own, 1e-300))
     best = (0.0, 0)
     grid = range(5, len(c.q) - 4)
     B = _prefix(result, base)
     for k in grid:
         S, u, own = B(k)
-        gain, _ = quadratic(S, u, own)
+        gain, _ = quadratic(S, u, np.maximum(own, 1e-300))
         best = max(best, (gain, k))
-    if best[0] < 60 or best[0] < drift + 40:
+    # against what the residual scatters anyway: an unknown effect is no step
+    scatter = max(1.0, result.chi2 / effective_dof(result))
+    if best[0] < 60 * scatter or best[0] < drift + 40 * scatter:
         return None
     S, u, own = B(best[1])
     size = float(np.linalg.norm((np.linalg.pinv(S, hermitian=True) @ u)[:3]))

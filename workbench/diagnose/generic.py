@@ -102,7 +102,7 @@ def test_families(fit: Fit) -> list[FamilyTest]:
     out = []
     for family in families(fit):
         S, u, own = reduce_columns(fit, family.columns)
-        out.append(FamilyTest(family, *quadratic(S, u, np.maximum(own, 1e-12 * own.max()))))
+        out.append(FamilyTest(family, *quadratic(S, u, np.maximum(own, 1e-12 * own.max() + 1e-300))))
     return out
 
 

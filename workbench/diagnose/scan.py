@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import stats
 from scipy.linalg import solve_triangular
 
 from ..arm import Array
@@ -17,6 +18,8 @@ LOWEST, HIGHEST, STEP = 3.0, 700.0, 0.25  # cycles per joint turn
 class Line:
     """A peak of the scan: statistic χ²(2) at `order` of a joint; `tries` independent looks were taken.
 
+    scatter: variance of the joint's own error from pose to pose, over the noise's, without the line; a
+    line must stand out of that, not of the noise alone. poses: number of poses that show the joint.
     aliases: other orders of the same joint that these poses cannot tell from it.
     """
 
@@ -24,7 +27,15 @@ class Line:
     order: float
     statistic: float
     tries: int
+    scatter: float
+    poses: int
     aliases: tuple[float, ...] = ()
+
+    @property
+    def p_value(self) -> float:
+        """Tail probability of one look: F against the joint's own scatter, never below the noise."""
+        F = self.statistic / 2 / max(1.0, self.scatter)
+        return float(stats.f.sf(F, 2, max(self.poses - 2, 1)))
 
 
 def scan(fit: Fit, per_joint: int = 2) -> list[Line]:
@@ -48,13 +59,29 @@ def scan(fit: Fit, per_joint: int = 2) -> list[Line]:
 
 def spectrum(fit: Fit, joint: int, orders: Array) -> Array:
     """Statistic T(order) of a sine of that order in a joint, the fit's columns projected out."""
-    problem = fit.model.problem
-    column = int(problem.arm.axial[joint])
-    g = np.matmul(fit.whitener, fit.line.direct[:, :, column, None])[..., 0]
+    g, a, own = _axial(fit, joint)
     back = np.einsum("ndp,nd->np", fit.J, g) * fit.columns.prior
     Z = solve_triangular(fit.upper, back.T, trans="T", check_finite=False)
-    a, own = (g * fit.r).sum(axis=1), (g**2).sum(axis=1)
-    return _statistic(problem.q[:, joint], orders, a, own, Z)
+    return _statistic(fit.model.problem.q[:, joint], orders, a, own, Z)
+
+
+def _axial(fit: Fit, joint: int) -> tuple[Array, Array, Array]:
+    """Whitened motion of the points by the joint (N, D), its product with the residual (N,), its length² (N,)."""
+    column = int(fit.model.problem.arm.axial[joint])
+    g = np.matmul(fit.whitener, fit.line.direct[:, :, column, None])[..., 0]
+    return g, (g * fit.r).sum(axis=1), (g**2).sum(axis=1)
+
+
+def scatter_of(fit: Fit, a: Array, own: Array) -> tuple[float, int]:
+    """Sum over joint positions of the squared, standardised error along a direction, and their number.
+
+    a: (N,) product of the residual with the direction, own: (N,) its length². Poses with equal joints
+    (their loads, their repeats) share what depends on the joints, so they count as one.
+    """
+    block = fit.model.problem.positions
+    a, own = np.bincount(block, a), np.bincount(block, own)
+    shown = own > 1e-3 * own.max()
+    return float(np.sum(a[shown] ** 2 / own[shown])), int(shown.sum())
 
 
 def _statistic(q: Array, orders: Array, a: Array, own: Array, Z: Array) -> Array:
@@ -99,11 +126,14 @@ def _peaks(fit: Fit, joint: int, orders: Array, statistic: Array, count: int, tr
     inner = np.flatnonzero((statistic[1:-1] >= statistic[:-2]) & (statistic[1:-1] >= statistic[2:])) + 1
     inner = inner[np.argsort(-statistic[inner])]
     lines = []
+    _, a, own = _axial(fit, joint)
+    total, poses = scatter_of(fit, a, own)
     for i in inner[:count]:
         fine = orders[i] + np.linspace(-STEP, STEP, 41)
         T = spectrum(fit, joint, fine)
         best = int(np.argmax(T))
         others = inner[(np.abs(orders[inner] - orders[i]) > 2 * STEP) & (statistic[inner] > T[best] - 10.0)]
         aliases = tuple(float(orders[k]) for k in others) if T[best] > 30 else ()
-        lines.append(Line(joint, float(fine[best]), float(T[best]), tries, aliases))
+        scatter = (total - T[best]) / max(poses - 2, 1)
+        lines.append(Line(joint, float(fine[best]), float(T[best]), tries, float(scatter), poses, aliases))
     return lines

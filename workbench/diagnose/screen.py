@@ -21,7 +21,8 @@ from ..arm import Array
 from ..effects.base import Effect
 from ..fit import Fit
 
-SURVIVES = 1e-6  # share of a column's length that the background must leave
+SURVIVES = 1e-6  # share of a column's length² that the background must leave
+FAINT = 1e-2  # length² (a λ) below which a typical size of a cause moves nothing worth a test
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Screen:
         g = self._columns(given)
         a = self._columns(k)
         S, u = self._without(a, g)
-        return quadratic(S, u, self.own[a])
+        return quadratic(S, u, self._size(a))
 
     def increments(self, given: Sequence[int]) -> tuple[Array, NDArray[np.int64]]:
         """Drop of the residual by every single candidate beyond `given`, and its rank: (c,), (c,)."""
@@ -61,7 +62,7 @@ class Screen:
         for size, members, index in self.by_size:
             blocks = self.S[index[:, :, None], index[:, None, :]]
             blocks = blocks - np.einsum("gki,gkj->kij", cross[:, index], solved[:, index])
-            length = np.sqrt(np.maximum(self.own[index], 1e-300))
+            length = np.sqrt(self._size(index))
             x = u[index] / length
             blocks = blocks / (length[:, :, None] * length[:, None, :])
             if size == 1:
@@ -86,12 +87,16 @@ class Screen:
             for size in np.unique(sizes)
         ]
 
+    def _size(self, index: Array) -> Array:
+        """Length² of columns; infinite for those that move nothing, so that they drop out."""
+        return np.where(self.own[index] > FAINT, self.own[index], np.inf)
+
     def _solve(self, g: Array, right: Array) -> Array:
         """S_gg⁻¹ right, with a whiff of ridge for sets that are nearly dependent."""
         if not len(g):
             return np.zeros((0, *right.shape[1:]))
         S = self.S[np.ix_(g, g)].copy()
-        S[np.diag_indices_from(S)] += 1e-10 * self.own[g]
+        S[np.diag_indices_from(S)] += 1e-10 * self.own[g] + 1e-9
         return np.linalg.solve(S, right)
 
     def solution(self, k: Sequence[int]) -> tuple[Array, Array]:
@@ -119,7 +124,7 @@ class Screen:
 
 def quadratic(S: Array, u: Array, own: Array) -> tuple[float, int]:
     """uᵀ S⁺ u and the rank of S; directions that the background swallowed do not count."""
-    length = np.sqrt(np.maximum(own, 1e-300))
+    length = np.sqrt(own)
     scaled = S / (length[:, None] * length)
     if len(u) == 2:
         a, b, c = scaled[0, 0], scaled[1, 1], scaled[0, 1]

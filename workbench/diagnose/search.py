@@ -33,7 +33,7 @@ class Selection:
     """Accepted causes with their fit; the pool they were taken from, screened at the geometry fit.
 
     p_value: per accepted cause, look-elsewhere included. rivals: per accepted cause, indices into the
-    pool. aliases: orders of a gear line that the poses cannot tell apart.
+    pool. aliases: orders of a gear line that the poses cannot tell apart. tries: looks behind each.
     """
 
     fit: Fit
@@ -43,6 +43,7 @@ class Selection:
     p_values: tuple[float, ...]
     rivals: tuple[tuple[int, ...], ...]
     aliases: dict[str, tuple[float, ...]]
+    tries: tuple[int, ...]
 
 
 @lru_cache(maxsize=1000)
@@ -97,9 +98,10 @@ class Search:
         chosen = [chosen[i] for i in order]
         current = self._fit(pool, chosen)
         rivals = tuple(self._rivals(pool, chosen, a) for a in chosen)
+        looks = tuple(self.tries.get(pool.candidates[a], self.regular) for a in chosen)
         p = tuple(self._p(pool, chosen, a) for a in chosen)
         return Selection(
-            current, tuple(self._effects(pool, chosen)), pool, tuple(chosen), p, rivals, self.aliases
+            current, tuple(self._effects(pool, chosen)), pool, tuple(chosen), p, rivals, self.aliases, looks
         )
 
     # ------------------------------------------------------------------ parts
@@ -118,7 +120,7 @@ class Search:
         """Puts significant lines of the order scan into the candidates."""
         grew = False
         for line in scan(at):
-            p = self._tail(line.statistic, 2, at)
+            p = max(line.p_value, self._tail(line.statistic, 2, at))
             if p * line.tries > ALPHA_SCAN or self._is_known(line):
                 continue
             name = at.model.problem.arm.names[line.joint]
@@ -166,11 +168,28 @@ class Search:
             p.lower <= v + 2 * s and v - 2 * s <= p.upper for p, v, s in zip(params, values, std, strict=True)
         )
 
+    def _strangeness(self, pool: Screen, chosen: Sequence[int]) -> float:
+        """Penalty on sizes far beyond the typical (a Cauchy prior three typical sizes wide); infinite
+        beyond physical bounds. It decides between causes that fit alike."""
+        if not chosen:
+            return 0.0
+        if not self._possible(pool, chosen):
+            return np.inf
+        values = pool.solution(chosen)[0]
+        total, at = 0.0, 0
+        for i in chosen:
+            effect = pool.candidates[i]
+            size = values[at : at + len(effect.params)] / [p.typical for p in effect.params]
+            total += 2 * np.log1p(float(np.mean(size**2)) / 9)
+            at += len(effect.params)
+        return float(total)
+
     def _local(self, pool: Screen, chosen: list[int]) -> list[int]:
         """Additions while they pay, then removals and exchanges, until nothing lowers the cost."""
         penalty = np.array([self._penalty(e, len(e.params), pool.dof) for e in pool.candidates])
         for _ in range(4 * self.max_causes):
             now = self._cost(pool, pool.statistic(chosen)[0]) + penalty[chosen].sum()
+            now += self._strangeness(pool, chosen)
             better = self._best(pool, penalty, [chosen], now) if len(chosen) < self.max_causes else None
             if better is None:
                 better = self._best(pool, penalty, [[c for c in chosen if c != a] for a in chosen], now)
@@ -191,12 +210,15 @@ class Search:
                 for k in np.argsort(-more)[:12]
                 if rank[k] and more[k] > 0 and int(k) not in base
             ]
-        for cost, move in sorted(moves, key=lambda pair: pair[0]):
-            if cost >= now - 1e-6:
-                return None
-            if not move or self._possible(pool, move):
-                return move
-        return None
+        best: tuple[float, list[int]] | None = None
+        for cost, move in sorted(moves, key=lambda pair: pair[0])[:10]:
+            limit = now if best is None else min(now, best[0])
+            if cost >= limit - 1e-6:
+                break
+            cost += self._strangeness(pool, move)
+            if cost < limit - 1e-6:
+                best = cost, move
+        return best[1] if best else None
 
     def _next(self, at: Fit, pool: Screen, chosen: Sequence[int]) -> Effect | None:
         """A cause that is significant only now that the chosen ones are in the model."""

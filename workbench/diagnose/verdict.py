@@ -12,6 +12,7 @@ from scipy.linalg import qr, solve_triangular
 from ..effects.base import Effect
 from ..fit import Fit
 from .generic import FamilyTest, test_families
+from .scan import scatter_of
 from .screen import effective_dof, p_value
 
 ALPHA_GENERIC = 0.004  # chance that clean data show a dependence on some variable
@@ -104,6 +105,26 @@ def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: f
     dof = max(rows - n, 1)
     p = p_value(wald, len(index), rss + wald, dof + len(index), result.noise.dof, known)
     return bool(p < threshold)
+
+
+def stands_out(result: Fit, i: int) -> float:
+    """p-value of the model's i-th effect against the scatter along its own direction.
+
+    Where something else is going on in the same joint or link, the residual along the effect's direction
+    scatters more than the noise from pose to pose, and the effect must stand out of that.
+    """
+    effect = result.model.effects[i]
+    values, covariance = result.effect_values(i)
+    move = result.model.effect_jacobian(result.line, effect, values) @ values
+    d = np.matmul(result.whitener, move[..., None])[..., 0]
+    size = (d**2).sum(axis=1)
+    total, count = scatter_of(result, (d * result.r).sum(axis=1), size)
+    scatter = total / count
+    rows = int((np.abs(result.whitener).sum(axis=2) > 0).sum())
+    scatter *= rows / max(effective_dof(result), 1.0)
+    wald = float(values @ np.linalg.solve(covariance, values))
+    p = len(values)
+    return float(stats.f.sf(wald / p / max(1.0, scatter), p, max(count - p, 1)))
 
 
 def explained_share(before: Fit, after: Fit) -> float:

@@ -38,7 +38,8 @@ class GearEccentricity(TransmissionEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        return (Param("sin", "rad", 1e-4), Param("cos", "rad", 1e-4))
+        # more than 3 mrad of run-out is no gear: it would be a function of q that something else causes
+        return tuple(Param(name, "rad", 1e-4, lower=-3e-3, upper=3e-3) for name in ("sin", "cos"))
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[GearEccentricity]:

@@ -1,0 +1,75 @@
+"""Hidden causes that come with time, warmth and the instrument."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...arm import Array
+from ...effects.drift import Drift
+from ...effects.thermal_growth import ThermalGrowth
+from ...effects.tracker_scale import TrackerScale
+from ...problem import Problem
+from ...simulate import Truth
+from .hidden import Hidden
+
+
+def thermal_growth(
+    job: Problem, effect: ThermalGrowth, rng: np.random.Generator, constant: float = 0.0
+) -> Hidden:
+    """Each link with a coefficient of its own, within 15 %; without thermometer over any time constant."""
+    each = rng.uniform(0.85, 1.15, job.arm.slots)
+    timed = effect.variant.startswith("warmup")
+    unit = effect.params[0].typical
+
+    def motion(job: Problem) -> Mapping[int, Array]:
+        span = job.arm.span
+        if timed:
+            assert job.time is not None
+            warmth = 1 - np.exp(-job.time / constant)
+        else:
+            assert job.warmth is not None
+            warmth = job.warmth
+        return {
+            6 * slot + c: unit * each[slot] * warmth * span[slot, c]
+            for slot in range(job.arm.slots)
+            for c in range(3)
+            if abs(span[slot, c]) > 1e-9
+        }
+
+    def form(size: float) -> Truth:
+        return Truth(motion=lambda job: {k: size * v for k, v in motion(job).items()})
+
+    return Hidden("thermal_growth", effect, np.array([unit]), form, 5.0 if timed else 2.5)
+
+
+def drift(job: Problem, effect: Drift, rng: np.random.Generator, span: float = 0.0) -> Hidden:
+    """A way that is slightly curved in time."""
+    way = rng.normal(size=len(effect.params))
+    unit = 1e-8 * way / np.linalg.norm(way[:3])
+    bend = rng.uniform(-0.5, 0.5)
+
+    def form(size: float) -> Truth:
+        def motion(job: Problem) -> Mapping[int, Array]:
+            assert job.time is not None
+            since = job.time * (1 + bend * (job.time / span - 0.5))
+            return {c: size * v * since for c, v in enumerate(unit)}
+
+        return Truth(motion=motion)
+
+    return Hidden("drift", effect, unit, form, 20.0)
+
+
+def tracker_scale(job: Problem, effect: TrackerScale, rng: np.random.Generator) -> Hidden:
+    """Refraction that is not quite the same at all heights."""
+    unit, layer = float(rng.choice([-1e-5, 1e-5])), rng.uniform(-0.1, 0.1)
+
+    def form(size: float) -> Truth:
+        def seen(job: Problem, points: Array) -> Array:
+            height = points[..., 2:] - np.nanmean(points[..., 2])
+            return points + size * unit * points * (1 + layer * height)
+
+        return Truth(seen=seen)
+
+    return Hidden("tracker_scale", effect, np.array([unit]), form, 50.0)

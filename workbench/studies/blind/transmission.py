@@ -1,0 +1,106 @@
+"""Hidden causes between command and joint. Their forms are near the catalogue's, never the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...arm import Array
+from ...campaign import Campaign
+from ...effects.backlash import Backlash
+from ...effects.gear_eccentricity import GearEccentricity
+from ...effects.gear_kinematic_error import GearKinematicError
+from ...effects.gear_ratio import GearRatio
+from ...effects.readback_joints import ReadbackJoints
+from ...effects.wrist_coupling import WristCoupling
+from ...problem import Problem
+from ...simulate import Truth
+from .hidden import Hidden, axial_torque, joint_error
+
+
+def gear_ratio(job: Problem, effect: GearRatio, rng: np.random.Generator) -> Hidden:
+    """ε q, with a tenth of it bent: the pitch of the teeth is not quite even."""
+    j, unit = job.joint(effect.where.joint), _sign(rng) * 5e-5
+    far, bend = float(np.abs(job.q[:, j]).max()), rng.uniform(-0.12, 0.12)
+
+    def error(job: Problem) -> Array:
+        q = job.q[:, j]
+        return unit * q * (1 + bend * (2 * (q / far) ** 2 - 1))
+
+    return Hidden("gear_ratio", effect, np.array([unit]), joint_error(j, error), 20.0)
+
+
+def gear_eccentricity(job: Problem, effect: GearEccentricity, rng: np.random.Generator) -> Hidden:
+    """One or two cycles per turn, with a small third harmonic."""
+    j, k = job.joint(effect.where.joint), effect.cycles
+    phase, third, other = rng.uniform(-np.pi, np.pi), rng.uniform(0.05, 0.12), rng.uniform(-np.pi, np.pi)
+
+    def error(job: Problem) -> Array:
+        q = job.q[:, j]
+        return 1e-4 * (np.sin(k * q + phase) + third * np.sin(3 * k * q + other))
+
+    unit = 1e-4 * np.array([np.cos(phase), np.sin(phase)])
+    return Hidden("gear_eccentricity", effect, unit, joint_error(j, error), 10.0)
+
+
+def gear_kinematic_error(job: Problem, effect: GearKinematicError, rng: np.random.Generator) -> Hidden:
+    """A gear line with a harmonic of 15–25 % at twice its order; one in three of no known order."""
+    j = job.joint(effect.where.joint)
+    if rng.random() < 1 / 3:
+        effect = replace(effect, where=replace(effect.where, order=float(rng.uniform(12, 330))), variant="")
+    order = effect.order
+    double = replace(effect, where=replace(effect.where, order=2 * order), variant="")
+    phase, share, other = rng.uniform(-np.pi, np.pi), rng.uniform(0.15, 0.25), rng.uniform(-np.pi, np.pi)
+
+    def error(job: Problem) -> Array:
+        q = job.q[:, j]
+        return 3e-5 * (np.sin(order * q + phase) + share * np.sin(2 * order * q + other))
+
+    unit = 3e-5 * np.array([np.cos(phase), np.sin(phase)])
+    return Hidden("gear_kinematic_error", effect, unit, joint_error(j, error), 20.0, more=(double,))
+
+
+def wrist_coupling(job: Problem, effect: WristCoupling, rng: np.random.Generator) -> Hidden:
+    """c q of the other joint, with a ripple: the coupled gears run out a little."""
+    j, other, unit = job.joint(effect.where.joint), job.joint(effect.where.other), _sign(rng) * 1e-4
+    ripple, phase = rng.uniform(0.05, 0.15), rng.uniform(-np.pi, np.pi)
+
+    def error(job: Problem) -> Array:
+        q = job.q[:, other]
+        return unit * (q + ripple * np.sin(2 * q + phase))
+
+    return Hidden("wrist_coupling", effect, np.array([unit]), joint_error(j, error), 20.0)
+
+
+def backlash(job: Problem, effect: Backlash, rng: np.random.Generator) -> Hidden:
+    """Against the last motion, 15 % more or less of it as the joint's torque goes."""
+    j, share = job.joint(effect.where.joint), rng.uniform(-0.2, 0.2)
+    most = max(float(np.abs(axial_torque(job)[:, j]).max()), 1e-9)
+
+    def error(job: Problem) -> Array:
+        direction = job.campaign.direction
+        if direction is None:
+            return np.zeros(len(job.q))
+        return -3e-5 * direction[:, j] * (1 + share * axial_torque(job)[:, j] / most)
+
+    return Hidden("backlash", effect, np.array([3e-5]), joint_error(j, error), 20.0)
+
+
+def readback_joints(job: Problem, effect: ReadbackJoints, rng: np.random.Generator) -> Hidden:
+    """The servo stops off the command and the encoders see it; each joint's a little wrongly."""
+    weight = rng.uniform(0.9, 1.1, job.arm.n)
+    seed = int(rng.integers(1_000_000))
+
+    def plan(campaign: Campaign, size: float) -> Campaign:
+        off = 2e-5 * np.random.default_rng([seed, len(campaign.q)]).normal(size=campaign.q.shape)
+        return replace(campaign, readback=campaign.q + size * off)
+
+    def form(size: float) -> Truth:
+        return Truth(joints=lambda job: weight * (np.asarray(job.campaign.readback) - job.q))
+
+    return Hidden("readback_joints", effect, np.ones(1), form, 50.0, plan=plan, fixed=True)
+
+
+def _sign(rng: np.random.Generator) -> float:
+    return float(rng.choice([-1.0, 1.0]))
