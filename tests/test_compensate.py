@@ -1,0 +1,242 @@
+"""Compensated commands put the tool on the path in Drake's own equilibrium; what cannot be run is named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from extended_example import extended, extended_kr500
+
+from workbench.campaign import Target
+from workbench.compensate import Compensation, Conditions, compensate, nominal_joints
+from workbench.compensate.course import ready
+from workbench.compensate.solve import turning_sides
+from workbench.diagnose.result import Where
+from workbench.effects.backlash import Backlash
+from workbench.effects.gear_eccentricity import GearEccentricity
+from workbench.effects.gear_kinematic_error import GearKinematicError
+from workbench.effects.gear_ratio import GearRatio
+from workbench.effects.joint_compliance import JointCompliance
+from workbench.effects.thermal_growth import ThermalGrowth
+from workbench.faults import InputError
+from workbench.path_shapes import Run, pocket, raster, spiral, work_frame
+from workbench.paths import Path
+from workbench.poses import planned
+from workbench.robot import Robot, load_robot
+from workbench.simulate import Truth, simulate
+from workbench.studies.random_robot import write_random_robot
+
+HEAVY = Conditions("heavy", 250.0, (0.15, 0.0, 0.05), 60.0, (0.05, 0.0, 0.1), temperature=28.0)
+TOOL = np.eye(4)
+TOOL[:3, 3] = [0.1, 0.02, 0.25]
+WORK = work_frame([1.8, 0.2, 0.8])
+SPIRAL = spiral(Run(WORK, speed=0.03, acceleration=0.1, period=0.05))
+CORNERS = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.3, 0.0]])
+
+
+def in_drake(robot: Robot, done: Compensation, conditions: Conditions, every: int) -> np.ndarray:
+    """Distance [m] of three points of the tool from where they should be, at some samples."""
+    some = np.unique(np.append(np.arange(0, len(done.path), every), len(done.path) - 1))
+    corners = CORNERS @ done.tool[:3, :3].T + done.tool[:3, 3]
+    payloads = {conditions.payload: (conditions.payload_mass, conditions.payload_com)}
+    wrench = done.path.wrench if done.path.wrench is not None else conditions.wrench
+    plan = planned(
+        robot,
+        done.q_command[some],
+        targets=tuple(Target(f"T{i}", tuple(corner)) for i, corner in enumerate(corners)),
+        payloads=payloads if conditions.payload else None,
+        payload=[conditions.payload] * len(some) if conditions.payload else None,
+        tool=(conditions.tool_mass, conditions.tool_com),
+        wrench=None if wrench is None else np.broadcast_to(wrench, (len(done.path), 6))[some],
+        direction=None if done.direction is None else done.direction[some],
+        temperature=None if conditions.temperature is None else np.full(len(some), conditions.temperature),
+    )
+    still = Truth(repeatability=np.zeros(len(robot.joints)))
+    seen = simulate(plan, still, instrument=(np.eye(3)[None], np.zeros((1, 3)))).points
+    wanted = np.einsum("nij,tj->nti", done.X_desired[some][:, :3, :3], CORNERS)
+    return np.linalg.norm(seen - wanted - done.X_desired[some][:, None, :3, 3], axis=2)
+
+
+def test_kr500_with_everything_draws_the_spiral_in_drake() -> None:
+    robot = extended_kr500()
+    conditions = replace(HEAVY, wrench=[120.0, -40.0, -200.0, 5.0, 0.0, 10.0])
+    done = compensate(robot, SPIRAL, conditions, tool=TOOL)
+    assert done.before_mm.max() > 2.0
+    assert done.after_mm.max() < 1e-6
+    assert not done.left_out
+    assert in_drake(robot, done, conditions, 20).max() < 1e-8
+    # and the uncorrected command is as far off as the model says
+    plain = replace(done, q_command=done.q_nominal, direction=turning_sides(done.q_nominal))
+    assert in_drake(robot, plain, conditions, 200)[:, 0] == pytest.approx(
+        1e-3 * done.before_mm[np.unique(np.append(np.arange(0, len(SPIRAL), 200), len(SPIRAL) - 1))], abs=1e-7
+    )
+
+
+def test_first_order_methods_are_worse_but_close() -> None:
+    robot = extended_kr500(ripple=0.0)
+    error = {
+        method: compensate(robot, SPIRAL, HEAVY, tool=TOOL, method=method).after_mm.max()
+        for method in ("exact", "mirror", "double", "geometry")
+    }
+    before = compensate(robot, SPIRAL, HEAVY, tool=TOOL).before_mm.max()
+    assert error["exact"] < 1e-6
+    for method in ("mirror", "double"):
+        assert 100 * error["exact"] < error[method] < 0.02 * before
+    assert error["geometry"] > 10 * error["mirror"]
+
+
+def test_joint_correction_of_source_003_takes_joint_errors_only() -> None:
+    robot = load_robot("kr500")
+    gears = extended(
+        robot,
+        [
+            (GearEccentricity(Where(joint="joint_2"), "1"), [1e-4, 5e-5]),
+            (JointCompliance(Where(joint="joint_3"), nominal=1 / 5.83e6), [0.3]),
+        ],
+        size=0.0,
+    )
+    done = compensate(gears, SPIRAL, HEAVY, method="joint")
+    assert done.after_mm.max() < 0.02 * done.before_mm.max()
+    with_geometry = extended(robot, [], size=5e-4)
+    done = compensate(with_geometry, SPIRAL, Conditions(), method="joint")
+    assert done.after_mm.max() > 0.3 * done.before_mm.max()
+
+
+def test_wrench_per_point_and_payload_change_the_command() -> None:
+    robot = extended_kr500(ripple=0.0)
+    push = np.zeros((len(SPIRAL), 6))
+    push[:, 0] = 800 * np.sin(SPIRAL.time)
+    pushed = compensate(robot, replace(SPIRAL, wrench=push), HEAVY, tool=TOOL)
+    assert in_drake(robot, pushed, HEAVY, 100).max() < 1e-8
+    free = compensate(robot, SPIRAL, HEAVY, tool=TOOL)
+    assert np.abs(pushed.X_command - free.X_command)[:, :3, 3].max() > 1e-4
+    with pytest.raises(InputError, match="of its own"):
+        compensate(robot, replace(SPIRAL, wrench=push), replace(HEAVY, wrench=[1.0] * 6))
+
+
+def test_seven_joints_keep_their_redundancy(tmp_path) -> None:
+    robot = load_robot(write_random_robot(tmp_path, 4, "7R"))
+    q = np.linspace([0.2, 0.6, 0.1, 0.9, -0.3, 0.7, 0.2], [0.5, 0.4, 0.3, 1.1, -0.1, 0.8, 0.0], 200)
+    path = Path(np.linspace(0, 10, 200), q=q)
+    bent = extended(robot, [(GearRatio(Where(joint="joint_3")), [2e-4])])
+    done = compensate(bent, path)
+    assert done.after_mm.max() < 1e-6
+    assert np.array_equal(done.q_nominal, q)
+    assert in_drake(bent, done, Conditions(), 20).max() < 1e-8
+    # the correction has nothing along the null space of the nominal arm
+    course = ready(bent, path, Conditions())
+    null = np.linalg.svd(course.J)[2][:, -1]
+    change = done.q_command - q
+    along = np.abs(np.einsum("ni,ni->n", null, change))
+    assert along.max() < 0.02 * np.linalg.norm(change, axis=1).max()
+    # and tool poses alone give a joint path without jumps, near the given start
+    poses = Path(path.time, X=done.X_desired)
+    found = nominal_joints(bent, poses, start=q[0])
+    assert np.abs(found[0] - q[0]).max() < 1e-9
+    assert np.abs(np.diff(found, axis=0)).max() < 5 * np.abs(np.diff(q, axis=0)).max()
+
+
+@pytest.mark.parametrize("name", ["PRRR", "cylindrical"])
+def test_sliding_joints_and_few_joints_follow_the_position(tmp_path, name: str) -> None:
+    robot = load_robot(write_random_robot(tmp_path, 2, name) if name == "PRRR" else name)
+    n = len(robot.joints)
+    q = np.linspace(np.full(n, 0.2), np.full(n, 0.4), 150)
+    path = Path(np.linspace(0, 10, 150), q=q)
+    bent = extended(
+        robot, [(GearEccentricity(Where(joint=robot.joint_names[-1 if n == 4 else 0]), "1"), [2e-4, 0.0])]
+    )
+    done = compensate(bent, path, Conditions(tool_mass=5.0))
+    assert done.position_only
+    assert done.before_mm.min() > 0.1
+    assert done.after_mm.max() < 1e-6
+    assert in_drake(bent, done, Conditions(tool_mass=5.0), 15)[:, 0].max() < 1e-8
+    back = nominal_joints(robot, Path(path.time, X=done.X_desired), start=q[0])
+    if n == 3:
+        assert np.abs(back - q).max() < 1e-9
+    program = done.program("A", "joints")
+    assert program.sliding == tuple(joint.kind == "prismatic" for joint in robot.joints)
+
+
+def test_branch_is_that_of_the_start_and_stays() -> None:
+    robot = load_robot("kr500")
+    path = raster(0.6, 0.4, 0.05, Run(work_frame([1.4, -0.2, 0.9]), speed=0.3, period=0.01))
+    default = nominal_joints(robot, path)
+    assert np.abs(np.diff(default, axis=0)).max() < 0.05
+    flipped = default[0] + [0, 0, 0, np.pi, 0, 0]
+    flipped[3] -= 2 * np.pi * np.round(flipped[3] / (2 * np.pi))
+    flipped[4] = -flipped[4]
+    other = nominal_joints(robot, path, start=flipped)
+    assert np.sign(other[:, 4]).tolist() == [np.sign(flipped[4])] * len(path)
+    assert np.abs(np.diff(other, axis=0)).max() < 0.05
+    again = nominal_joints(robot, path)
+    assert np.array_equal(default, again)
+
+
+def test_sides_of_approach() -> None:
+    q = np.array([0.0, 0.0, 1.0, 1.0 - 1e-8, 2.0, 2.0, 1.5, 1.0, 1.0, 1.5])
+    assert turning_sides(q[:, None])[:, 0].tolist() == [1, 1, 1, 1, 1, 1, -1, -1, -1, 1]
+    assert turning_sides(-q[:, None])[:, 0].tolist() == [-1, -1, -1, -1, -1, -1, 1, 1, 1, -1]
+    assert not turning_sides(np.zeros((5, 1))).any()
+    rng = np.random.default_rng(0)
+    noisy = np.cumsum(np.abs(rng.normal(size=100))) * 1e-3 + 1e-8 * rng.normal(size=100)
+    assert (turning_sides(noisy[:, None]) == 1).all()
+
+
+def test_backlash_is_commanded_from_the_side_the_arm_goes_to() -> None:
+    robot = load_robot("kr500")
+    loose = extended(robot, [(Backlash(Where(joint="joint_1")), [1e-4])], size=0.0)
+    there = np.concatenate([np.linspace(-0.2, 0.2, 100), np.linspace(0.2, -0.2, 100)[1:]])
+    q = np.tile([0.0, -1.2, 1.6, 0.1, 0.8, 0.0], (199, 1))
+    q[:, 0] = there
+    done = compensate(loose, Path(np.arange(199.0), q=q))
+    shift = done.q_command[:, 0] - compensate(replace(loose, effects=()), done.path).q_command[:, 0]
+    assert shift[:100] == pytest.approx(1e-4, abs=1e-9)
+    assert shift[100:] == pytest.approx(-1e-4, abs=1e-9)
+    assert in_drake(loose, done, Conditions(), 30).max() < 1e-8
+
+
+def test_a_ripple_too_fast_is_left_out_and_said() -> None:
+    robot = extended(
+        load_robot("kr500"),
+        [(GearKinematicError(Where(joint="joint_1", order=460.0)), [5e-5, 0.0])],
+        size=0.0,
+    )
+    q = np.tile([0.0, -1.2, 1.6, 0.1, 0.8, 0.0], (2000, 1))
+    time = 0.002 * np.arange(2000)
+    speed = np.where(time < 2, 0.1, 0.5)  # 7 Hz, then 37 Hz
+    q[:, 0] = np.cumsum(speed) * 0.002 - 0.5
+    path = Path(time, q=q)
+    done = compensate(robot, path)
+    (left,) = done.left_out
+    assert left.highest_hz == pytest.approx(460 * 0.5 / (2 * np.pi), rel=1e-3)
+    assert left.spans == ((999, 1999),)
+    lever = np.linalg.norm(done.X_desired[0, :2, 3])
+    assert left.max_mm == pytest.approx(1e3 * lever * 5e-5, rel=0.01)
+    assert done.after_mm[:990].max() < 1e-6
+    assert done.after_mm.max() == pytest.approx(left.max_mm, rel=0.01)
+    assert any("left out" in text for text in done.lines())
+    all_of_it = compensate(robot, path, bandwidth_hz=100.0)
+    assert not all_of_it.left_out
+    assert all_of_it.after_mm.max() < 1e-6
+    coarse = compensate(robot, Path(time[::50], q=q[::50]), bandwidth_hz=100.0)
+    assert any("samples per cycle" in note for note in coarse.notes)
+
+
+def test_temperature_and_time_that_are_not_given_are_said() -> None:
+    robot = extended(load_robot("kr500"), [(ThermalGrowth(), [1.2e-5])], size=0.0)
+    cold = compensate(robot, SPIRAL)
+    assert any("20 °C" in note for note in cold.notes)
+    warm = compensate(robot, SPIRAL, Conditions(temperature=30.0))
+    assert not warm.notes
+    growth = 10 * 1.2e-5 * np.linalg.norm(cold.X_desired[0, :3, 3])
+    shift = np.linalg.norm((warm.X_command - cold.X_command)[:, :3, 3], axis=1)
+    assert shift == pytest.approx(growth, rel=0.1)
+    assert warm.after_mm.max() < 1e-6
+
+
+def test_shapes_with_corners_come_out_exact() -> None:
+    robot = extended_kr500(ripple=5e-5)
+    path = pocket(0.2, 0.12, 0.03, Run(WORK, speed=0.05, acceleration=0.5, period=0.02))
+    done = compensate(robot, path, HEAVY, tool=TOOL)
+    assert done.after_mm.max() < 1e-6
