@@ -7,16 +7,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arm import Array
 from ...campaign import Campaign, Target
 from ...noise import Covariance
 from ...poses import TARGETS, planned, random_poses
-from ...problem import Problem, problem
+from ...problem import problem
 from ...robot import Robot, load_robot
 from ...simulate import random_geometry
 from ..random_robot import write_random_robot
 
+Ints = NDArray[np.int64]
 ROBOTS = ("kr500", "ur5", "6R", "7R")
 PAYLOADS = {"kr500": (60.0, 400.0), "ur5": (1.0, 5.0), "6R": (8.0, 50.0), "7R": (8.0, 50.0)}  # kg
 REPEATED, RETURNS = 10, 5  # poses that are returned to, and how often they are measured
@@ -33,8 +35,7 @@ class Design:
 
     plan: the campaign to measure; judge: other poses of the same robot and set-up. repeatability: (n,)
     true one sigma of the joints; sigma [m]: noise per axis; stated: the campaign says sigma (else it has
-    repeats). geometry: (S, 6) true errors; targets: (T, 3) true places. cold, warm, constant: the
-    arm's true temperature is cold + warm (1 − exp(−t/constant)) [°C, K, s].
+    repeats). geometry: (S, 6) true errors; targets: (T, 3) true places.
     """
 
     plan: Campaign
@@ -44,8 +45,6 @@ class Design:
     stated: bool
     geometry: Array
     targets: Array
-    span: float
-    constant: float
 
     @property
     def noise(self) -> Covariance:
@@ -88,7 +87,7 @@ def draw_design(
     told = {"heavy": (mass, tuple(rng.uniform([-0.08, -0.08, 0.05], [0.08, 0.08, 0.2])))}
     tool = (0.15 * mass, (0.0, 0.0, 0.06))
 
-    def campaign(q: Array, load: Array, direction: Array, clock: Array) -> Campaign:
+    def campaign(q: Array, load: Ints, direction: Array, clock: Array) -> Campaign:
         warmth = curve[0] + curve[1] * (1 - np.exp(-clock / curve[2]))
         plan = planned(
             robot, q, targets=targets, payloads=told if two else None, tool=tool,
@@ -110,10 +109,8 @@ def draw_design(
     ]
     size = float(np.exp(rng.uniform(np.log(1e-4), np.log(1e-3))))
     sigma = float(np.exp(rng.uniform(np.log(1e-5), np.log(5e-5))))
-    return Design(
-        plan, judge, repeatability, sigma, stated, random_geometry(job.arm, rng, size, size), places,
-        float(clock[-1]), curve[2],
-    )  # fmt: skip
+    geometry = random_geometry(job.arm, rng, size, size)
+    return Design(plan, judge, repeatability, sigma, stated, geometry, places)
 
 
 def _repeatability(robot: Robot, stated: bool, rng: np.random.Generator) -> tuple[Robot, Array]:
@@ -141,18 +138,17 @@ def _columns(needs: Set[str], rng: np.random.Generator) -> set[str]:
     return columns - {"temperature"} if "clock only" in needs else columns
 
 
-def _records(count: int, two: bool, stated: bool, rng: np.random.Generator) -> tuple[Array, Array]:
+def _records(count: int, two: bool, stated: bool, rng: np.random.Generator) -> tuple[Ints, Ints]:
     """Index of the pose and load (0 or 1) of each record: load after load, poses in random order.
 
     Every pose is measured with both loads, or each with one of them. Without a stated sigma some
     poses are returned to, at random times.
     """
-    index = np.arange(count)
-    if not two:
-        index, load = index, np.zeros(count, dtype=np.int64)
-    elif rng.random() < 0.5:
+    index = np.arange(count, dtype=np.int64)
+    load = np.zeros(count, dtype=np.int64)
+    if two and rng.random() < 0.5:
         index, load = np.tile(index, 2), np.repeat([0, 1], count)
-    else:
+    elif two:
         load = rng.permutation(np.arange(count) % 2)
     if not stated:
         again = rng.choice(len(index), REPEATED, replace=False)
@@ -171,8 +167,3 @@ def _targets(scale_bar: bool, rng: np.random.Generator) -> tuple[Target, ...]:
         for target, place in zip(TARGETS, places, strict=False)
     ]
     return (*own, *(SCALE_BAR if scale_bar else ()))
-
-
-def job_of(campaign: Campaign, like: Problem) -> Problem:
-    """Another campaign of the same robot."""
-    return Problem(like.robot, like.arm, campaign, like.compensator)

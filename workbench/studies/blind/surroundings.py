@@ -15,13 +15,12 @@ from ...simulate import Truth
 from .hidden import Hidden
 
 
-def thermal_growth(
-    job: Problem, effect: ThermalGrowth, rng: np.random.Generator, constant: float = 0.0
-) -> Hidden:
+def thermal_growth(job: Problem, effect: ThermalGrowth, rng: np.random.Generator) -> Hidden:
     """Each link with a coefficient of its own, within 15 %; without thermometer over any time constant."""
     each = rng.uniform(0.85, 1.15, job.arm.slots)
     timed = effect.variant.startswith("warmup")
     unit = effect.params[0].typical
+    constant = rng.uniform(0.2, 0.8) * (0.0 if job.time is None else float(np.ptp(job.time)))
 
     def motion(job: Problem) -> Mapping[int, Array]:
         span = job.arm.span
@@ -44,8 +43,10 @@ def thermal_growth(
     return Hidden("thermal_growth", effect, np.array([unit]), form, 5.0 if timed else 2.5)
 
 
-def drift(job: Problem, effect: Drift, rng: np.random.Generator, span: float = 0.0) -> Hidden:
+def drift(job: Problem, effect: Drift, rng: np.random.Generator) -> Hidden:
     """A way that is slightly curved in time."""
+    assert job.time is not None
+    span = float(np.ptp(job.time))
     way = rng.normal(size=len(effect.params))
     unit = 1e-8 * way / np.linalg.norm(way[:3])
     bend = rng.uniform(-0.5, 0.5)

@@ -1,0 +1,153 @@
+"""Our own error rates: robots, campaigns and causes drawn at random, simulated by Drake, diagnosed blind.
+
+One case again: `python -m workbench.studies.blind.one KEY`. Strength of what is hidden is drawn by its
+non-centrality λ, not by millimetres, so that every cause is as hard as any other.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ...atomic import put
+from ...runner import Done, run_tasks
+from .cases import FORMS
+from .page import miss_cells, page
+from .plots import write_figures
+from .score import Record, run_case
+from .tally import Rate, aims, by_cause, by_strength, confusion, figures, missed
+from .unknowns import UNKNOWNS
+
+PAIRS, CLEAN = 3, 4  # cases per draw of two causes, and of clean data with each kind of noise
+QUICK = ("backlash", "gear_kinematic_error", "gear_ratio", "joint_compliance", "payload", "thermal_growth")
+
+
+@dataclass(frozen=True)
+class BlindStudy:
+    """A finished study: its cases and what they come to. failed: key → error of cases that broke."""
+
+    folder: Path
+    seed: int
+    cases: tuple[Record, ...]
+    failed: dict[str, str]
+
+    @property
+    def rates(self) -> list[Rate]:
+        return aims(self.cases)
+
+    @property
+    def text(self) -> str:
+        lines = [f"{len(self.cases)} cases, seed {self.seed}", "", *(r.text for r in self.rates)]
+        lines += [*_numbers(self.cases), "", *_strengths(self.cases), "", *_causes(self.cases)]
+        lines += [f"FAILED {key}: {error.strip().splitlines()[-1]}" for key, error in self.failed.items()]
+        return "\n".join(lines)
+
+    def to_json(self) -> dict[str, Any]:
+        rows, columns, counts = confusion(self.cases)
+        return {
+            "schema": 1,
+            "seed": self.seed,
+            "cases": len(self.cases),
+            "rates": [r.to_json() for r in self.rates],
+            **figures(self.cases),
+            "by_strength": by_strength(self.cases),
+            "by_cause": by_cause(self.cases),
+            "confusion": {"hidden": rows, "reported": columns, "counts": counts.tolist()},
+            "missed": [case["key"] for case in self.cases if missed(case)],
+            "failed": self.failed,
+        }
+
+
+def _numbers(cases: Sequence[Record]) -> list[str]:
+    said = figures(cases)
+    lines = []
+    if said["error_over_bound"] is not None:
+        error, right = said["error_over_bound"], said["error_over_bound_right_cause"]
+        what = "held-out error over the bound, median"
+        lines.append(f"{what:<52} {error:.2f} (aim ≤ 1.2), with the right causes {right:.2f}")
+    if said["seconds_median"] is not None:
+        median, longest = said["seconds_median"], said["seconds_max"]
+        lines.append(f"{'seconds per campaign':<52} median {median:.1f}, longest {longest:.1f}")
+    return lines
+
+
+def _strengths(cases: Sequence[Record]) -> list[str]:
+    names = ("detected", "reported", "first", "named", "wrong")
+    lines = [f"{'λ':>12} {'cases':>6} {'found':>6} {'truth':>6} {'first':>6} {'named':>6} {'wrong':>6}"]
+    for row in by_strength(cases):
+        span = f"{row['from']:g}–" + (f"{row['to']:g}" if row["to"] else "")
+        lines.append(f"{span:>12} {row['cases']:>6}" + "".join(f"{100 * row[name]:>7.0f}" for name in names))
+    return lines
+
+
+def _causes(cases: Sequence[Record]) -> list[str]:
+    head = f"{'hidden':<24} {'cases':>6} {'first':>6} {'truth':>6} {'wrong':>6} {'unkn.':>6} {'none':>6}"
+    names = ("cases", "first_right", "reported", "wrong_name", "unknown", "nothing_missing")
+    return [
+        head,
+        *(f"{row['what']:<24} " + " ".join(f"{row[name]:>6}" for name in names) for row in by_cause(cases)),
+    ]
+
+
+def case_keys(draws: int, quick: bool = False) -> list[str]:
+    """Keys of a study, all causes in turn."""
+    counts = {cause: draws for cause in sorted(FORMS)}
+    counts |= {"pair": PAIRS * draws, "clean-stated": CLEAN * draws, "clean-repeats": CLEAN * draws}
+    counts |= {f"unknown-{name}": max(1, draws // 2) for name in UNKNOWNS}
+    if quick:
+        counts = {cause: 2 for cause in (*QUICK, "pair", "clean-stated", "clean-repeats")}
+        counts["unknown-product"] = 1
+    return sorted(
+        (f"{what}/{i}" for what, count in counts.items() for i in range(count)),
+        key=lambda key: (int(key.partition("/")[2]), key),
+    )
+
+
+def blind(
+    out: Path,
+    draws: int = 20,
+    seed: int = 0,
+    workers: int | None = None,
+    resume: bool = False,
+    quick: bool = False,
+    keys: Sequence[str] | None = None,
+) -> BlindStudy:
+    """Runs the study and writes `results.json`, `index.html`, figures and `blind.sqlite` into `out`.
+
+    keys: these cases only. With `resume` cases that are done stay; more draws may be asked for.
+    """
+    keys = case_keys(draws, quick) if keys is None else keys
+    done = run_tasks(
+        partial(run_case, seed=seed),
+        keys,
+        out / "blind.sqlite",
+        study={"study": "blind", "seed": seed},
+        workers=workers,
+        resume=resume,
+        label="blind",
+    )
+    study = study_of(done, out, seed)
+    _write(study)
+    return study
+
+
+def study_of(done: dict[str, Done], folder: Path, seed: int) -> BlindStudy:
+    """A study from its tasks."""
+    failed = {key: item.error for key, item in done.items() if item.error is not None}
+    return BlindStudy(folder, seed, tuple(d.result for d in done.values() if d.error is None), failed)
+
+
+def _write(study: BlindStudy) -> None:
+    folder = study.folder
+    drawn = write_figures(study.cases, study.rates, folder)
+    misses = [case for case in study.cases if missed(case)]
+    title = f"Blind study: {len(study.cases)} cases diagnosed without knowing what is hidden"
+    put(folder / "index.html", page(title, study.text, drawn, misses).encode())
+    lines = [" | ".join(miss_cells(case)) for case in misses]
+    put(folder / "misses.txt", "\n".join([*lines, ""]).encode())
+    everything = {**study.to_json(), "results": study.cases}
+    put(folder / "results.json", json.dumps(everything, ensure_ascii=False, indent=1).encode())
