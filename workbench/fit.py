@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr, solve_triangular
+from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
 from scipy.spatial.transform import Rotation
 
 from .arm import Array
@@ -195,11 +195,12 @@ def fit(
             damping = damping / 10 if damping > 1e-9 else 0.0
         best = cost, state
         J = _jacobian(model, line, cols, state, W)
-        step, upper = _step(J.reshape(-1, J.shape[2]), r.ravel(), offset, cols.prior, damping)
-        moved = float(np.linalg.norm(upper @ (step / cols.prior)))
+        flat = J.reshape(-1, J.shape[2])
+        step, moved = _quick_step(flat, r.ravel(), offset, cols.prior, damping)
         if moved < tolerance and damping == 0.0:
             break
         state = _move(problem, cols, state, line.centre, step)
+    upper = _step(flat, r.ravel(), offset, cols.prior, 0.0)[1]
     seen = problem.seen[..., None]
     return Fit(
         model, state, cols, noise, line, W, J, r, np.where(seen, residual, np.nan), upper, iteration + 1
@@ -219,7 +220,9 @@ def _whitener(problem: Problem, line: Linearisation, noise: Covariance) -> Array
     turned = None
     if problem.campaign.six_dof:
         points = line.prediction.points
-        turned = points - points.mean(axis=1, keepdims=True)
+        seen = problem.seen[..., None]
+        middle = np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+        turned = points - middle[:, None]
     return whitener(problem, noise, axial, turned)
 
 
@@ -265,6 +268,22 @@ def _jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W:
     for part, effect, values in zip(cols.effect, model.effects, state.values, strict=True):
         J[:, :, part] = model.effect_jacobian(line, effect, values)
     return np.asarray(np.matmul(W, J))
+
+
+def _quick_step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tuple[Array, float]:
+    """Step and its length in standard deviations, by the normal equations (scaled, then Cholesky);
+    by QR where these are too nearly singular."""
+    A = (J.T @ J) * np.outer(prior, prior)
+    A[np.diag_indices_from(A)] += 1.0
+    g = (J.T @ r) * prior - offset
+    scale = 1 / np.sqrt(np.diag(A))
+    M = A * np.outer(scale, scale)
+    M[np.diag_indices_from(M)] *= 1 + damping
+    try:
+        step = scale * cho_solve(cho_factor(M, check_finite=False), scale * g)
+    except np.linalg.LinAlgError:
+        step = _step(J, r, offset, prior, damping)[0] / prior
+    return step * prior, float(np.sqrt(max(step @ A @ step, 0.0)))
 
 
 def _step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tuple[Array, Array]:

@@ -66,17 +66,19 @@ def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Arr
 def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:
     """Projection on the six motions of a rigid pose, each with its own noise."""
     n_poses, n_targets = problem.seen.shape
-    complete = problem.seen.all(axis=1)
     A = np.zeros((n_poses, n_targets, 3, 6))
     A[..., :3] = np.eye(3)
     for c in range(3):
         A[..., 3 + c] = np.cross(np.eye(3)[c], turned)
-    A = A.reshape(n_poses, 3 * n_targets, 6)
+    A = np.where(problem.seen[..., None, None], A, 0.0).reshape(n_poses, 3 * n_targets, 6)
     Q, R = np.linalg.qr(A)
     Q = Q * np.sign(np.diagonal(R, axis1=1, axis2=2))[:, None, :]
-    scale = np.sqrt(n_targets) * covariance.sigma[:, :1] * np.array([1.0] * 3 + [covariance.turn_ratio] * 3)
+    count = problem.seen.sum(axis=1)
+    sigma = np.where(problem.seen, covariance.sigma, 0.0).sum(axis=1) / np.maximum(count, 1)
+    ratio = np.array([1.0] * 3 + [covariance.turn_ratio] * 3)
+    scale = np.sqrt(np.maximum(count, 1))[:, None] * np.maximum(sigma, 1e-12)[:, None] * ratio
     W = Q.transpose(0, 2, 1) / scale[:, :, None]
-    return np.asarray(np.where(complete[:, None, None], W, 0.0))
+    return np.asarray(np.where((count >= 3)[:, None, None], W, 0.0))
 
 
 def repeat_groups(problem: Problem) -> NDArray[np.int64]:

@@ -23,7 +23,7 @@ from .motion import Motion
 
 GRAVITY = 9.81
 COARSE = 0.004  # s between the instants at which the nominal robot's torques are computed
-MOST_FRICTION = 500.0  # 1/s: slope of friction over the drive's inertia that a step of 1 ms bears
+MOST_FRICTION = 300.0  # 1/s: slope of friction over the drive's inertia that a step of 1 ms bears
 
 
 @dataclass(frozen=True)

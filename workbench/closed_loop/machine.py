@@ -28,7 +28,7 @@ from ..arm import Arm, Array
 from ..elastic_parts import link_inertia, slot_pose, spatial_inertia
 from .mechanics import Mechanics, Screw
 
-FASTEST = 1000.0  # rad/s
+FASTEST = 800.0  # rad/s
 POINT = np.eye(3)
 
 

@@ -1,7 +1,9 @@
-"""What is commanded, over time: the path's joints as smooth motion from rest to rest, on the integrator's grid.
+"""What is commanded, over time: the path's joints as smooth motion from rest to rest.
 
-Joints run through the samples of the command as a cubic spline (continuous acceleration). The path's own
-time is slowed at both ends by a quintic ramp, so that the arm starts and ends at rest with bounded jerk.
+Joints run through the samples of the command as a cubic spline. The path's own time is slowed at both ends
+by a quintic ramp, so that the arm starts and ends at rest. As controllers do, a filter over a few
+milliseconds bounds the jerk, where a command steps or turns sharply; its kernel has no second moment, so
+curves are not cut.
 """
 
 from __future__ import annotations
@@ -10,13 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import gaussian_filter1d
 
 from ..arm import Array
 
 LEAD = 0.1  # s of rest before the path
 TRAIL = 0.05
-RAMP = 0.2
-SETTLING = 5e-6  # rad, m: way within which a joint that turns round goes to the other side of its play
+RAMP = 0.5
+FILTER = 0.006  # s
+PERIOD = 2.5e-4  # s: of the tables, half of the finest step
+CROSSING = 5e-6, 0.012  # way [rad, m] and time [s] in which a joint that turns round crosses its play
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,28 +47,33 @@ class Motion:
         return self.period * (len(self.q) - 1)
 
 
-def motion(time: Array, q: Array, step: float, sided: bool = False) -> Motion:
-    """Command from joints q (N, n) at times (N,) of the path, for an integrator of this step [s]."""
+def motion(time: Array, q: Array, sided: bool = False) -> Motion:
+    """Command from joints q (N, n) at times (N,) of the path. sided: the side of approach matters."""
     length = float(time[-1] - time[0])
     ramp = min(RAMP, 0.4 * length)
-    period = step / 2
-    steps = int(np.ceil((LEAD + length + ramp + TRAIL) / step))
-    t = period * np.arange(2 * steps + 1)
+    t = PERIOD * np.arange(4 * int(np.ceil((LEAD + length + ramp + TRAIL) / (4 * PERIOD))) + 1)
     phase, rate, change = _phase(t - LEAD, length, ramp)
     spline = CubicSpline(time - time[0], q, bc_type="natural" if len(time) > 2 else "not-a-knot")
     first, second = spline(phase, 1), spline(phase, 2)
     place, v = spline(phase), first * rate[:, None]
     a = second * rate[:, None] ** 2 + first * change[:, None]
     side = sides(place) if sided else np.zeros_like(place)
-    return Motion(period, place, v, a, side, _instants(time - time[0], length, ramp) + LEAD)
+    place, v, a = (_filtered(x, FILTER / PERIOD) for x in (place, v, a))
+    return Motion(PERIOD, place, v, a, side, _instants(time - time[0], length, ramp) + LEAD)
 
 
-def hold(q: Array, duration: float, step: float, side: Array | None = None) -> Motion:
+def _filtered(x: Array, width: float) -> Array:
+    """x (K, n) through a symmetric filter, `width` in instants, that leaves parabolas as they are."""
+    one = gaussian_filter1d(x, width, axis=0, mode="nearest")
+    return np.asarray(2 * one - gaussian_filter1d(x, np.sqrt(2) * width, axis=0, mode="nearest"))
+
+
+def hold(q: Array, duration: float, side: Array | None = None) -> Motion:
     """Joints q (n,) commanded for a while, come to from `side` (n,)."""
-    count = 2 * round(duration / step) + 1
+    count = 4 * round(duration / (4 * PERIOD)) + 1
     still = np.zeros((count, len(q)))
     from_side = still if side is None else still + side
-    return Motion(step / 2, still + q, still, still, from_side, np.array([duration]))
+    return Motion(PERIOD, still + q, still, still, from_side, np.array([duration]))
 
 
 def _phase(t: Array, length: float, ramp: float) -> tuple[Array, Array, Array]:
@@ -93,9 +103,11 @@ def _instants(time: Array, length: float, ramp: float) -> Array:
 
 
 def sides(q: Array) -> Array:
-    """(K, n) side of approach along joints q (K, n): goes over within `SETTLING` once a joint turns round."""
+    """(K, n) side of approach along joints q (K, n), −1 … 1: goes over as `CROSSING` says."""
+    # what is faster than the crossing itself does not count as turning round
+    q = gaussian_filter1d(q, CROSSING[1] / PERIOD, axis=0, mode="nearest")
     step = np.diff(q, axis=0)
-    keep, sign = np.exp(-np.abs(step) / SETTLING), np.sign(step)
+    keep, sign = np.exp(-np.abs(step) / CROSSING[0]), np.sign(step)
     out = np.empty_like(q)
     moving = np.abs(q - q[0]) > 1e-6
     first = np.argmax(moving, axis=0)
@@ -104,4 +116,4 @@ def sides(q: Array) -> Array:
     for k in range(len(step)):
         side = sign[k] + (side - sign[k]) * keep[k]
         out[k + 1] = side
-    return out
+    return np.asarray(gaussian_filter1d(out, CROSSING[1] / 2 / PERIOD, axis=0, mode="nearest"))

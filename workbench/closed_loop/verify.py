@@ -253,7 +253,7 @@ class _Job:
     ) -> tuple[Run, Motion]:
         truth = mechanics(self.truth, path, q, self.true_conditions)
         nominal = nominal_mechanics(self.belief, mechanics(self.belief, path, q, self.conditions))
-        moved = motion(path.time, q, step, bool(truth.gear) and sided_gear(truth))
+        moved = motion(path.time, q, bool(truth.gear) and sided_gear(truth))
         done = run(
             truth, nominal, moved, tool=self.tool, controller=self.controller, step=step, offset=offset
         )

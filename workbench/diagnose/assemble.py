@@ -29,7 +29,16 @@ from .result import (
     Where,
 )
 from .search import Selection
-from .verdict import MOSTLY, Remainder, describe_structure, explained_share, remainder, stands_alone, stands_out
+from .verdict import (
+    MOSTLY,
+    SURE,
+    Remainder,
+    describe_structure,
+    explained_share,
+    remainder,
+    stands_alone,
+    stands_out,
+)
 
 
 @dataclass(frozen=True)
@@ -61,10 +70,7 @@ def assemble(parts: Parts) -> Diagnosis:
     share = explained_share(parts.geometry, final)
     sure = _sure(parts, groups, left)
     mostly = bool(groups) and share >= MOSTLY and all(sure.values()) and parts.known
-    findings = [
-        _finding(parts, groups, g, stages, heldouts, sure[g])
-        for g in range(len(groups))
-    ]
+    findings = [_finding(parts, groups, g, stages, heldouts, sure[g]) for g in range(len(groups))]
     notes = list(parts.notes) + list(c.warnings) + _remarks(parts, left, share, mostly)
     unknown = left.structured and not mostly
     if unknown:
@@ -155,7 +161,7 @@ def _sure(parts: Parts, groups: Groups, left: Remainder) -> dict[int, bool]:
     final, pool = selection.fit, len(selection.pool.candidates)
     sure = {}
     for g, (_, own) in enumerate(groups):
-        out = any(stands_out(final, i) * selection.tries[i] < 0.01 for i in own)
+        out = any(stands_out(final, i) * selection.tries[i] < SURE for i in own)
         free = not left.structured or any(stands_alone(final, i, left, parts.known, 1e-3 / pool) for i in own)
         sure[g] = out and free
     return sure

@@ -13,7 +13,7 @@ from ..effects.base import Effect, LoadEffect, YieldEffect
 from ..fit import Fit
 from ..problem import Problem
 from .result import Detectable, NotTestable, Where
-from .screen import SURVIVES, screen
+from .screen import FAINT, SURVIVES, screen
 from .search import ALPHA, Selection
 
 POWER = 0.8
@@ -35,7 +35,9 @@ def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detect
     for k, effect in enumerate(candidates):
         part = table.parts[k]
         S, own = table.S[part, part], table.own[part]
-        length = np.sqrt(np.maximum(own, 1e-300))
+        if own.min() <= FAINT:
+            continue
+        length = np.sqrt(own)
         values, vectors = np.linalg.eigh(S / np.outer(length, length))
         if values[0] <= SURVIVES:
             continue

@@ -17,7 +17,8 @@ from .assemble import Parts, assemble
 from .data_faults import clean, moved_instrument, split_setup
 from .noise_choice import choose, from_residual
 from .result import Diagnosis, FaultFound, NotTestable
-from .search import Search
+from .search import Search, Selection
+from .verdict import SURE, remainder, stands_out
 
 Progress = Callable[[str], None]
 
@@ -73,13 +74,13 @@ def diagnose(
         covariance, noise = from_residual(geometry)
         geometry = fit(model, geometry.state, covariance)
     progress("testing causes")
+    nominal = fit(model, replace(start, geometry=whole.arm.geometry), covariance, geometry=False)
     candidates, not_testable = testable(whole)
-    selection = Search(geometry, candidates, known).run()
+    selection = _search(nominal, geometry, candidates, known)
     if not known and selection.effects:
         covariance, noise = from_residual(selection.fit)
         geometry = fit(model, geometry.state, covariance)
-        selection = Search(geometry, candidates, known).run()
-    nominal = fit(model, replace(start, geometry=whole.arm.geometry), covariance, geometry=False)
+        selection = _search(nominal, geometry, candidates, known)
     progress("writing down what was found")
     parts = Parts(
         whole,
@@ -96,6 +97,22 @@ def diagnose(
     )
     diagnosis = assemble(parts)
     return Outcome(diagnosis, whole, selection.fit)
+
+
+def _search(nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bool) -> Selection:
+    """The search; where something unknown is left, causes that do not stand out of it are taken back."""
+    search = Search(nominal, geometry, candidates, known)
+    selection = search.run()
+    while selection.chosen and remainder(selection.fit, known).structured:
+        kept = [
+            index
+            for i, index in enumerate(selection.chosen)
+            if stands_out(selection.fit, i) * selection.tries[i] < SURE
+        ]
+        if len(kept) == len(selection.chosen):
+            break
+        selection = search.select(selection.pool, kept)
+    return selection
 
 
 def testable(whole: Problem) -> tuple[list[Effect], list[NotTestable]]:

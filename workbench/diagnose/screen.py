@@ -47,14 +47,14 @@ class Screen:
 
     def statistic(self, k: Sequence[int], given: Sequence[int] = ()) -> tuple[float, int]:
         """Drop of the residual sum of squares by candidates `k` beyond `given`, and its rank."""
-        g = self._columns(given)
-        a = self._columns(k)
+        g = self.columns(given)
+        a = self.columns(k)
         S, u = self._without(a, g)
         return quadratic(S, u, self._size(a))
 
     def increments(self, given: Sequence[int]) -> tuple[Array, NDArray[np.int64]]:
         """Drop of the residual by every single candidate beyond `given`, and its rank: (c,), (c,)."""
-        g = self._columns(given)
+        g = self.columns(given)
         cross, u = self.S[g], self.u
         solved = self._solve(g, cross)
         u = u - solved.T @ self.u[g]
@@ -101,7 +101,7 @@ class Screen:
 
     def solution(self, k: Sequence[int]) -> tuple[Array, Array]:
         """Values of the candidates' parameters (their own units) and covariance, fitted together."""
-        a = self._columns(k)
+        a = self.columns(k)
         inverse = self._solve(a, np.eye(len(a)))
         value = inverse @ self.u[a]
         return value * self.scale[a], inverse * np.outer(self.scale[a], self.scale[a])
@@ -110,7 +110,8 @@ class Screen:
         """Tail probability of a statistic; `used`: what accepted causes took off the residual."""
         return p_value(statistic, rank, self.rss - used, self.dof, self.noise_dof, self.known)
 
-    def _columns(self, k: Sequence[int]) -> Array:
+    def columns(self, k: Sequence[int]) -> Array:
+        """Numbers of the columns of some candidates."""
         return np.concatenate([np.arange(len(self.u))[self.parts[i]] for i in k] or [np.zeros(0, int)])
 
     def _without(self, a: Array, g: Array) -> tuple[Array, Array]:

@@ -26,6 +26,7 @@ ALPHA = 0.004  # chance that clean data show some catalogue cause
 ALPHA_SCAN = 0.002  # and that they show some gear line of unknown order
 RIVAL = 1e-3  # a rival is dropped when the accepted cause still adds to it at this level
 MOST_CAUSES = 16
+LARGEST = 3.0  # a cause moves the points by no more than this times the nominal robot's error
 
 
 @dataclass(frozen=True)
@@ -59,10 +60,10 @@ def _gain_by_chance(alpha: float, rank: int, dof: float, noise_dof: float, known
 class Search:
     """Subset search on one geometry fit."""
 
-    def __init__(
-        self, geometry: Fit, candidates: Sequence[Effect], known: bool, max_causes: int = MOST_CAUSES
-    ):
-        self.geometry, self.known, self.max_causes = geometry, known, max_causes
+    def __init__(self, nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bool) -> None:
+        self.geometry, self.known, self.max_causes = geometry, known, MOST_CAUSES
+        error = float(np.sqrt(np.nanmean(nominal.residual**2)))
+        self.largest = LARGEST * max(5e-4, error) / float(np.sqrt(np.mean(geometry.noise.sigma**2)))
         self.last = geometry
         self.candidates: list[Effect] = list(candidates)
         self.tries: dict[Effect, int] = {}
@@ -90,18 +91,21 @@ class Search:
             if not grew and set(self._effects(pool, chosen)) == before:
                 break
         chosen = self._backward(pool, chosen)
-        current = self._fit(pool, chosen)
-        order = sorted(
-            range(len(chosen)),
-            key=lambda i: -pool.statistic([chosen[i]], [c for c in chosen if c != chosen[i]])[0],
-        )
-        chosen = [chosen[i] for i in order]
-        current = self._fit(pool, chosen)
-        rivals = tuple(self._rivals(pool, chosen, a) for a in chosen)
-        looks = tuple(self.tries.get(pool.candidates[a], self.regular) for a in chosen)
-        p = tuple(self._p(pool, chosen, a) for a in chosen)
+        return self.select(pool, chosen)
+
+    def select(self, pool: Screen, chosen: Sequence[int]) -> Selection:
+        """The chosen causes, strongest first, with their fit, p-values and rivals."""
+        worth = {a: pool.statistic([a], [c for c in chosen if c != a])[0] for a in chosen}
+        chosen = sorted(chosen, key=lambda a: -worth[a])
         return Selection(
-            current, tuple(self._effects(pool, chosen)), pool, tuple(chosen), p, rivals, self.aliases, looks
+            self._fit(pool, chosen),
+            tuple(self._effects(pool, chosen)),
+            pool,
+            tuple(chosen),
+            tuple(self._p(pool, chosen, a) for a in chosen),
+            tuple(self._rivals(pool, chosen, a) for a in chosen),
+            self.aliases,
+            tuple(self.tries.get(pool.candidates[a], self.regular) for a in chosen),
         )
 
     # ------------------------------------------------------------------ parts
@@ -161,7 +165,9 @@ class Search:
 
     def _possible(self, pool: Screen, chosen: Sequence[int]) -> bool:
         """Physical bounds, with two standard deviations of grace."""
-        values, covariance = pool.solution(chosen)
+        return self._bounded(pool, chosen, *pool.solution(chosen))
+
+    def _bounded(self, pool: Screen, chosen: Sequence[int], values: Array, covariance: Array) -> bool:
         std = np.sqrt(np.maximum(np.diag(covariance), 0))
         params = [p for i in chosen for p in pool.candidates[i].params]
         return all(
@@ -170,16 +176,21 @@ class Search:
 
     def _strangeness(self, pool: Screen, chosen: Sequence[int]) -> float:
         """Penalty on sizes far beyond the typical (a Cauchy prior three typical sizes wide); infinite
-        beyond physical bounds. It decides between causes that fit alike."""
+        beyond physical bounds, or where causes move the points by far more than the robot errs (they
+        then cancel each other). It decides between causes that fit alike."""
         if not chosen:
             return 0.0
-        if not self._possible(pool, chosen):
+        values, covariance = pool.solution(chosen)
+        if not self._bounded(pool, chosen, values, covariance):
             return np.inf
-        values = pool.solution(chosen)[0]
+        typical = values / pool.scale[pool.columns(chosen)]
+        moves = np.abs(typical) * np.sqrt(pool.own[pool.columns(chosen)] / pool.dof)
+        if moves.max() > self.largest:
+            return np.inf
         total, at = 0.0, 0
         for i in chosen:
             effect = pool.candidates[i]
-            size = values[at : at + len(effect.params)] / [p.typical for p in effect.params]
+            size = typical[at : at + len(effect.params)]
             total += 2 * np.log1p(float(np.mean(size**2)) / 9)
             at += len(effect.params)
         return float(total)

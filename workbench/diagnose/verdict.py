@@ -18,6 +18,8 @@ from .screen import effective_dof, p_value
 ALPHA_GENERIC = 0.004  # chance that clean data show a dependence on some variable
 ALPHA_GLOBAL = 1e-3  # and that their residual exceeds the noise
 INFLATED = 1.10  # residual over noise from which pure scatter counts as something left
+SURE = 0.01  # p-value, looks counted, that a cause keeps against the scatter along its own direction
+DWARFS = 50.0  # times the structure left near it that a cause must explain to be sure at once
 MOSTLY = 0.9  # share of the excess that a cause must explain to be named although its form is not exact
 
 
@@ -64,10 +66,16 @@ def remainder(result: Fit, known: bool) -> Remainder:
 def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: float) -> bool:
     """Whether the model's i-th effect stays significant when all that is left is modelled freely too.
 
-    The families that still show something, and those of the effect's own joint, go into the background:
+    It does when it dwarfs all that is left near it. Else: the families that still show something, and those of the effect's own joint, go into the background:
     what then remains of the effect cannot be a piece of the unknown.
     """
     effect: Effect = result.model.effects[i]
+    joint = effect.where.joint
+    near = [t for t, _ in left.tests if joint is None or joint in t.family.variable]
+    excess = max((t.statistic - t.rank for t in near), default=0.0)
+    values, covariance = result.effect_values(i)
+    if float(values @ np.linalg.solve(covariance, values)) > DWARFS * excess:
+        return True
     own = result.model.problem.arm.names.index(effect.where.joint) if effect.where.joint else -1
     blocks = [test.family.columns for test, _ in left.tests[:6]]
     from .generic import families
@@ -143,8 +151,3 @@ def describe_structure(left: Remainder, rms_mm: float) -> str:
         )
     names = [test.family.variable for test, _ in left.tests[:3]]
     return "depends on " + names[0] + (f" (also seen against {', '.join(names[1:])})" if names[1:] else "")
-
-
-def threshold_of(effects: Sequence[Effect], pool: int) -> float:
-    """Significance that a named cause must keep."""
-    return 0.01 / max(pool, 1) if effects else 0.01
