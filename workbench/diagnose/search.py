@@ -20,7 +20,7 @@ from ..effects.gear_kinematic_error import GearKinematicError
 from ..fit import Fit, refit
 from .result import Where
 from .scan import Line, scan
-from .screen import Screen, screen
+from .screen import Screen, effective_dof, p_value, screen
 
 ALPHA = 0.004  # chance that clean data show some catalogue cause
 ALPHA_SCAN = 0.002  # and that they show some gear line of unknown order
@@ -97,12 +97,13 @@ class Search:
         """The chosen causes, strongest first, with their fit, p-values and rivals."""
         worth = {a: pool.statistic([a], [c for c in chosen if c != a])[0] for a in chosen}
         chosen = sorted(chosen, key=lambda a: -worth[a])
+        result = self._fit(pool, chosen)
         return Selection(
-            self._fit(pool, chosen),
+            result,
             tuple(self._effects(pool, chosen)),
             pool,
             tuple(chosen),
-            tuple(self._p(pool, chosen, a) for a in chosen),
+            tuple(self._p(pool, result, i) for i in range(len(chosen))),
             tuple(self._rivals(pool, chosen, a) for a in chosen),
             self.aliases,
             tuple(self.tries.get(pool.candidates[a], self.regular) for a in chosen),
@@ -147,8 +148,6 @@ class Search:
         )
 
     def _tail(self, statistic: float, rank: int, at: Fit) -> float:
-        from .screen import effective_dof, p_value
-
         return p_value(statistic, rank, at.chi2, effective_dof(at), at.noise.dof, self.known)
 
     def _penalty(self, effect: Effect, rank: int, dof: float) -> float:
@@ -198,19 +197,21 @@ class Search:
     def _local(self, pool: Screen, chosen: list[int]) -> list[int]:
         """Additions while they pay, then removals and exchanges, until nothing lowers the cost."""
         penalty = np.array([self._penalty(e, len(e.params), pool.dof) for e in pool.candidates])
+        now = self._cost(pool, pool.statistic(chosen)[0]) + float(penalty[chosen].sum())
+        now += self._strangeness(pool, chosen)
         for _ in range(4 * self.max_causes):
-            now = self._cost(pool, pool.statistic(chosen)[0]) + penalty[chosen].sum()
-            now += self._strangeness(pool, chosen)
             better = self._best(pool, penalty, [chosen], now) if len(chosen) < self.max_causes else None
             if better is None:
                 better = self._best(pool, penalty, [[c for c in chosen if c != a] for a in chosen], now)
             if better is None:
                 break
-            chosen = better
+            now, chosen = better
         return chosen
 
-    def _best(self, pool: Screen, penalty: Array, bases: list[list[int]], now: float) -> list[int] | None:
-        """The cheapest physically possible set that is a base, or a base and one candidate more."""
+    def _best(
+        self, pool: Screen, penalty: Array, bases: list[list[int]], now: float
+    ) -> tuple[float, list[int]] | None:
+        """Cost and members of the cheapest possible set that is a base, or a base and one candidate more."""
         moves: list[tuple[float, list[int]]] = []
         for base in bases:
             gain, cost = pool.statistic(base)[0], float(penalty[base].sum())
@@ -229,7 +230,7 @@ class Search:
             cost += self._strangeness(pool, move)
             if cost < limit - 1e-6:
                 best = cost, move
-        return best[1] if best else None
+        return best
 
     def _next(self, at: Fit, pool: Screen, chosen: Sequence[int]) -> Effect | None:
         """A cause that is significant only now that the chosen ones are in the model."""
@@ -265,12 +266,13 @@ class Search:
             chosen = [c for i, c in enumerate(chosen) if i != weakest]
         return chosen
 
-    def _p(self, pool: Screen, chosen: Sequence[int], a: int) -> float:
-        """p-value of an accepted cause given the others, times the number of looks."""
-        rest = [c for c in chosen if c != a]
-        gain, rank = pool.statistic([a], rest)
-        tries = self.tries.get(pool.candidates[a], self.regular)
-        return min(1.0, tries * pool.p_value(gain, rank, pool.statistic(rest)[0]))
+    def _p(self, pool: Screen, result: Fit, i: int) -> float:
+        """p-value of the fit's i-th cause given the others, times the number of looks."""
+        values, covariance = result.effect_values(i)
+        wald = float(values @ np.linalg.solve(covariance, values))
+        tries = self.tries.get(result.model.effects[i], self.regular)
+        rss = result.chi2 + wald
+        return min(1.0, tries * p_value(wald, len(values), rss, pool.dof, result.noise.dof, self.known))
 
     def _rivals(self, pool: Screen, chosen: Sequence[int], a: int) -> tuple[int, ...]:
         """Causes that could stand in for an accepted one: beside them it adds nothing significant."""
