@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from pydrake.multibody.tree import MultibodyForces
 from scipy.ndimage import gaussian_filter1d
 
 from ..arm import Array, frames
@@ -148,8 +149,6 @@ def static_torque(nominal: Mechanics, q: Array) -> Array:
 def _inertial(nominal: Mechanics, q: Array, v: Array, a: Array) -> Array:
     plant, at = rigid_machine(nominal.arm, nominal.mass, nominal.moment)
     context = plant.CreateDefaultContext()
-    from pydrake.multibody.tree import MultibodyForces
-
     none = MultibodyForces(plant)
     out = np.empty_like(q)
     x, acceleration = np.zeros(2 * len(at)), np.zeros(len(at))

@@ -7,12 +7,14 @@ coordinate, and the motor feels δ′ᵀ U′. Without that reaction the tool is
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from ..arm import Array
-from .control import Controller, Drives
+from .control import Drives
 from .machine import Machine
 from .mechanics import Mechanics
 from .motion import Motion
@@ -52,9 +54,9 @@ class Forces(LeafSystem):
         damping += [6e-4 / screw.compliance for screw in mechanics.screws]  # 30 % of the fastest mode
         self.damping = np.array(damping)
         self.bent = [
-            (int(machine.own[j]), law)
+            (int(machine.own[j]), law.motion, law.torque)
             for j, law in enumerate(mechanics.axial)
-            if law is not None and law.torque is not None
+            if law is not None and law.torque is not None and law.motion is not None
         ]
         self.sprung = np.flatnonzero(machine.own >= 0)
         self.bias = np.zeros(n)
@@ -88,46 +90,39 @@ class Forces(LeafSystem):
         middle = motion.period * (motion.q[1:] + motion.q[:-1]) / 2
         middle -= motion.period**2 * (motion.v[1:] - motion.v[:-1]) / 12
         np.cumsum(middle, axis=0, out=travelled[1:])
-        position = drive.kp * drive.kv + drive.ki
-        self.commanded = torque + drive.kp * motion.v + drive.ki * drive.kv * travelled
-        if drive.count.any():
-            self.wanted, self.position = motion.q, position
-        else:
-            self.commanded = self.commanded + position * motion.q
-            self.wanted, self.position = motion.q, position
+        self.position, self.integral = drive.kp * drive.kv + drive.ki, drive.ki * drive.kv
+        self.commanded = torque + drive.kp * motion.v + self.integral * travelled + self.position * motion.q
+        self.quantised = bool(drive.count.any())
         self.joint_torque = joint_torque if joint_torque is not None and joint_torque.any() else None
 
     def _calc(self, context: Context, output: BasicVector) -> None:
         """Generalised forces at an instant."""
-        drive, machine = self.drive, self.machine
-        k = int(context.get_time() / self.motion.period + 0.5)
-        k = min(k, len(self.commanded) - 1)
-        x = self.state.Eval(context)
+        drive, machine, pairs = self.drive, self.machine, len(self.pairs)
+        k = min(int(context.get_time() / self.motion.period + 0.5), len(self.commanded) - 1)
+        x: Array = self.state.Eval(context)  # type: ignore[assignment]
         half = len(x) // 2
         at, along = machine.motors, machine.springs
         q, v = x[at], x[half:][at]
         force = np.zeros(half)
-        seen = q if not drive.count.any() else drive.count * np.round(q / drive.count)
-        motor = self.commanded[k] + self.bias - self.position * seen - drive.kp * v
-        if drive.count.any():
-            motor += self.position * self.motion.q[k]
-        motor -= drive.ki * drive.kv * self.travel.Eval(context)
-        motor -= drive.coulomb * np.tanh(v / drive.sliding) + drive.viscous * v
+        seen = drive.count * np.round(q / drive.count) if self.quantised else q
+        motor = self.commanded[k] + self.bias - self.position * seen - (drive.kp + drive.viscous) * v
+        travelled: Array = self.travel.Eval(context)  # type: ignore[assignment]
+        motor -= self.integral * travelled + drive.coulomb * np.tanh(v / drive.sliding)
         if len(along):
             stretch, speed = x[along] - self.error[k], x[half:][along]
-            if len(self.pairs):
+            if pairs:
                 slope = self.slopes[k]
                 np.subtract.at(speed, self.spring_of, slope * v[self.motor_of])
             pull = machine.stiffness * stretch
-            for i, law in self.bent:
-                pull[i] = np.interp(stretch[i], law.motion, law.torque)
+            for i, way, torque in self.bent:
+                pull[i] = np.interp(stretch[i], way, torque)
             pull += self.damping * speed
-            if len(self.pairs) and self.reaction:
+            if pairs and self.reaction:
                 np.add.at(motor, self.motor_of, slope * pull[self.spring_of])
             force[along] = -pull
         if self.joint_torque is not None:
             extra = self.joint_torque[k]
-            motor = motor + extra
+            motor += extra
             force[along[machine.own[self.sprung]]] += extra[self.sprung]
         force[at] = motor
         if self.mechanics.compensator is not None or self.wrench is not None:
@@ -141,10 +136,10 @@ class Forces(LeafSystem):
         force = np.zeros(plant.num_velocities())
         if (law := self.mechanics.compensator) is not None:
             body, moving = links[law.body].body_frame(), links[law.arm].body_frame()
-            X = plant.CalcRelativeTransform(context, body, moving)
-            way = law.body_pivot - X.multiply(law.arm_pivot)
-            s = float(np.sqrt(way @ way))
-            pull = float(law.force(np.array([s]))[0][0]) / s * way
+            X = plant.CalcRelativeTransform(context, body, moving).GetAsMatrix34()
+            way = law.body_pivot - X[:, :3] @ law.arm_pivot - X[:, 3]
+            s = math.sqrt(way @ way)
+            pull = float(law.force(s)[0]) / s * way
             J = plant.CalcJacobianTranslationalVelocity(
                 context, JacobianWrtVariable.kV, moving, law.arm_pivot, body, body
             )
@@ -163,7 +158,7 @@ class Forces(LeafSystem):
 
         Drake's own torques: e ← δ + yield(torque) until it stands.
         """
-        plant, machine, mechanics = self.machine.plant, self.machine, self.mechanics
+        plant, machine = self.machine.plant, self.machine
         positions = np.zeros(plant.num_positions())
         positions[machine.motors] = self.motion.q[0]
         for _ in range(60):
@@ -176,8 +171,8 @@ class Forces(LeafSystem):
                 break
             load = torque[machine.springs]
             yields = load / machine.stiffness
-            for i, law in self.bent:
-                yields[i] = np.interp(load[i], law.torque, law.motion)
+            for i, way, pulled in self.bent:
+                yields[i] = np.interp(load[i], pulled, way)
             new = self.error[0] + yields
             change = float(np.abs(new - positions[machine.springs]).max())
             positions[machine.springs] = new
@@ -188,17 +183,10 @@ class Forces(LeafSystem):
         needed = -torque[machine.motors]
         if len(self.pairs) and self.reaction:
             np.subtract.at(needed, self.motor_of, self.slopes[0] * load[self.spring_of])
-        drive = self.drive
-        offered = self.commanded[0] - self.position * self.motion.q[0]
-        if drive.count.any():
-            offered = self.commanded[0]
-        self.bias = needed - offered
+        self.bias = needed - (self.commanded[0] - self.position * self.motion.q[0])
         return positions
 
 
 def table_at(motion: Motion, values: Array) -> Array:
     """Values (N, m) at the path's samples as a table (K, m) at the motion's instants."""
     return np.stack([np.interp(motion.times, motion.sample_times, c) for c in values.T], axis=1)
-
-
-__all__ = ["Controller", "Forces", "table_at"]

@@ -1,4 +1,4 @@
-"""Figures of a tool path: error at each sample, R_a and R_z, ISO 9283's AT and RT, what lines are left in it."""
+"""Figures of a tool path: errors, R_a and R_z, ISO 9283's AT and RT, and the lines that are left in them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arm import Array
+
+LEAST_SHARE = 0.3  # of what is left near a line, that a gear has to explain to be named
+LEAST_CYCLES = 4.0  # of a gear along the path
 
 
 @dataclass(frozen=True)
@@ -88,13 +91,13 @@ def spectrum(time: Array, error: Array) -> tuple[Array, Array]:
     """Frequencies [Hz] and amplitudes [mm] of an error (N, 3) [m] at times (N,) [s], slow trend taken out."""
     count = min(len(time), 8192)
     t = np.linspace(time[0], time[-1], count)
-    even = np.stack([np.interp(t, time, column) for column in error.T], axis=1)
+    even = _even(t, time, error)
     u = np.linspace(-1, 1, count)
     even -= np.polynomial.polynomial.polyval(u, np.polynomial.polynomial.polyfit(u, even, 3)).T
     window = np.hanning(count)
     lines = np.abs(np.fft.rfft(even * window[:, None], axis=0)) * 2 / window.sum()
     rate = (count - 1) / max(float(t[-1] - t[0]), 1e-9)
-    return np.fft.rfftfreq(count, 1 / rate), 1e3 * np.linalg.norm(lines, axis=1)
+    return np.asarray(np.fft.rfftfreq(count, 1 / rate), float), 1e3 * np.linalg.norm(lines, axis=1)
 
 
 def main_lines(
@@ -120,15 +123,30 @@ def main_lines(
 def _cause(
     frequency: float, time: Array, error: Array, q: Array, orders: Sequence[tuple[str, int, float]]
 ) -> str:
-    best, share = "", 0.02
-    centred = error - error.mean(axis=0)
+    """The gear order that explains most of the error between half and twice the frequency."""
+    t = np.linspace(time[0], time[-1], 8192)
+    wanted = _band(t, _even(t, time, error), frequency)
+    best, share = "", LEAST_SHARE
     for name, joint, order in orders:
-        runs = np.abs(order * np.gradient(q[:, joint], time)) / (2 * np.pi)
-        if not np.quantile(runs, 0.02) * 0.9 <= frequency <= runs.max() * 1.1 + 1e-9:
+        angle = order * np.interp(t, time, q[:, joint])
+        cycles = np.abs(np.gradient(angle, t)) / (2 * np.pi)
+        if np.ptp(angle) < 2 * np.pi * LEAST_CYCLES or not 0.5 * frequency < cycles.max():
             continue
-        waves = np.stack([np.sin(order * q[:, joint]), np.cos(order * q[:, joint])], axis=1)
-        fit = waves @ np.linalg.lstsq(waves, centred, rcond=None)[0]
-        explained = float((fit**2).sum() / max((centred**2).sum(), 1e-300))
+        waves = _band(t, np.stack([np.sin(angle), np.cos(angle)], axis=1), frequency)
+        fit = waves @ np.linalg.lstsq(waves, wanted, rcond=None)[0]
+        explained = float((fit**2).sum() / max((wanted**2).sum(), 1e-300))
         if explained > share:
             best, share = name, explained
     return best
+
+
+def _even(t: Array, time: Array, values: Array) -> Array:
+    return np.stack([np.interp(t, time, column) for column in values.T], axis=1)
+
+
+def _band(t: Array, values: Array, frequency: float) -> Array:
+    """Values (K, m) between half and twice a frequency."""
+    f = np.fft.rfftfreq(len(t), float(t[1] - t[0]))
+    lines = np.fft.rfft(values - values.mean(axis=0), axis=0)
+    lines[(f < 0.5 * frequency) | (f > 2 * frequency)] = 0.0
+    return np.fft.irfft(lines, len(t), axis=0)

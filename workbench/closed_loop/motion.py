@@ -40,7 +40,7 @@ class Motion:
 
     @property
     def times(self) -> Array:
-        return self.period * np.arange(len(self.q))
+        return np.asarray(self.period * np.arange(len(self.q)), float)
 
     @property
     def duration(self) -> float:
@@ -51,7 +51,8 @@ def motion(time: Array, q: Array, sided: bool = False) -> Motion:
     """Command from joints q (N, n) at times (N,) of the path. sided: the side of approach matters."""
     length = float(time[-1] - time[0])
     ramp = min(RAMP, 0.4 * length)
-    t = PERIOD * np.arange(4 * int(np.ceil((LEAD + length + ramp + TRAIL) / (4 * PERIOD))) + 1)
+    steps = int(np.ceil((LEAD + length + ramp + TRAIL) / (4 * PERIOD)))
+    t = np.asarray(PERIOD * np.arange(4 * steps + 1), float)
     phase, rate, change = _phase(t - LEAD, length, ramp)
     spline = CubicSpline(time - time[0], q, bc_type="natural" if len(time) > 2 else "not-a-knot")
     first, second = spline(phase, 1), spline(phase, 2)

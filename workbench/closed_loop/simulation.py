@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 
 import numpy as np
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import Integrator, LogVectorOutput, MatrixGain, VectorLogSink
 
 from ..arm import Array
 from .control import Controller, drives, feed_forward
 from .forces import Forces, table_at
-from .machine import machine
+from .machine import Machine, machine
 from .mechanics import Mechanics
 from .motion import Motion
 
@@ -20,7 +24,7 @@ STEP = 1e-3  # s
 class Run:
     """What happened. states: (M, 2·nq) at `times` (M,) [s]; tool: (N, 4, 4) poses at the path's samples;
     q: (N, n) joints of the rigid twin that look like the arm then (motor and gear together);
-    motor: (N, n) motors' error to their command [rad, m, on the joint's side]. wall: (s) taken."""
+    motor: (N, n) motors' error to their command [rad, m, on the joint's side]. wall: [s] that it took."""
 
     times: Array
     states: Array
@@ -28,6 +32,7 @@ class Run:
     q: Array
     motor: Array
     wall: float
+    notes: tuple[str, ...]
 
     @property
     def real_time_factor(self) -> float:
@@ -52,18 +57,11 @@ def run(
     springs slack. reaction: of the gear errors on the motors. offset: (n,) of the joints' encoders
     (repeatability).
     """
-    import time
-
-    from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
-    from pydrake.systems.framework import DiagramBuilder
-    from pydrake.systems.primitives import Integrator, LogVectorOutput, MatrixGain
-
     controller = controller or Controller()
     drive = drives(truth, motion.q[0], controller)
     if offset is not None:
-        motion = _shifted(motion, offset)
+        motion = replace(motion, q=motion.q + offset)
     plant_of = machine(truth, drive.rotor)
-    plant = plant_of.plant
     forces = Forces(
         truth,
         plant_of,
@@ -74,30 +72,16 @@ def run(
         _along(motion, truth.torque),
         reaction,
     )
-    builder = DiagramBuilder()
-    builder.AddSystem(plant)
-    builder.AddSystem(forces)
-    select = np.zeros((truth.arm.n, plant.num_multibody_states()))
-    select[np.arange(truth.arm.n), plant_of.motors] = 1.0
-    motors = builder.AddSystem(MatrixGain(select))
-    travel = builder.AddSystem(Integrator(truth.arm.n))
-    state = plant.get_state_output_port()
-    builder.Connect(state, forces.state)
-    builder.Connect(state, motors.get_input_port())
-    builder.Connect(motors.get_output_port(), travel.get_input_port())
-    builder.Connect(travel.get_output_port(), forces.travel)
-    builder.Connect(forces.get_output_port(), plant.get_applied_generalized_force_input_port())
-    log = LogVectorOutput(state, builder)
-    diagram = builder.Build()
+    diagram, log = _diagram(plant_of, forces)
     simulator = Simulator(diagram)
     ResetIntegratorFromFlags(simulator, "runge_kutta3", step)
     simulator.get_mutable_integrator().set_fixed_step_mode(True)
     root = simulator.get_mutable_context()
-    own = plant.GetMyMutableContextFromRoot(root)
+    own = plant_of.plant.GetMyMutableContextFromRoot(root)
     rest = forces.rest()
     if not at_rest:
         rest[plant_of.springs] = 0.0
-    plant.SetPositions(own, rest)
+    plant_of.plant.SetPositions(own, rest)
     started = time.perf_counter()
     simulator.Initialize()
     simulator.AdvanceTo(motion.duration)
@@ -106,13 +90,27 @@ def run(
     times, states = found.sample_times().copy(), found.data().T.copy()
     if not np.isfinite(states).all():
         raise ArithmeticError("the simulation diverged")
-    return _seen(truth, plant_of, motion, times, states, tool, wall)
+    X, joints, motor = _seen(plant_of, motion, times, states, tool)
+    return Run(times, states, X, joints, motor, wall, (*truth.notes, *drive.notes))
 
 
-def _shifted(motion: Motion, offset: Array) -> Motion:
-    from dataclasses import replace
-
-    return replace(motion, q=motion.q + offset)
+def _diagram(plant_of: Machine, forces: Forces) -> tuple[Diagram, VectorLogSink]:
+    """Plant, forces, and the integral of the motors' positions, which the controller feeds on."""
+    builder = DiagramBuilder()
+    plant, n = plant_of.plant, len(plant_of.motors)
+    builder.AddSystem(plant)
+    builder.AddSystem(forces)
+    select = np.zeros((n, plant.num_multibody_states()))
+    select[np.arange(n), plant_of.motors] = 1.0
+    motors, travel = builder.AddSystem(MatrixGain(select)), builder.AddSystem(Integrator(n))
+    state = plant.get_state_output_port()
+    builder.Connect(state, forces.state)
+    builder.Connect(state, motors.get_input_port())
+    builder.Connect(motors.get_output_port(), travel.get_input_port())
+    builder.Connect(travel.get_output_port(), forces.travel)
+    builder.Connect(forces.get_output_port(), plant.get_applied_generalized_force_input_port())
+    log = LogVectorOutput(state, builder)
+    return builder.Build(), log
 
 
 def _along(motion: Motion, values: Array) -> Array | None:
@@ -124,8 +122,10 @@ def _along(motion: Motion, values: Array) -> Array | None:
     return table_at(motion, values)
 
 
-def _seen(truth, plant_of, motion, times, states, tool, wall) -> Run:  # noqa: ANN001
-    """The tool at the path's samples."""
+def _seen(
+    plant_of: Machine, motion: Motion, times: Array, states: Array, tool: Array | None
+) -> tuple[Array, Array, Array]:
+    """Tool poses (N, 4, 4), joints of the rigid twin (N, n) and the motors' errors (N, n) at the samples."""
     plant = plant_of.plant
     context = plant.CreateDefaultContext()
     half = states.shape[1] // 2
@@ -140,7 +140,7 @@ def _seen(truth, plant_of, motion, times, states, tool, wall) -> Run:  # noqa: A
     motor = joints - commanded
     sprung = np.flatnonzero(plant_of.own >= 0)
     joints[:, sprung] += positions[:, plant_of.springs[plant_of.own[sprung]]]
-    return Run(times, states, X, joints, motor, wall)
+    return X, joints, motor
 
 
 def _between(times: Array, q: Array, v: Array, at: Array) -> Array:
