@@ -174,7 +174,7 @@ class Search:
         )
 
     def _strangeness(self, pool: Screen, chosen: Sequence[int]) -> float:
-        """Penalty on sizes far beyond the typical (a Cauchy prior three typical sizes wide); infinite
+        """Penalty on sizes far beyond the typical (a Student prior two typical sizes wide); infinite
         beyond physical bounds, or where causes move the points by far more than the robot errs (they
         then cancel each other). It decides between causes that fit alike."""
         if not chosen:
@@ -190,47 +190,65 @@ class Search:
         for i in chosen:
             effect = pool.candidates[i]
             size = typical[at : at + len(effect.params)]
-            total += 2 * np.log1p(float(np.mean(size**2)) / 9)
+            total += 4 * np.log1p(float(np.mean(size**2)) / 4)
             at += len(effect.params)
         return float(total)
 
     def _local(self, pool: Screen, chosen: list[int]) -> list[int]:
         """Additions while they pay, then removals and exchanges, until nothing lowers the cost."""
         penalty = np.array([self._penalty(e, len(e.params), pool.dof) for e in pool.candidates])
-        now = self._cost(pool, pool.statistic(chosen)[0]) + float(penalty[chosen].sum())
-        now += self._strangeness(pool, chosen)
+        plain = self._cost(pool, pool.statistic(chosen)[0]) + float(penalty[chosen].sum())
         for _ in range(4 * self.max_causes):
-            better = self._best(pool, penalty, [chosen], now) if len(chosen) < self.max_causes else None
-            if better is None:
-                better = self._best(pool, penalty, [[c for c in chosen if c != a] for a in chosen], now)
+            better = self._best(pool, penalty, chosen, plain)
             if better is None:
                 break
-            now, chosen = better
+            plain, chosen = better
         return chosen
 
     def _best(
-        self, pool: Screen, penalty: Array, bases: list[list[int]], now: float
+        self, pool: Screen, penalty: Array, chosen: list[int], plain: float
     ) -> tuple[float, list[int]] | None:
-        """Cost and members of the cheapest possible set that is a base, or a base and one candidate more."""
-        moves: list[tuple[float, list[int]]] = []
-        for base in bases:
-            gain, cost = pool.statistic(base)[0], float(penalty[base].sum())
-            moves.append((self._cost(pool, gain) + cost, base))
-            more, rank = pool.increments(base)
-            moves += [
+        """Plain cost and members of the best neighbouring set; None when none is better.
+
+        An addition or removal must pay by misfit alone; among additions, and among exchanges, what is
+        of a usual size wins. Additions first.
+        """
+        if len(chosen) < self.max_causes:
+            moves = self._moves(pool, penalty, chosen)
+            ranked = self._ranked(pool, [move for move in moves if move[0] < plain - 1e-6])
+            if ranked:
+                return ranked[0][1:]
+        others: list[tuple[float, list[int]]] = []
+        for a in chosen:
+            others += self._moves(pool, penalty, [c for c in chosen if c != a])
+        fewer = [move for move in others if len(move[1]) < len(chosen) and move[0] < plain - 1e-6]
+        if fewer:
+            return min(fewer)
+        now = plain + self._strangeness(pool, chosen)
+        same = [move for move in others if len(move[1]) == len(chosen) and move[0] < now - 1e-6]
+        ranked = self._ranked(pool, same)
+        return ranked[0][1:] if ranked and ranked[0][0] < now - 1e-6 else None
+
+    def _moves(self, pool: Screen, penalty: Array, base: list[int]) -> list[tuple[float, list[int]]]:
+        """Plain cost and members of a base, and of the base with the best candidates added."""
+        gain, cost = pool.statistic(base)[0], float(penalty[base].sum())
+        more, rank = pool.increments(base)
+        return [
+            (self._cost(pool, gain) + cost, base),
+            *(
                 (self._cost(pool, gain + more[k]) + cost + penalty[k], [*base, int(k)])
                 for k in np.argsort(-more)[:12]
                 if rank[k] and more[k] > 0 and int(k) not in base
-            ]
-        best: tuple[float, list[int]] | None = None
-        for cost, move in sorted(moves, key=lambda pair: pair[0])[:10]:
-            limit = now if best is None else min(now, best[0])
-            if cost >= limit - 1e-6:
-                break
-            cost += self._strangeness(pool, move)
-            if cost < limit - 1e-6:
-                best = cost, move
-        return best
+            ),
+        ]
+
+    def _ranked(
+        self, pool: Screen, moves: list[tuple[float, list[int]]]
+    ) -> list[tuple[float, float, list[int]]]:
+        """Possible sets with full cost (strangeness included), plain cost and members, best first."""
+        near = sorted(moves, key=lambda move: move[0])[:10]
+        full = [(cost + self._strangeness(pool, members), cost, members) for cost, members in near]
+        return sorted((item for item in full if np.isfinite(item[0])), key=lambda item: item[0])
 
     def _next(self, at: Fit, pool: Screen, chosen: Sequence[int]) -> Effect | None:
         """A cause that is significant only now that the chosen ones are in the model."""
