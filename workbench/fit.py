@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
 from scipy.spatial.transform import Rotation
 
+from . import drive_torque
 from .arm import Array
 from .effects.base import Effect
 from .model import Linearisation, Model, State, move_frame
@@ -57,8 +58,9 @@ class Columns:
 class Fit:
     """A fitted model.
 
-    line: derivatives at the solution; whitener: (N, D, 3T); J: (N, D, P) whitened Jacobian, r: (N, D)
-    whitened residual (measured minus predicted); residual: (N, T, 3) [m], NaN where not seen.
+    line: derivatives at the solution; whitener: (N, D, R) with R = 3T, or 3T + n where drive torques were
+    recorded; J: (N, D, P) whitened Jacobian, r: (N, D) whitened residual (measured minus predicted);
+    residual: (N, T, 3) [m], NaN where not seen.
     upper: (P, P) with (JᵀJ + prior)= upperᵀ upper, in units of the priors.
     """
 
@@ -87,7 +89,19 @@ class Fit:
 
     @property
     def chi2(self) -> float:
-        return float((self.r**2).sum())
+        """Whitened residual sum of squares of the points."""
+        return float((self.point_residual**2).sum())
+
+    @property
+    def point_residual(self) -> Array:
+        """(N, D') whitened residual of the points alone, without the drive torques."""
+        return self.r[:, : self.r.shape[1] - self.model.problem.drives]
+
+    @property
+    def point_rows(self) -> int:
+        """Number of whitened rows that carry data of points."""
+        used = np.abs(self.whitener[:, : self.point_residual.shape[1]]).sum(axis=2) > 0
+        return int(used.sum())
 
     def effect_values(self, i: int) -> tuple[Array, Array]:
         """Values (p,) and covariance (p, p) of the model's i-th effect."""
@@ -180,7 +194,7 @@ def fit(
         line = model.linearise(state)
         if W is None or iteration == 1:
             W = _whitener(problem, line, noise)
-        residual, r = _residual(problem, line.prediction.points, W)
+        residual, r = _residual(problem, line, W)
         offset = _offset(model, cols, state)
         cost = float((r**2).sum() + (offset**2).sum())
         if best is not None and cost > best[0] * (1 + 1e-9) + 1e-6 and iteration > 2:
@@ -189,7 +203,7 @@ def fit(
                 raise ArithmeticError("the fit does not converge")
             cost, state = best[0], best[1]
             line = model.linearise(state)
-            residual, r = _residual(problem, line.prediction.points, W)
+            residual, r = _residual(problem, line, W)
             offset = _offset(model, cols, state)
         else:
             damping = damping / 10 if damping > 1e-9 else 0.0
@@ -216,20 +230,33 @@ def refit(result: Fit, effects: Sequence[Effect]) -> Fit:
 
 
 def _whitener(problem: Problem, line: Linearisation, noise: Covariance) -> Array:
-    axial = line.direct[:, :, problem.arm.axial]
+    axial = line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
     turned = None
     if problem.campaign.six_dof:
         points = line.prediction.points
         seen = problem.seen[..., None]
         middle = np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
         turned = points - middle[:, None]
-    return whitener(problem, noise, axial, turned)
+    W = whitener(problem, noise, axial, turned)
+    if not problem.drives:
+        return W
+    n_poses, rows, columns_ = W.shape
+    out = np.zeros((n_poses, rows + problem.drives, columns_ + problem.drives))
+    out[:, :rows, :columns_] = W
+    if noise.torque is not None and problem.campaign.torque is not None:
+        weight = np.isfinite(problem.campaign.torque) / noise.torque * noise.weight[:, None]
+        for j in range(problem.drives):
+            out[:, rows + j, columns_ + j] = weight[:, j]
+    return out
 
 
-def _residual(problem: Problem, points: Array, W: Array) -> tuple[Array, Array]:
+def _residual(problem: Problem, line: Linearisation, W: Array) -> tuple[Array, Array]:
     """Measured minus predicted (N, T, 3), zero where not seen, and whitened (N, D)."""
+    points = line.prediction.points
     residual = np.where(problem.seen[..., None], problem.campaign.points - points, 0.0)
     flat = residual.reshape(len(residual), -1)
+    if problem.drives:
+        flat = np.concatenate([flat, drive_torque.residual(problem, line.prediction.load)], axis=1)
     return residual, np.matmul(W, flat[..., None])[..., 0]
 
 
@@ -263,7 +290,8 @@ def _jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W:
             J[:, 3 * i : 3 * i + 3, part] = np.where(here, line.target[:, i], 0.0)
         else:
             body = _body_motion(state.targets[k]).reshape(-1, 3, 6)
-            J[:, :, part] = np.where(here, (line.target @ body).reshape(n_poses, rows, 6), 0.0)
+            count = 3 * line.target.shape[1]
+            J[:, :count, part] = np.where(here, (line.target @ body).reshape(n_poses, count, 6), 0.0)
     J[:, :, cols.geometry_slice] = line.geometry[:, :, cols.geometry]
     for part, effect, values in zip(cols.effect, model.effects, state.values, strict=True):
         J[:, :, part] = model.effect_jacobian(line, effect, values)
@@ -346,7 +374,7 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0) -> Array:
         left = A - J.T @ J
         left[np.diag_indices_from(left)] += 1e-12 * np.diag(A)
         change = np.linalg.solve(left, -(J.T @ r)) * cols.prior
-        out[here] -= (plain[here] @ change).reshape(here.sum(), -1, 3)
+        out[here] -= (plain[here] @ change)[:, : 3 * out.shape[1]].reshape(here.sum(), -1, 3)
     return out
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from . import drive_torque
 from .arm import Arm, Array, Frames, point_jacobian
 from .effects.base import DirectEffect, Effect, InstrumentEffect, LoadEffect, YieldEffect
 from .problem import Problem
@@ -59,8 +60,9 @@ class Prediction:
 class Linearisation:
     """Derivatives of the points (N, T, 3) in the instrument's frame at a state.
 
-    direct: (N, 3T, 6S) by slot motions, load's answer included; geometry: (N, 3T, 6S) by corrections G;
-    torque: (N, 3T, E) by the local wrenches `rows`; frame: (N, 3T, 6) by shift and turn of the
+    Where drive torques were recorded, n rows for them follow the 3T rows of the points: R = 3T + n; only
+    loads move them. direct: (N, R, 6S) by slot motions, load's answer included; geometry: (N, R, 6S) by corrections G;
+    torque: (N, R, E) by the local wrenches `rows`; frame: (N, R, 6) by shift and turn of the
     instrument frame about `centre`; turn: (N, 3, 3) from the base frame to the instrument's.
     """
 
@@ -162,14 +164,21 @@ class Model:
             args = (arm, where, prediction.loads, load, rows)
             H = wrench_jacobian(*args, where.axes, where.origin, before_joint=False)
             H_g = wrench_jacobian(*args, where.geometry_axes, where.geometry_origin, before_joint=True)
-            full = np.zeros((n_poses, 6 * arm.slots, 6 * arm.slots))
-            for k in range(arm.slots):
-                full[:, 6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = slope[:, k]
-            Phi = full[:, rows][:, :, rows]
+            slot, component = np.divmod(rows, 6)
+            Phi = slope[:, slot[:, None], component[:, None], component]
+            Phi = np.where(slot[:, None] == slot, Phi, 0.0)
             answer = np.linalg.solve(np.eye(len(rows)) - Phi @ H[:, :, rows], Phi)
             torque = J[:, :, rows] @ answer
             J, G = J + torque @ H, G + torque @ H_g
-        return Linearisation(prediction, J, G, torque, rows, *self._frame_and_target(state, prediction, turn))
+        frame, target, centre = self._frame_and_target(state, prediction, turn)
+        J, G, torque, frame = (self._with_drives(X) for X in (J, G, torque, frame))
+        return Linearisation(prediction, J, G, torque, rows, frame, target, centre)
+
+    def _with_drives(self, rows: Array) -> Array:
+        """(N, R, ·): zero rows for the drive torques behind the points' rows."""
+        if not self.problem.drives:
+            return rows
+        return np.concatenate([rows, np.zeros((len(rows), self.problem.drives, rows.shape[2]))], axis=1)
 
     def _frame_and_target(
         self, state: State, prediction: Prediction, turn: Array
@@ -187,7 +196,7 @@ class Model:
         return frame.reshape(n_poses, 3 * n_targets, 6), target, centre
 
     def effect_jacobian(self, line: Linearisation, effect: Effect, values: Array) -> Array:
-        """(N, 3T, p) motion of the points per unit of each parameter of an effect.
+        """(N, R, p) motion of the points (and drive torques) per unit of each parameter of an effect.
 
         The effect need not be in the model: then this is what adding it would do.
         """
@@ -205,10 +214,15 @@ class Model:
             return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ by_value)
         if isinstance(effect, LoadEffect):
             change = effect.wrench(problem, prediction.where, prediction.loads)
-            return np.asarray(line.torque @ change.reshape(n_poses, -1, change.shape[-1])[:, line.rows])
+            change = change.reshape(n_poses, -1, change.shape[-1])
+            out = line.torque @ change[:, line.rows]
+            if problem.drives:
+                axial = -change[:, prediction.arm.axial]
+                out[:, -problem.drives :] = drive_torque.project(problem, prediction.load, axial)
+            return np.asarray(out)
         assert isinstance(effect, InstrumentEffect)
         seen = effect.seen(problem, prediction.points)
-        return seen.reshape(n_poses, -1, seen.shape[-1])
+        return self._with_drives(seen.reshape(n_poses, -1, seen.shape[-1]))
 
 
 def move_frame(state: State, setup: int, centre: Array, change: Array) -> State:

@@ -23,6 +23,7 @@ class Covariance:
     sigma: (N, T) [m] per axis; joint: (n,) [rad or m] one sigma of the joints' repeatability; weight:
     (N,) factor on each pose (0 leaves it out). dof: degrees of freedom behind the noise (inf: known).
     turn_ratio: for 6-D measurements, noise of the turning part over that of the shifting part.
+    torque: (n,) one sigma of the drive torques [N·m, N], infinite where they say nothing; None: unused.
     """
 
     sigma: Array
@@ -30,6 +31,7 @@ class Covariance:
     weight: Array
     dof: float = np.inf
     turn_ratio: float = 1.0
+    torque: Array | None = None
 
     def without(self, poses: NDArray[np.bool_]) -> Covariance:
         """Leaves out the poses marked True."""

@@ -57,6 +57,11 @@ class Problem:
             [self.arm.R_link[k] @ place for k, place in zip(self.on, np.array(places), strict=True)]
         )
 
+    @property
+    def drives(self) -> int:
+        """Rows of drive torque beside a pose's points: n where they were recorded, else 0."""
+        return 0 if self.campaign.torque is None else self.arm.n
+
     @cached_property
     def positions(self) -> NDArray[np.int64]:
         """(N,) number of the joint position within its set-up: equal for its loads and repeats."""

@@ -68,8 +68,9 @@ def robust_fit(problem: Problem, start: State, noise: Covariance, known_effects:
 
 def _pose_size(result: Fit, weight: Array) -> Array:
     """(N,) rms of the whitened residual of each pose, weights taken out."""
-    rows = np.maximum((np.abs(result.whitener).sum(axis=2) > 0).sum(axis=1), 1)
-    size = np.sqrt((result.r**2).sum(axis=1) / rows)
+    r = result.point_residual
+    rows = np.maximum((np.abs(result.whitener[:, : r.shape[1]]).sum(axis=2) > 0).sum(axis=1), 1)
+    size = np.sqrt((r**2).sum(axis=1) / rows)
     return np.asarray(size / np.where(weight > 0, weight, 1.0))
 
 

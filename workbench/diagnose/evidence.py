@@ -11,7 +11,7 @@ from .generic import FamilyTest
 from .result import Evidence
 
 
-def evidence(result: Fit, effect: Effect, values: Array, together: Array | None = None) -> Evidence:
+def evidence(result: Fit, effect: Effect, values: Array) -> Evidence:
     """Evidence of an effect of a fitted model.
 
     Before: final residual plus the effect; after: final residual. Joint effects are shown as joint
@@ -19,16 +19,19 @@ def evidence(result: Fit, effect: Effect, values: Array, together: Array | None 
     """
     problem = result.model.problem
     G = np.matmul(result.whitener, result.model.effect_jacobian(result.line, effect, values))
-    added = G @ values if together is None else together
+    added = G @ values
     if isinstance(effect, TransmissionEffect | YieldEffect) and effect.where.joint:
         return _joint(result, effect, values, added)
+    r = result.point_residual
+    added = added[:, : r.shape[1]]
     size = np.linalg.norm(added, axis=1)
     keep = size > 1e-3 * max(float(size.max()), 1e-300)
     unit = added[keep] / size[keep, None]
     # whitened lengths back to mm by the noise of the pose
-    move = (result.model.effect_jacobian(result.line, effect, values) @ values)[keep]
+    points = 3 * result.residual.shape[1]
+    move = (result.model.effect_jacobian(result.line, effect, values) @ values)[keep, :points]
     mm = 1e3 * np.linalg.norm(move, axis=1) / size[keep]
-    after = (unit * result.r[keep]).sum(axis=1) * mm
+    after = (unit * r[keep]).sum(axis=1) * mm
     x, name, x_unit = size[keep] * mm, "effect predicted", "mm"
     before = after + size[keep] * mm
     time = problem.campaign.time

@@ -41,7 +41,7 @@ def provisional(problem: Problem) -> Covariance:
 
 def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, list[str]]:
     """Noise before the residual is seen: stated or measured; else provisional, source "residual"."""
-    axial = line.direct[:, :, problem.arm.axial]
+    axial = line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
     said = stated(problem)
     measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
     notes: list[str] = []
@@ -99,7 +99,7 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
     part (the robot's repeatability; the turning part of the measurement)."""
     problem, noise = result.model.problem, result.noise
     if problem.campaign.six_dof:
-        r = result.r[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
+        r = result.point_residual[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
         shift, turn = (float(np.sqrt(np.mean(r[:, part] ** 2))) for part in (slice(0, 3), slice(3, 6)))
         free = np.sqrt(r.size / max(r.size - result.rank, 1))
         ratio = noise.turn_ratio * turn / shift
@@ -124,7 +124,7 @@ def _two_parts(result: Fit) -> Covariance:
     mask = np.repeat(problem.seen, 3, axis=1)
     d = np.nan_to_num(result.residual).reshape(len(mask), -1)
     turning = np.where(problem.arm.prismatic, 0.0, 1.0)
-    J = np.where(mask[..., None], result.line.direct[:, :, problem.arm.axial], 0.0) * turning
+    J = np.where(mask[..., None], result.line.direct[:, : mask.shape[1], problem.arm.axial], 0.0) * turning
     u, s, _ = np.linalg.svd(J, full_matrices=False)
     projected = np.einsum("nij,ni->nj", u, d)
     rest = float((d**2).sum() - (projected**2).sum())

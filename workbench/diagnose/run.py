@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from .. import drive_torque
 from ..campaign import Campaign, join
 from ..effects import catalogue
 from ..effects.base import Effect
@@ -72,6 +73,9 @@ def diagnose(
     known = noise.source != "residual"
     if not known:
         covariance, noise = from_residual(geometry)
+    if whole.drives:
+        covariance = replace(covariance, torque=drive_torque.noise(whole, geometry.line.prediction.load))
+    if not known or whole.drives:
         geometry = fit(model, geometry.state, covariance)
     progress("testing causes")
     nominal = fit(model, replace(start, geometry=whole.arm.geometry), covariance, geometry=False)

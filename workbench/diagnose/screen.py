@@ -162,9 +162,9 @@ def reduce_columns(fit: Fit, G: Array) -> tuple[Array, Array, Array]:
     return gram - Z.T @ Z, flat.T @ fit.r.ravel(), np.diag(gram).copy()
 
 
-def effective_dof(fit: Fit) -> float:
-    """Rows of data minus what the fit took: the trace of the projection V⁻¹."""
-    rows = int((np.abs(fit.whitener).sum(axis=2) > 0).sum())
+def effective_dof(fit: Fit, drives: bool = False) -> float:
+    """Rows of the points (and of the drive torques) minus what the fit took: the trace of V⁻¹."""
+    rows = int((np.abs(fit.whitener).sum(axis=2) > 0).sum()) if drives else fit.point_rows
     inverse = solve_triangular(fit.upper, np.eye(len(fit.upper)), trans="T", check_finite=False)
     return rows - (len(fit.upper) - float((inverse**2).sum()))
 
@@ -187,8 +187,8 @@ def screen(fit: Fit, candidates: Sequence[Effect], known: bool) -> Screen:
         S,
         u,
         own,
-        fit.chi2,
-        effective_dof(fit),
+        float((fit.r**2).sum()),
+        effective_dof(fit, drives=True),
         fit.noise.dof,
         known,
         np.concatenate(scale),

@@ -128,7 +128,7 @@ def stands_out(result: Fit, i: int) -> float:
     size = (d**2).sum(axis=1)
     total, count = scatter_of(result, (d * result.r).sum(axis=1), size)
     scatter = total / count
-    rows = int((np.abs(result.whitener).sum(axis=2) > 0).sum())
+    rows = result.point_rows
     scatter *= rows / max(effective_dof(result), 1.0)
     wald = float(values @ np.linalg.solve(covariance, values))
     p = len(values)

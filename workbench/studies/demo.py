@@ -82,7 +82,7 @@ def measured(seed: int, poses: int) -> tuple[Campaign, Truth]:
         joints=lambda p: _second_harmonic(p, order),
         sigma=3e-5,
     )
-    return simulate(plan, truth, seed=seed), truth
+    return simulate(plan, truth, seed=seed, torque_sigma=0.03), truth
 
 
 def _second_harmonic(job: Problem, order: float) -> Array:
