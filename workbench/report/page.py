@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 
 from ..atomic import put
 from ..diagnose.result import Diagnosis
-from . import drawing
 from .content import Content, Material, gather
 from .drawing import Figure
+from .parts import bullets, document, figure, table
 
-VARIABLES = {
-    drawing.INK: "--ink",
-    drawing.MUTED: "--muted",
-    drawing.GRID: "--line",
-    drawing.BEFORE: "--before",
-    drawing.MIDDLE: "--middle",
-    drawing.AFTER: "--after",
-    drawing.MODEL: "--curve",
-    drawing.NOISE: "--noise",
-}
 LINKS = {"report.pdf": "PDF", "scene.html": "3-D scene", "result.json": "Numbers", "model.toml": "Model"}
-TOP = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-"""
 
 
 def write_page(diagnosis: Diagnosis, folder: Path) -> Path:
@@ -42,12 +25,10 @@ def write_page(diagnosis: Diagnosis, folder: Path) -> Path:
 def page(material: Material) -> str:
     """The whole page as text."""
     said, shown = material.said, material.figures
-    style = Path(__file__).with_name("page.css").read_text(encoding="utf-8")
-    title = escape(f"{said['robot']}: {said['verdict']['headline']}")
+    title = f"{said['robot']}: {said['verdict']['headline']}"
     body = [_head(said), "<main>", _stages(said, shown), _causes(material), _scene(), _limits(said)]
     body += [_data(said, shown), "</main>", _foot(said)]
-    head = f"{TOP}<title>{title}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
-    return head + "\n".join(body) + "\n</body>\n</html>\n"
+    return document(title, "\n".join(body))
 
 
 def _head(said: Content) -> str:
@@ -84,7 +65,7 @@ def _stages(said: Content, shown: Mapping[str, Figure]) -> str:
     head = ("Parameters", "Mean, mm", "RMS, mm", "Largest, mm", "RMS fitted, mm")
     columns = "".join(f'<th scope="col" class="number">{name}</th>' for name in head)
     return (
-        f'<section id="stages"><h2>What each step brings</h2>{_figure(shown.get("stages"))}'
+        f'<section id="stages"><h2>What each step brings</h2>{figure(shown.get("stages"))}'
         '<div class="scroll"><table><caption>3-D errors on held-out poses. Each stage keeps what the stages '
         f'above it have.</caption><thead><tr><th scope="col">Stage</th>{columns}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table></div><p>{escape(said['remainder'])}</p></section>"
@@ -107,14 +88,14 @@ def _card(cause: Content, material: Material) -> str:
     said = [f"<p>{escape(cause[key])}</p>" for key in ("structure", "sentence") if cause[key]]
     if cause["parameters"]:
         rows = [[p["name"], p["value"], p["interval"], p["meaning"]] for p in cause["parameters"]]
-        said.append(_table("", ("Parameter", "Value", "95 % interval", "Meaning"), rows, values=(1, 2)))
+        said.append(table("", ("Parameter", "Value", "95 % interval", "Meaning"), rows, values=(1, 2)))
     if cause["equation"]:
         line = cause["equation"]
         label = f'<svg role="img" aria-label="{escape(line)}" '
         drawn = material.equations.get(line, "").replace("<svg ", label, 1)
         said.append(f'<div class="equation">{drawn or f"<code>{escape(line)}</code>"}</div>')
     said.append(_rivals(cause))
-    said.append(_figure(material.figures.get(cause["figure"])))
+    said.append(figure(material.figures.get(cause["figure"])))
     return (
         f'<article class="card"><header><h3>{escape(cause["title"])}{where}</h3>'
         f'<span class="chip {cause["status"]}">{escape(cause["status_label"])}</span>'
@@ -143,36 +124,36 @@ def _scene() -> str:
 def _limits(said: Content) -> str:
     parts = ['<section id="limits"><h2>What this campaign cannot say</h2>']
     if said["not_testable"]:
-        parts.append("<h4>Not tested</h4>" + _table("", ("Cause", "Where", "Why"), said["not_testable"]))
+        parts.append("<h4>Not tested</h4>" + table("", ("Cause", "Where", "Why"), said["not_testable"]))
     else:
         parts.append("<p>Every cause of the catalogue could be tested.</p>")
     if said["detectable"]:
         caption = "Smaller effects than these would have stayed unseen (80 % power)."
         rows = said["detectable"]
         parts.append("<h4>Smallest size that would show</h4>")
-        parts.append(_table(caption, ("Cause", "Smallest size, by place"), rows))
+        parts.append(table(caption, ("Cause", "Smallest size, by place"), rows))
     if said["unidentifiable"]:
         parts.append("<h4>What geometry could not tell apart</h4>")
-        parts.append(_bullets(said["unidentifiable"]))
+        parts.append(bullets(said["unidentifiable"]))
     return "".join(parts) + "</section>"
 
 
 def _data(said: Content, shown: Mapping[str, Figure]) -> str:
     parts = ['<section id="data"><h2>The data</h2>']
-    parts += [_figure(shown.get("histogram")), _figure(shown.get("campaign"))]
+    parts += [figure(shown.get("histogram")), figure(shown.get("campaign"))]
     if said["faults"]:
         parts.append("<h4>Faults in the data</h4>")
-        parts.append(_table("", ("Fault", "Where", "What", "Done"), said["faults"]))
+        parts.append(table("", ("Fault", "Where", "What", "Done"), said["faults"]))
     else:
         parts.append("<p>No faults were found in the data.</p>")
     if said["notes"]:
-        parts.append("<h4>Notes</h4>" + _bullets(said["notes"]))
-    parts.append("<h4>Dataset</h4>" + _table("", ("", ""), said["facts"], heads=False))
+        parts.append("<h4>Notes</h4>" + bullets(said["notes"]))
+    parts.append("<h4>Dataset</h4>" + table("", ("", ""), said["facts"], heads=False))
     if said["geometry"]:
         head = ("Frame", "Parameter", "Value", "95 % interval")
-        table = _table(f"Intervals: {said['support']}.", head, said["geometry"], numbers=(2, 3))
+        listed = table(f"Intervals: {said['support']}.", head, said["geometry"], numbers=(2, 3))
         title = f"Calibrated geometry, {len(said['geometry'])} parameters"
-        parts.append(f"<details><summary>{title}</summary>{table}</details>")
+        parts.append(f"<details><summary>{title}</summary>{listed}</details>")
     return "".join(parts) + "</section>"
 
 
@@ -181,48 +162,6 @@ def _foot(said: Content) -> str:
         f'<tr><th scope="row">{escape(name)}</th><td class="hash">{escape(digest)}</td></tr>'
         for name, digest in said["inputs"]
     )
-    table = f"<table><caption>Input files, SHA-256</caption><tbody>{files}</tbody></table>" if files else ""
+    inputs = f"<table><caption>Input files, SHA-256</caption><tbody>{files}</tbody></table>" if files else ""
     made = f"Robot workbench {said['version']}"
-    return f'<footer><div><div class="scroll">{table}</div><p>{escape(made)}</p></div></footer>'
-
-
-def _bullets(lines: Sequence[str]) -> str:
-    return "<ul>" + "".join(f"<li>{escape(line)}</li>" for line in lines) + "</ul>"
-
-
-def _table(
-    caption: str,
-    head: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    numbers: Sequence[int] = (),
-    values: Sequence[int] = (),
-    heads: bool = True,
-) -> str:
-    """A table with its first column as row headers; columns left empty throughout are dropped."""
-    used = [i for i in range(len(head)) if i == 0 or any(row[i] for row in rows)]
-    kinds = {**dict.fromkeys(numbers, ' class="number"'), **dict.fromkeys(values, ' class="value"')}
-    top = "".join(f'<th scope="col"{kinds.get(i, "")}>{escape(head[i])}</th>' for i in used)
-    body = ""
-    for row in rows:
-        cells = "".join(f"<td{kinds.get(i, '')}>{escape(row[i])}</td>" for i in used[1:])
-        body += f'<tr><th scope="row">{escape(row[0])}</th>{cells}</tr>'
-    said = f"<caption>{escape(caption)}</caption>" if caption else ""
-    thead = f"<thead><tr>{top}</tr></thead>" if heads else ""
-    return f'<div class="scroll"><table>{said}{thead}<tbody>{body}</tbody></table></div>'
-
-
-def _figure(figure: Figure | None) -> str:
-    """The SVG in line, in the page's colours, its ids made its own."""
-    if figure is None:
-        return ""
-    svg = figure.svg[figure.svg.index("<svg") :]
-    svg = re.sub(r"<defs>\s*<style.*?</style>\s*</defs>", "", svg, flags=re.DOTALL)
-    svg = re.sub(r' id="[^"#]*_\d+"', "", svg)
-    svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>{figure.name}-", svg)
-    svg = re.sub(r' (width|height)="[\d.]+pt"', "", svg, count=2)
-    for colour, variable in VARIABLES.items():
-        svg = svg.replace(colour, f"var({variable})")
-    label = f'<svg role="img" aria-label="{escape(figure.alt)}" '
-    svg = svg.replace("<svg ", label, 1)
-    caption = f"<figcaption>{escape(figure.title)}</figcaption>"
-    return f'<figure>{caption}<div class="scroll" tabindex="0">{svg}</div></figure>'
+    return f'<footer><div><div class="scroll">{inputs}</div><p>{escape(made)}</p></div></footer>'
