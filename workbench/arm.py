@@ -215,12 +215,15 @@ def point_jacobian(axes: Array, origin: Array, points: Array, on: Sequence[int])
     axis × (point − origin); slots beyond the target do not move it.
     """
     n_poses, slots = axes.shape[:2]
-    out = np.zeros((n_poses, points.shape[1], slots, 6, 3))
+    out = np.zeros((n_poses, points.shape[1], 3, slots, 6))
+    along, about = np.moveaxis(axes[:, :, :3], 3, 0), np.moveaxis(axes[:, :, 3:], 3, 0)
     for i, k in enumerate(on):
-        arms = points[:, i, None] - origin[:, : k + 1]
-        out[:, i, : k + 1, :3] = axes[:, : k + 1, :3]
-        out[:, i, : k + 1, 3:] = cross(axes[:, : k + 1, 3:], arms[:, :, None])
-    return out.transpose(0, 1, 4, 2, 3).reshape(n_poses, points.shape[1], 3, 6 * slots)
+        arms = np.moveaxis(points[:, i, None] - origin[:, : k + 1], 2, 0)[..., None]
+        for c in range(3):
+            a, b = (c + 1) % 3, (c + 2) % 3
+            out[:, i, c, : k + 1, :3] = along[c][:, : k + 1]
+            out[:, i, c, : k + 1, 3:] = about[a][:, : k + 1] * arms[b] - about[b][:, : k + 1] * arms[a]
+    return out.reshape(n_poses, points.shape[1], 3, 6 * slots)
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from . import drive_torque
 from .arm import Arm, Array, Frames, point_jacobian
-from .effects.base import DirectEffect, Effect, InstrumentEffect, LoadEffect, YieldEffect
+from .effects.base import DirectEffect, Effect, InstrumentEffect, LinearYield, LoadEffect, YieldEffect
 from .problem import Problem
 from .statics import Loads, Wrenches, equilibrium, wrench_jacobian
 
@@ -107,8 +107,13 @@ class Model:
             elif isinstance(effect, LoadEffect):
                 arm, loads = effect.apply(problem, arm, loads, values)
 
+        linear, bent = self._yielding(arm, state)
+
         def law(wrench: Array) -> Array:
-            return self._yield(arm, wrench, state)[0]
+            yields = np.matmul(wrench.swapaxes(0, 1), linear.swapaxes(1, 2)).swapaxes(0, 1)
+            for effect, values in bent:
+                yields[:, effect.slot(arm)] += effect.law(arm, wrench[:, effect.slot(arm)], values)[0]
+            return yields
 
         motion, where, load = equilibrium(arm, problem.q, direct, loads, law)
         base = self._place(where, state)
@@ -135,17 +140,30 @@ class Model:
                 change += effect.seen(self.problem, points) @ values
         return points + change
 
-    def _yield(self, arm: Arm, wrench: Array, state: State) -> tuple[Array, Array]:
-        """Motions (N, S, 6) and their derivative by the own slot's wrench (N, S, 6, 6)."""
-        motion = np.einsum("sij,nsj->nsi", arm.compliance, wrench)
-        slope = np.broadcast_to(arm.compliance, (len(wrench), *arm.compliance.shape)).copy()
+    def _yielding(self, arm: Arm, state: State) -> tuple[Array, list[tuple[YieldEffect, Array]]]:
+        """What yields in proportion to its wrench, (S, 6, 6), and the effects that yield otherwise."""
+        linear, bent = arm.compliance.copy(), []
         for effect, values in self.acting(state):
-            if isinstance(effect, YieldEffect):
-                k = effect.slot(arm)
-                more, by_wrench, _ = effect.law(arm, wrench[:, k], values)
-                motion[:, k] += more
-                slope[:, k] += by_wrench
-        return motion, slope
+            if isinstance(effect, LinearYield):
+                linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
+            elif isinstance(effect, YieldEffect):
+                bent.append((effect, values))
+        return linear, bent
+
+    def _slope(self, arm: Arm, wrench: Array, state: State) -> tuple[NDArray[np.int64], Array]:
+        """The components that yield (rows), and their derivative by these wrenches (N, rows, rows)."""
+        linear, bent = self._yielding(arm, state)
+        slope = np.broadcast_to(linear, (len(wrench), *linear.shape))
+        if bent:
+            slope = slope.copy()
+        for effect, values in bent:
+            k = effect.slot(arm)
+            slope[:, k] += effect.law(arm, wrench[:, k], values)[1]
+        some = np.abs(linear) if not bent else np.abs(slope).sum(axis=0)
+        rows = np.flatnonzero(some.sum(axis=2).ravel())
+        slot, component = np.divmod(rows, 6)
+        Phi = slope[:, slot[:, None], component[:, None], component]
+        return rows, np.where(slot[:, None] == slot, Phi, 0.0)
 
     def linearise(self, state: State) -> Linearisation:
         """Derivatives at a state."""
@@ -157,16 +175,12 @@ class Model:
         J = point_jacobian(where.axes, where.origin, prediction.base, on)
         G = point_jacobian(where.geometry_axes, where.geometry_origin, prediction.base, on)
         J, G = (np.matmul(turn[:, None], X).reshape(n_poses, 3 * n_targets, -1) for X in (J, G))
-        _, slope = self._yield(arm, load.local, state)
-        rows = np.flatnonzero(np.abs(slope).sum(axis=(0, 3)).ravel())
+        rows, Phi = self._slope(arm, load.local, state)
         torque = np.zeros((n_poses, 3 * n_targets, len(rows)))
         if len(rows):
             args = (arm, where, prediction.loads, load, rows)
             H = wrench_jacobian(*args, where.axes, where.origin, before_joint=False)
             H_g = wrench_jacobian(*args, where.geometry_axes, where.geometry_origin, before_joint=True)
-            slot, component = np.divmod(rows, 6)
-            Phi = slope[:, slot[:, None], component[:, None], component]
-            Phi = np.where(slot[:, None] == slot, Phi, 0.0)
             answer = np.linalg.solve(np.eye(len(rows)) - Phi @ H[:, :, rows], Phi)
             torque = J[:, :, rows] @ answer
             J, G = J + torque @ H, G + torque @ H_g
@@ -195,6 +209,16 @@ class Model:
             target[:, i] = turn @ prediction.where.R[k]
         return frame.reshape(n_poses, 3 * n_targets, 6), target, centre
 
+    def drive_residual(self, line: Linearisation, state: State) -> Array:
+        """(N, n) measured torques of the drives that the loads do not explain [N·m, N]."""
+        measured = self.problem.campaign.torque
+        assert measured is not None
+        left = drive_torque.project(self.problem, np.nan_to_num(measured)[..., None])[..., 0]
+        for effect, values in self.acting(state):
+            if isinstance(effect, LoadEffect):
+                left = left - self.effect_jacobian(line, effect, values)[:, -self.problem.drives :] @ values
+        return left
+
     def effect_jacobian(self, line: Linearisation, effect: Effect, values: Array) -> Array:
         """(N, R, p) motion of the points (and drive torques) per unit of each parameter of an effect.
 
@@ -218,7 +242,7 @@ class Model:
             out = line.torque @ change[:, line.rows]
             if problem.drives:
                 axial = -change[:, prediction.arm.axial]
-                out[:, -problem.drives :] = drive_torque.project(problem, prediction.load, axial)
+                out[:, -problem.drives :] = drive_torque.project(problem, axial)
             return np.asarray(out)
         assert isinstance(effect, InstrumentEffect)
         seen = effect.seen(problem, prediction.points)

@@ -168,69 +168,67 @@ def wrench_jacobian(
     the axis and its whole load, while gravity and external wrench keep their direction.
     """
     n_poses, slots = origin.shape[:2]
-    out = np.empty((n_poses, len(rows), slots, 6))
-    flange = where.p[-1]
-    external = loads.wrench[:, :3]
+    turn, bend, push = _row_vectors(arm, where, loads, load, rows)
+    field = np.zeros((n_poses, slots, 6, 3))
+    field[:, :, 3:] = axes[:, :, 3:]
+    before = np.matmul(turn, field.reshape(n_poses, -1, 3).transpose(0, 2, 1))
+    # motion of the masses beyond each slot; they are summed about T's origin, G pivots about its own
+    first = load.first + load.mass[..., None] * (where.origin - origin)
+    field[:, :, :3] = load.mass[..., None, None] * axes[:, :, :3]
+    field[:, :, 3:] = cross(axes[:, :, 3:], first[:, :, None])
+    beyond = np.matmul(bend, field.reshape(n_poses, -1, 3).transpose(0, 2, 1))
+    if push is not None:
+        field[:, :, :3] = axes[:, :, :3]
+        field[:, :, 3:] = cross(axes[:, :, 3:], (where.p[-1][:, None] - origin)[:, :, None])
+        beyond += np.matmul(push, field.reshape(n_poses, -1, 3).transpose(0, 2, 1))
+    out = np.where(_beyond(arm, rows, before_joint), beyond, before)
+    if loads.compensator is not None:
+        parts = out.reshape(n_poses, len(rows), slots, 6)
+        _compensator_jacobian(arm, where, loads.compensator, rows, axes, origin, before_joint, parts)
+    return out
+
+
+def _row_vectors(
+    arm: Arm, where: Frames, loads: Loads, load: Wrenches, rows: NDArray[np.int64]
+) -> tuple[Array, Array, Array | None]:
+    """Vectors (N, rows, 3) whose products with a motion's field are the derivatives of the rows.
+
+    turn: with the rotation of axis and load together; bend: with the shift of mass, beyond the axis;
+    push: with the shift of the flange under an external force (None: no force). Compensator forces
+    turn along with the axis, so they do not count.
+    """
+    slot, component = np.divmod(rows, 6)
+    axis = where.axes[:, slot, component]
+    rotary = (component >= 3)[:, None]
+    gravity, external = arm.gravity, loads.wrench[:, None, :3]
+    turn = cross(cross(axis, load.first[:, slot]), gravity)
+    weight = load.mass[:, slot, None] * gravity
+    if not loads.wrench.any():
+        turn = turn if rotary.all() else np.where(rotary, turn, cross(axis, weight))
+        return turn, np.where(rotary, cross(gravity, axis), 0.0), None
+    lever = where.p[-1][:, None] - where.origin[:, slot]
+    turn += cross(cross(axis, lever), external) + cross(axis, loads.wrench[:, None, 3:])
+    turn = np.where(rotary, turn, cross(axis, weight + external))
+    bend, push = cross(gravity, axis), cross(external, axis)
+    return turn, np.where(rotary, bend, 0.0), np.where(rotary, push, 0.0)
+
+
+def _beyond(arm: Arm, rows: NDArray[np.int64], before_joint: bool) -> NDArray[np.bool_]:
+    """(rows, 6 S): the motion acts beyond the row's axis and does not turn it."""
+    out = np.zeros((len(rows), arm.slots, 6), dtype=bool)
     for i, row in enumerate(rows):
         slot, component = divmod(int(row), 6)
-        rotary = component >= 3
-        axis = where.axes[:, slot, component]
-        sequence = _sequence(arm, slot)
-        turn = _turned_load(arm, where, loads, load, slot, axis, rotary)
-        out[:, i, :, :3] = 0.0
-        out[:, i, :, 3:] = np.einsum("nsci,ni->nsc", axes[:, :, 3:], turn)
-        beyond = np.zeros((slots, 6), dtype=bool)
-        beyond[slot + 1 :] = True
+        out[i, slot + 1 :] = True
         if not before_joint:
-            later = sequence.index(component)
-            beyond[slot, list(sequence[later:])] = True
-        if not rotary:
-            out[:, i][:, beyond] = 0.0
-            continue
-        b = cross(arm.gravity, axis)[:, None]
-        hang = cross(load.first, b)
-        shift = load.mass[..., None] * b
-        if external.any():
-            e = cross(external, axis)[:, None]
-            hang = hang + cross(flange[:, None] - where.origin, e)
-            shift = shift + e
-        # masses are summed about the slot's T origin; G pivots about its own origin
-        hang = hang + cross(where.origin - origin, shift)
-        full = np.concatenate(
-            [
-                np.einsum("nsci,nsi->nsc", axes[:, :, :3], shift),
-                np.einsum("nsci,nsi->nsc", axes[:, :, 3:], hang),
-            ],
-            axis=2,
-        )
-        out[:, i][:, beyond] = full[:, beyond]
-    if loads.compensator is not None:
-        _compensator_jacobian(arm, where, loads.compensator, rows, axes, origin, before_joint, out)
-    return out.reshape(n_poses, len(rows), 6 * slots)
+            sequence = _sequence(arm, slot)
+            out[i, slot, list(sequence[sequence.index(component) :])] = True
+    return out.reshape(len(rows), -1)
 
 
 def _sequence(arm: Arm, slot: int) -> tuple[int, ...]:
     """Order in which a slot's components act."""
     sliding = 1 <= slot <= arm.n and bool(arm.prismatic[slot - 1])
     return (0, 1, 3, 4, 5, 2) if sliding else (0, 1, 2, 3, 4, 5)
-
-
-def _turned_load(
-    arm: Arm, where: Frames, loads: Loads, load: Wrenches, slot: int, axis: Array, rotary: bool
-) -> Array:
-    """(N, 3): derivative of one local wrench by a rotation that turns its axis and all beyond.
-
-    Compensator forces turn along, so they do not count.
-    """
-    external = loads.wrench[:, :3]
-    weight = load.mass[:, slot, None] * arm.gravity + external
-    if not rotary:
-        return cross(axis, weight)
-    lever = where.p[-1] - where.origin[:, slot]
-    first = load.first[:, slot]
-    moment = cross(first, arm.gravity) + cross(lever, external) + loads.wrench[:, 3:]
-    gravity = cross(first, cross(arm.gravity, axis))
-    return cross(axis, moment) + gravity + cross(lever, cross(external, axis))
 
 
 def _compensator_jacobian(
