@@ -1,7 +1,18 @@
 """The closed loop in Drake: the true robot runs a path, commanded by what is believed of it."""
 
 from .control import Controller
+from .file import Verified, verify_file, write_verification
 from .verification import Repeats, Series, Trial, Verification
 from .verify import verify
 
-__all__ = ["Controller", "Repeats", "Series", "Trial", "Verification", "verify"]
+__all__ = [
+    "Controller",
+    "Repeats",
+    "Series",
+    "Trial",
+    "Verification",
+    "Verified",
+    "verify",
+    "verify_file",
+    "write_verification",
+]
