@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,11 @@ import tomli_w
 
 from .arm import Array
 from .atomic import put
+from .campaign import Campaign
 from .fit import Fit
 from .records import record
-from .robot import GEOMETRY, EffectRecord, Robot
+from .robot import GEOMETRY, EffectRecord, LoadData, Robot
+from .tables import number_text
 
 
 def write_model(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
@@ -35,12 +38,17 @@ def write_model(path: Path, robot: Robot, geometry: Array, effects: Sequence[Eff
         table["links"] = [{"name": k, "bending_stiffness": v} for k, v in robot.bending_stiffness.items()]
     if robot.source:
         table["source"] = robot.source
+    if robot.tool is not None:
+        table["tool"] = _given(robot.tool.model_dump())
+    if robot.payloads:
+        table["payloads"] = {name: _given(load.model_dump()) for name, load in robot.payloads.items()}
     table["geometry"] = {
         name: {key: float(v) for key, v in zip(GEOMETRY, geometry[i + 1], strict=True)}
         for i, name in enumerate(robot.joint_names)
         if geometry[i + 1].any()
     }
     table["effects"] = [_given(item.model_dump()) for item in effects]
+    path.parent.mkdir(parents=True, exist_ok=True)
     put(path, tomli_w.dumps(table).encode())
 
 
@@ -54,8 +62,25 @@ def _given(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def write_fit(path: Path, fit: Fit) -> None:
-    """Writes a fit as the extended robot: what it found, beside what the robot's model had already."""
+    """Writes a fit as the extended robot: what it found, beside what the robot's model had already.
+
+    Tool and payloads are the campaign's: the effects were found under them.
+    """
     model = fit.model
     found = [record(e, v) for e, v in zip(model.effects, fit.state.values, strict=True)]
-    robot = model.problem.robot
+    robot = _loaded(model.problem.robot, model.problem.campaign)
     write_model(path, robot, fit.state.geometry, [*robot.effects, *found])
+
+
+def _loaded(robot: Robot, campaign: Campaign) -> Robot:
+    """The robot with the tool and payloads of a campaign."""
+    loads = [_load(float(mass), com) for mass, com in zip(campaign.load_mass, campaign.load_com, strict=True)]
+    tool = _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0 else None
+    payloads = dict(zip(campaign.payload_names, loads, strict=True))
+    payloads.pop("", None)
+    return replace(robot, tool=tool, payloads=payloads)
+
+
+def _load(mass: float, com: Array) -> LoadData:
+    x, y, z = (float(number_text(1e3 * float(c))) for c in com)
+    return LoadData(mass_kg=mass, com_mm=(x, y, z))

@@ -10,9 +10,9 @@ import tomllib
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from .faults import Fault, InputError, read_text
 
@@ -76,6 +76,13 @@ class LinkData(_Table):
     bending_stiffness: float | None = Field(None, gt=0)
 
 
+class LoadData(_Table):
+    """`[tool]` or `[payloads.heavy]`: mass and centre of mass in the flange frame."""
+
+    mass_kg: Annotated[FiniteFloat, Field(ge=0)]
+    com_mm: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
+
+
 class EffectRecord(_Table):
     """One effect of an extended model: its cause, where it sits, its parameters by name."""
 
@@ -100,6 +107,8 @@ class _RobotFile(_Table):
     compensator: Compensator | None = None
     links: tuple[LinkData, ...] = ()
     source: dict[str, Any] = {}
+    tool: LoadData | None = None
+    payloads: dict[str, LoadData] = {}
     geometry: dict[str, dict[str, float]] = {}
     effects: tuple[EffectRecord, ...] = ()
 
@@ -123,7 +132,11 @@ class Joint:
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot as loaded and checked. `joints` run from the base to the flange."""
+    """A robot as loaded and checked. `joints` run from the base to the flange.
+
+    tool, payloads: what the campaign behind a model.toml carried; they count only where nobody states
+    other loads (a campaign always does).
+    """
 
     name: str
     title: str
@@ -135,6 +148,8 @@ class Robot:
     compensator: Compensator | None = None
     bending_stiffness: dict[str, float] = field(default_factory=dict)
     source: dict[str, Any] = field(default_factory=dict)
+    tool: LoadData | None = None
+    payloads: dict[str, LoadData] = field(default_factory=dict)
     geometry: dict[str, dict[str, float]] = field(default_factory=dict)
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
@@ -220,6 +235,8 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
             link.name: link.bending_stiffness for link in file.links if link.bending_stiffness is not None
         },
         source=file.source,
+        tool=file.tool,
+        payloads=file.payloads,
         geometry=file.geometry,
         effects=file.effects,
         path=path,

@@ -70,6 +70,7 @@ def simulate(
     Raises `InputError` when an effect does nothing in these poses.
     """
     job = problem(plan)
+    _check_acting(job, truth)
     truth = replace(truth, effects=(*stated_effects(job), *truth.effects))
     draw = _Draws(seed)
     direct = _direct(job, truth) + draw.repeatability(job, truth)
@@ -142,17 +143,26 @@ class _Draws:
         return torque + share * np.abs(torque).max(axis=0) * self._rng(3).normal(size=torque.shape)
 
 
+def _check_acting(job: Problem, truth: Truth) -> None:
+    """Raises `InputError` for effects that were asked for and do nothing here."""
+    faults = []
+    for effect, values in truth.effects:
+        if not isinstance(effect, DirectEffect) or not values.any():
+            continue
+        if not any(basis.any() for basis in effect.motion(job).values()):
+            why = type(effect).needs(job) or "it needs other poses"
+            faults.append(Fault(effect.label, "does nothing in these poses", why))
+    if faults:
+        raise InputError(faults)
+
+
 def _direct(job: Problem, truth: Truth) -> Array:
     """(N, S, 6) motions that do not depend on load."""
     n_poses = len(job.q)
     out = np.zeros((n_poses, 6 * job.arm.slots))
     for effect, values in truth.effects:
         if isinstance(effect, DirectEffect):
-            parts = effect.motion(job)
-            if values.any() and not any(basis.any() for basis in parts.values()):
-                why = type(effect).needs(job) or "it needs other poses"
-                raise InputError(Fault(effect.label, "does nothing in these poses", why))
-            for column, basis in parts.items():
+            for column, basis in effect.motion(job).items():
                 out[:, column] += basis @ values
     if truth.joints is not None:
         out[:, job.arm.axial] += truth.joints(job)

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, cast
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ..faults import Fault, InputError, read_text
-from ..robot import Robot, toml_faults
+from ..robot import LoadData, Robot, toml_faults
 from ..tables import Column, Layout, suggest
 
 Name = Annotated[str, Field(min_length=1)]
@@ -40,13 +40,6 @@ class NoiseData(_Section):
 
     sigma_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
     pose: bool = False
-
-
-class LoadData(_Section):
-    """`[tool]` or `[payloads.heavy]`."""
-
-    mass_kg: Annotated[FiniteFloat, Field(ge=0)]
-    com_mm: Vector3 = (0.0, 0.0, 0.0)
 
 
 class CampaignFile(_Section):

@@ -1,7 +1,7 @@
 """Offline path modification: commands that put the extended robot's tool where the path wants it."""
 
 from .command import Compensation, compensate
-from .conditions import Conditions, conditions_of
+from .conditions import Conditions, conditions_of, stated_conditions
 from .course import nominal_joints
 from .file import Written, compensate_file
 from .ripple import LeftOut
@@ -17,4 +17,5 @@ __all__ = [
     "compensate_file",
     "conditions_of",
     "nominal_joints",
+    "stated_conditions",
 ]

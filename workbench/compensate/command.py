@@ -13,7 +13,7 @@ from ..faults import Fault, InputError
 from ..paths import Path
 from ..programs import Program
 from ..robot import Robot
-from .conditions import Conditions
+from .conditions import Conditions, stated_conditions
 from .course import Course, ready
 from .extended_arm import Shares, sided
 from .mirror import METHODS
@@ -111,14 +111,15 @@ def compensate(
 ) -> Compensation:
     """The command that makes the extended robot's tool pass through the path.
 
-    robot: with the corrections and effects of its model.toml. tool: (4, 4) pose of the tool in the flange
+    robot: with the corrections and effects of its model.toml. conditions: what it carries (default: the
+    tool that the model states). tool: (4, 4) pose of the tool in the flange
     frame (default: the flange). start: (n,) joints near the first pose, to choose the posture. method:
     "exact", or for comparison "mirror", "double", "joint" (first order) or "geometry". bandwidth_hz: a gear
     ripple that is faster at the path's speed is left out. seed: of the postures tried for the first pose.
     Raises `InputError` with the lines of the path that cannot be run; lesser troubles are in the result.
     """
     _check_call(method, bandwidth_hz)
-    course = ready(robot, path, conditions or Conditions(), tool, start, seed)
+    course = ready(robot, path, conditions or stated_conditions(robot), tool, start, seed)
     needs_side = sided(course.extended)
     direction = turning_sides(course.q) if needs_side else None
     before = settle(course, course.q, direction, still=ROUGH)

@@ -12,7 +12,9 @@ from ..campaign import Campaign
 from ..faults import Fault, InputError
 from ..paths import Path
 from ..poses import planned
-from ..robot import Robot
+from ..robot import LoadData, Robot
+
+NO_LOAD = LoadData(mass_kg=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +50,20 @@ def conditions_of(campaign: Campaign, payload: str = "") -> Conditions:
         campaign.tool_mass,
         campaign.tool_com.tolist(),
     )
+
+
+def stated_conditions(robot: Robot, payload: str = "") -> Conditions:
+    """The tool and the named payload as the robot's own TOML states them (a model.toml)."""
+    if payload and payload not in robot.payloads:
+        known = ", ".join(robot.payloads) or "none"
+        mend = f"known: {known}; or name the campaign that states it"
+        raise InputError(Fault(f"payload {payload!r}", f"is not in {robot.path or robot.name}", mend))
+    load, tool = robot.payloads.get(payload, NO_LOAD), robot.tool or NO_LOAD
+    return Conditions(payload, load.mass_kg, _metres(load), tool.mass_kg, _metres(tool))
+
+
+def _metres(load: LoadData) -> list[float]:
+    return [1e-3 * value for value in load.com_mm]
 
 
 def path_campaign(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Campaign:

@@ -60,13 +60,19 @@ class LostMotion(YieldEffect):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[LostMotion]:
         """Joints that carry load at all."""
+        torque, least = _largest_torque(problem)
+        carries = dict(zip(problem.arm.names, torque > least, strict=True))
+        return [place for place in cls.places(problem) if carries[str(place.where.joint)]]
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[LostMotion]:
         arm = problem.arm
-        local = problem.nominal_load.local
-        torque = np.abs(local.reshape(len(local), -1)[:, arm.axial]).max(axis=0)
         shares = {**{f"soft {share:g}": share for share in SOFT}, "play": PLAY, "cubic": 1.0}
+        torque, least = _largest_torque(problem)
+        torque = np.where(torque > least, torque, 1.0)  # any: a model.toml states its own
         return [
             cls(Where(joint=arm.names[j]), variant, share * float(torque[j]), bool(arm.prismatic[j]))
-            for j in np.flatnonzero(torque > 1e-6 * np.abs(local).max(initial=1e-6))
+            for j in range(arm.n)
             for variant, share in shares.items()
         ]
 
@@ -98,3 +104,10 @@ class LostMotion(YieldEffect):
         if self.variant == "play":
             return f"{self.where.joint} falls {size} to either side as its torque changes sign."
         return f"{self.where.joint} has a soft zone: {size} to either side, below about {load}."
+
+
+def _largest_torque(problem: Problem) -> tuple[Array, float]:
+    """(n,) largest nominal torque of each joint in the campaign [N·m, N], and what counts as none."""
+    local = problem.nominal_load.local
+    torque = np.abs(local.reshape(len(local), -1)[:, problem.arm.axial]).max(axis=0)
+    return torque, 1e-6 * float(np.abs(local).max(initial=1e-6))

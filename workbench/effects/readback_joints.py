@@ -43,7 +43,11 @@ class ReadbackJoints(DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[ReadbackJoints]:
-        return [cls()] if np.abs(_difference(problem)).max(initial=0.0) > 0 else []
+        return cls.places(problem) if np.abs(_difference(problem)).max(initial=0.0) > 0 else []
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[ReadbackJoints]:
+        return [cls()]
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         difference = _difference(problem)
