@@ -69,7 +69,7 @@ def run_tasks(
         have = _read(table)
         todo = [key for key in dict.fromkeys(keys) if key not in have or have[key].error is not None]
         count = max(1, min(workers or os.cpu_count() or 1, len(todo)))
-        with _one_thread_each(), _Progress(label, len(keys), len(keys) - len(todo)) as progress:
+        with one_thread_each(), _Progress(label, len(keys), len(keys) - len(todo)) as progress:
             done = _here(work, todo) if count == 1 else _there(work, todo, lambda: pool(count), count)
             for item in done:
                 _write(table, item)
@@ -104,8 +104,8 @@ def _there(work: Work, keys: Sequence[str], pool: Callable[[], Executor], worker
                 # after a breakdown one at a time, so that the task that kills its worker is found
                 room = 1 if any(tries.get(key) for key in waiting) else 2 * workers
                 while waiting and len(running) < room:
-                    key = waiting.popleft()
-                    running[executor.submit(_attempt, work, key)] = key
+                    running[executor.submit(_attempt, work, waiting[0])] = waiting[0]
+                    waiting.popleft()  # only now: a broken pool takes nothing
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     done = future.result()
                     del running[future]
@@ -125,7 +125,7 @@ def _there(work: Work, keys: Sequence[str], pool: Callable[[], Executor], worker
 
 
 @contextmanager
-def _one_thread_each() -> Iterator[None]:
+def one_thread_each() -> Iterator[None]:
     """Processes that start in here use one BLAS thread each."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))

@@ -72,45 +72,76 @@ def draw_design(
     robot, repeatability = _repeatability(robot, stated, rng)
     columns = _columns(needs, rng)
     two = "payload" in needs or rng.random() < 0.6
-    top = 130 if two else 200
-    poses = random_poses(robot, int(rng.integers(60, top + 1)), rng, share=float(rng.uniform(0.6, 0.95)))
-    index, load = _records(len(poses), two, stated, rng)
-    q = poses[index]
+    count = int(rng.integers(60, (130 if two else 200) + 1))
+    poses = random_poses(robot, count, rng, share=float(rng.uniform(0.6, 0.95)))
+    index, load = _records(count, two, stated, rng)
     direction = rng.choice([-1.0, 1.0], poses.shape)[index]
     other = random_poses(robot, HELDOUT, rng, share=0.6)
     other_load = rng.integers(0, 2, HELDOUT) if two else np.zeros(HELDOUT, dtype=np.int64)
-    clock = np.cumsum(rng.uniform(25, 50, len(q)) + 900.0 * (np.diff(load, prepend=load[0]) != 0))
+    clock = np.cumsum(rng.uniform(25, 50, len(index)) + 900.0 * (np.diff(load, prepend=load[0]) != 0))
     clock -= clock[0]
-    curve = rng.uniform(18, 23), rng.uniform(4, 12), float(rng.uniform(0.2, 0.8) * clock[-1])
-    targets = _targets("scale bar" in needs, rng)
-    mass = float(np.exp(rng.uniform(*np.log(PAYLOADS[kind]))))
-    told = {"heavy": (mass, tuple(rng.uniform([-0.08, -0.08, 0.05], [0.08, 0.08, 0.2])))}
-    tool = (0.15 * mass, (0.0, 0.0, 0.06))
-
-    def campaign(q: Array, load: Ints, direction: Array, clock: Array) -> Campaign:
-        warmth = curve[0] + curve[1] * (1 - np.exp(-clock / curve[2]))
-        plan = planned(
-            robot, q, targets=targets, payloads=told if two else None, tool=tool,
-            payload=["heavy" if heavy else "" for heavy in load] if two else None,
-            direction=direction if "direction" in columns else None,
-            time=clock if "time" in columns else None,
-            temperature=warmth if "temperature" in columns else None,
-            readback=q + 2e-5 * rng.normal(size=q.shape) if "readback" in columns else None,
-        )  # fmt: skip
-        return replace(plan, title=f"{robot.title}, {len(q)} poses")
-
-    plan = campaign(q, load, direction, clock)
-    judge = campaign(
-        other, other_load, rng.choice([-1.0, 1.0], other.shape), np.sort(rng.uniform(0, clock[-1], HELDOUT))
-    )
+    cell = _draw_cell(robot, kind, two, columns, "scale bar" in needs, float(clock[-1]), rng)
+    plan = cell.campaign(poses[index], load, direction, clock, rng)
+    side = rng.choice([-1.0, 1.0], other.shape)
+    judge = cell.campaign(other, other_load, side, np.sort(rng.uniform(0, clock[-1], HELDOUT)), rng)
     job = problem(plan)
-    places = job.stated_targets + [
-        np.zeros(3) if target.fixed else 5e-4 * rng.normal(size=3) for target in targets
-    ]
+    off = [np.zeros(3) if target.fixed else 5e-4 * rng.normal(size=3) for target in cell.targets]
     size = float(np.exp(rng.uniform(np.log(1e-4), np.log(1e-3))))
     sigma = float(np.exp(rng.uniform(np.log(1e-5), np.log(5e-5))))
     geometry = random_geometry(job.arm, rng, size, size)
-    return Design(plan, judge, repeatability, sigma, stated, geometry, places)
+    return Design(plan, judge, repeatability, sigma, stated, geometry, job.stated_targets + off)
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """What stays the same from pose to pose: robot, tool and payload, targets, columns, how it warms up.
+
+    warm: from `warm[0]` by `warm[1]` [°C] with the time constant `warm[2]` [s].
+    """
+
+    robot: Robot
+    targets: tuple[Target, ...]
+    mass: float
+    com: tuple[float, ...]
+    two: bool
+    columns: set[str]
+    warm: tuple[float, float, float]
+
+    def campaign(
+        self, q: Array, load: Ints, direction: Array, clock: Array, rng: np.random.Generator
+    ) -> Campaign:
+        """What is told: poses q: (N, n), loads (N,) of 0 and 1, sides of approach (N, n), times (N,)."""
+        warmth = self.warm[0] + self.warm[1] * (1 - np.exp(-clock / self.warm[2]))
+        told = self.columns
+        plan = planned(
+            self.robot,
+            q,
+            targets=self.targets,
+            payloads={"heavy": (self.mass, self.com)} if self.two else None,
+            tool=(0.15 * self.mass, (0.0, 0.0, 0.06)),
+            payload=["heavy" if heavy else "" for heavy in load] if self.two else None,
+            direction=direction if "direction" in told else None,
+            time=clock if "time" in told else None,
+            temperature=warmth if "temperature" in told else None,
+            readback=q + 2e-5 * rng.normal(size=q.shape) if "readback" in told else None,
+        )
+        return replace(plan, title=f"{self.robot.title}, {len(q)} poses")
+
+
+def _draw_cell(
+    robot: Robot,
+    kind: str,
+    two: bool,
+    columns: set[str],
+    scale_bar: bool,
+    span: float,
+    rng: np.random.Generator,
+) -> _Cell:
+    warm = float(rng.uniform(18, 23)), float(rng.uniform(4, 12)), float(rng.uniform(0.2, 0.8) * span)
+    targets = _targets(scale_bar, rng)
+    mass = float(np.exp(rng.uniform(*np.log(PAYLOADS[kind]))))
+    com = tuple(float(x) for x in rng.uniform([-0.08, -0.08, 0.05], [0.08, 0.08, 0.2]))
+    return _Cell(robot, targets, mass, com, two, columns, warm)
 
 
 def _repeatability(robot: Robot, stated: bool, rng: np.random.Generator) -> tuple[Robot, Array]:

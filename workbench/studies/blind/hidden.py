@@ -119,6 +119,12 @@ def slot_yield(slot: int, law: Callable[[Array], Array]) -> Callable[[float], Tr
     return lambda size: Truth(yields={slot: lambda wrench: size * law(wrench)})
 
 
+def largest_torque(job: Problem, joint: int) -> float:
+    """Largest torque [N·m, N] of a joint in the campaign; of one that carries none, a thousandth of all."""
+    torque = np.abs(axial_torque(job)).max(axis=0)
+    return float(max(torque[joint], 1e-3 * torque.max(), 1e-6))
+
+
 def axial_torque(job: Problem) -> Array:
     """(N, n) torques [N·m, N] of the joints, arm and loads as stated."""
     local = job.nominal_load.local

@@ -20,7 +20,7 @@ from ...effects.lost_motion import LostMotion
 from ...effects.payload import Payload
 from ...problem import Problem
 from ...simulate import Truth
-from .hidden import Hidden, axial_torque, slot_yield
+from .hidden import Hidden, largest_torque, slot_yield
 
 
 def joint_compliance(job: Problem, effect: JointCompliance, rng: np.random.Generator) -> Hidden:
@@ -29,7 +29,7 @@ def joint_compliance(job: Problem, effect: JointCompliance, rng: np.random.Gener
     down = effect.nominal > 0 and rng.random() < 0.4
     unit = -0.1 if down else effect.params[0].typical
     c, bend = unit * (effect.nominal or 1.0), rng.uniform(-0.1, 0.1)
-    most = max(float(np.abs(axial_torque(job)[:, job.joint(effect.where.joint)]).max()), 1e-9)
+    most = largest_torque(job, job.joint(effect.where.joint))
 
     def law(wrench: Array) -> Array:
         out, tau = np.zeros(6), wrench[axial]
@@ -44,7 +44,7 @@ def lost_motion(job: Problem, effect: LostMotion, rng: np.random.Generator) -> H
     """A soft zone as an arctan of any width, play with soft edges, or hardening with the power 2.6."""
     j = job.joint(effect.where.joint)
     axial = int(job.arm.axial[j] % 6)
-    most = max(float(np.abs(axial_torque(job)[:, j]).max()), 1e-9)
+    most = largest_torque(job, j)
     kind = str(rng.choice(["soft", "play", "power"], p=[0.5, 0.25, 0.25]))
     width = most * float(np.exp(rng.uniform(np.log(0.05), np.log(0.4)))) * (0.3 if kind == "play" else 1.0)
     amplitude = 5e-5 * (float(rng.choice([-1.0, 1.0])) if kind == "power" else 1.0)

@@ -27,8 +27,8 @@ WORTH = 8.0  # λ by which a further part of the true cause must help to be in t
 Record = dict[str, Any]
 
 
-def run_case(key: str, seed: int) -> Record:
-    """Draws, diagnoses and judges the case of a key."""
+def run_case(key: str, seed: int, report: Path | None = None) -> Record:
+    """Draws, diagnoses and judges the case of a key; writes its page and report under `report`."""
     with TemporaryDirectory() as folder:
         start = time.perf_counter()
         case = draw_case(key, seed, Path(folder))
@@ -36,6 +36,10 @@ def run_case(key: str, seed: int) -> Record:
         start = time.perf_counter()
         outcome = diagnose(case.campaign, case.judge)
         seconds = time.perf_counter() - start
+        if report is not None:
+            from ...report.outcome import write_outcome
+
+            write_outcome(outcome, report / key.replace("/", "-"))
         return {**facts(case), **judged(case, outcome), "seconds": seconds, "seconds_drawn": drawn}
 
 
@@ -66,23 +70,13 @@ def facts(case: Case) -> Record:
         "columns": [n for n in ("direction", "time", "temperature", "readback") if _has(case.campaign, n)],
         "truths": truths,
         "unknown_mm": case.unknown_mm,
-        "nearest": _nearest(products, _truths(case)) if products is not None else [],
-        "form_left": _form_left(products, _truths(case)) if products is not None else None,
+        "nearest": _nearest(products, case.truths) if products is not None else [],
+        "form_left": case.form_left if products is not None else None,
     }
 
 
 def _has(campaign: Campaign, name: str) -> bool:
     return getattr(campaign, name) is not None
-
-
-def _truths(case: Case) -> list[Key]:
-    return [item.effect.key for item in case.hidden if item.effect is not None]
-
-
-def _form_left(products: Products, truths: Sequence[Key]) -> float:
-    """λ that the true causes in the catalogue's forms leave."""
-    keys = products.keys()
-    return products.left([k for key in truths for k in keys[key]])
 
 
 def _nearest(products: Products, truths: Sequence[Key]) -> list[Record]:
@@ -99,7 +93,7 @@ def label_of(key: Key) -> str:
 def judged(case: Case, outcome: Outcome) -> Record:
     """What the diagnosis said, against the truth."""
     found = outcome.diagnosis
-    truths = _truths(case)
+    truths = case.truths
     real = [f for f in found.causes if f.cause != "unknown"]
     reported = {key for f in real for key in (_key(f), *((c, replace(w, order=None)) for c, w in f.rivals))}
     twins = _twins(case, [_key(f) for f in real])

@@ -91,6 +91,7 @@ def aims(cases: Sequence[Record]) -> list[Rate]:
         rate("λ ≥ 40: truth among the reported causes", strong, _is("reported"), at_least=0.97),
         rate("λ ≥ 40: first name right", strong, _is("first_right"), at_least=0.92),
         rate("λ ≥ 200: first name right", strongest, _is("first_right"), at_least=0.98),
+        rate("  the same, where no other cause is within λ 10", _apart(strongest), _is("first_right")),
         rate("one cause: a wrong one named", single, _is("wrong_name"), at_most=0.01),
         rate("one cause: a wrong one named first", single, _is("first_wrong_name")),
         rate("outside the catalogue: said to be unknown", unknown, _is("unknown"), at_least=0.95),
@@ -111,6 +112,11 @@ KINDS = ("single", "pair", "unknown", "clean-stated", "clean-repeats")
 
 def _is(name: str) -> Test:
     return lambda case: bool(case[name])
+
+
+def _apart(cases: Sequence[Record]) -> list[Record]:
+    """Cases in which every other cause leaves more of the truth than its own cause does, by λ 10."""
+    return [c for c in cases if min(item["left"] for item in c["nearest"]) > c["form_left"] + 10]
 
 
 def _both_only(case: Record) -> bool:

@@ -16,7 +16,7 @@ from ...effects.readback_joints import ReadbackJoints
 from ...effects.wrist_coupling import WristCoupling
 from ...problem import Problem
 from ...simulate import Truth
-from .hidden import Hidden, axial_torque, joint_error
+from .hidden import Hidden, axial_torque, joint_error, largest_torque
 
 
 def gear_ratio(job: Problem, effect: GearRatio, rng: np.random.Generator) -> Hidden:
@@ -76,7 +76,7 @@ def wrist_coupling(job: Problem, effect: WristCoupling, rng: np.random.Generator
 def backlash(job: Problem, effect: Backlash, rng: np.random.Generator) -> Hidden:
     """Against the last motion, 15 % more or less of it as the joint's torque goes."""
     j, share = job.joint(effect.where.joint), rng.uniform(-0.2, 0.2)
-    most = max(float(np.abs(axial_torque(job)[:, j]).max()), 1e-9)
+    most = largest_torque(job, j)
 
     def error(job: Problem) -> Array:
         direction = job.campaign.direction

@@ -1,0 +1,155 @@
+"""The blind study: cases come from their keys alone, are as strong as they say, and are judged rightly."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.diagnose.run import diagnose
+from workbench.effects import catalogue
+from workbench.fit import fit, start_state
+from workbench.model import Model
+from workbench.problem import problem
+from workbench.studies.blind import blind, case_keys
+from workbench.studies.blind.cases import FORMS, draw_case
+from workbench.studies.blind.score import judged, right_model, run_case, sensitivity
+from workbench.studies.blind.tally import aims, by_strength, confusion, kind, rate
+from workbench.studies.blind.unknowns import UNKNOWNS
+
+EASY = ("backlash/1", "gear_kinematic_error/1", "wrist_coupling/0", "clean-stated/0")
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    return blind(tmp_path_factory.mktemp("blind"), seed=0, workers=1, keys=EASY)
+
+
+def test_strong_causes_are_named_and_nothing_is_seen_in_clean_data(study):
+    assert not study.failed
+    verdicts = {case["key"]: case["verdict"] for case in study.cases}
+    assert verdicts.pop("clean-stated/0") == "nothing_missing"
+    assert set(verdicts.values()) == {"named"}
+    for case in study.cases[:3]:
+        assert case["truths"][0]["strength"] > 40
+        assert case["first_right"]
+        assert case["reported"]
+        assert not case["wrong_name"]
+
+
+def test_results_figures_and_page_are_written(study):
+    results = json.loads((study.folder / "results.json").read_text())
+    assert [case["key"] for case in results["results"]] == list(EASY)
+    assert results["failed"] == {}
+    for name in ("rates", "confusion"):
+        assert (study.folder / f"{name}.svg").read_text().count("<svg") == 1
+        assert (study.folder / f"{name}.png").stat().st_size > 5000
+    page = (study.folder / "index.html").read_text()
+    assert "Blind study: 4 cases" in page
+    assert json.loads(json.dumps(study.to_json()))["cases"] == 4
+    assert "first name right" in study.text
+
+
+def test_a_resumed_study_goes_on(study):
+    again = blind(study.folder, seed=0, workers=1, keys=[*EASY, "clean-stated/1"], resume=True)
+    assert again.cases[:4] == study.cases
+    assert len(again.cases) == 5
+
+
+def test_every_cause_is_hidden_somewhere():
+    assert set(FORMS) == set(catalogue())
+    keys = case_keys(2)
+    assert len(set(keys)) == len(keys)
+    assert {key.partition("/")[0] for key in keys} == {
+        *FORMS, "pair", "clean-stated", "clean-repeats", *(f"unknown-{name}" for name in UNKNOWNS)
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("key", [*(f"{cause}/0" for cause in sorted(FORMS)), "pair/1"])
+def test_a_case_is_as_strong_as_it_says(key, tmp_path):
+    case = draw_case(key, 0, tmp_path)
+    assert len(case.strength) == len(case.hidden)
+    for i, (item, size) in enumerate(zip(case.hidden, case.sizes, strict=True)):
+        assert 15 < case.strength[i] < 2400
+        assert size <= item.largest
+    # and the catalogue's own form takes nearly all of it, but not all
+    left = case.products.left([case.products.effects.index(e) for e in right_model(case)])
+    assert 0 < left < 0.15 * case.products.S[0, 0]
+
+
+@pytest.mark.parametrize("name", sorted(UNKNOWNS))
+def test_an_unknown_is_as_large_as_it_says_and_nothing_in_the_catalogue_is_like_it(name, tmp_path):
+    case = draw_case(f"unknown-{name}/0", 0, tmp_path)
+    assert 0.04 <= case.unknown_mm <= 0.12
+    moved = case.sight.shift(case.hidden, case.sizes)
+    assert 1e3 * np.sqrt((moved**2).sum(axis=2).mean()) > case.unknown_mm  # geometry takes its share
+    assert min(case.products.left(members) for members in case.products.keys().values()) > 100
+
+
+def test_a_key_gives_the_same_case_and_another_seed_another(tmp_path):
+    one, same, other = (draw_case("gear_ratio/0", seed, tmp_path) for seed in (0, 0, 1))
+    assert np.array_equal(one.campaign.points, same.campaign.points)
+    assert one.sizes == same.sizes
+    assert one.sizes != other.sizes
+    with pytest.raises(ValueError, match="no case"):
+        draw_case("rust/0", 0, tmp_path)
+
+
+def test_the_bound_is_what_the_noise_alone_does(tmp_path):
+    case = draw_case("clean-stated/0", 0, tmp_path)
+    job = problem(case.sight.fit.model.problem.campaign)
+    result = fit(Model(job), start_state(job), case.design.noise)
+    J = sensitivity(result, case.judge)
+    # as the model moves when one number changes: a joint's angle, a target's place
+    for name in (f"geometry/{job.arm.names[2]}/rx", "target//T1/x"):
+        p = result.columns.names.index(name)
+        state = _stepped(result, p, 1e-6)
+        model = replace(result.model, problem=replace(job, campaign=case.judge))
+        change = (model.predict(state) - model.predict(result.state)).reshape(len(J), -1) / 1e-6
+        assert np.abs(J[:, :, p] - change).max() < 1e-4 * np.abs(change).max()
+
+
+def _stepped(result, p, step):
+    cols, state = result.columns, result.state
+    if p in range(cols.geometry_slice.start, cols.geometry_slice.stop):
+        geometry = state.geometry.copy()
+        geometry.reshape(-1)[cols.geometry[p - cols.geometry_slice.start]] += step
+        return replace(state, geometry=geometry)
+    targets = state.targets.copy()
+    k, i, part = next(t for t in cols.targets if p in range(t[2].start, t[2].stop))
+    targets[k, i, p - part.start] += step
+    return replace(state, targets=targets)
+
+
+def test_a_wrong_name_is_seen_as_one(tmp_path):
+    case = draw_case("backlash/1", 0, tmp_path)
+    outcome = diagnose(case.campaign, case.judge)
+    assert not judged(case, outcome)["wrong_name"]
+    other = replace(outcome.diagnosis.causes[0], cause="gear_ratio")
+    wrong = judged(case, replace(outcome, diagnosis=replace(outcome.diagnosis, causes=(other,))))
+    assert wrong["wrong_name"]
+    assert not wrong["first_right"]
+    assert not wrong["reported"]
+    vague = replace(other, status="ambiguous", rivals=(("backlash", case.hidden[0].effect.where),))
+    tied = judged(case, replace(outcome, diagnosis=replace(outcome.diagnosis, causes=(vague,))))
+    assert tied["reported"]
+    assert not tied["wrong_name"]
+
+
+def test_rates_are_counted_with_their_aims(study):
+    said = {r.name: r for r in aims(study.cases)}
+    assert said["λ ≥ 40: first name right"].reached
+    assert said["two causes: both found"].reached is None
+    r = rate("half", study.cases, lambda case: kind(case) == "single", at_most=0.5)
+    assert (r.hits, r.total, r.reached) == (3, 4, False)
+    assert 0.3 < r.low < r.share < r.high < 1
+    assert sum(row["cases"] for row in by_strength(study.cases)) == 3
+    rows, columns, counts = confusion(study.cases)
+    assert counts[rows.index("clean-stated"), columns.index("nothing")] == 1
+    assert counts.sum() == 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", [f"{cause}/1" for cause in sorted(FORMS)])
+def test_no_wrong_cause_is_named(key):
+    assert not run_case(key, 0)["first_wrong_name"]
