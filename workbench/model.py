@@ -94,8 +94,8 @@ class Model:
         values = tuple(np.zeros(len(effect.params)) for effect in self.effects)
         return State(self.problem.arm.geometry, R, t, targets, values)
 
-    def loaded(self, state: State) -> Prediction:
-        """Loaded poses and points."""
+    def loaded(self, state: State, near: Array | None = None) -> Prediction:
+        """Loaded poses and points; `near`: (N, S, 6) motions at a state that is almost the same."""
         problem = self.problem
         arm, loads = problem.arm.with_geometry(state.geometry), problem.loads
         n_poses = len(problem.q)
@@ -115,7 +115,7 @@ class Model:
                 yields[:, effect.slot(arm)] += effect.law(arm, wrench[:, effect.slot(arm)], values)[0]
             return yields
 
-        motion, where, load = equilibrium(arm, problem.q, direct, loads, law)
+        motion, where, load = equilibrium(arm, problem.q, direct, loads, law, near=near)
         base = self._place(where, state)
         points = self._see(base, state)
         return Prediction(arm, loads, motion, where, load, base, points)
@@ -165,9 +165,9 @@ class Model:
         Phi = slope[:, slot[:, None], component[:, None], component]
         return rows, np.where(slot[:, None] == slot, Phi, 0.0)
 
-    def linearise(self, state: State) -> Linearisation:
-        """Derivatives at a state."""
-        prediction = self.loaded(state)
+    def linearise(self, state: State, near: Array | None = None) -> Linearisation:
+        """Derivatives at a state; `near` as for `loaded`: saves time, changes nothing."""
+        prediction = self.loaded(state, near)
         arm, where, load = prediction.arm, prediction.where, prediction.load
         on, setup = self.problem.on, self.problem.campaign.setup
         n_poses, n_targets = prediction.base.shape[:2]

@@ -103,7 +103,8 @@ def wrenches(arm: Arm, where: Frames, loads: Loads) -> Wrenches:
     first[-1] = loads.mass[:, None] * where.p[-1] + (where.R[-1] @ loads.moment[..., None])[..., 0]
     for k in range(slots - 2, -1, -1):
         mass[k] = mass[k + 1] + arm.mass[k]
-        first[k] = first[k + 1] + arm.mass[k] * where.p[k] + where.R[k] @ arm.moment[k]
+        turned = (where.R[k].reshape(-1, 3) @ arm.moment[k]).reshape(n_poses, 3)
+        first[k] = first[k + 1] + arm.mass[k] * where.p[k] + turned
     first -= mass[..., None] * origin
     external = loads.wrench[:, :3]
     force = mass[..., None] * arm.gravity + external
@@ -117,8 +118,8 @@ def wrenches(arm: Arm, where: Frames, loads: Loads) -> Wrenches:
             force[k] += pull
             moment[k] += cross(a - origin[k], pull)
     local = np.empty((slots, n_poses, 6))
-    np.matmul(axes[..., :3, :], force[..., None], out=local[..., :3, None])
-    np.matmul(axes[..., 3:, :], moment[..., None], out=local[..., 3:, None])
+    np.einsum("snci,sni->snc", axes[..., :3, :], force, out=local[..., :3])
+    np.einsum("snci,sni->snc", axes[..., 3:, :], moment, out=local[..., 3:])
     slot, component = np.divmod(arm.axial, 6)
     local[slot, :, component] += loads.torque.T
     return Wrenches(*(x.swapaxes(0, 1) for x in (local, force, moment, mass, first)))
@@ -128,16 +129,23 @@ Law = Callable[[Array], Array]
 
 
 def equilibrium(
-    arm: Arm, q: Array, direct: Array, loads: Loads, law: Law, tolerance: float = 1e-13
+    arm: Arm,
+    q: Array,
+    direct: Array,
+    loads: Loads,
+    law: Law,
+    tolerance: float = 1e-13,
+    near: Array | None = None,
 ) -> tuple[Array, Frames, Wrenches]:
     """Loaded motions (N, S, 6), frames and wrenches.
 
     `direct`: (N, S, 6) motions that do not depend on load; `law` gives the motions (N, S, 6) under
     the local wrenches (N, S, 6). Fixed point; the load moves the wrenches by about 1e-3 of
-    themselves, so each round gains three digits. Raises ArithmeticError when an arm is so soft
+    themselves, so each round gains three digits; `near`, motions of an arm that is almost the same,
+    saves the first rounds. Raises ArithmeticError when an arm is so soft
     that it does not come to rest.
     """
-    motion = direct
+    motion = direct if near is None else near
     for _ in range(60):
         where = frames(arm, q, motion)
         load = wrenches(arm, where, loads)
@@ -181,7 +189,8 @@ def wrench_jacobian(
         field[:, :, :3] = axes[:, :, :3]
         field[:, :, 3:] = cross(axes[:, :, 3:], (where.p[-1][:, None] - origin)[:, :, None])
         beyond += np.matmul(push, field.reshape(n_poses, -1, 3).transpose(0, 2, 1))
-    out = np.where(_beyond(arm, rows, before_joint), beyond, before)
+    out = beyond
+    np.copyto(out, before, where=~_beyond(arm, rows, before_joint))
     if loads.compensator is not None:
         parts = out.reshape(n_poses, len(rows), slots, 6)
         _compensator_jacobian(arm, where, loads.compensator, rows, axes, origin, before_joint, parts)
