@@ -188,11 +188,12 @@ def fit(
         start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
     cols = columns(problem, model.effects, geometry)
     state, damping = start, 0.0
-    W: Array | None = None
+    W, near = np.zeros(0), None
     best: tuple[float, State] | None = None
     for iteration in range(max_iterations):
-        line = model.linearise(state)
-        if W is None or iteration == 1:
+        line = model.linearise(state, near)
+        near = line.prediction.motion
+        if iteration < 2:
             W = _whitener(problem, line, noise)
         residual, r = _residual(problem, line, W)
         offset = _offset(model, cols, state)
@@ -202,7 +203,7 @@ def fit(
             if damping > 1e8:
                 raise ArithmeticError("the fit does not converge")
             cost, state = best[0], best[1]
-            line = model.linearise(state)
+            line = model.linearise(state, near)
             residual, r = _residual(problem, line, W)
             offset = _offset(model, cols, state)
         else:
@@ -324,13 +325,13 @@ def _step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tu
         stacked = np.vstack([stacked, np.diag(scale)])
         right = np.concatenate([right, np.zeros(P)])
     QtR, upper = _qr(stacked, right)
-    return solve_triangular(upper, QtR) * prior, upper
+    return np.asarray(solve_triangular(upper, QtR) * prior), upper
 
 
 def _qr(A: Array, b: Array) -> tuple[Array, Array]:
     """Qᵀ b (P,) and R (P, P) of A = Q R, from one triangular factor of [A b]."""
     P = A.shape[1]
-    R = qr(np.column_stack([A, b]), mode="r", overwrite_a=True, check_finite=False)[0]
+    R = np.asarray(qr(np.column_stack([A, b]), mode="r", overwrite_a=True, check_finite=False)[0])
     return R[:P, P], R[:P, :P]
 
 
@@ -360,8 +361,8 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0) -> Array:
     """
     problem, cols = result.model.problem, result.columns
     block = problem.positions
-    order = np.random.default_rng(seed).permutation(block.max() + 1)
-    fold = (order % min(folds, block.max() + 1))[block]
+    blocks = int(block.max()) + 1
+    fold = (np.random.default_rng(seed).permutation(blocks) % min(folds, blocks))[block]
     plain = _jacobian(
         result.model, result.line, cols, result.state, _unit(result.whitener.shape[2], len(block))
     )
