@@ -11,27 +11,16 @@ import numpy as np
 
 from .arm import Array
 from .problem import Problem
-from .statics import Wrenches
 
 SHOWS = 0.5  # share of a joint's torque that the model must explain for the column to be believed
 
 
-def predicted(problem: Problem, load: Wrenches) -> Array:
-    """(N, n) torque [N·m, N] that the drives exert to hold the load."""
-    return -load.local.reshape(len(problem.q), -1)[:, problem.arm.axial]
-
-
-def residual(problem: Problem, load: Wrenches) -> Array:
-    """(N, n) measured torque with offset, scale and approach taken out; zero where not measured."""
-    assert problem.campaign.torque is not None
-    return project(problem, load, problem.campaign.torque[..., None])[..., 0]
-
-
-def project(problem: Problem, load: Wrenches, values: Array) -> Array:
-    """(N, n, p) values without what each joint's offset, scale and approach can make of them."""
+def project(problem: Problem, values: Array) -> Array:
+    """(N, n, p) values without what each joint's offset, scale and approach can make of them; zero where
+    no torque was measured. The scale is that of the nominal arm's torques."""
     measured = problem.campaign.torque
     assert measured is not None
-    expected = predicted(problem, load)
+    expected = problem.nominal_load.local.reshape(len(problem.q), -1)[:, problem.arm.axial]
     out = np.zeros_like(values)
     for j in range(measured.shape[1]):
         seen = np.isfinite(measured[:, j])
@@ -46,12 +35,12 @@ def project(problem: Problem, load: Wrenches, values: Array) -> Array:
     return out
 
 
-def noise(problem: Problem, load: Wrenches) -> Array:
+def noise(problem: Problem) -> Array:
     """(n,) one sigma of each joint's torque about the model [N·m, N]; infinite where the model explains
     less than `SHOWS` of it (no load on that joint, or a column that means something else)."""
     measured = problem.campaign.torque
     assert measured is not None
-    left = residual(problem, load)
+    left = project(problem, np.nan_to_num(measured)[..., None])[..., 0]
     sigma = np.full(measured.shape[1], np.inf)
     for j in range(len(sigma)):
         seen = np.isfinite(measured[:, j])

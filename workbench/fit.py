@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
 from scipy.spatial.transform import Rotation
 
-from . import drive_torque
 from .arm import Array
 from .effects.base import Effect
 from .model import Linearisation, Model, State, move_frame
@@ -195,16 +194,16 @@ def fit(
         near = line.prediction.motion
         if iteration < 2:
             W = _whitener(problem, line, noise)
-        residual, r = _residual(problem, line, W)
+        residual, r = _residual(model, line, state, W)
         offset = _offset(model, cols, state)
         cost = float((r**2).sum() + (offset**2).sum())
-        if best is not None and cost > best[0] * (1 + 1e-9) + 1e-6 and iteration > 2:
+        if best is not None and cost > best[0] * (1 + 1e-6) + 1e-3 and iteration > 2:
             damping = max(10 * damping, 1e-2)
             if damping > 1e8:
                 raise ArithmeticError("the fit does not converge")
             cost, state = best[0], best[1]
             line = model.linearise(state, near)
-            residual, r = _residual(problem, line, W)
+            residual, r = _residual(model, line, state, W)
             offset = _offset(model, cols, state)
         else:
             damping = damping / 10 if damping > 1e-9 else 0.0
@@ -251,13 +250,13 @@ def _whitener(problem: Problem, line: Linearisation, noise: Covariance) -> Array
     return out
 
 
-def _residual(problem: Problem, line: Linearisation, W: Array) -> tuple[Array, Array]:
+def _residual(model: Model, line: Linearisation, state: State, W: Array) -> tuple[Array, Array]:
     """Measured minus predicted (N, T, 3), zero where not seen, and whitened (N, D)."""
-    points = line.prediction.points
+    problem, points = model.problem, line.prediction.points
     residual = np.where(problem.seen[..., None], problem.campaign.points - points, 0.0)
     flat = residual.reshape(len(residual), -1)
     if problem.drives:
-        flat = np.concatenate([flat, drive_torque.residual(problem, line.prediction.load)], axis=1)
+        flat = np.concatenate([flat, model.drive_residual(line, state)], axis=1)
     return residual, np.matmul(W, flat[..., None])[..., 0]
 
 

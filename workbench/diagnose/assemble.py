@@ -31,10 +31,12 @@ from .result import (
 from .search import Selection
 from .verdict import (
     MOSTLY,
+    PIECES,
     SURE,
     Remainder,
     describe_structure,
     explained_share,
+    patchwork,
     remainder,
     stands_alone,
     stands_out,
@@ -72,9 +74,10 @@ def assemble(parts: Parts) -> Diagnosis:
     mostly = bool(groups) and share >= MOSTLY and all(sure.values()) and parts.known
     findings = [_finding(parts, groups, g, stages, heldouts, sure[g]) for g in range(len(groups))]
     notes = list(parts.notes) + list(c.warnings) + _remarks(parts, left, share, mostly)
-    unknown = left.structured and not mostly
+    patched = patchwork(selection.effects)
+    unknown = (left.structured and not mostly) or bool(patched)
     if unknown:
-        findings.append(_unknown(parts, left, heldouts[-1]))
+        findings.append(_unknown(parts, left, heldouts[-1], patched))
     verdict = _verdict(findings, unknown)
     test = test_figures(parts.nominal, final, parts.test) if parts.test is not None else None
     names = [joint.name for joint in parts.problem.robot.joints]
@@ -160,10 +163,12 @@ def _sure(parts: Parts, groups: Groups, left: Remainder) -> dict[int, bool]:
     selection = parts.selection
     final, pool = selection.fit, len(selection.pool.candidates)
     sure = {}
-    for g, (_, own) in enumerate(groups):
+    patched = patchwork(selection.effects)
+    for g, (effect, own) in enumerate(groups):
         out = any(stands_out(final, i) * selection.tries[i] < SURE for i in own)
         free = not left.structured or any(stands_alone(final, i, left, parts.known, 1e-3 / pool) for i in own)
-        sure[g] = out and free
+        pieces = effect.cause in PIECES and effect.where.joint in patched
+        sure[g] = out and free and not pieces
     return sure
 
 
@@ -229,13 +234,20 @@ def _describe(final: Fit, group: tuple[Effect, list[int]]) -> tuple[tuple[Parame
     return tuple(parameters), " ".join(s for s in sentences if s)
 
 
-def _unknown(parts: Parts, left: Remainder, residual: Array) -> Finding:
+def _unknown(parts: Parts, left: Remainder, residual: Array, patched: set[str]) -> Finding:
     rms = 1e3 * _rms(np.linalg.norm(residual, axis=2))
     p = left.tests[0][1] if left.tests else left.p
     where = Where()
-    if left.tests and left.tests[0][0].family.joint is not None:
-        where = Where(joint=parts.problem.arm.names[left.tests[0][0].family.joint])
-    structure = describe_structure(left, rms)
+    if patched:
+        where = Where(joint=sorted(patched)[0])
+        structure = f"depends on {where.joint}: a smooth function of it that no single cause draws"
+        sentence = f"What several causes draw together {structure}."
+        p = min(parts.selection.p_values)
+    else:
+        if left.tests and left.tests[0][0].family.joint is not None:
+            where = Where(joint=parts.problem.arm.names[left.tests[0][0].family.joint])
+        structure = describe_structure(left, rms)
+        sentence = f"What is left {structure}." if left.tests else f"{structure[0].upper()}{structure[1:]}."
     return Finding(
         cause="unknown",
         title="Something that no cause of the catalogue explains",
@@ -244,7 +256,7 @@ def _unknown(parts: Parts, left: Remainder, residual: Array) -> Finding:
         gain_mm=0.0,
         p_value=float(p),
         structure=structure,
-        sentence=f"What is left {structure}." if left.tests else structure[0].upper() + structure[1:] + ".",
+        sentence=sentence,
         evidence=structure_evidence(parts.selection.fit, left.tests[0][0]) if left.tests else None,
     )
 

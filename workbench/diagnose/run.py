@@ -74,7 +74,7 @@ def diagnose(
     if not known:
         covariance, noise = from_residual(geometry)
     if whole.drives:
-        covariance = replace(covariance, torque=drive_torque.noise(whole, geometry.line.prediction.load))
+        covariance = replace(covariance, torque=drive_torque.noise(whole))
     if not known or whole.drives:
         geometry = fit(model, geometry.state, covariance)
     progress("testing causes")

@@ -19,7 +19,9 @@ ALPHA_GENERIC = 0.004  # chance that clean data show a dependence on some variab
 ALPHA_GLOBAL = 1e-3  # and that their residual exceeds the noise
 INFLATED = 1.10  # residual over noise from which pure scatter counts as something left
 SURE = 0.01  # p-value, looks counted, that a cause keeps against the scatter along its own direction
-DWARFS = 50.0  # times the structure left near it that a cause must explain to be sure at once
+PIECES = ("gear_kinematic_error", "gear_ratio", "gear_eccentricity")
+FAST = 12.0  # cycles per joint turn from which a gear line is no smooth function of the joint
+DWARFS = 25.0  # times the structure left near it that a cause must explain to be sure at once
 MOSTLY = 0.9  # share of the excess that a cause must explain to be named although its form is not exact
 
 
@@ -66,17 +68,19 @@ def remainder(result: Fit, known: bool) -> Remainder:
 def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: float) -> bool:
     """Whether the model's i-th effect stays significant when all that is left is modelled freely too.
 
-    It does when it dwarfs all that is left near it. Else: the families that still show something, and those of the effect's own joint, go into the background:
+    It does when it dwarfs all that is left near it. Of the rest only a fast gear line can: slow functions of
+    a joint, of load or of time may be pieces of the unknown. For it the families that still show something, and those of the effect's own joint, go into the background:
     what then remains of the effect cannot be a piece of the unknown.
     """
     effect: Effect = result.model.effects[i]
     joint = effect.where.joint
-    near = [t for t, _ in left.tests if joint is None or joint in t.family.variable]
-    excess = max((t.statistic - t.rank for t in near), default=0.0)
+    excess = max((t.statistic - t.rank for t, _ in left.tests if _near(effect, t)), default=0.0)
     values, covariance = result.effect_values(i)
     if float(values @ np.linalg.solve(covariance, values)) > DWARFS * excess:
         return True
-    own = result.model.problem.arm.names.index(effect.where.joint) if effect.where.joint else -1
+    if (effect.where.order or 0.0) < FAST:
+        return False
+    own = result.model.problem.arm.names.index(joint) if joint else -1
     blocks = [test.family.columns for test, _ in left.tests[:6]]
     from .generic import families
 
@@ -113,6 +117,33 @@ def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: f
     dof = max(rows - n, 1)
     p = p_value(wald, len(index), rss + wald, dof + len(index), result.noise.dof, known)
     return bool(p < threshold)
+
+
+def _near(effect: Effect, test: FamilyTest) -> bool:
+    """Whether a family is about what the effect depends on."""
+    variable = test.family.variable
+    clock = variable in ("time", "order of measurement", "temperature")
+    if effect.cause in ("drift", "thermal_growth"):
+        return clock
+    if effect.cause == "backlash":
+        return variable.startswith("approach") and str(effect.where.joint) in variable
+    if effect.where.joint is not None:
+        return effect.where.joint in variable
+    return not clock and not variable.startswith("approach")
+
+
+def patchwork(effects: Sequence[Effect]) -> set[str]:
+    """Joints whose error is a patchwork: a slow line of unknown order beside ratio or eccentricity.
+
+    Such a set draws any smooth function of the joint; none of its members is the cause.
+    """
+    slow = {
+        e.where.joint
+        for e in effects
+        if e.variant == "scan" and e.where.joint and (e.where.order or FAST) < FAST
+    }
+    smooth = {e.where.joint for e in effects if e.cause in PIECES[1:]}
+    return {joint for joint in slow & smooth if joint is not None}
 
 
 def stands_out(result: Fit, i: int) -> float:
