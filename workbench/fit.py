@@ -311,7 +311,7 @@ def _quick_step(J: Array, r: Array, offset: Array, prior: Array, damping: float)
         step = scale * cho_solve(cho_factor(M, check_finite=False), scale * g)
     except np.linalg.LinAlgError:
         step = _step(J, r, offset, prior, damping)[0] / prior
-    return step * prior, float(np.sqrt(max(step @ A @ step, 0.0)))
+    return step * prior, float(np.sqrt(max(float(step @ A @ step), 0.0)))
 
 
 def _step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tuple[Array, Array]:
@@ -330,7 +330,7 @@ def _step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tu
 def _qr(A: Array, b: Array) -> tuple[Array, Array]:
     """Qᵀ b (P,) and R (P, P) of A = Q R, from one triangular factor of [A b]."""
     P = A.shape[1]
-    R = np.asarray(qr(np.column_stack([A, b]), mode="r", overwrite_a=True, check_finite=False)[0])
+    R: Array = qr(np.column_stack([A, b]), mode="r", overwrite_a=True, check_finite=False)[0]
     return R[:P, P], R[:P, :P]
 
 

@@ -228,7 +228,7 @@ class Model:
         n_poses = len(problem.q)
         if isinstance(effect, DirectEffect):
             parts = effect.motion(problem).items()
-            return sum(  # type: ignore[no-any-return]
+            return sum(
                 (line.direct[:, :, column, None] * basis[:, None, :] for column, basis in parts),
                 start=np.zeros((n_poses, line.direct.shape[1], len(effect.params))),
             )

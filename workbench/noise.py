@@ -72,8 +72,7 @@ def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:
     A[..., :3] = np.eye(3)
     for c in range(3):
         A[..., 3 + c] = np.cross(np.eye(3)[c], turned)
-    A = np.where(problem.seen[..., None, None], A, 0.0).reshape(n_poses, 3 * n_targets, 6)
-    Q, R = np.linalg.qr(A)
+    Q, R = np.linalg.qr(np.where(problem.seen[..., None, None], A, 0.0).reshape(n_poses, -1, 6))
     Q = Q * np.sign(np.diagonal(R, axis1=1, axis2=2))[:, None, :]
     count = problem.seen.sum(axis=1)
     sigma = np.where(problem.seen, covariance.sigma, 0.0).sum(axis=1) / np.maximum(count, 1)

@@ -108,7 +108,7 @@ def _one_setup(problem: Problem, where: Frames, here: NDArray[np.bool_]) -> tupl
 
 def _kabsch(R_k: Array, p_k: Array, z: Array, targets: Array) -> tuple[Array, Array]:
     points = p_k + np.einsum("ntij,tj->nti", R_k, targets)
-    seen = np.isfinite(z).all(axis=2)
+    seen = np.asarray(np.isfinite(z).all(axis=2))
     a, b = points[seen], z[seen]
     ca, cb = np.median(a, axis=0), np.median(b, axis=0)
     rotation, _ = Rotation.align_vectors(b - cb, a - ca) if len(a) > 1 else (Rotation.identity(), 0)
@@ -127,7 +127,7 @@ def _refine(
     """Gauss–Newton on frame and targets with weights 1/misfit (robust)."""
     n_targets = z.shape[1]
     targets = start.copy()
-    seen = np.isfinite(z).all(axis=2)
+    seen = np.asarray(np.isfinite(z).all(axis=2))
     misfit = np.inf
     for _ in range(40):
         local = p_k + np.einsum("ntij,tj->nti", R_k, targets)

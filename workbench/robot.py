@@ -31,12 +31,12 @@ class JointData(_Table):
     """What the TOML says of one joint (contract, section 1). SI units; None = not known."""
 
     name: str
-    stiffness: float | None = Field(None, gt=0)
+    stiffness: float | None = Field(default=None, gt=0)
     gear_ratio: float | None = None
-    rotor_inertia: float = Field(0.0, ge=0)
-    damping: float = Field(0.0, ge=0)
-    tilt_stiffness: float | None = Field(None, gt=0)
-    repeatability: float | None = Field(None, ge=0)
+    rotor_inertia: float = Field(default=0.0, ge=0)
+    damping: float = Field(default=0.0, ge=0)
+    tilt_stiffness: float | None = Field(default=None, gt=0)
+    repeatability: float | None = Field(default=None, ge=0)
 
 
 class Compensator(_Table):
@@ -52,12 +52,12 @@ class Compensator(_Table):
     arm: str
     body_pivot: Vector3
     arm_pivot: Vector3
-    piston_area: float | None = Field(None, gt=0)
-    precharge: float | None = Field(None, gt=0)
-    gas_length: float | None = Field(None, gt=0)
-    reference: float | None = Field(None, gt=0)
+    piston_area: float | None = Field(default=None, gt=0)
+    precharge: float | None = Field(default=None, gt=0)
+    gas_length: float | None = Field(default=None, gt=0)
+    reference: float | None = Field(default=None, gt=0)
     exponent: float = Field(1.0, ge=1.0, le=1.4)
-    rate: float | None = Field(None, gt=0)
+    rate: float | None = Field(default=None, gt=0)
     free_length: float | None = None
 
     def missing(self) -> list[str]:
@@ -73,7 +73,7 @@ class LinkData(_Table):
     """A flexible link: bending stiffness EI in N·m²."""
 
     name: str
-    bending_stiffness: float | None = Field(None, gt=0)
+    bending_stiffness: float | None = Field(default=None, gt=0)
 
 
 class LoadData(_Table):
