@@ -61,8 +61,8 @@ class Linearisation:
     """Derivatives of the points (N, T, 3) in the instrument's frame at a state.
 
     Where drive torques were recorded, n rows for them follow the 3T rows of the points: R = 3T + n; only
-    loads move them. direct: (N, R, 6S) by slot motions, load's answer included; geometry: (N, R, 6S) by corrections G;
-    torque: (N, R, E) by the local wrenches `rows`; frame: (N, R, 6) by shift and turn of the
+    loads move them. direct: (N, R, 6S) by slot motions, load's answer included; geometry: (N, R, 6S) by
+    corrections G; torque: (N, R, E) by the local wrenches `rows`; frame: (N, R, 6) by shift and turn of the
     instrument frame about `centre`; turn: (N, 3, 3) from the base frame to the instrument's.
     """
 

@@ -92,7 +92,7 @@ def _one_setup(problem: Problem, where: Frames, here: NDArray[np.bool_]) -> tupl
     p_k = np.stack([where.p[k][here] for k in on], axis=1)
     z = problem.campaign.points[here]
     stated = problem.stated_targets
-    known = np.isfinite(stated).all(axis=1)
+    known = np.asarray(np.isfinite(stated).all(axis=1))
     prior = np.where(known, STATED_TARGET, UNKNOWN_TARGET)
     # a fixed target is held tight
     prior = np.where([target.fixed for target in problem.campaign.targets], 1e-6, prior)
