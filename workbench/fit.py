@@ -330,8 +330,8 @@ def _step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tu
 def _qr(A: Array, b: Array) -> tuple[Array, Array]:
     """Qᵀ b (P,) and R (P, P) of A = Q R, from one triangular factor of [A b]."""
     P = A.shape[1]
-    R = qr(np.column_stack([A, b]), mode="r", overwrite_a=True, check_finite=False)[0]
-    R = np.asarray(R, dtype=np.float64)
+    factor = qr(np.column_stack([A, b]), mode="r", overwrite_a=True, check_finite=False)[0]
+    R = np.asarray(factor, dtype=np.float64)
     return R[:P, P], R[:P, :P]
 
 
