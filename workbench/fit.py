@@ -226,7 +226,7 @@ def refit(result: Fit, effects: Sequence[Effect]) -> Fit:
     had = dict(zip(result.model.effects, result.state.values, strict=True))
     values = tuple(had.get(effect, np.zeros(len(effect.params))) for effect in effects)
     model = replace(result.model, effects=tuple(effects))
-    return fit(model, replace(result.state, values=values), result.noise)
+    return fit(model, replace(result.state, values=values), result.noise, max_iterations=12)
 
 
 def _whitener(problem: Problem, line: Linearisation, noise: Covariance) -> Array:

@@ -18,6 +18,7 @@ from ..fit import Fit, fit
 from ..model import Model, State
 from ..noise import Covariance
 from ..problem import Problem
+from .generic import families
 from .result import FaultFound
 from .screen import effective_dof, quadratic, reduce_columns
 
@@ -180,9 +181,27 @@ def moved_instrument(result: Fit) -> tuple[int, float] | None:
     scatter = max(1.0, result.chi2 / effective_dof(result))
     if best[0] < 60 * scatter or best[0] < drift + 40 * scatter:
         return None
+    step = base * (np.arange(len(c.q)) < best[1])[:, None, None]
+    if _beside_joints(result, step) < 60 * scatter:
+        return None
     S, u, own = B(best[1])
     size = float(np.linalg.norm((np.linalg.pinv(S, hermitian=True) @ u)[:3]))
     return best[1], size
+
+
+def _beside_joints(result: Fit, step: Array) -> float:
+    """Statistic of a step when smooth functions of every joint are taken out first: poses measured joint
+    by joint would else let an error of a joint look like a moved instrument."""
+    smooth = np.concatenate([f.columns for f in families(result) if f.joint is not None], axis=2)
+    if result.J.shape[2] + smooth.shape[2] > 0.6 * result.point_rows:
+        return 0.0
+    S, u, own = reduce_columns(result, np.concatenate([smooth, step], axis=2))
+    n = smooth.shape[2]
+    length = np.sqrt(np.maximum(own, 1e-12 * own.max()))
+    S, u = S / np.outer(length, length), u / length
+    solved = np.linalg.solve(S[:n, :n] + 1e-8 * np.eye(n), np.column_stack([S[:n, n:], u[:n]]))
+    left = S[n:, n:] - S[n:, :n] @ solved[:, :-1]
+    return quadratic(left, u[n:] - S[n:, :n] @ solved[:, -1], np.ones(step.shape[2]))[0]
 
 
 def _prefix(result: Fit, base: Array):

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from .. import drive_torque
 from ..campaign import Campaign, join
 from ..effects import catalogue
-from ..effects.base import Effect
-from ..fit import Fit, fit, start_state
+from ..effects.base import Effect, LoadEffect
+from ..fit import Fit, fit, heldout, refit, start_state
 from ..model import Model
 from ..problem import Problem, problem
 from ..records import stated_effects
@@ -116,7 +118,24 @@ def _search(nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bo
         if len(kept) == len(selection.chosen):
             break
         selection = search.select(selection.pool, kept)
-    return selection
+    return _material(search, selection) if geometry.model.problem.drives else selection
+
+
+def _material(search: Search, selection: Selection) -> Selection:
+    """Without loads that only the drives' torques feel: they bring the tool no nearer to its place."""
+    kept = list(selection.chosen)
+    everything = _heldout_rms(selection.fit)
+    for index in selection.chosen:
+        effect = selection.pool.candidates[index]
+        if isinstance(effect, LoadEffect):
+            rest = [e for e in selection.fit.model.effects if e != effect]
+            if _heldout_rms(refit(selection.fit, rest)) < 1.001 * everything:
+                kept.remove(index)
+    return selection if len(kept) == len(selection.chosen) else search.select(selection.pool, kept)
+
+
+def _heldout_rms(result: Fit) -> float:
+    return float(np.sqrt(np.nanmean(heldout(result) ** 2)))
 
 
 def testable(whole: Problem) -> tuple[list[Effect], list[NotTestable]]:
