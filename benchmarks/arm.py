@@ -1,0 +1,84 @@
+"""The batch arm on a KR 500 with compensator and 250 kg: 1000 loaded poses, and one Gauss–Newton step.
+
+The step fits 48 numbers (instrument frame, geometry of six joints, six compliances) to 1000 poses; it is
+a whole fit over its steps, so loaded poses and all are in it. Times are the best of several runs, also as multiples of a matrix product of 1000 × 1000
+measured in the same run, so that a busy or a slower machine can be compared.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.arm import Array
+from workbench.campaign import Target
+from workbench.effects.joint_compliance import JointCompliance
+from workbench.fit import fit
+from workbench.model import Model, State
+from workbench.noise import Covariance
+from workbench.poses import planned, random_poses
+from workbench.problem import problem
+from workbench.robot import load_robot
+
+POSES = 1000
+LOADED_MS, STEP_MS = 50.0, 30.0  # targets on an idle core
+
+
+def best(job: Callable[[], object], runs: int = 15) -> float:
+    """The shortest of some runs [ms]."""
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        job()
+        times.append(time.perf_counter() - start)
+    return 1e3 * min(times)
+
+
+def loaded_model() -> tuple[Model, State, Array]:
+    """A KR 500 with one target that carries 250 kg, what it predicts with some numbers off, and its motions."""
+    robot = load_robot("kr500")
+    rng = np.random.default_rng(0)
+    plan = planned(
+        robot,
+        random_poses(robot, POSES, rng),
+        targets=(Target("T1", (0.15, 0.0, 0.05), fixed=True),),
+        payloads={"heavy": (250.0, (0.1, 0.0, 0.2))},
+        payload=["heavy"] * POSES,
+    )
+    job = problem(plan)
+    model = Model(job, tuple(JointCompliance.sites(job)))
+    state = model.start(np.eye(3)[None], np.zeros((1, 3)), job.stated_targets[None])
+    geometry = 3e-4 * rng.normal(size=state.geometry.shape)
+    geometry[[0, -1]] = 0.0
+    true = replace(state, geometry=geometry, values=tuple(0.2 * rng.normal(size=(6, 1))))
+    points = model.predict(true) + 3e-5 * rng.normal(size=(POSES, 1, 3))
+    measured = replace(job, campaign=replace(plan, points=points))
+    return replace(model, problem=measured), state, model.loaded(state).motion
+
+
+def main() -> None:
+    model, state, motion = loaded_model()
+    noise = Covariance(np.full((POSES, 1), 3e-5), np.zeros(6), np.ones(POSES))
+    result = fit(model, state, noise)
+    square = np.random.default_rng(0).normal(size=(1000, 1000))
+    product = best(lambda: square @ square)
+    whole = best(lambda: fit(model, state, noise), 8)
+    rows = [
+        ("1000 loaded poses", best(lambda: model.loaded(state)), LOADED_MS),
+        ("derivatives by every motion of every frame", best(lambda: model.linearise(state, motion)), None),
+        (f"Gauss–Newton step, {len(result.columns.names)} numbers", whole / result.iterations, STEP_MS),
+    ]
+    print(f"{'matrix product 1000 × 1000':45s} {product:7.1f} ms")
+    for what, wall, target in rows:
+        goal = "" if target is None else f"   (target {target:.0f} ms)"
+        print(f"{what:45s} {wall:7.1f} ms = {wall / product:5.2f} products{goal}")
+    rms = float(np.sqrt(np.mean(result.residual**2)))
+    print(f"whole fit: {result.iterations} steps, {whole:.0f} ms, residual "
+          f"{1e3 * rms:.4f} mm of 0.0300 mm noise")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
