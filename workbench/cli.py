@@ -1,21 +1,30 @@
-"""The command line. Thin: it reads arguments, calls the verbs, prints. Imports are late, so help is instant."""
+"""The command line. Thin: it reads arguments, calls the verbs, prints. Imports are late: help is instant."""
 
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from .faults import Fault, InputError
+from .arguments import check_folder, common, conditions, load_all, load_options, progress
+from .faults import InputError
+
+if TYPE_CHECKING:
+    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command; exit status 0 done, 2 the input or the call is wrong, 1 the program failed."""
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(threads, "1")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without µ is no reason to fail
     arguments = _parser().parse_args(argv)
     try:
         return int(arguments.run(arguments) or 0)
@@ -47,36 +56,22 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _common(parser: argparse.ArgumentParser, out: str | None = None) -> None:
-    parser.add_argument("--out", type=Path, default=Path(out) if out else None, help="where results go")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument(
-        "--json", action="store_true", help="the result to standard output, nothing else there"
-    )
-    parser.add_argument("--quick", action="store_true", help="smaller and faster")
-    parser.add_argument("--workers", type=int, default=None, help="processes (default: all cores)")
-    parser.add_argument("--resume", action="store_true", help="go on where a stopped run ended")
-
-
-def _progress(message: str) -> None:
-    print(f"… {message}", file=sys.stderr, flush=True)
-
-
-def _demo(commands) -> None:
+def _demo(commands: Commands) -> None:
     parser = commands.add_parser("demo", help="the whole loop on a simulated robot")
-    _common(parser, "reports/demo")
+    common(parser, "reports/demo")
 
     def run(arguments: argparse.Namespace) -> int:
         from .studies.demo import demo
 
-        summary = demo(arguments.out, arguments.seed, _progress, arguments.quick)
+        check_folder(arguments.out)
+        summary = demo(arguments.out, arguments.seed, progress, arguments.quick)
         print(json.dumps(summary.to_json()) if arguments.json else summary.text)
         return 0
 
     parser.set_defaults(run=run)
 
 
-def _diagnose(commands) -> None:
+def _diagnose(commands: Commands) -> None:
     parser = commands.add_parser(
         "diagnose", help="what the simulation gets wrong, why, and the gain of saying so"
     )
@@ -84,32 +79,25 @@ def _diagnose(commands) -> None:
     parser.add_argument(
         "--test", metavar="CAMPAIGN.toml", help="judge on this campaign; nothing is fitted on it"
     )
-    _common(parser)
+    common(parser)
 
     def run(arguments: argparse.Namespace) -> int:
-        from .campaign import load_campaign
         from .diagnose.run import diagnose
 
-        campaigns, faults = [], list[Fault]()
-        for path in [*arguments.campaigns, *([arguments.test] if arguments.test else [])]:
-            try:
-                campaigns.append(load_campaign(path))
-            except InputError as error:
-                faults += error.faults
-        if faults:
-            raise InputError(faults)
+        check_folder(arguments.out)
+        campaigns = load_all([*arguments.campaigns, *([arguments.test] if arguments.test else [])])
         test = campaigns.pop() if arguments.test else None
-        outcome = diagnose(campaigns, test, _progress, arguments.seed)
+        outcome = diagnose(campaigns, test, progress, arguments.seed)
         folder = arguments.out
         if folder is None and not arguments.json:
             folder = Path("reports") / Path(arguments.campaigns[0]).resolve().parent.name
         if folder is not None:
             from .report.outcome import write_outcome
 
-            _progress("writing the page, the report and the scene")
+            progress("writing the page, the report and the scene")
             write_outcome(outcome, folder)
         if arguments.json:
-            print(json.dumps(outcome.diagnosis.to_json(), ensure_ascii=False))
+            print(json.dumps(outcome.diagnosis.to_json()))
         else:
             from .report.terminal import short_verdict
 
@@ -119,7 +107,7 @@ def _diagnose(commands) -> None:
     parser.set_defaults(run=run)
 
 
-def _simulate(commands) -> None:
+def _simulate(commands: Commands) -> None:
     parser = commands.add_parser(
         "simulate", help="a campaign from the Drake model, with chosen effects and noise"
     )
@@ -131,8 +119,14 @@ def _simulate(commands) -> None:
         "--grid", metavar="JOINT=FROM:TO:COUNT,...", help="joints on a grid, deg or mm; others at 0"
     )
     parser.add_argument("--effect", action="append", default=[], metavar="ID:key=value,...")
-    parser.add_argument("--payload", action="append", default=[], metavar="NAME=KG[:x,y,z mm]")
-    parser.add_argument("--tool", metavar="KG[:x,y,z mm]", help="always mounted")
+    parser.add_argument(
+        "--payload",
+        action="append",
+        default=[],
+        metavar="NAME=KG[:x,y,z mm]",
+        help="measured with it besides without; NAME alone for one that a model.toml states",
+    )
+    parser.add_argument("--tool", metavar="KG[:x,y,z mm]", help="always mounted (default: the model's)")
     parser.add_argument("--sigma-mm", type=float, default=0.03, help="noise per axis, one sigma (0.03)")
     parser.add_argument(
         "--geometry-mm", type=float, default=0.5, help="random errors of lengths, one sigma (0.5)"
@@ -146,11 +140,12 @@ def _simulate(commands) -> None:
     parser.add_argument(
         "--warm-degC", type=float, default=0.0, help="record a warm-up from 20 °C by this much"
     )
-    _common(parser, "reports/simulated")
+    common(parser, "reports/simulated")
 
     def run(arguments: argparse.Namespace) -> int:
         from .plans import simulate_command
 
+        check_folder(arguments.out)
         campaign = simulate_command(arguments)
         facts = {"robot": campaign.robot.name, "n_poses": len(campaign.q), "folder": str(arguments.out)}
         print(
@@ -163,47 +158,66 @@ def _simulate(commands) -> None:
     parser.set_defaults(run=run)
 
 
-def _compensate(commands) -> None:
+def _compensate(commands: Commands) -> None:
     parser = commands.add_parser("compensate", help="offline path modification")
     parser.add_argument("path", metavar="PATH.csv")
     parser.add_argument("--model", required=True, metavar="MODEL.toml")
     parser.add_argument("--format", default="csv", choices=("csv", "krl", "rapid", "val3", "ls", "urscript"))
-    _common(parser)
+    load_options(parser)
+    common(parser)
 
     def run(arguments: argparse.Namespace) -> int:
         from .compensate import compensate_file
 
-        written = compensate_file(arguments.path, arguments.model, arguments.format, arguments.out)
+        written = compensate_file(
+            arguments.path,
+            arguments.model,
+            arguments.format,
+            arguments.out,
+            conditions=conditions(arguments),
+            seed=arguments.seed,
+        )
         print(json.dumps(written.to_json()) if arguments.json else written.text)
         return 0
 
     parser.set_defaults(run=run)
 
 
-def _verify(commands) -> None:
+def _verify(commands: Commands) -> None:
     parser = commands.add_parser(
         "verify", help="closed-loop Drake simulation of a path, with and without compensation"
     )
     parser.add_argument("path", metavar="PATH.csv")
     parser.add_argument("--model", required=True, metavar="MODEL.toml", help="what the compensation knows")
     parser.add_argument("--truth", metavar="MODEL.toml", help="what is simulated (default: the model)")
-    _common(parser, "reports/verify")
+    load_options(parser)
+    common(parser, "reports/verify")
 
     def run(arguments: argparse.Namespace) -> int:
         from .closed_loop import verify_file
 
-        done = verify_file(arguments.path, arguments.model, arguments.truth, arguments.out)
+        done = verify_file(
+            arguments.path,
+            arguments.model,
+            arguments.truth,
+            arguments.out,
+            conditions=conditions(arguments),
+            repeats=2 if arguments.quick else 10,
+            seed=arguments.seed,
+            workers=arguments.workers or os.cpu_count() or 1,
+            progress=progress,
+        )
         print(json.dumps(done.to_json()) if arguments.json else done.text)
         return 0
 
     parser.set_defaults(run=run)
 
 
-def _study(commands) -> None:
+def _study(commands: Commands) -> None:
     parser = commands.add_parser("study", help="studies: blind (our error rates)")
     parser.add_argument("name", choices=("blind",))
     parser.add_argument("--draws", type=int, default=20, help="draws per cause (20)")
-    _common(parser, "reports/blind")
+    common(parser, "reports/blind")
 
     def run(arguments: argparse.Namespace) -> int:
         from .studies.blind import blind
@@ -222,7 +236,7 @@ def _study(commands) -> None:
     parser.set_defaults(run=run)
 
 
-def _robots(commands) -> None:
+def _robots(commands: Commands) -> None:
     parser = commands.add_parser("robots", help="the robots that come with the workbench")
     parser.add_argument("--json", action="store_true")
 
@@ -240,7 +254,7 @@ def _robots(commands) -> None:
     parser.set_defaults(run=run)
 
 
-def _causes(commands) -> None:
+def _causes(commands: Commands) -> None:
     parser = commands.add_parser("causes", help="the causes that a diagnosis can name")
     parser.add_argument("--json", action="store_true")
 

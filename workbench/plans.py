@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from itertools import product
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from .faults import Fault, InputError
 from .poses import planned, random_poses
 from .problem import problem
 from .records import effect_text, parse_effect
-from .robot import Robot, load_robot
+from .robot import LoadData, Robot, load_robot
 from .simulate import Truth, random_geometry, simulate
 from .tables import Layout, read_table
 
@@ -27,7 +28,7 @@ def simulate_command(arguments: argparse.Namespace) -> Campaign:
     robot = load_robot(arguments.robot)
     rng = np.random.default_rng([arguments.seed, 11])
     q = _poses(robot, arguments, rng)
-    loads = dict(_payload(text) for text in arguments.payload)
+    loads = dict(_payload(text, robot) for text in arguments.payload)
     payload = [name for name in ["", *loads] for _ in range(len(q))]
     q = np.tile(q, (1 + len(loads), 1))
     order = rng.permutation(len(q)) if arguments.hours > 0 else np.arange(len(q))
@@ -43,7 +44,7 @@ def simulate_command(arguments: argparse.Namespace) -> Campaign:
         q,
         payloads=loads,
         payload=payload,
-        tool=_load(arguments.tool, "--tool") if arguments.tool else (0.0, (0.0, 0.0, 0.0)),
+        tool=_load(arguments.tool, "--tool") if arguments.tool else _stated(robot.tool),
         direction=direction,
         time=time,
         temperature=temperature,
@@ -95,17 +96,30 @@ def _grid(robot: Robot, text: str) -> Array:
     return np.array(list(product(*values)))
 
 
-def _payload(text: str) -> tuple[str, Load]:
+def _payload(text: str, robot: Robot) -> tuple[str, Load]:
+    """Name and load; the name alone for a payload that the robot's own TOML states."""
     name, equals, rest = text.partition("=")
-    if not equals:
+    if name in robot.payloads and not equals:
+        return name, _stated(robot.payloads[name])
+    if not equals or not name:
         raise InputError(Fault("--payload", f"{text!r} is no NAME=KG", "like heavy=250:150,0,0"))
     return name, _load(rest, "--payload")
+
+
+def _stated(load: LoadData | None) -> Load:
+    if load is None:
+        return 0.0, (0.0, 0.0, 0.0)
+    x, y, z = load.com_mm
+    return load.mass_kg, (1e-3 * x, 1e-3 * y, 1e-3 * z)
 
 
 def _load(text: str, place: str) -> Load:
     mass, _, com = text.partition(":")
     try:
         x, y, z = (float(v) * 1e-3 for v in com.split(",")) if com else (0.0, 0.0, 0.0)
-        return float(mass), (x, y, z)
+        load = float(mass), (x, y, z)
+        if not (0 <= load[0] < math.inf and all(map(math.isfinite, load[1]))):
+            raise ValueError
     except ValueError:
         raise InputError(Fault(place, f"{text!r} is no KG:x,y,z (mm)", "like 250:150,0,0")) from None
+    return load

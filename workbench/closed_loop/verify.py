@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..arm import Array
-from ..compensate import Compensation, Conditions, compensate
+from ..compensate import Compensation, Conditions, compensate, stated_conditions
 from ..faults import Fault, InputError
 from ..paths import Path
 from ..robot import Robot
@@ -47,7 +47,7 @@ def verify(
     `InputError`.
     """
     _check_call(truth, belief, speeds, repeats)
-    loads = conditions or Conditions()
+    loads = conditions or stated_conditions(belief)
     world = World(truth, belief, loads, true_conditions or loads, tool, controller or Controller())
     plans = _Plans(world, path, start, seed)
     timed, notes = plans.at_speeds(speeds)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import pathlib
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
 
 from ..arm import Array
 from ..faults import Fault, InputError
@@ -25,6 +28,30 @@ class Written:
     def lines(self) -> list[str]:
         """What a user should know, a line each."""
         return [*self.compensation.lines(), str(self.rounding)]
+
+    @property
+    def text(self) -> str:
+        """For the terminal: what a user should know, and the files."""
+        return "\n".join([*self.lines(), *(str(file) for file in self.files)])
+
+    def to_json(self) -> dict[str, Any]:
+        """The same as data."""
+        done = self.compensation
+        sizes = {
+            f"{name}_{what}_mm": float(size)
+            for name, error in (("before", done.before_mm), ("after", done.after_mm))
+            for what, size in (("rms", np.sqrt((error**2).mean())), ("max", error.max()))
+        }
+        return {
+            "schema": 1,
+            "files": [str(file) for file in self.files],
+            "samples": len(done.path),
+            **sizes,
+            "left_out": [str(item) for item in done.left_out],
+            "troubles": [{"sample": t.index, "kind": t.kind, "what": t.what} for t in done.troubles],
+            "notes": list(done.notes),
+            "rounding": asdict(self.rounding),
+        }
 
 
 def compensate_file(

@@ -1,0 +1,436 @@
+"""The command line: what it writes, what it prints, and what it says when the input is wrong."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.campaign import load_campaign
+from workbench.cli import main
+from workbench.effects import catalogue
+from workbench.extended import write_model
+from workbench.robot import GEOMETRY, load_robot
+
+EFFECTS = [
+    "--effect", "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.6",
+    "--effect", "backlash:joint=joint_5,half_width=1e-4",
+]  # fmt: skip
+DESIGN = ["--random", "40", "--payload", "heavy=250:0,0,150", "--tool", "60:0,0,80", "--approach"]
+FILES = {"result.json", "index.html", "report.pdf", "scene.html", "model.toml"}
+KEYS = {
+    "schema", "robot", "campaign", "n_poses", "n_points", "noise", "stages", "test", "verdict", "causes",
+    "remainder", "not_testable", "detectable", "faults",
+}  # fmt: skip
+STAGE = {"name", "parameters", "heldout_rms_mm", "heldout_mean_mm", "heldout_max_mm", "fit_rms_mm"}
+CAUSE = {"cause", "status", "gain_mm", "p_value", "parameters", "rivals", "separate_by"}
+PLACE = {"joint", "other", "link", "payload", "order"}
+
+
+def call(capsys, *arguments):
+    """Exit status, standard output, standard error."""
+    capsys.readouterr()
+    status = main([str(argument) for argument in arguments])
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+def faults(capsys, *arguments):
+    """The fault lines of a call that must be refused."""
+    status, out, err = call(capsys, *arguments)
+    lines = err.splitlines()
+    assert status == 2, err
+    assert out == ""
+    assert all(line.startswith(("error: ", "warning: ", "… ")) for line in lines), err
+    return [line.removeprefix("error: ") for line in lines if line.startswith("error: ")]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A simulated campaign, a second one of the same robot, and the diagnosis of the first."""
+    folder = tmp_path_factory.mktemp("loop")
+    assert main(["simulate", "kr500", *DESIGN, *EFFECTS, "--out", str(folder / "one")]) == 0
+    assert main(["simulate", "kr500", *DESIGN, *EFFECTS, "--out", str(folder / "two"), "--seed", "1"]) == 0
+    assert main(["diagnose", str(folder / "one/campaign.toml"), "--out", str(folder / "found")]) == 0
+    return folder
+
+
+def edited(folder, tmp_path, name, old, new, count=-1):
+    """The campaign in a folder of its own, with one of its files changed."""
+    for file in ("campaign.toml", "poses.csv", "points.csv"):
+        text = (folder / "one" / file).read_text(encoding="utf-8")
+        if file == name:
+            assert old in text
+            text = text.replace(old, new, count)
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    return tmp_path / "campaign.toml"
+
+
+# ---------------------------------------------------------------- lists
+
+
+def test_robots(capsys):
+    status, out, _ = call(capsys, "robots")
+    assert status == 0
+    names = [line.split()[0] for line in out.splitlines()]
+    assert names == sorted(names)
+    assert "kr500" in names
+    listed = json.loads(call(capsys, "robots", "--json")[1])
+    assert {k: v for k, v in listed[-1].items() if k != "title"} == {"name": "ur5", "joints": 6}
+    assert len(listed) == len(out.splitlines())
+
+
+def test_causes(capsys):
+    status, out, _ = call(capsys, "causes")
+    assert status == 0
+    assert [line.split()[0] for line in out.splitlines()] == list(catalogue())
+    assert [item["cause"] for item in json.loads(call(capsys, "causes", "--json")[1])] == list(catalogue())
+
+
+# ---------------------------------------------------------------- the loop
+
+
+def test_simulated_campaign_loads(folder):
+    campaign = load_campaign(folder / "one/campaign.toml")
+    assert (campaign.n_poses, campaign.n_points) == (80, 240)
+    assert campaign.payload_names == ("", "heavy")
+    assert campaign.tool_mass == 60.0
+    assert campaign.direction is not None
+    assert campaign.noise_sigma == pytest.approx(3e-5)
+    assert "# hidden: backlash:joint=joint_5," in (folder / "one/campaign.toml").read_text()
+
+
+def test_diagnose_writes_everything(folder):
+    written = {path.name: path.stat().st_size for path in (folder / "found").iterdir()}
+    assert set(written) == FILES
+    assert min(written.values()) > 1000
+    assert (folder / "found/report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_result_has_the_contract_s_keys(folder):
+    result = json.loads((folder / "found/result.json").read_text(encoding="utf-8"))
+    assert set(result) >= KEYS
+    assert result["schema"] == 1
+    assert (result["robot"], result["n_poses"], result["n_points"]) == ("kr500", 80, 240)
+    assert result["noise"] == {"sigma_mm": pytest.approx(0.03), "source": "stated"}
+    assert [stage["name"] for stage in result["stages"]][:2] == ["nominal", "geometry"]
+    assert all(set(stage) - {"note"} == STAGE for stage in result["stages"])
+    assert result["stages"][0]["parameters"] == 0
+    assert result["test"] is None
+    assert result["verdict"] == "named"
+    assert {(c["cause"], c["joint"]) for c in result["causes"]} == {
+        ("gear_kinematic_error", "joint_4"),
+        ("backlash", "joint_5"),
+    }
+    for cause in result["causes"]:
+        assert set(cause) - PLACE == CAUSE
+        assert all(set(p) == {"name", "value", "std", "unit"} for p in cause["parameters"])
+    assert set(result["remainder"]) == {"chi2", "dof", "p_value"}
+    assert all({"cause", "why"} <= set(item) <= {"cause", "why", *PLACE} for item in result["not_testable"])
+    size = {"cause", "size", "unit"}
+    assert all(size <= set(item) <= {*size, *PLACE} for item in result["detectable"])
+    assert result["faults"] == []
+
+
+def test_json_is_alone_on_standard_output(folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = call(capsys, "diagnose", folder / "one/campaign.toml", "--json")
+    assert status == 0
+    assert json.loads(out) == json.loads((folder / "found/result.json").read_text(encoding="utf-8"))
+    assert out.count("\n") == 1
+    assert "…" in err
+    assert list(tmp_path.iterdir()) == []
+    facts = call(capsys, "simulate", "ur5", "--random", 3, "--out", tmp_path / "ur5", "--json")[1]
+    assert json.loads(facts) == {"robot": "ur5", "n_poses": 3, "folder": str(tmp_path / "ur5")}
+
+
+def test_the_verdict_on_a_terminal(folder, capsys, tmp_path):
+    status, out, _ = call(
+        capsys, "diagnose", folder / "one/campaign.toml", "--out", tmp_path / "new" / "folder"
+    )
+    assert status == 0
+    assert "NAMED     gear_kinematic_error (joint_4 at 200 cycles per turn)" in out
+    assert f"{tmp_path}/new/folder/index.html" in out
+    assert {path.name for path in (tmp_path / "new/folder").iterdir()} == FILES
+    assert len(out.splitlines()) < 25
+
+
+def test_several_campaigns_are_one_and_a_test_is_only_judged(folder, capsys):
+    both = call(capsys, "diagnose", folder / "one/campaign.toml", folder / "two/campaign.toml", "--json")
+    assert json.loads(both[1])["n_poses"] == 160
+    status, out, _ = call(
+        capsys, "diagnose", folder / "one/campaign.toml", "--test", folder / "one/campaign.toml", "--json"
+    )
+    assert status == 0
+    result = json.loads(out)
+    assert result["n_poses"] == 80
+    assert set(result["test"]) >= {
+        "campaign",
+        "before_mean_mm",
+        "after_mean_mm",
+        "after_rms_mm",
+        "after_max_mm",
+    }
+    assert result["test"]["after_mean_mm"] < 0.06 < result["test"]["before_mean_mm"]
+
+
+def test_model_is_a_robot_again(folder, tmp_path, capsys):
+    model = folder / "found/model.toml"
+    robot = load_robot(model)
+    assert {item.cause for item in robot.effects} == {"gear_kinematic_error", "backlash"}
+    corrections = [[robot.geometry[name][key] for key in GEOMETRY] for name in robot.joint_names]
+    write_model(folder / "found/again.toml", robot, np.array([[0.0] * 6, *corrections]), robot.effects)
+    assert (folder / "found/again.toml").read_bytes() == model.read_bytes()
+    (folder / "found/again.toml").unlink()
+    # what the model knows is not found again, and what it predicts is what was measured
+    text = (folder / "one/campaign.toml").read_text().replace('"kr500"', f'"{model}"')
+    (folder / "one/known.toml").write_text(text)
+    status, out, _ = call(capsys, "diagnose", folder / "one/known.toml", "--json")
+    assert status == 0
+    again = json.loads(out)
+    assert again["verdict"] == "nothing_missing"
+    assert again["stages"][0]["fit_rms_mm"] < 0.06
+    status, *_ = call(
+        capsys, "simulate", model, "--random", 5, "--payload", "heavy", "--out", tmp_path / "simulated"
+    )
+    assert status == 0
+    simulated = load_campaign(tmp_path / "simulated/campaign.toml")
+    assert simulated.robot.effects == robot.effects
+    assert (simulated.tool_mass, simulated.load_mass.tolist()) == (60.0, [0.0, 250.0])
+
+
+# ---------------------------------------------------------------- paths
+
+
+@pytest.fixture
+def path(tmp_path):
+    rows = [f"{0.1 * i:.1f},{0.2 * i - 5},-70,90,5,45,0" for i in range(30)]
+    file = tmp_path / "path.csv"
+    file.write_text("\n".join(["t_s," + ",".join(f"q{j}_deg" for j in range(1, 7)), *rows, ""]))
+    return file
+
+
+def test_compensate_writes_a_program(folder, path, capsys):
+    model = folder / "found/model.toml"
+    status, out, err = call(capsys, "compensate", path, "--model", model, "--format", "krl")
+    assert status == 0
+    assert "30 samples, 2.9 s: the model expects" in out
+    assert "the model knows heavy (--payload NAME)" in err
+    (program,) = path.parent.glob("*.src")
+    assert str(program) in out
+    assert "LIN" in program.read_text()
+    target = path.parent / "out.csv"
+    status, out, err = call(
+        capsys, "compensate", path, "--model", model, "--payload", "heavy", "--out", target, "--json"
+    )
+    assert (status, err) == (0, "")
+    heavy = json.loads(out)
+    assert heavy["files"] == [str(target)]
+    assert heavy["after_max_mm"] < 1e-3 < 1.0 < heavy["before_rms_mm"]
+    assert {"samples", "left_out", "troubles", "notes", "rounding"} <= set(heavy)
+    same = call(
+        capsys, "compensate", path, "--model", model, "--payload", "heavy", "--out", target, "--json",
+        "--campaign", folder / "one/campaign.toml",
+    )  # fmt: skip
+    assert json.loads(same[1])["before_rms_mm"] == pytest.approx(heavy["before_rms_mm"], rel=1e-12)
+
+
+def test_compensate_refuses_and_writes_nothing(folder, path, capsys):
+    model = folder / "found/model.toml"
+    before = sorted(path.parent.iterdir())
+    (fault,) = faults(capsys, "compensate", path, "--model", model, "--payload", "light")
+    assert "known: heavy" in fault
+    (fault,) = faults(capsys, "compensate", path.with_name("no.csv"), "--model", model)
+    assert "no.csv: no such file" in fault
+    (fault,) = faults(capsys, "compensate", path, "--model", path.with_name("no.toml"))
+    assert "no.toml" in fault
+    path.write_text(path.read_text().replace(",90,", ",390,"))
+    assert faults(capsys, "compensate", path, "--model", model)
+    assert sorted(path.parent.iterdir()) == before
+
+
+# ---------------------------------------------------------------- wrong input
+
+
+def refused(capsys, campaign, *more):
+    """Faults of a diagnosis, which must leave nothing behind."""
+    out = campaign.parent / "out"
+    found = faults(capsys, "diagnose", campaign, *more, "--out", out)
+    assert not out.exists()
+    return [fault.replace(f"{campaign.parent}/", "") for fault in found]
+
+
+def test_no_such_campaign(tmp_path, capsys):
+    (fault,) = refused(capsys, tmp_path / "campaign.toml")
+    assert fault.startswith("campaign.toml: no such file")
+
+
+def test_a_file_that_is_no_campaign(tmp_path, capsys):
+    (tmp_path / "campaign.toml").write_text("pose_id,x\n1,2\n")
+    (fault,) = refused(capsys, tmp_path / "campaign.toml")
+    assert "is not TOML" in fault
+
+
+def test_every_fault_has_a_line(folder, tmp_path, capsys):
+    campaign = edited(folder, tmp_path, "poses.csv", "q3_deg", "q3", 1)
+    text = (tmp_path / "points.csv").read_text().splitlines()
+    text[4] = "1,T1,n/m,2,3"
+    text[9] = text[9].rsplit(",", 1)[0] + ",x"
+    (tmp_path / "points.csv").write_text("\n".join(text) + "\n")
+    found = refused(capsys, campaign)
+    assert len(found) >= 3
+    assert any(fault.startswith("points.csv line 5") and "x_mm is 'n/m'" in fault for fault in found)
+    assert any(fault.startswith("points.csv line 10") for fault in found)
+    assert any(fault.startswith("poses.csv") and "q3" in fault for fault in found)
+
+
+def test_unknown_robot(folder, tmp_path, capsys):
+    (fault,) = refused(capsys, edited(folder, tmp_path, "campaign.toml", '"kr500"', '"kr5000"'))
+    assert "no such robot" in fault
+    assert "kr500" in fault.split("kr5000", 1)[1]
+    (fault,) = faults(capsys, "simulate", "kr5000", "--random", 3, "--out", tmp_path / "out")
+    assert "known:" in fault
+    assert not (tmp_path / "out").exists()
+
+
+def test_units_mixed_up(folder, tmp_path, capsys):
+    found = refused(capsys, edited(folder, tmp_path, "points.csv", "x_mm,y_mm,z_mm", "x_m,y_m,z_m"))
+    assert len(found) == 1
+    assert "millimetres, not metres" in found[0]
+    poses = (folder / "one/poses.csv").read_text().splitlines()[0]
+    joints = ",".join(f"q{j}_deg" for j in range(1, 7))
+    assert joints in poses
+    found = refused(capsys, edited(folder, tmp_path, "poses.csv", joints, joints.replace("deg", "rad")))
+    assert len(found) == 1
+    assert "degrees, not radians" in found[0]
+
+
+def test_units_mixed_up_in_the_test_campaign(folder, tmp_path, capsys):
+    wrong = edited(folder, tmp_path, "points.csv", "x_mm,y_mm,z_mm", "x_m,y_m,z_m")
+    out = tmp_path / "out"
+    (fault,) = faults(capsys, "diagnose", folder / "one/campaign.toml", "--test", wrong, "--out", out)
+    assert "millimetres, not metres" in fault
+    assert not out.exists()
+
+
+def test_faults_of_all_campaigns_at_once(folder, tmp_path, capsys):
+    campaign = edited(folder, tmp_path, "campaign.toml", '"kr500"', '"kr5000"')
+    found = refused(capsys, campaign, tmp_path / "missing.toml", "--test", tmp_path / "lost.toml")
+    assert len(found) == 3
+
+
+def test_different_robots_are_not_fitted_together(folder, tmp_path, capsys):
+    main(["simulate", "ur5", "--random", "3", "--out", str(tmp_path / "ur5")])
+    found = faults(capsys, "diagnose", folder / "one/campaign.toml", tmp_path / "ur5/campaign.toml")
+    assert any("robot 'ur5', but 'kr500'" in fault for fault in found)
+
+
+def test_out_is_a_file(folder, tmp_path, capsys):
+    (tmp_path / "out").write_text("mine")
+    for command in (
+        ["diagnose", folder / "one/campaign.toml"],
+        ["simulate", "ur5", "--random", 3],
+        ["demo", "--quick"],
+    ):
+        (fault,) = faults(capsys, *command, "--out", tmp_path / "out")
+        assert "is a file, not a folder" in fault
+    assert (tmp_path / "out").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--random", "3", "--effect", "rust"], "no cause 'rust'"),
+        (["--random", "3", "--effect", "gear_ratio:joint=joint_9"], "no joint 'joint_9'"),
+        (["--random", "3", "--effect", "gear_ratio:joint=joint_1,relative=much"], "not a number"),
+        (["--random", "3", "--effect", "backlash:joint=joint_1"], "no column dir1..dir6"),
+        (["--random", "3", "--payload", "heavy"], "is no NAME=KG"),
+        (["--random", "3", "--payload", "heavy=-3"], "is no KG"),
+        (["--random", "3", "--tool", "much"], "is no KG"),
+        (["--random", "0"], "give a number of poses"),
+        (["--grid", "joint_9=0:1:2"], "no joint 'joint_9'"),
+        (["--grid", "joint_2=0:1"], "JOINT=FROM:TO:COUNT"),
+        (["--poses", "no.csv"], "no such file"),
+    ],
+)
+def test_simulate_refuses(tmp_path, capsys, options, said):
+    (fault,) = faults(capsys, "simulate", "kr500", *options, "--out", tmp_path / "out")
+    assert said in fault
+    assert not (tmp_path / "out").exists()
+
+
+def test_simulate_on_a_grid_and_from_a_file(folder, tmp_path, capsys):
+    status, *_ = call(
+        capsys,
+        "simulate",
+        "kr500",
+        "--grid",
+        "joint_1=-30:30:3,joint_2=-90:-45:2",
+        "--out",
+        tmp_path / "grid",
+    )
+    assert status == 0
+    grid = load_campaign(tmp_path / "grid/campaign.toml")
+    assert grid.n_poses == 6
+    assert grid.q[0] == pytest.approx([-0.5235987756, -1.5707963268, 0, 0, 0, 0], abs=1e-9)
+    status, *_ = call(
+        capsys, "simulate", "kr500", "--poses", tmp_path / "grid/poses.csv", "--out", tmp_path / "same"
+    )
+    assert status == 0
+    assert load_campaign(tmp_path / "same/campaign.toml").q == pytest.approx(grid.q)
+
+
+def test_a_failure_is_not_the_user_s(folder, capsys, monkeypatch):
+    def broken(*_):
+        raise ArithmeticError("the fit does not converge")
+
+    monkeypatch.setattr(sys.modules["workbench.diagnose.run"], "problem", broken)
+    status, out, err = call(capsys, "diagnose", folder / "one/campaign.toml", "--json")
+    assert (status, out) == (1, "")
+    assert "failed: ArithmeticError: the fit does not converge" in err
+
+
+# ---------------------------------------------------------------- as a process
+
+
+def process(*arguments, **environment):
+    return subprocess.run(
+        [sys.executable, "-m", "workbench", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, **environment},
+    )
+
+
+def test_help_is_instant():
+    took = []
+    for _ in range(3):
+        start = time.perf_counter()
+        done = process("--help")
+        took.append(time.perf_counter() - start)
+    assert done.returncode == 0
+    assert min(took) < 0.3
+    for command in ("demo", "diagnose", "simulate", "compensate", "verify", "study", "robots", "causes"):
+        assert f"\n    {command}" in done.stdout
+
+
+def test_a_wrong_call_is_2():
+    for arguments in ([], ["paint"], ["simulate", "kr500"], ["diagnose"], ["compensate", "path.csv"]):
+        done = process(*arguments)
+        assert done.returncode == 2
+        assert done.stdout == ""
+        assert "Traceback" not in done.stderr
+
+
+def test_json_from_a_process_with_a_poor_terminal(folder):
+    done = process("diagnose", folder / "one/campaign.toml", "--json", PYTHONIOENCODING="ascii")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["verdict"] == "named"
+    done = process("diagnose", Path("no such.toml"), "--json", PYTHONIOENCODING="ascii")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: no such.toml")
