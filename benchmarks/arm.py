@@ -1,8 +1,8 @@
 """The batch arm on a KR 500 with compensator and 250 kg: 1000 loaded poses, and one Gauss–Newton step.
 
 The step fits 48 numbers (instrument frame, geometry of six joints, six compliances) to 1000 poses; it is
-a whole fit over its steps, so loaded poses and all are in it. Times are the best of several runs, also as multiples of a matrix product of 1000 × 1000
-measured in the same run, so that a busy or a slower machine can be compared.
+a whole fit over its steps, so loaded poses and all are in it. Times are the best of several runs, also as
+multiples of a matrix product of 1000 × 1000 measured in the same run: for a busy or a slower machine.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def best(job: Callable[[], object], runs: int = 15) -> float:
 
 
 def loaded_model() -> tuple[Model, State, Array]:
-    """A KR 500 with one target that carries 250 kg, what it predicts with some numbers off, and its motions."""
+    """A KR 500 with 250 kg and one target, measured with some numbers off; its nominal state and motions."""
     robot = load_robot("kr500")
     rng = np.random.default_rng(0)
     plan = planned(
