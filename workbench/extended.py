@@ -68,11 +68,11 @@ def write_fit(path: Path, fit: Fit) -> None:
     """
     model = fit.model
     found = [record(e, v) for e, v in zip(model.effects, fit.state.values, strict=True)]
-    robot = _loaded(model.problem.robot, model.problem.campaign)
+    robot = loaded(model.problem.robot, model.problem.campaign)
     write_model(path, robot, fit.state.geometry, [*robot.effects, *found])
 
 
-def _loaded(robot: Robot, campaign: Campaign) -> Robot:
+def loaded(robot: Robot, campaign: Campaign) -> Robot:
     """The robot with the tool and payloads of a campaign."""
     loads = [_load(float(mass), com) for mass, com in zip(campaign.load_mass, campaign.load_com, strict=True)]
     tool = _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0 else None

@@ -151,7 +151,10 @@ def _stages(parts: Parts, groups: Groups) -> tuple[list[Stage], list[Array]]:
 def _stage_note(parts: Parts, name: str, result: Fit) -> str:
     if name != "nominal" or result.rank >= len(result.columns.names):
         return ""
-    return "The poses cannot tell the instrument's frame from the targets: the targets stay near the stated places."
+    return (
+        "The poses cannot tell the instrument's frame from the targets: the targets stay near the "
+        "stated places."
+    )
 
 
 def _rms(length: Array) -> float:
@@ -296,8 +299,8 @@ def _remarks(parts: Parts, left: Remainder, share: float, mostly: bool) -> list[
     if parts.known and not left.structured and left.p < 1e-3:
         word = "larger" if left.inflation > 1 else "smaller"
         notes.append(
-            f"The residual is {abs(left.inflation - 1):.0%} {word} than the noise says, without any structure: "
-            "check the stated noise, or repeat ten poses five times."
+            f"The residual is {abs(left.inflation - 1):.0%} {word} than the noise says, without any "
+            "structure: check the stated noise, or repeat ten poses five times."
         )
     if not parts.known:
         notes.append(parts.noise.sentence)

@@ -38,7 +38,7 @@ def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detect
         if own.min() <= FAINT:
             continue
         length = np.sqrt(own)
-        values, vectors = np.linalg.eigh(S / np.outer(length, length))
+        values = np.linalg.eigvalsh(S / np.outer(length, length))
         if values[0] <= SURVIVES:
             continue
         info = S / np.outer(table.scale[part], table.scale[part])

@@ -206,6 +206,9 @@ class Diagnosis:
     errors: PoseErrors | None = None
     joints: tuple[str, ...] = ()
     q: Array | None = None
+    proof: tuple[str, str] | None = (
+        None  # what a closed-loop run of the model showed, and the page that shows it
+    )
     version: str = ""
     inputs: Mapping[str, str] = field(default_factory=dict)
 

@@ -66,7 +66,7 @@ def spectrum(fit: Fit, joint: int, orders: Array) -> Array:
 
 
 def _axial(fit: Fit, joint: int) -> tuple[Array, Array, Array]:
-    """Whitened motion of the points by the joint (N, D), its product with the residual (N,), its length² (N,)."""
+    """Whitened motion of the points by the joint (N, D), its product with the residual, its length²: (N,)."""
     column = int(fit.model.problem.arm.axial[joint])
     g = np.matmul(fit.whitener, fit.line.direct[:, :, column, None])[..., 0]
     return g, (g * fit.r).sum(axis=1), (g**2).sum(axis=1)

@@ -68,9 +68,10 @@ def remainder(result: Fit, known: bool) -> Remainder:
 def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: float) -> bool:
     """Whether the model's i-th effect stays significant when all that is left is modelled freely too.
 
-    It does when it dwarfs all that is left near it. Of the rest only a fast gear line can: slow functions of
-    a joint, of load or of time may be pieces of the unknown. For it the families that still show something, and those of the effect's own joint, go into the background:
-    what then remains of the effect cannot be a piece of the unknown.
+    It does when it dwarfs all that is left near it. Of the rest only a fast gear line can: slow functions
+    of a joint, of load or of time may be pieces of the unknown. For it the families that still show
+    something, and those of its own joint, go into the background: what then remains of the effect
+    cannot be a piece of the unknown.
     """
     effect: Effect = result.model.effects[i]
     joint = effect.where.joint

@@ -53,6 +53,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "campaign": diagnosis.campaign,
         "verdict": _verdict(diagnosis),
         "summary": _summary(diagnosis),
+        "proof": list(diagnosis.proof) if diagnosis.proof else None,
         "tiles": _tiles(diagnosis),
         "test": _test(diagnosis),
         "stages": _stages(diagnosis),

@@ -41,13 +41,17 @@ def _head(said: Content) -> str:
         f'<dd class="quiet">{escape(tile["note"])}</dd></dl>'
         for tile in said["tiles"]
     )
+    proof = ""
+    if said["proof"]:
+        words, link = said["proof"]
+        proof = f'<p class="proof"><a href="{escape(link)}">{escape(words)}</a></p>'
     more = f'<p class="lead">{escape(verdict["more"])}</p>' if verdict["more"] else ""
     test = f'<p class="lead">{escape(said["test"])}</p>' if said["test"] else ""
     return (
         f'<header><div><div class="origin"><span>{escape(said["robot"])} · {escape(said["campaign"])}</span>'
         f'<nav aria-label="Files">{links}</nav></div>'
         f'<span class="chip {verdict["kind"]}">{escape(verdict["label"])}</span>'
-        f'<h1>{escape(verdict["headline"])}</h1>{more}<p class="lead">{escape(said["summary"])}</p>'
+        f'<h1>{escape(verdict["headline"])}</h1>{more}<p class="lead">{escape(said["summary"])}</p>{proof}'
         f'<div class="tiles">{tiles}</div>'
         '<p class="quiet">From the nominal model to the model with everything below in it; 3-D errors on '
         f"poses that were not fitted.</p>{test}</div></header>"
