@@ -26,7 +26,7 @@ from workbench.campaign import Target
 from workbench.fit import Columns, Fit, columns, fit, start_state
 from workbench.model import Model, State, move_frame
 from workbench.noise import Covariance
-from workbench.plant import arrays, rigid_twin
+from workbench.plant import rigid_twin
 from workbench.poses import planned
 from workbench.problem import Problem, problem
 from workbench.robot import Robot, load_robot
@@ -160,6 +160,29 @@ def plain_scipy(job: Problem) -> Array:
     return np.asarray(least_squares(misfit, np.zeros(len(cols.names)), method="trf", x_scale="jac").fun)
 
 
+def series(nominal: Robot, folder: Path, seeds: int, twist: bool) -> None:
+    """Fits and judges one campaign per seed, and prints what came out."""
+    ratios, walls, others = np.empty(seeds), np.empty(seeds), []
+    for seed in range(seeds):
+        job, judge = measure(nominal, folder, seed, twist)
+        begin = time.perf_counter()
+        result = calibrate(job)
+        walls[seed] = 1e3 * (time.perf_counter() - begin)
+        ratios[seed] = over_bound(result, judge, twist)
+        if seed < SCIPY_RUNS:
+            begin = time.perf_counter()
+            plain_scipy(job)
+            others.append(1e3 * (time.perf_counter() - begin))
+    rms, spread = np.sqrt(np.mean(ratios**2)), np.std(ratios) / np.sqrt(seeds)
+    wall, other = np.median(walls[:SCIPY_RUNS]), np.median(others)
+    print("with a twist error on the parallel axes" if twist else "DH errors only", f"({seeds} seeds)")
+    # the bound is one on mean squares
+    print(f"  held-out error over bound: rms {rms:.3f} ± {spread:.3f}, mean {ratios.mean():.3f}, "
+          f"seed 0 {ratios[0]:.2f}, worst {ratios.max():.2f}")  # fmt: skip
+    print(f"  a fit: {np.median(walls):.1f} ms (best {walls.min():.1f}); plain SciPy {other:.0f} ms, "
+          f"{other / wall:.0f} times that of the same data")  # fmt: skip
+
+
 def main() -> None:
     seeds = 10 if "--quick" in sys.argv[1:] else 200
     with tempfile.TemporaryDirectory() as name:
@@ -167,26 +190,8 @@ def main() -> None:
         true_folder = folder / "true"
         true_folder.mkdir()
         nominal = load_robot(write_robot(folder, NOMINAL))
-        arrays(nominal)
         for twist in (False, True):
-            ratios, walls, others = [], [], []
-            for seed in range(seeds):
-                job, judge = measure(nominal, true_folder, seed, twist)
-                begin = time.perf_counter()
-                result = calibrate(job)
-                walls.append(time.perf_counter() - begin)
-                ratios.append(over_bound(result, judge, twist))
-                if seed < SCIPY_RUNS:
-                    begin = time.perf_counter()
-                    plain_scipy(job)
-                    others.append(time.perf_counter() - begin)
-            what = "with a twist error on the parallel axes" if twist else "DH errors only"
-            mean, spread = np.mean(ratios), np.std(ratios) / np.sqrt(seeds)
-            wall, other = 1e3 * np.median(walls), 1e3 * np.median(others)
-            print(f"{what}: held-out error over bound {mean:.3f} ± {spread:.3f} (seed 0: {ratios[0]:.2f}, "
-                  f"worst {max(ratios):.2f}, {seeds} seeds)")  # fmt: skip
-            print(f"  wall {wall:.1f} ms a fit (best {1e3 * min(walls):.1f}), plain SciPy {other:.0f} ms: "
-                  f"{other / wall:.0f} times")  # fmt: skip
+            series(nominal, true_folder, seeds, twist)
 
 
 if __name__ == "__main__":
