@@ -1,10 +1,10 @@
 """The joint controller: position and velocity loops in cascade on the motor's encoder, with feed-forward.
 
 Gains follow from bandwidth. The velocity loop is sized for the drive alone (that is what the motor feels
-above the arm's first mode), the position loop below a third of the velocity loop with the whole arm on it,
-the integral below that. Feed-forward is what the nominal robot needs: the arm's weight and inertia (of the
-command without what is faster than `bandwidth_hz`: the links need not follow a gear's ripple, the motor
-has to), the drive's own inertia, and most of the friction.
+above the arm's first mode), the position loop below the velocity loop with the whole arm on it, the integral
+below both and so weak that it does not feed the arm's slowest mode. Feed-forward is what the nominal robot
+needs: the arm's weight and inertia (of the command without what is faster than `bandwidth_hz`: the links
+need not follow a gear's ripple, the motor has to), the drive's own inertia, and most of the friction.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 from ..arm import Array, frames
 from ..robot import Robot
 from ..statics import Loads, wrenches
-from .machine import rigid_machine
+from .machine import machine, rigid_machine, slowest_mode
 from .mechanics import Mechanics
 from .motion import Motion
 
@@ -33,7 +33,7 @@ class Controller:
     bandwidth_hz: of the feed-forward of the arm's inertia. friction_known: share of the friction that is
     fed forward. resolution: encoder steps per motor turn (None: fine)."""
 
-    velocity: float = 600.0
+    velocity: float = 1200.0
     position: float = 30.0
     bandwidth_hz: float = 10.0
     friction_known: float = 0.9
@@ -85,6 +85,7 @@ def drives(mechanics: Mechanics, q: Array, controller: Controller) -> Drives:
     kp = controller.velocity * rotor
     whole = kp / (inertia + rotor)  # the velocity loop's bandwidth with the whole arm on it
     kv = np.minimum(controller.position, 0.7 * whole)
+    slowest = slowest_mode(machine(mechanics, rotor), q)
     turns = np.array([abs(j.data.gear_ratio or 100.0) for j in robot.joints])
     count = 2 * np.pi / (turns * controller.resolution) if controller.resolution else np.zeros(arm.n)
     return Drives(
@@ -94,7 +95,7 @@ def drives(mechanics: Mechanics, q: Array, controller: Controller) -> Drives:
         coulomb / (MOST_FRICTION * rotor),
         np.minimum(damping, 1e-3 * stiffness),
         kp,
-        kp * np.minimum(kv / 2, whole / 6),
+        kp * np.minimum(np.minimum(kv, whole / 3), slowest**2 / (4 * kv)),
         kv,
         count,
         tuple(notes),

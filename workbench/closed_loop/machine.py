@@ -78,6 +78,19 @@ def machine(mechanics: Mechanics, rotor: Array) -> Machine:
     )
 
 
+def slowest_mode(built: Machine, q: Array) -> float:
+    """[rad/s] of the arm on its springs, drives locked at joints q (n,); infinite for a rigid arm."""
+    if not len(built.springs):
+        return float("inf")
+    context = built.plant.CreateDefaultContext()
+    place = np.zeros(built.plant.num_positions())
+    place[built.motors] = q
+    built.plant.SetPositions(context, place)
+    M = built.plant.CalcMassMatrix(context)[np.ix_(built.springs, built.springs)]
+    scale = 1 / np.sqrt(built.stiffness)
+    return float(1 / np.sqrt(np.linalg.eigvalsh(scale[:, None] * M * scale).max()))
+
+
 def rigid_machine(arm: Arm, mass: float, moment: Array) -> tuple[MultibodyPlant, NDArray[np.int64]]:
     """The arm without springs, drives and gravity, and its joints' places: for feed-forward."""
     plant = MultibodyPlant(0.0)

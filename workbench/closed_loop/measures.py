@@ -10,7 +10,7 @@ import numpy as np
 from ..arm import Array
 
 LEAST_SHARE = 0.3  # of what is left near a line, that a gear has to explain to be named
-LEAST_CYCLES = 4.0  # of a gear along the path
+LEAST_CYCLES = 3.0  # of a gear along the path
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,8 @@ def normal(p: Array) -> Array:
     _, s, V = np.linalg.svd(p - p.mean(axis=0), full_matrices=False)
     flat = s[1] > 1e-3 * s[0] and s[2] < 1e-3 * s[1]
     n = V[2] if flat else np.array([0.0, 0.0, 1.0])
-    return np.asarray(n * (np.sign(n[np.argmax(np.abs(n))]) or 1.0))
+    n = n * np.sign(n[np.argmax(np.abs(n))])
+    return np.asarray(np.where(np.abs(n) < 1e-9, 0.0, n))
 
 
 def path_accuracy(runs: Sequence[Array]) -> tuple[float, float]:

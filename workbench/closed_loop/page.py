@@ -30,7 +30,8 @@ def headline(found: Verification) -> str:
     trials = found.slow.trials
     before, after = trials["uncorrected"].figures.rms_mm, trials["corrected"].figures.rms_mm
     if after < before:
-        return f"The corrected path is {before / after:.2g} times as accurate"
+        ratio = before / after
+        return f"The corrected path is {ratio:.{0 if ratio >= 10 else 1}f} times as accurate"
     return "The correction does not make this path better"
 
 
@@ -86,7 +87,7 @@ def _roughness(found: Verification, drawn: str) -> str:
         for series in found.series
         for name, trial in series.trials.items()
     ]
-    n = ", ".join(f"{x:.2g}" for x in found.normal)
+    n = ", ".join(f"{x:.2f}" for x in found.normal + 0.0)
     caption = (
         f"Error along the normal ({n}) of the path's plane: R_a its mean size, R_z highest peak minus "
         "deepest valley."

@@ -14,7 +14,7 @@ from .verification import NAMES, Series, Verification
 
 COLOURS = {"uncorrected": BEFORE, "geometry": MIDDLE, "corrected": AFTER, "perfect": NOISE}
 MOST = 1000  # points of a curve
-LEAST = 1e-5  # mm
+LEAST = 1e-4  # mm: what a logarithmic axis shows at least
 
 
 def pictures(found: Verification) -> list[Figure]:
@@ -38,6 +38,8 @@ def _along(series: Series, number: int) -> Figure:
         axes.set_yscale("log")
         plain_log(axes.yaxis)
         axes.set(xlabel="time along the path, s", ylabel="3-D error of the tool, mm")
+        low = min(trial.figures.mean_mm for trial in series.trials.values())
+        axes.set_ylim(bottom=max(LEAST, 0.2 * low))
         axes.set_xlim(0, series.time[-1])
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return Figure(
@@ -92,8 +94,9 @@ def _spectra(series: Series) -> Figure:
             )
             top = max(top, float(amplitude[used].max()))
         axes.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel="error across the path, µm")
-        axes.set_ylim(max(1e-3, top), 2e3 * top)
-        plain_log(axes.xaxis)
+        axes.set_ylim(max(1e-2, top), 2e3 * top)
+        for axis in (axes.xaxis, axes.yaxis):
+            plain_log(axis)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     lines = series.trials["corrected"].lines
     said = "nothing stands out of what is left"

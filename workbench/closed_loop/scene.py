@@ -8,12 +8,13 @@ import numpy as np
 
 from ..arm import Array
 from ..meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, with_panel
-from .verification import NAMES, Verification
+from .verification import Verification
 
 FRAMES = 160
 SHOWN = 1200  # points of a tube
 LARGE = 0.08  # of the path's size: how large the uncorrected error shows
 LONGEST = 20.0  # s that the motion lasts on the screen
+SHORT = {"uncorrected": "Uncorrected", "geometry": "Geometry only", "corrected": "Corrected"}
 COLOURS = {"uncorrected": "#c9622c", "geometry": "#8e98a6", "corrected": "#0f6f9f"}
 
 
@@ -28,7 +29,7 @@ def scene(found: Verification) -> str:
     with meshcat_alone() as meshcat:
         links = draw_robot(meshcat, found.robot, trial.q[frames], "/robot", pace * series.time[frames])
         data = _data(found, links)
-        look(meshcat, data["centre"], data["extent"], links[-1] - links[0])
+        look(meshcat, data["centre"], 1.2 * data["extent"], links[-1] - links[0])
         html: str = meshcat.StaticHtml()
     return with_panel(html, "path_overlay.html", data, f"{found.robot.title}, {found.path.title}")
 
@@ -46,7 +47,7 @@ def _data(found: Verification, links: Array) -> dict[str, Any]:
         "path": pack(p[::step]),
         "commands": [
             {
-                "name": NAMES[name],
+                "name": SHORT[name],
                 "colour": COLOURS[name],
                 "errors": pack(series.trials[name].error[::step]),
                 "rms_mm": series.trials[name].figures.rms_mm,
@@ -56,6 +57,7 @@ def _data(found: Verification, links: Array) -> dict[str, Any]:
         "factor": round_factor(LARGE * size / large),
         "speed": f"{series.speed:.3g} m/s",
         "size": size,
+        "radius": max(0.0035 * size, 7e-4 * float(np.linalg.norm(high - low))),
         "extent": float(np.linalg.norm(high - low)),
         "centre": ((low + high) / 2).tolist(),
         "middle": p.mean(axis=0).tolist(),
