@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from numpy.typing import NDArray
 
 from .arm import Arm, Array, Frames, frames
 from .campaign import Campaign

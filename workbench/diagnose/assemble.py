@@ -13,6 +13,7 @@ from ..campaign import Campaign
 from ..effects.base import Effect
 from ..fit import Fit, heldout, refit
 from ..problem import Problem
+from ..report.numbers import words
 from .evidence import evidence, structure_evidence
 from .judge import test_figures
 from .power import detectable, swallowed
@@ -135,11 +136,14 @@ def _stages(parts: Parts, groups: Groups) -> tuple[list[Stage], list[Array]]:
         out = heldout(result, seed=parts.seed)
         length = np.linalg.norm(out, axis=2)
         fitted = np.linalg.norm(result.residual, axis=2)
+        mean, largest = float(np.nanmean(length)), float(np.nanmax(length))
         stages.append(
             Stage(
                 name,
                 0 if name == "nominal" else result.rank - parts.nominal.rank,
-                *(1e3 * f(length) for f in (_rms, np.nanmean, np.nanmax)),
+                1e3 * _rms(length),
+                1e3 * mean,
+                1e3 * largest,
                 1e3 * _rms(fitted),
                 _stage_note(parts, name, result),
             )
@@ -273,20 +277,22 @@ def _verdict(findings: Sequence[Finding], unknown: bool) -> Verdict:
 
 
 def _headline(verdict: Verdict, findings: Sequence[Finding], stages: Sequence[Stage]) -> str:
-    named = [
-        f"{f.title.lower()} ({f.where})" if str(f.where) else f.title.lower()
-        for f in findings
-        if f.cause != "unknown"
-    ]
-    gain = f"{stages[0].heldout_rms_mm:.3f} → {stages[-1].heldout_rms_mm:.3f} mm RMS on held-out poses"
+    """The verdict in one line; the numbers follow after the first full stop."""
+    found = [f for f in findings if f.cause != "unknown"]
+    named = [f"{words(f.cause)} in {f.where}" if str(f.where) else words(f.cause) for f in found]
+    listed = ", ".join(named[:4]) + (f" and {len(named) - 4} more" if len(named) > 4 else "")
+    gain = (
+        f"Held-out error {stages[0].heldout_rms_mm:.3f} → {stages[-1].heldout_rms_mm:.3f} mm RMS, "
+        f"{stages[1].heldout_rms_mm:.3f} mm with geometry alone."
+    )
     if verdict == "nothing_missing":
-        return f"Nothing is missing: geometry explains these data ({gain})."
+        return f"Nothing is missing: geometry explains these data. {gain}"
     if verdict == "unknown":
-        also = f" Found on the way: {', '.join(named)}." if named else ""
-        return f"Something is left that no cause in the catalogue explains ({gain}).{also}"
+        also = f" Found on the way: {listed}." if named else ""
+        return f"Something is left that no known cause explains.{also} {gain}"
     if verdict == "ambiguous":
-        return f"Found: {', '.join(named)}; these data leave more than one explanation ({gain})."
-    return f"Found: {', '.join(named)} ({gain})."
+        return f"Found: {listed}; for some of it other explanations fit as well. {gain}"
+    return f"Found: {listed}. {gain}"
 
 
 def _remarks(parts: Parts, left: Remainder, share: float, mostly: bool) -> list[str]:

@@ -5,7 +5,7 @@ Each is found on a robust geometry fit, named with its pose, and either mended o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
@@ -204,7 +204,7 @@ def _beside_joints(result: Fit, step: Array) -> float:
     return quadratic(left, u[n:] - S[n:, :n] @ solved[:, -1], np.ones(step.shape[2]))[0]
 
 
-def _prefix(result: Fit, base: Array):
+def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Array]]:
     """S, u, own of "a step before pose k" for all k, by running sums."""
     from scipy.linalg import solve_triangular
 

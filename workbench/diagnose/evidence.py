@@ -88,13 +88,13 @@ def _joint(result: Fit, effect: Effect, values: Array, added: Array) -> Evidence
             curve,
         )
     assert isinstance(effect, DirectEffect)
-    order = effect.where.order
-    if order is not None:
-        x = np.degrees(np.mod(order * q, 2 * np.pi))
+    cycles = effect.where.order
+    if cycles is not None:
+        x = np.degrees(np.mod(cycles * q, 2 * np.pi))
         grid = np.linspace(0, 360, 200)
         wave = np.column_stack([np.sin(np.radians(grid)), np.cos(np.radians(grid))]) @ values * factor
         return Evidence(
-            f"phase of order {order:g}",
+            f"phase of order {cycles:g}",
             "deg",
             f"error of {effect.where.joint}",
             y_unit,

@@ -79,7 +79,8 @@ def scatter_of(fit: Fit, a: Array, own: Array) -> tuple[float, int]:
     (their loads, their repeats) share what depends on the joints, so they count as one.
     """
     block = fit.model.problem.positions
-    a, own = np.bincount(block, a), np.bincount(block, own)
+    a = np.asarray(np.bincount(block, a), dtype=np.float64)
+    own = np.asarray(np.bincount(block, own), dtype=np.float64)
     shown = own > 1e-3 * own.max()
     return float(np.sum(a[shown] ** 2 / own[shown])), int(shown.sum())
 

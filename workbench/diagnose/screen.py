@@ -87,17 +87,17 @@ class Screen:
             for size in np.unique(sizes)
         ]
 
-    def _size(self, index: Array) -> Array:
+    def _size(self, index: NDArray[np.int64]) -> Array:
         """Length² of columns; infinite for those that move nothing, so that they drop out."""
         return np.where(self.own[index] > FAINT, self.own[index], np.inf)
 
-    def _solve(self, g: Array, right: Array) -> Array:
+    def _solve(self, g: NDArray[np.int64], right: Array) -> Array:
         """S_gg⁻¹ right, with a whiff of ridge for sets that are nearly dependent."""
         if not len(g):
             return np.zeros((0, *right.shape[1:]))
         S = self.S[np.ix_(g, g)].copy()
         S[np.diag_indices_from(S)] += 1e-10 * self.own[g] + 1e-9
-        return np.linalg.solve(S, right)
+        return np.asarray(np.linalg.solve(S, right), dtype=np.float64)
 
     def solution(self, k: Sequence[int]) -> tuple[Array, Array]:
         """Values of the candidates' parameters (their own units) and covariance, fitted together."""
@@ -110,11 +110,11 @@ class Screen:
         """Tail probability of a statistic; `used`: what accepted causes took off the residual."""
         return p_value(statistic, rank, self.rss - used, self.dof, self.noise_dof, self.known)
 
-    def columns(self, k: Sequence[int]) -> Array:
+    def columns(self, k: Sequence[int]) -> NDArray[np.int64]:
         """Numbers of the columns of some candidates."""
         return np.concatenate([np.arange(len(self.u))[self.parts[i]] for i in k] or [np.zeros(0, int)])
 
-    def _without(self, a: Array, g: Array) -> tuple[Array, Array]:
+    def _without(self, a: NDArray[np.int64], g: NDArray[np.int64]) -> tuple[Array, Array]:
         S, u = self.S[np.ix_(a, a)], self.u[a]
         if len(g):
             cross = self.S[np.ix_(g, a)]

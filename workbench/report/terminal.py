@@ -18,13 +18,14 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         "",
         diagnosis.headline,
         "",
-        f"  held-out error, mm RMS   nominal {first.heldout_rms_mm:.4f}   geometry {geometry.heldout_rms_mm:.4f}"
-        f"   with causes {last.heldout_rms_mm:.4f}",
+        f"  held-out error, mm RMS   nominal {first.heldout_rms_mm:.4f}"
+        f"   geometry {geometry.heldout_rms_mm:.4f}   with causes {last.heldout_rms_mm:.4f}",
     ]
     if diagnosis.test:
         t = diagnosis.test
         lines.append(
-            f"  test campaign, mm mean   before {t.before_mean_mm:.4f}   after {t.after_mean_mm:.4f}   (max {t.after_max_mm:.4f})"
+            f"  test campaign, mm mean   before {t.before_mean_mm:.4f}   after {t.after_mean_mm:.4f}"
+            f"   (max {t.after_max_mm:.4f})"
         )
     for finding in diagnosis.causes:
         sentence = finding.sentence or finding.structure or ""

@@ -159,11 +159,12 @@ def _write_truth(path: Path, outcome: Outcome, truth: Truth, frame: tuple[Array,
 
 
 def _pose(R: Array, t: Array) -> RigidTransform:
-    return RigidTransform(RotationMatrix(R), t)
+    X: Any = t  # Drake's stubs ask for a dtype that NumPy's arrays do not declare
+    return RigidTransform(RotationMatrix(R), X)
 
 
 def _correction(G: RigidTransform) -> Array:
     """(6,) tx ty tz rx ry rz of G = Trans Rx Ry Rz: the angles of the inverse rotation, backwards."""
-    back = RollPitchYaw(G.rotation().inverse())
     # (Rx Ry Rz)⁻¹ = Rz(−c) Ry(−b) Rx(−a) = RollPitchYaw(−a, −b, −c)
-    return np.concatenate([G.translation(), -back.vector()])
+    back = np.asarray(RollPitchYaw(G.rotation().inverse()).vector(), dtype=np.float64)
+    return np.concatenate([np.asarray(G.translation(), dtype=np.float64), -back])

@@ -54,8 +54,8 @@ def write_random_robot(folder: Path, seed: int, kind: str = "6R", elastic: bool 
         if not sliding:
             toml.append(f"gear_ratio = {rng.integers(60, 180)}.0")
     parts.append(
-        '<joint name="flange_joint" type="fixed"><parent link="link_%d"/><child link="flange"/>'
-        '<origin xyz="%.4f 0 0.02" rpy="0 0 0"/></joint><link name="flange"/></robot>' % (n, 0.12 * size)
+        f'<joint name="flange_joint" type="fixed"><parent link="link_{n}"/><child link="flange"/>'
+        f'<origin xyz="{0.12 * size:.4f} 0 0.02" rpy="0 0 0"/></joint><link name="flange"/></robot>'
     )
     toml += ["", "[source]", 'everything = "assumed: drawn at random"', ""]
     (folder / f"{name}.urdf").write_text("\n".join(parts), encoding="utf-8")

@@ -95,7 +95,7 @@ def judged(case: Case, outcome: Outcome) -> Record:
     found = outcome.diagnosis
     truths = case.truths
     real = [f for f in found.causes if f.cause != "unknown"]
-    reported = {key for f in real for key in (_key(f), *((c, replace(w, order=None)) for c, w in f.rivals))}
+    reported = {key for f in real for key in _offered(f)}
     twins = _twins(case, [_key(f) for f in real])
     first = _key(real[0]) if real else None
     right = set(truths) | twins
@@ -109,7 +109,8 @@ def judged(case: Case, outcome: Outcome) -> Record:
         "order_right": _order_right(case, real),
         "wrong_name": any(_key(f) not in right for f in named),
         "first_wrong_name": bool(named) and named[0] is real[0] and first not in right,
-        "nothing_else": all(_key(f) in right for f in real) and len(real) == len(found.causes),
+        "nothing_else": all(right & _offered(f) for f in found.causes),
+        "only_right": all(_key(f) in right for f in found.causes),
         "unknown": found.verdict == "unknown",
         "false_alarm": found.verdict != "nothing_missing" if not case.hidden else None,
         "faults": [f.kind for f in found.faults],
@@ -120,6 +121,11 @@ def judged(case: Case, outcome: Outcome) -> Record:
 
 def _key(finding: Finding) -> Key:
     return finding.cause, replace(finding.where, order=None)
+
+
+def _offered(finding: Finding) -> set[Key]:
+    """The cause that is reported and those that may stand in its place."""
+    return {_key(finding), *((cause, replace(where, order=None)) for cause, where in finding.rivals)}
 
 
 def _twins(case: Case, found: Sequence[Key]) -> set[Key]:

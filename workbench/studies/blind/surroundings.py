@@ -49,7 +49,7 @@ def drift(job: Problem, effect: Drift, rng: np.random.Generator) -> Hidden:
     span = float(np.ptp(job.time))
     way = rng.normal(size=len(effect.params))
     unit = 1e-8 * way / np.linalg.norm(way[:3])
-    bend = rng.uniform(-0.5, 0.5)
+    bend = rng.uniform(-0.4, 0.4)
 
     def form(size: float) -> Truth:
         def motion(job: Problem) -> Mapping[int, Array]:

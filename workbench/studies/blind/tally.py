@@ -100,6 +100,7 @@ def aims(cases: Sequence[Record]) -> list[Rate]:
         rate("clean, σ from repeats: false alarm", of["clean-repeats"], _is("false_alarm"), at_most=0.015),
         rate("two causes: both found", pairs, _is("reported"), at_least=0.92),
         rate("two causes: both found and nothing else", pairs, _both_only, at_least=0.85),
+        rate("two causes: both first names right, nothing else", pairs, _both_first),
         rate("a data fault seen where there is none", cases, lambda c: bool(c["faults"])),
         rate("95 % intervals: cover what is hidden, in its form", z, _inside, at_least=0.93, at_most=0.97),
         rate("95 % intervals: cover what is hidden", form, _inside),
@@ -121,6 +122,10 @@ def _apart(cases: Sequence[Record]) -> list[Record]:
 
 def _both_only(case: Record) -> bool:
     return bool(case["reported"] and case["nothing_else"])
+
+
+def _both_first(case: Record) -> bool:
+    return bool(case["reported"] and case["only_right"])
 
 
 def _inside(case: Record) -> bool:
