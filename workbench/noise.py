@@ -111,23 +111,19 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     instrument's σ² and one for the joints (their ratio as the robot's TOML says, else equal).
     """
     c = problem.campaign
-    group = repeat_groups(problem)
-    deviation, weight = _within(c.points, group)
-    seen = np.isfinite(deviation)
-    dof = int(seen.sum() - sum(np.isfinite(c.points[group == g]).any(axis=0).sum() for g in np.unique(group)))
+    deviation, weight, dof = _within(c.points, repeat_groups(problem))
     shot_ss, shot_dof = c.shot_scatter
     if dof < 12:
         return None
     kept = weight > 0
-    d = np.where(seen, deviation, 0.0).reshape(len(group), -1)[kept]
+    d = deviation.reshape(len(weight), -1)[kept]
     ratio = np.array([joint.data.repeatability or 0.0 for joint in problem.robot.joints])
     ratio = ratio / ratio.max() if ratio.any() else np.where(problem.arm.prismatic, 0.0, 1.0)
     J = axial[kept] * ratio * np.repeat(problem.seen, 3, axis=1)[kept][..., None]
     total = float(np.sqrt((d**2).sum() / dof))
     # deviations from a group's mean of k members have covariance (1 − 1/k) of the noise's
-    shrink = np.sqrt(weight[kept])
-    d = d / shrink[:, None]
-    share = dof / (seen.sum() - 0.0) / float(np.average(weight[kept]))
+    share = weight[kept]
+    d = d / np.sqrt(share)[:, None]
     shots = float(np.median(c.shots[problem.seen])) if problem.seen.any() else 1.0
     reach = float(np.sqrt((J**2).sum() / max(1, J.shape[0] * J.shape[1])))
     u, s, _ = np.linalg.svd(J, full_matrices=False)
@@ -138,9 +134,7 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     def cost(x: Array) -> float:
         v_m, v_q = np.exp(x[0]) / shots, np.exp(x[1])
         v = v_m + v_q * s**2
-        value = share * (
-            np.sum(np.log(v) + projected**2 / v) + np.sum(rest) / v_m + np.sum(free) * np.log(v_m)
-        )
+        value = share @ (np.sum(np.log(v) + projected**2 / v, axis=1) + rest / v_m + free * np.log(v_m))
         if shot_dof > 0:
             value += shot_dof * np.log(np.exp(x[0])) + shot_ss / np.exp(x[0])
         return float(value)
@@ -155,13 +149,25 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     )
 
 
-def _within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Deviation of each pose's points from its group's mean, and 1 − 1/k of the group (0: alone)."""
-    deviation = np.full_like(points, np.nan)
-    weight = np.zeros(len(group))
+def repeat_chi2(problem: Problem, covariance: Covariance, axial: Array) -> tuple[float, int]:
+    """Sum of squares of the repeats about their means, whitened by a covariance, and its degrees of
+    freedom; axial as in `measure_noise`."""
+    deviation, _, dof = _within(problem.campaign.points, repeat_groups(problem))
+    W = whitener(problem, covariance, axial, None)
+    return float(((W @ deviation.reshape(len(W), -1, 1)) ** 2).sum()), dof
+
+
+def _within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array, int]:
+    """Deviation (N, T, 3) of each pose's points from their means in the pose's group (0 where not seen),
+    1 − 1/k of the group (0: alone), and the degrees of freedom."""
+    deviation, weight, dof = np.zeros_like(points), np.zeros(len(group)), 0
     order = np.argsort(group, kind="stable")
     for members in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
         if len(members) > 1:
-            deviation[members] = points[members] - np.nanmean(points[members], axis=0)
+            seen = np.isfinite(points[members])
+            count = seen.sum(axis=0)
+            mean = np.where(seen, points[members], 0.0).sum(axis=0) / np.maximum(count, 1)
+            deviation[members] = np.where(seen, points[members] - mean, 0.0)
             weight[members] = 1 - 1 / len(members)
-    return deviation, weight
+            dof += int(np.maximum(count - 1, 0).sum())
+    return deviation, weight, dof

@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from ..arm import Array
 from ..fit import Fit
 from ..model import Linearisation
-from ..noise import Covariance, MeasuredNoise, measure_noise
+from ..noise import Covariance, MeasuredNoise, measure_noise, repeat_chi2
 from ..problem import Problem
 from .result import Noise
 
@@ -63,16 +63,13 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
 
 
 def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial: Array) -> str | None:
-    """A sentence when repeats scatter otherwise than stated (per axis, robot's part included)."""
-    instrument = float(np.mean(said.sigma[problem.seen] ** 2))
-    robot = float(np.mean((axial[problem.seen.any(axis=1)] * said.joint) ** 2) * len(said.joint))
-    ratio = measured.total**2 / (instrument + robot)
-    tail = stats.chi2.sf(ratio * measured.dof, measured.dof)
-    if 1e-4 < tail < 1 - 1e-4:
+    """A sentence when repeats scatter otherwise than stated (robot's part included)."""
+    chi2, dof = repeat_chi2(problem, said, axial)
+    if 1e-4 < stats.chi2.sf(chi2, dof) < 1 - 1e-4:
         return None
     return (
         f"Repeated poses scatter {measured.total * 1e3:.4f} mm per axis, stated is "
-        f"{np.sqrt(instrument + robot) * 1e3:.4f} mm: the measured noise is used."
+        f"{measured.total * np.sqrt(dof / chi2) * 1e3:.4f} mm: the measured noise is used."
     )
 
 
