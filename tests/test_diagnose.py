@@ -1,0 +1,301 @@
+"""What the diagnosis says of small campaigns measured in Drake, with something hidden in the robot."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
+
+from workbench.diagnose.result import Diagnosis
+from workbench.poses import random_poses
+
+GEAR = "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.6"
+GEAR_JOINT = ("gear_kinematic_error", "joint_4")
+
+
+def sound(diagnosis: Diagnosis) -> Diagnosis:
+    """The diagnosis, after everything in it that has to hold for any campaign."""
+    text = json.dumps(diagnosis.to_json(), allow_nan=False)
+    assert json.loads(text) == diagnosis.to_json()
+    assert [stage.name for stage in diagnosis.stages][:2] == ["nominal", "geometry"]
+    for stage in diagnosis.stages:
+        assert np.isfinite([stage.heldout_rms_mm, stage.heldout_mean_mm, stage.heldout_max_mm]).all()
+        assert stage.heldout_mean_mm <= stage.heldout_rms_mm <= stage.heldout_max_mm
+    for finding in diagnosis.causes:
+        assert 0 <= finding.p_value <= 1
+        assert np.isfinite(finding.gain_mm)
+        assert all(np.isfinite([p.value, p.std]).all() and p.std > 0 for p in finding.parameters)
+        assert (finding.status == "named") == (not finding.rivals and finding.cause != "unknown")
+        assert finding.cause == "unknown" or finding.evidence is not None
+        if (shown := finding.evidence) is not None:
+            assert len(shown.x) == len(shown.before) == len(shown.after) > 0
+            assert len(shown.curve_x) == len(shown.curve_y)
+            for values in (shown.x, shown.before, shown.after, shown.curve_x, shown.curve_y):
+                assert np.isfinite(values).all()
+    statuses = {finding.status for finding in diagnosis.causes}
+    unknown = any(finding.cause == "unknown" for finding in diagnosis.causes)
+    expected = {
+        "nothing_missing": not statuses,
+        "named": statuses == {"named"},
+        "ambiguous": "ambiguous" in statuses and not unknown,
+        "unknown": unknown,
+    }
+    assert expected[diagnosis.verdict]
+    assert all(np.isfinite(item.size) and item.size > 0 for item in diagnosis.detectable)
+    return diagnosis
+
+
+def only(diagnosis: Diagnosis, cause: str, where: str) -> dict[str, float]:
+    """The parameters of the one cause that is named."""
+    assert named(diagnosis) == {(cause, where): "named"}
+    assert diagnosis.verdict == "named"
+    assert diagnosis.stages[-1].heldout_rms_mm < diagnosis.stages[1].heldout_rms_mm
+    assert not diagnosis.faults
+    return {p.name: p.value for p in diagnosis.causes[0].parameters}
+
+
+# ---------------------------------------------------------------- clean
+
+
+@pytest.mark.parametrize(("name", "load"), [("kr500", 250.0), ("ur5", 3.0), ("6R", 60.0), ("7R", 60.0)])
+def test_a_clean_robot_lacks_nothing(name, load):
+    diagnosis = sound(found(measured(name, loads=(load,))))
+    assert diagnosis.verdict == "nothing_missing"
+    assert not diagnosis.faults
+    assert diagnosis.noise.source == "stated"
+    # the geometry was off by half a millimetre, and what is left is the noise
+    assert diagnosis.stages[0].heldout_rms_mm > 1.0
+    assert diagnosis.stages[1].heldout_rms_mm < 1.2 * np.sqrt(3) * 1e3 * SIGMA
+    assert diagnosis.remainder_p > 1e-3
+    # and what would have been seen is said
+    seen = {(item.cause, str(item.where)): item.size for item in diagnosis.detectable}
+    elbow = robot(name).joint_names[2]
+    assert 1e-6 < seen["backlash", elbow] < 1e-4
+    assert {"gear_ratio", "gear_eccentricity", "joint_compliance"} <= {cause for cause, _ in seen}
+    assert {item.cause for item in diagnosis.not_testable} >= {"drift", "thermal_growth", "readback_joints"}
+
+
+# ---------------------------------------------------------------- one cause
+
+
+def test_gear_error_with_a_harmonic_that_no_cause_has():
+    def harmonic(job):
+        out = np.zeros_like(job.q)
+        out[:, 3] = 5e-5 * np.sin(500 * job.q[:, 3] + 1.0)
+        return out
+
+    diagnosis = sound(found(measured(effects=(GEAR,), joints=harmonic)))
+    values = only(diagnosis, *GEAR_JOINT)
+    assert values["amplitude"] == pytest.approx(2e-4, rel=0.15)
+    assert values["phase"] == pytest.approx(0.6, abs=0.15)
+    assert diagnosis.causes[0].where.order == 200
+
+
+def test_gear_error_of_unknown_ratio():
+    text = "gear_kinematic_error:joint=joint_3,order=83.7,amplitude=8e-5,phase=0.6"
+    diagnosis = sound(found(measured("6R", effects=(text,), loads=(60.0,))))
+    values = only(diagnosis, "gear_kinematic_error", "joint_3")
+    assert values["amplitude"] == pytest.approx(8e-5, rel=0.2)
+    assert diagnosis.causes[0].where.order == pytest.approx(83.7, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("name", "joint", "size", "load"), [("kr500", "joint_2", 3e-5, 250.0), ("ur5", "elbow_joint", 6e-5, 3.0)]
+)
+def test_backlash(name, joint, size, load):
+    text = f"backlash:joint={joint},half_width={size}"
+    diagnosis = sound(found(measured(name, effects=(text,), loads=(load,))))
+    assert only(diagnosis, "backlash", joint)["half_width"] == pytest.approx(size, rel=0.2)
+
+
+def test_payload_mass():
+    diagnosis = sound(found(measured(effects=("payload:payload=load_1,mass=20",))))
+    assert only(diagnosis, "payload", "load_1")["mass"] == pytest.approx(20, abs=2)
+
+
+@pytest.mark.xfail(reason="a payload measured in one block passes for a step of the instrument", strict=False)
+def test_a_payload_is_no_moved_instrument():
+    diagnosis = sound(found(measured(effects=("payload:payload=load_1,mass=20",), loads=(250.0, 400.0))))
+    assert only(diagnosis, "payload", "load_1")["mass"] == pytest.approx(20, abs=2)
+
+
+@pytest.mark.parametrize(("name", "joint", "load"), [("kr500", "joint_3", 250.0), ("6R", "joint_2", 60.0)])
+def test_joint_compliance(name, joint, load):
+    text = f"joint_compliance:joint={joint},relative=0.3"
+    diagnosis = sound(found(measured(name, effects=(text,), loads=(load,))))
+    assert only(diagnosis, "joint_compliance", joint)["relative"] == pytest.approx(0.3, abs=0.03)
+
+
+def test_three_causes_at_once():
+    hidden = {
+        ("backlash", "elbow_joint"): "half_width=6e-5",
+        ("gear_ratio", "wrist_1_joint"): "relative=1e-4",
+        ("gear_eccentricity", "shoulder_pan_joint"): "amplitude=8e-5,phase=1",
+    }
+    texts = tuple(f"{cause}:joint={joint},{values}" for (cause, joint), values in hidden.items())
+    diagnosis = sound(found(measured("ur5", effects=texts, loads=(3.0,))))
+    assert named(diagnosis) == dict.fromkeys(hidden, "named")
+    assert len(diagnosis.stages) == 5
+
+
+# ---------------------------------------------------------------- ties and the unknown
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_leak_is_among_the_answers_and_its_rivals_are_told(seed):
+    diagnosis = sound(
+        found(measured(effects=("gravity_compensator:variant=charge,relative=-0.15",), seed=seed))
+    )
+    assert diagnosis.verdict == "ambiguous"
+    (finding,) = diagnosis.causes
+    answers = {finding.cause, *(cause for cause, _ in finding.rivals)}
+    assert "gravity_compensator" in answers
+    assert len(answers) > 1
+    assert "pressure gauge" in finding.separate_by or "motor torque" in finding.separate_by
+
+
+def product(job):
+    """What no cause has: joint 3 errs with the product of two other joints."""
+    out = np.zeros_like(job.q)
+    out[:, 2] = 2e-4 * np.sin(3 * job.q[:, 1]) * np.sin(2 * job.q[:, 3])
+    return out
+
+
+@pytest.mark.parametrize(
+    ("name", "load", "stated"), [("kr500", 250.0, True), ("6R", 60.0, True), ("kr500", 250.0, False)]
+)
+def test_what_no_cause_explains_is_unknown(name, load, stated):
+    diagnosis = sound(found(measured(name, joints=product, loads=(load,), state_sigma=stated)))
+    assert diagnosis.verdict == "unknown"
+    assert "named" not in named(diagnosis).values()
+    (unknown,) = (finding for finding in diagnosis.causes if finding.cause == "unknown")
+    assert unknown.structure.startswith("depends on joint_")
+
+
+# ---------------------------------------------------------------- data faults
+
+
+@pytest.fixture(scope="module")
+def honest():
+    """A campaign with a gear error and sound data."""
+    return measured(effects=(GEAR,))
+
+
+def spoilt(campaign, change):
+    points = campaign.points.copy()
+    change(points)
+    return with_points(campaign, points)
+
+
+def wild(points):
+    points[7, 1] += [0.002, 0, 0.001]
+
+
+def far(points):
+    points[7, 1] += [0.2, 0, 0.1]
+    points[30] += 0.01
+
+
+def swapped(points):
+    points[11, [0, 2]] = points[11, [2, 0]]
+
+
+def frozen(points):
+    points[20, 0] = points[19, 0]
+
+
+def moved(points):
+    points[60:] += [8e-5, -6e-5, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (wild, {("outlier", "8", "T2")}),
+        (far, {("outlier", "8", "T2"), *(("outlier", "31", f"T{i}") for i in (1, 2, 3))}),
+        (swapped, {("swapped_target", "12", "T1 and T3")}),
+        (frozen, {("frozen_target", "21", "T1")}),
+        (moved, {("moved_instrument", "61", None)}),
+    ],
+)
+def test_faults_of_the_data_are_found_and_do_no_harm(honest, change, expected):
+    diagnosis = sound(found(spoilt(honest, change)))
+    assert {(fault.kind, fault.pose_id, fault.target) for fault in diagnosis.faults} == expected
+    assert named(diagnosis) == {GEAR_JOINT: "named"}
+    assert diagnosis.causes[0].parameters[0].value == pytest.approx(2e-4, rel=0.15)
+    assert diagnosis.stages[-1].heldout_max_mm < 0.3
+
+
+# ---------------------------------------------------------------- noise
+
+
+def test_without_any_noise_only_what_depends_on_something_is_claimed():
+    diagnosis = sound(found(measured(effects=(GEAR,), state_sigma=False)))
+    assert diagnosis.noise.source == "residual"
+    assert diagnosis.noise.sigma_mm == pytest.approx(1e3 * SIGMA, rel=0.15)
+    assert named(diagnosis) == {GEAR_JOINT: "named"}
+    assert diagnosis.to_json()["remainder"]["p_value"] is None
+    assert any("cannot be judged" in note for note in diagnosis.notes)
+    clean = sound(found(measured(state_sigma=False)))
+    assert clean.verdict == "nothing_missing"
+
+
+def test_noise_from_repeats():
+    q = random_poses(robot("kr500"), 40, np.random.default_rng(8))
+    diagnosis = sound(found(measured(effects=(GEAR,), q=q, repeats=3, loads=(), state_sigma=False)))
+    assert diagnosis.noise.source == "repeats"
+    assert diagnosis.noise.sigma_mm == pytest.approx(1e3 * SIGMA, rel=0.15)
+    assert named(diagnosis) == {GEAR_JOINT: "named"}
+
+
+def test_repeats_that_scatter_more_than_stated_are_believed():
+    q = random_poses(robot("kr500"), 40, np.random.default_rng(8))
+    campaign = measured(q=q, repeats=3, loads=(), sigma=2 * SIGMA)
+    diagnosis = sound(found(replace(campaign, noise_sigma=SIGMA)))
+    assert diagnosis.verdict == "nothing_missing"
+    assert diagnosis.noise.source == "repeats"
+    assert diagnosis.noise.sigma_mm == pytest.approx(2e3 * SIGMA, rel=0.15)
+    assert any("the measured noise is used" in note for note in diagnosis.notes)
+
+
+@pytest.mark.xfail(reason="white noise above the stated one passes for structure", strict=False)
+def test_noise_stated_too_small_is_no_structure():
+    diagnosis = sound(found(replace(measured(sigma=1.5 * SIGMA), noise_sigma=SIGMA)))
+    assert not any("depends on" in (finding.structure or "") for finding in diagnosis.causes)
+
+
+# ---------------------------------------------------------------- little data
+
+
+def near(spread, seed=3, name="kr500"):
+    """30 poses about one, joints within `spread` (n,) [rad] of it."""
+    middle = np.array([0.2, -1.2, 1.6, 0.3, 0.8, 0.1])
+    return middle + np.random.default_rng(seed).uniform(-1, 1, (30, 6)) * spread
+
+
+@pytest.mark.parametrize(
+    ("name", "q", "options"),
+    [
+        ("kr500", near([0.6, 0.4, 0, 0, 0, 0]), {"targets": 1}),
+        (
+            "kr500",
+            near([0.6, 0.4, 0, 0, 0, 0]),
+            {"targets": 3, "effects": (GEAR.replace("joint_4,order=200", "joint_2,order=247"),)},
+        ),
+        ("kr500", near([0.15] * 6), {"targets": 3}),
+        ("ur5", near([0.15] * 6), {"targets": 1, "state_sigma": False}),
+    ],
+    ids=["two joints", "two joints with a gear error", "box", "box without noise"],
+)
+def test_little_data_do_not_lead_to_absurd_parameters(name, q, options):
+    diagnosis = sound(found(measured(name, q=q, loads=(), **options)))
+    assert all(abs(p.value) < 4e-3 for p in diagnosis.geometry)
+    assert len(diagnosis.unidentifiable) >= 10
+    assert diagnosis.stages[-1].heldout_rms_mm < 0.12
+    causes = named(diagnosis)
+    if "effects" in options:
+        assert causes == {("gear_kinematic_error", "joint_2"): "named"}
+        assert diagnosis.causes[0].parameters[0].value == pytest.approx(2e-4, rel=0.15)
+    else:
+        assert causes == {}
