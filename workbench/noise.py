@@ -120,7 +120,7 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     ratio = np.array([joint.data.repeatability or 0.0 for joint in problem.robot.joints])
     ratio = ratio / ratio.max() if ratio.any() else np.where(problem.arm.prismatic, 0.0, 1.0)
     J = axial[kept] * ratio * np.repeat(problem.seen, 3, axis=1)[kept][..., None]
-    total = float(np.sqrt((d**2).sum() / dof))
+    total = max(float(np.sqrt((d**2).sum() / dof)), 1e-9)
     # deviations from a group's mean of k members have covariance (1 − 1/k) of the noise's
     share = weight[kept]
     d = d / np.sqrt(share)[:, None]

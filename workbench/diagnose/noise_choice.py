@@ -69,7 +69,7 @@ def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial
         return None
     return (
         f"Repeated poses scatter {measured.total * 1e3:.4f} mm per axis, stated is "
-        f"{measured.total * np.sqrt(dof / chi2) * 1e3:.4f} mm: the measured noise is used."
+        f"{measured.total * np.sqrt(dof / max(chi2, 1e-9)) * 1e3:.4f} mm: the measured noise is used."
     )
 
 
