@@ -136,13 +136,12 @@ def _near(effect: Effect, test: FamilyTest) -> bool:
 def patchwork(effects: Sequence[Effect]) -> set[str]:
     """Joints whose error is a patchwork: a slow line of unknown order beside ratio or eccentricity.
 
-    Such a set draws any smooth function of the joint; none of its members is the cause.
+    Such a set draws any smooth function of the joint; none of its members is the cause. A fast line of the
+    same joint says that the slow one is a harmonic of a gear.
     """
-    slow = {
-        e.where.joint
-        for e in effects
-        if e.variant == "scan" and e.where.joint and (e.where.order or FAST) < FAST
-    }
+    lines = [e for e in effects if e.variant == "scan"]
+    slow = {e.where.joint for e in lines if (e.where.order or FAST) < FAST}
+    slow -= {e.where.joint for e in lines if (e.where.order or FAST) >= FAST}
     smooth = {e.where.joint for e in effects if e.cause in PIECES[1:]}
     return {joint for joint in slow & smooth if joint is not None}
 
