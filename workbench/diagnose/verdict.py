@@ -157,6 +157,8 @@ def stands_out(result: Fit, i: int) -> float:
     move = result.model.effect_jacobian(result.line, effect, values) @ values
     d = np.matmul(result.whitener, move[..., None])[..., 0]
     size = (d**2).sum(axis=1)
+    if not size.any():
+        return 1.0
     total, count = scatter_of(result, (d * result.r).sum(axis=1), size)
     scatter = total / count
     rows = result.point_rows
