@@ -43,6 +43,7 @@ def _data(found: Verification, links: Array) -> dict[str, Any]:
     large = max(float(np.quantile(np.linalg.norm(error, axis=1), 0.95)), 1e-9)
     seen = np.concatenate([p, links])
     low, high = seen.min(axis=0), seen.max(axis=0)
+    high[2] += 0.15 * float(np.linalg.norm(high - low))  # the elbow's shape stands above its axis
     return {
         "path": pack(p[::step]),
         "commands": [
