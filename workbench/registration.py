@@ -145,8 +145,9 @@ def _refine(
         for i in range(n_targets):
             J[:, i, :, 6 + 3 * i : 9 + 3 * i] = R @ R_k[:, i]
         scale = misfit + 1e-6
-        A = np.einsum("ntij,ntik,nt->jk", J, J, weight / scale)
-        g = np.einsum("ntij,nti,nt->j", J, residual, weight / scale)
+        flat = J.reshape(-1, J.shape[-1])
+        pull = flat.T * np.repeat(weight / scale, 3)
+        A, g = pull @ flat, pull @ residual.ravel()
         hold = np.repeat(prior, 3) ** -2.0
         A[np.diag_indices(6)] += 1e-9
         A[6:, 6:] += np.diag(hold)
