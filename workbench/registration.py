@@ -28,7 +28,8 @@ def register(problem: Problem) -> tuple[Array, Array, Array]:
         here = campaign.setup == k
         out.append(_one_setup(problem, problem.rigid, here)[:3])
     R, t, targets = (np.array(part) for part in zip(*out, strict=True))
-    return R, t, targets
+    fixed = np.array([target.fixed for target in campaign.targets])
+    return R, t, np.where(fixed[:, None], problem.stated_targets, targets)
 
 
 def check_units(problem: Problem) -> None:
