@@ -11,12 +11,12 @@ from ..extended import write_fit
 from . import write_all
 
 
-def write_outcome(outcome: Outcome, folder: Path) -> None:
+def write_outcome(outcome: Outcome, folder: str | Path) -> None:
     """Writes result.json, index.html, report.pdf, scene.html and model.toml.
 
     The scene shows the pose that bends most, rigid, and its loaded twin with the deflection enlarged.
     """
-    fit = outcome.fit
+    folder, fit = Path(folder), outcome.fit
     axial = fit.line.prediction.motion.reshape(len(outcome.problem.q), -1)[:, outcome.problem.arm.axial]
     n = int(np.argmax(np.abs(axial).sum(axis=1)))
     q = outcome.problem.q[n]

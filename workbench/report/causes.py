@@ -1,0 +1,95 @@
+"""The catalogue in Markdown: the README's table and docs/causes.md. `python -m workbench.report.causes`
+writes both anew; a test holds them to the catalogue."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..atomic import put
+from ..effects import catalogue
+from ..effects.base import Effect
+from ..poses import planned
+from ..problem import Problem, problem
+from ..robot import load_robot
+
+BEGIN, END = "<!-- causes: written by workbench.report.causes -->", "<!-- end of causes -->"
+HEAD = "| cause | what it is | sits at | not testable if | easily mistaken for |\n|---|---|---|---|---|"
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def causes_table() -> str:
+    """One row per cause: what it is, where it sits, what it needs, and what it looks like."""
+    bare = _campaigns()
+    rows = [
+        f"| `{cause}` | {kind.title} | {_place(kind, bare[0])} | {_lacks(kind, bare)} | {_alike(kind)} |"
+        for cause, kind in catalogue().items()
+    ]
+    return "\n".join([HEAD, *rows])
+
+
+def causes_page() -> str:
+    """A section per cause: its equation and source, and the measurement that tells it from each rival."""
+    bare = _campaigns()
+    parts = ["# What a diagnosis can find", "Written from the catalogue (`workbench/effects`)."]
+    for cause, kind in catalogue().items():
+        place = _place(kind, bare[0])
+        parts += [f"## {cause}", f"{kind.title}. Sits at: {place}.", f"```\n{inspect.getdoc(kind)}\n```"]
+        if (why := _lacks(kind, bare)) != "–":
+            parts.append(f"Not testable if {why}.")
+        told = [
+            f"- from {'another place' if rival == cause else f'`{rival}`'}: {what}"
+            for rival, what in kind.separate.items()
+        ]
+        parts.append("\n".join(["Told apart", *told]))
+    return "\n\n".join(parts) + "\n"
+
+
+def readme_with_table(text: str) -> str:
+    """The README with the table in its place."""
+    head, rest = text.split(BEGIN)
+    return f"{head}{BEGIN}\n{causes_table()}\n{END}{rest.split(END)[1]}"
+
+
+def _campaigns() -> tuple[Problem, ...]:
+    """Nothing but poses, on robots that lack more and more."""
+    robots = load_robot("kr500"), load_robot("cylindrical")
+    full, slim = (problem(planned(robot, np.zeros((2, len(robot.joints))))) for robot in robots)
+    arm = full.arm
+    light = replace(arm, mass=0 * arm.mass, moment=0 * arm.moment)
+    return full, slim, replace(full, arm=light, compensator=None)
+
+
+def _place(kind: type[Effect], whole: Problem) -> str:
+    """joint, link, payload, or the whole robot."""
+    carried = replace(
+        whole.campaign,
+        payload_names=("", "any"),
+        payload=np.ones(2, dtype=np.int64),
+        load_mass=np.array([0.0, 1.0]),
+        load_com=np.zeros((2, 3)),
+    )
+    keys = kind.places(replace(whole, campaign=carried))[0].where.keys()
+    if "other" in keys:
+        return "two joints"
+    return next((key for key in keys if key != "order"), "robot")
+
+
+def _lacks(kind: type[Effect], campaigns: tuple[Problem, ...]) -> str:
+    """What is missing where it cannot be tested."""
+    said = (kind.needs(campaign) for campaign in campaigns)
+    why = next((why for why in said if why is not None), "–")
+    return why.partition(":")[0].replace("1..dir6", "1 …").replace("1..r6", "1 …")
+
+
+def _alike(kind: type[Effect]) -> str:
+    return ", ".join(f"`{rival}`" for rival in kind.separate if rival != kind.cause)
+
+
+if __name__ == "__main__":
+    readme = ROOT / "README.md"
+    put(readme, readme_with_table(readme.read_text(encoding="utf-8")).encode())
+    put(ROOT / "docs" / "causes.md", causes_page().encode())
