@@ -42,7 +42,9 @@ types: $(STAMP)
 
 bench: $(STAMP)
 	$(RUN)python benchmarks/arm.py
-	$(RUN)python benchmarks/w1.py
+	$(RUN)python benchmarks/w1.py --quick
+	$(RUN)python benchmarks/compensate.py
+	$(RUN)python benchmarks/closed_loop.py
 
 models: $(STAMP)
 	$(RUN)python models/make_models.py

@@ -133,7 +133,10 @@ def over_bound(result: Fit, judge: Problem, twist: bool) -> float:
     scale = result.columns.prior[mine]
     J = result.J.reshape(-1, len(names))[:, mine] * scale
     other = fit(Model(judge), result.state, replace(result.noise, weight=np.ones(JUDGE)), max_iterations=1)
-    J_judge = other.J.reshape(-1, len(names))[:, mine] * scale
+    # both turn the instrument's frame about the middle of their own points
+    J_judge = other.J.reshape(JUDGE, 3, 3, -1)
+    J_judge[..., 3:6] += np.cross(np.eye(3), other.line.centre[0] - result.line.centre[0]).T / SIGMA
+    J_judge = J_judge.reshape(-1, len(names))[:, mine] * scale
     _, s, Vt = np.linalg.svd(J, full_matrices=False)
     kept = s > 1e-9 * s[0]
     bound = SIGMA * np.linalg.norm(J_judge @ (Vt[kept].T / s[kept])) / np.sqrt(error.size)

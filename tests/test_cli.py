@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -408,13 +407,10 @@ def process(*arguments, **environment):
 
 
 def test_help_is_instant():
-    took = []
-    for _ in range(3):
-        start = time.perf_counter()
-        done = process("--help")
-        took.append(time.perf_counter() - start)
+    loaded = "import sys; import workbench.cli; sys.exit(any(m in sys.modules for m in ('numpy', 'pydrake')))"
+    assert subprocess.run([sys.executable, "-c", loaded], check=False).returncode == 0
+    done = process("--help")
     assert done.returncode == 0
-    assert min(took) < 0.3
     for command in ("demo", "diagnose", "simulate", "compensate", "verify", "study", "robots", "causes"):
         assert f"\n    {command}" in done.stdout
 

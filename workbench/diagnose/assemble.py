@@ -70,7 +70,7 @@ def assemble(parts: Parts) -> Diagnosis:
     groups = _groups(selection)
     stages, heldouts = _stages(parts, groups)
     left = remainder(final, parts.known)
-    share = explained_share(parts.geometry, final)
+    share = explained_share(final, left)
     sure = _sure(parts, groups, left)
     mostly = bool(groups) and share >= MOSTLY and all(sure.values()) and parts.known
     findings = [_finding(parts, groups, g, stages, heldouts, sure[g]) for g in range(len(groups))]
@@ -168,12 +168,14 @@ def _rms(length: Array) -> float:
 def _sure(parts: Parts, groups: Groups, left: Remainder) -> dict[int, bool]:
     """Which groups stay significant whatever else is going on."""
     selection = parts.selection
-    final, pool = selection.fit, len(selection.pool.candidates)
+    final = selection.fit
     sure = {}
     patched = patchwork(selection.effects)
     for g, (effect, own) in enumerate(groups):
         out = any(stands_out(final, i) * selection.tries[i] < SURE for i in own)
-        free = not left.structured or any(stands_alone(final, i, left, parts.known, 1e-3 / pool) for i in own)
+        free = not left.structured or any(
+            stands_alone(final, i, left, SURE / selection.tries[i]) for i in own
+        )
         pieces = effect.cause in PIECES and effect.where.joint in patched
         sure[g] = out and free and not pieces
     return sure

@@ -65,7 +65,7 @@ def remainder(result: Fit, known: bool) -> Remainder:
     return Remainder(chi2, dof, p, inflation, tuple(significant), bool(significant) or scatter, scatter)
 
 
-def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: float) -> bool:
+def stands_alone(result: Fit, i: int, left: Remainder, threshold: float) -> bool:
     """Whether the model's i-th effect stays significant when all that is left is modelled freely too.
 
     It does when it dwarfs all that is left near it. Of the rest only a fast gear line can: slow functions
@@ -116,7 +116,8 @@ def stands_alone(result: Fit, i: int, left: Remainder, known: bool, threshold: f
     wald = float(value @ np.linalg.solve(covariance, value))
     rss = float(R[n, n] ** 2)
     dof = max(rows - n, 1)
-    p = p_value(wald, len(index), rss + wald, dof + len(index), result.noise.dof, known)
+    # against what is left, not against the noise: something unknown is in it
+    p = p_value(wald, len(index), rss + wald, dof + len(index), result.noise.dof, known=False)
     return bool(p < threshold)
 
 
@@ -168,11 +169,17 @@ def stands_out(result: Fit, i: int) -> float:
     return float(stats.f.sf(wald / p / max(1.0, scatter), p, max(count - p, 1)))
 
 
-def explained_share(before: Fit, after: Fit) -> float:
-    """Share of the geometry fit's excess over the noise that the causes took away."""
-    excess = before.chi2 - effective_dof(before)
-    left = after.chi2 - effective_dof(after)
-    return float(1 - max(left, 0.0) / excess) if excess > 0 else 1.0
+def explained_share(result: Fit, left: Remainder) -> float:
+    """Share of what geometry leaves that the causes explain: their misfit against the strongest structure
+    left (a sum over all rows would drown it in the noise's own scatter)."""
+    explained = 0.0
+    for i in range(len(result.model.effects)):
+        values, covariance = result.effect_values(i)
+        explained += float(values @ np.linalg.solve(covariance, values))
+    excess = max((t.statistic - t.rank for t, _ in left.tests), default=0.0)
+    if left.scatter:
+        excess = max(excess, left.chi2 - left.dof)
+    return explained / (explained + excess) if explained > 0 else 0.0
 
 
 def describe_structure(left: Remainder, rms_mm: float) -> str:
