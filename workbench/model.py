@@ -183,7 +183,8 @@ class Model:
             H_g = wrench_jacobian(*args, where.geometry_axes, where.geometry_origin, before_joint=True)
             answer = np.linalg.solve(np.eye(len(rows)) - Phi @ H[:, :, rows], Phi)
             torque = J[:, :, rows] @ answer
-            J, G = J + torque @ H, G + torque @ H_g
+            J += torque @ H
+            G += torque @ H_g
         frame, target, centre = self._frame_and_target(state, prediction, turn)
         J, G, torque, frame = (self._with_drives(X) for X in (J, G, torque, frame))
         return Linearisation(prediction, J, G, torque, rows, frame, target, centre)

@@ -253,33 +253,38 @@ def _compensator_jacobian(
     """Adds the compensator's part: motions between its two links stretch it."""
     a, u, s = law.ends(where)
     force, rate, _ = law.force(s)
-    pull = force[:, None] * u
+    pull = (force[:, None] * u)[:, None]
     inside = range(law.body + 1, law.arm + 1)
     for i, row in enumerate(rows):
         slot, component = divmod(int(row), 6)
         if slot not in inside:
             continue
-        axis, pivot = where.axes[:, slot, component], where.origin[:, slot]
+        axis, pivot = where.axes[:, slot, component, None], where.origin[:, slot]
         sequence = _sequence(arm, slot)
         for other in inside:
-            for c in range(6):
-                e = axes[:, other, c]
-                turn = e if c >= 3 else np.zeros_like(e)
-                da = cross(e, a - origin[:, other]) if c >= 3 else e
-                along = np.einsum("ni,ni->n", u, da)[:, None] * u
-                dpull = -rate[:, None] * along - (force / s)[:, None] * (da - along)
-                same = other == slot and not before_joint
-                first = other < slot or (other == slot and before_joint)
-                if same:
-                    first = sequence.index(c) < sequence.index(component)
-                daxis = cross(turn, axis) if first else np.zeros_like(e)
-                dpivot = np.zeros_like(e)
-                if first:
-                    dpivot = cross(e, pivot - origin[:, other]) if c >= 3 else e
-                if component < 3:
-                    value = np.einsum("ni,ni->n", daxis, pull) + np.einsum("ni,ni->n", axis, dpull)
-                else:
-                    torque = cross(a - pivot, pull)
-                    dtorque = cross(da - dpivot, pull) + cross(a - pivot, dpull)
-                    value = np.einsum("ni,ni->n", daxis, torque) + np.einsum("ni,ni->n", axis, dtorque)
-                out[:, i, other, c] += value
+            # which of the other slot's motions (N, 6, 3) carry the row's own axis along
+            carries = np.full(6, other < slot or (other == slot and before_joint))
+            if other == slot and not before_joint:
+                carries[list(sequence[: sequence.index(component)])] = True
+            e = axes[:, other]
+            da = _moved(e, a - origin[:, other])
+            along = (da @ u[..., None]) * u[:, None]
+            dpull = -rate[:, None, None] * along - (force / s)[:, None, None] * (da - along)
+            daxis = np.zeros_like(da)
+            daxis[:, 3:] = cross(e[:, 3:], axis) * carries[3:, None]
+            if component >= 3:
+                dpivot = _moved(e, pivot - origin[:, other]) * carries[:, None]
+                lever = (a - pivot)[:, None]
+                turns = np.sum(daxis * cross(lever, pull), axis=2)
+                out[:, i, other] += turns + np.sum(
+                    axis * (cross(da - dpivot, pull) + cross(lever, dpull)), axis=2
+                )
+            else:
+                out[:, i, other] += np.sum(daxis * pull + axis * dpull, axis=2)
+
+
+def _moved(axes: Array, arm: Array) -> Array:
+    """(N, 6, 3) how a point at `arm` (N, 3) from the pivot moves per unit of a slot's six motions."""
+    out = axes.copy()
+    out[:, 3:] = cross(axes[:, 3:], arm[:, None])
+    return out
