@@ -250,41 +250,39 @@ def _compensator_jacobian(
     before_joint: bool,
     out: Array,
 ) -> None:
-    """Adds the compensator's part: motions between its two links stretch it."""
+    """Adds the compensator's part: motions between its two links stretch it.
+
+    A motion that shifts the moving pivot by da changes the pull by −K da, and the row by w · da; v and t
+    say what it does to the row by moving the row's own pivot and by turning its axis.
+    """
     a, u, s = law.ends(where)
     force, rate, _ = law.force(s)
-    pull = (force[:, None] * u)[:, None]
+    pull, tight = force[:, None] * u, (force / s)[:, None]
     inside = range(law.body + 1, law.arm + 1)
     for i, row in enumerate(rows):
         slot, component = divmod(int(row), 6)
         if slot not in inside:
             continue
-        axis, pivot = where.axes[:, slot, component, None], where.origin[:, slot]
+        axis, lever = where.axes[:, slot, component], a - where.origin[:, slot]
+        rotary = component >= 3
+        acts = cross(axis, lever) if rotary else axis
+        along = np.sum(acts * u, axis=1, keepdims=True) * u
+        w = -rate[:, None] * along - tight * (acts - along)
+        v = cross(pull, axis) if rotary else np.zeros_like(w)
+        t = cross(axis, cross(lever, pull) if rotary else pull)
         sequence = _sequence(arm, slot)
         for other in inside:
-            # which of the other slot's motions (N, 6, 3) carry the row's own axis along
+            # which of the other slot's motions carry the row's axis and pivot along
             carries = np.full(6, other < slot or (other == slot and before_joint))
             if other == slot and not before_joint:
                 carries[list(sequence[: sequence.index(component)])] = True
+            pivot = where.origin[:, slot] - origin[:, other]
             e = axes[:, other]
-            da = _moved(e, a - origin[:, other])
-            along = (da @ u[..., None]) * u[:, None]
-            dpull = -rate[:, None, None] * along - (force / s)[:, None, None] * (da - along)
-            daxis = np.zeros_like(da)
-            daxis[:, 3:] = cross(e[:, 3:], axis) * carries[3:, None]
-            if component >= 3:
-                dpivot = _moved(e, pivot - origin[:, other]) * carries[:, None]
-                lever = (a - pivot)[:, None]
-                turns = np.sum(daxis * cross(lever, pull), axis=2)
-                out[:, i, other] += turns + np.sum(
-                    axis * (cross(da - dpivot, pull) + cross(lever, dpull)), axis=2
-                )
-            else:
-                out[:, i, other] += np.sum(daxis * pull + axis * dpull, axis=2)
+            out[:, i, other, :3] += _along(e[:, :3], w + v) - carries[:3] * _along(e[:, :3], v)
+            out[:, i, other, 3:] += _along(e[:, 3:], cross(a - origin[:, other], w + v))
+            out[:, i, other, 3:] += carries[3:] * _along(e[:, 3:], t - cross(pivot, v))
 
 
-def _moved(axes: Array, arm: Array) -> Array:
-    """(N, 6, 3) how a point at `arm` (N, 3) from the pivot moves per unit of a slot's six motions."""
-    out = axes.copy()
-    out[:, 3:] = cross(axes[:, 3:], arm[:, None])
-    return out
+def _along(axes: Array, vector: Array) -> Array:
+    """(N, 3) parts of vectors (N, 3) along three axes each (N, 3, 3)."""
+    return np.einsum("nci,ni->nc", axes, vector)
