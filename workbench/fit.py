@@ -191,7 +191,7 @@ def fit(
     best: tuple[float, State] | None = None
     for iteration in range(max_iterations):
         line = model.linearise(state, near)
-        near = line.prediction.motion
+        near = line
         if iteration < 2:
             W = _whitener(problem, line, noise)
         residual, r = _residual(model, line, state, W)

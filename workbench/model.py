@@ -62,7 +62,8 @@ class Linearisation:
 
     Where drive torques were recorded, n rows for them follow the 3T rows of the points: R = 3T + n; only
     loads move them. direct: (N, R, 6S) by slot motions, load's answer included; geometry: (N, R, 6S) by
-    corrections G; torque: (N, R, E) by the local wrenches `rows`; frame: (N, R, 6) by shift and turn of the
+    corrections G; torque: (N, R, E) by the local wrenches `rows`; answer:
+    (N, E, E) how far the rows move until the load's answer has settled; frame: (N, R, 6) by shift and turn of the
     instrument frame about `centre`; turn: (N, 3, 3) from the base frame to the instrument's.
     """
 
@@ -71,9 +72,16 @@ class Linearisation:
     geometry: Array
     torque: Array
     rows: NDArray[np.int64]
+    answer: Array
     frame: Array
     target: Array
     centre: Array
+
+    def hasten(self, change: Array) -> Array:
+        """Motions (N, S, 6) to where the arm rests, of the change that its wrenches ask for now."""
+        out = change.reshape(len(change), -1).copy()
+        out[:, self.rows] = np.matmul(self.answer, out[:, self.rows, None])[..., 0]
+        return out.reshape(change.shape)
 
 
 @dataclass(frozen=True)
@@ -94,8 +102,8 @@ class Model:
         values = tuple(np.zeros(len(effect.params)) for effect in self.effects)
         return State(self.problem.arm.geometry, R, t, targets, values)
 
-    def loaded(self, state: State, near: Array | None = None) -> Prediction:
-        """Loaded poses and points; `near`: (N, S, 6) motions at a state that is almost the same."""
+    def loaded(self, state: State, near: Linearisation | None = None) -> Prediction:
+        """Loaded poses and points; `near`, at a state that is almost the same, saves time."""
         problem = self.problem
         arm, loads = problem.arm.with_geometry(state.geometry), problem.loads
         n_poses = len(problem.q)
@@ -115,7 +123,13 @@ class Model:
                 yields[:, effect.slot(arm)] += effect.law(arm, wrench[:, effect.slot(arm)], values)[0]
             return yields
 
-        motion, where, load = equilibrium(arm, problem.q, direct, loads, law, near=near)
+        if near is None:
+            motion, where, load = equilibrium(arm, problem.q, direct, loads, law)
+        else:
+            start = near.prediction.motion
+            motion, where, load = equilibrium(
+                arm, problem.q, direct, loads, law, near=start, hasten=near.hasten
+            )
         base = self._place(where, state)
         points = self._see(base, state)
         return Prediction(arm, loads, motion, where, load, base, points)
@@ -165,7 +179,7 @@ class Model:
         Phi = slope[:, slot[:, None], component[:, None], component]
         return rows, np.where(slot[:, None] == slot, Phi, 0.0)
 
-    def linearise(self, state: State, near: Array | None = None) -> Linearisation:
+    def linearise(self, state: State, near: Linearisation | None = None) -> Linearisation:
         """Derivatives at a state; `near` as for `loaded`: saves time, changes nothing."""
         prediction = self.loaded(state, near)
         arm, where, load = prediction.arm, prediction.where, prediction.load
@@ -177,17 +191,18 @@ class Model:
         J, G = (np.matmul(turn[:, None], X).reshape(n_poses, 3 * n_targets, -1) for X in (J, G))
         rows, Phi = self._slope(arm, load.local, state)
         torque = np.zeros((n_poses, 3 * n_targets, len(rows)))
+        answer = np.zeros((n_poses, len(rows), len(rows)))
         if len(rows):
             args = (arm, where, prediction.loads, load, rows)
             H = wrench_jacobian(*args, where.axes, where.origin, before_joint=False)
             H_g = wrench_jacobian(*args, where.geometry_axes, where.geometry_origin, before_joint=True)
-            answer = np.linalg.solve(np.eye(len(rows)) - Phi @ H[:, :, rows], Phi)
-            torque = J[:, :, rows] @ answer
+            answer = np.linalg.inv(np.eye(len(rows)) - Phi @ H[:, :, rows])
+            torque = J[:, :, rows] @ (answer @ Phi)
             J += torque @ H
             G += torque @ H_g
         frame, target, centre = self._frame_and_target(state, prediction, turn)
         J, G, torque, frame = (self._with_drives(X) for X in (J, G, torque, frame))
-        return Linearisation(prediction, J, G, torque, rows, frame, target, centre)
+        return Linearisation(prediction, J, G, torque, rows, answer, frame, target, centre)
 
     def _with_drives(self, rows: Array) -> Array:
         """(N, R, ·): zero rows for the drive torques behind the points' rows."""

@@ -136,24 +136,24 @@ def equilibrium(
     law: Law,
     tolerance: float = 1e-13,
     near: Array | None = None,
+    hasten: Law | None = None,
 ) -> tuple[Array, Frames, Wrenches]:
     """Loaded motions (N, S, 6), frames and wrenches.
 
     `direct`: (N, S, 6) motions that do not depend on load; `law` gives the motions (N, S, 6) under
     the local wrenches (N, S, 6). Fixed point; the load moves the wrenches by about 1e-3 of
-    themselves, so each round gains three digits; `near`, motions of an arm that is almost the same,
-    saves the first rounds. Raises ArithmeticError when an arm is so soft
-    that it does not come to rest.
+    themselves, so each round gains three digits. An arm that is almost the same saves rounds: `near`, its
+    motions, and `hasten`, which makes of a round's change (N, S, 6) the whole way to rest. Raises
+    ArithmeticError when an arm is so soft that it does not come to rest.
     """
     motion = direct if near is None else near
     for _ in range(60):
         where = frames(arm, q, motion)
         load = wrenches(arm, where, loads)
-        new = direct + law(load.local)
-        step = float(np.abs(new - motion).max(initial=0.0))
-        motion = new
-        if step < tolerance:
-            return motion, where, load
+        change = direct + law(load.local) - motion
+        if float(np.abs(change).max(initial=0.0)) < tolerance:
+            return motion + change, where, load
+        motion = motion + (change if hasten is None else hasten(change))
     raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")
 
 
