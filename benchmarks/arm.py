@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.arm import Array
 from workbench.campaign import Target
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.fit import fit
@@ -37,8 +36,8 @@ def best(job: Callable[[], object], runs: int = 15) -> float:
     return 1e3 * min(times)
 
 
-def loaded_model() -> tuple[Model, State, Array]:
-    """A KR 500 with 250 kg and one target, measured with some numbers off; its nominal state and motions."""
+def loaded_model() -> tuple[Model, State]:
+    """A KR 500 with 250 kg and one target, measured with some numbers off, and its nominal state."""
     robot = load_robot("kr500")
     rng = np.random.default_rng(0)
     plan = planned(
@@ -56,11 +55,11 @@ def loaded_model() -> tuple[Model, State, Array]:
     true = replace(state, geometry=geometry, values=tuple(0.2 * rng.normal(size=(6, 1))))
     points = model.predict(true) + 3e-5 * rng.normal(size=(POSES, 1, 3))
     measured = replace(job, campaign=replace(plan, points=points))
-    return replace(model, problem=measured), state, model.loaded(state).motion
+    return replace(model, problem=measured), state
 
 
 def main() -> None:
-    model, state, motion = loaded_model()
+    model, state = loaded_model()
     noise = Covariance(np.full((POSES, 1), 3e-5), np.zeros(6), np.ones(POSES))
     result = fit(model, state, noise)
     square = np.random.default_rng(0).normal(size=(1000, 1000))
@@ -68,7 +67,7 @@ def main() -> None:
     whole = best(lambda: fit(model, state, noise), 8)
     rows = [
         ("1000 loaded poses", best(lambda: model.loaded(state)), LOADED_MS),
-        ("derivatives by every motion of every frame", best(lambda: model.linearise(state, motion)), None),
+        ("derivatives by every motion of every frame", best(lambda: model.linearise(state, result.line)), None),
         (f"Gauss–Newton step, {len(result.columns.names)} numbers", whole / result.iterations, STEP_MS),
     ]
     print(f"{'matrix product 1000 × 1000':45s} {product:7.1f} ms")

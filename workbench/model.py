@@ -62,9 +62,9 @@ class Linearisation:
 
     Where drive torques were recorded, n rows for them follow the 3T rows of the points: R = 3T + n; only
     loads move them. direct: (N, R, 6S) by slot motions, load's answer included; geometry: (N, R, 6S) by
-    corrections G; torque: (N, R, E) by the local wrenches `rows`; answer:
-    (N, E, E) how far the rows move until the load's answer has settled; frame: (N, R, 6) by shift and turn of the
-    instrument frame about `centre`; turn: (N, 3, 3) from the base frame to the instrument's.
+    corrections G; torque: (N, R, E) by the local wrenches `rows`; answer: (N, E, E) motion of these rows at
+    rest by the change that their wrenches ask for first; frame: (N, R, 6) by shift and turn of the
+    instrument frame about `centre`; target: (N, T, 3, 3) by the targets' places.
     """
 
     prediction: Prediction
@@ -196,7 +196,7 @@ class Model:
             args = (arm, where, prediction.loads, load, rows)
             H = wrench_jacobian(*args, where.axes, where.origin, before_joint=False)
             H_g = wrench_jacobian(*args, where.geometry_axes, where.geometry_origin, before_joint=True)
-            answer = np.linalg.inv(np.eye(len(rows)) - Phi @ H[:, :, rows])
+            answer[:] = np.linalg.inv(np.eye(len(rows)) - Phi @ H[:, :, rows])
             torque = J[:, :, rows] @ (answer @ Phi)
             J += torque @ H
             G += torque @ H_g
