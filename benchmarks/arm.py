@@ -67,7 +67,11 @@ def main() -> None:
     whole = best(lambda: fit(model, state, noise), 8)
     rows = [
         ("1000 loaded poses", best(lambda: model.loaded(state)), LOADED_MS),
-        ("derivatives by every motion of every frame", best(lambda: model.linearise(state, result.line)), None),
+        (
+            "derivatives by every motion of every frame",
+            best(lambda: model.linearise(state, result.line)),
+            None,
+        ),
         (f"Gauss–Newton step, {len(result.columns.names)} numbers", whole / result.iterations, STEP_MS),
     ]
     print(f"{'matrix product 1000 × 1000':45s} {product:7.1f} ms")
