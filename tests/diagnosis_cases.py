@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from workbench.campaign import Campaign
-from workbench.diagnose.result import Diagnosis
 from workbench.diagnose.run import diagnose
+from workbench.diagnosis import Diagnosis
 from workbench.poses import TARGETS, planned, random_poses
 from workbench.problem import Problem, problem
 from workbench.records import parse_effect

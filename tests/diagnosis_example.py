@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.diagnose.result import (
+from workbench.diagnosis import (
     Detectable,
     Diagnosis,
     Evidence,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.diagnose.result import Where
+from workbench.diagnosis import Where
 from workbench.effects.backlash import Backlash
 from workbench.effects.base import Effect
 from workbench.effects.bearing_tilt import BearingTilt

@@ -13,7 +13,7 @@ SHADOWED = ("diagnose", "compensate", "simulate", "fit", "problem")
 ORDERS = [
     "from workbench import diagnose, fit, problem",
     "import workbench.diagnose.run, workbench.fit, workbench.compensate.command, workbench.simulate",
-    "import workbench.cli\nfrom workbench.problem import Problem\nfrom workbench.diagnose import result",
+    "import workbench.cli\nfrom workbench.problem import Problem\nfrom workbench.diagnose import verdict",
     "from workbench.report.outcome import write_outcome\nfrom workbench import *",
 ]
 

@@ -18,7 +18,7 @@ from workbench.closed_loop.simulation import run
 from workbench.compensate import Conditions, compensate
 from workbench.compensate.conditions import path_campaign
 from workbench.compensate.extended_arm import extended_arm
-from workbench.diagnose.result import Where
+from workbench.diagnosis import Where
 from workbench.effects import catalogue
 from workbench.effects.base import InstrumentEffect
 from workbench.effects.gear_kinematic_error import GearKinematicError

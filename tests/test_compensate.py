@@ -12,7 +12,7 @@ from workbench.campaign import Target
 from workbench.compensate import Compensation, Conditions, compensate, nominal_joints
 from workbench.compensate.course import ready
 from workbench.compensate.solve import turning_sides
-from workbench.diagnose.result import Where
+from workbench.diagnosis import Where
 from workbench.effects.backlash import Backlash
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.gear_kinematic_error import GearKinematicError

@@ -10,7 +10,7 @@ import pytest
 from extended_example import extended, extended_kr500
 
 from workbench.compensate import Conditions, compensate, compensate_file, conditions_of, nominal_joints
-from workbench.diagnose.result import Where
+from workbench.diagnosis import Where
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.extended import write_model
 from workbench.faults import InputError

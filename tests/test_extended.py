@@ -7,7 +7,7 @@ import pytest
 from extended_example import extended, extended_kr500
 
 from workbench.compensate import compensate, conditions_of, stated_conditions
-from workbench.diagnose.result import Where
+from workbench.diagnosis import Where
 from workbench.effects.backlash import Backlash
 from workbench.effects.lost_motion import LostMotion
 from workbench.effects.readback_joints import ReadbackJoints

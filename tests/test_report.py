@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from workbench import figures
-from workbench.diagnose.result import Diagnosis, Finding, Parameter
+from workbench.diagnosis import Diagnosis, Finding, Parameter
 from workbench.effects import catalogue
 from workbench.report import write_all
 from workbench.report.content import content, gather

@@ -2,7 +2,7 @@
 
 The names below are the public API. They are imported at first use, so `import workbench` costs nothing.
 `diagnose`, `compensate`, `simulate`, `fit` and `problem` are the functions here, whatever was imported
-before; what else the modules of the same name hold comes by `from workbench.diagnose.result import Where`.
+before; what else the modules of the same name hold comes by `from workbench.diagnosis import Where`.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from .compensate import compensate_file as compensate_file
     from .compensate import conditions_of as conditions_of
     from .compensate import stated_conditions as stated_conditions
-    from .diagnose.result import Diagnosis as Diagnosis
     from .diagnose.run import Outcome as Outcome
     from .diagnose.run import diagnose as diagnose
+    from .diagnosis import Diagnosis as Diagnosis
     from .effects import catalogue as catalogue
     from .extended import write_fit as write_fit
     from .extended import write_model as write_model
@@ -53,7 +53,7 @@ _MODULES = {
     "campaign": "Campaign Target load_campaign write_campaign",
     "closed_loop.verify": "verify",
     "compensate": "Conditions compensate compensate_file conditions_of stated_conditions",
-    "diagnose.result": "Diagnosis",
+    "diagnosis": "Diagnosis",
     "diagnose.run": "Outcome diagnose",
     "effects": "catalogue",
     "extended": "write_fit write_model",

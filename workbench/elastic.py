@@ -96,16 +96,17 @@ class ElasticTwin:
         """
         self.set_payload(float(loads.mass[0]), loads.moment[0])
         self._refuse_without_joint(direct)
-        motion = direct.copy()
+        motion, last = direct.copy(), np.inf
         for _ in range(60):
             self._pose(q, motion)
             new = direct + law(self.wrenches(loads))[0]
             step = float(np.abs(new - motion).max())
             motion = new
-            if step < 1e-14:
+            if step < 1e-14 or (step < 1e-10 and step > 0.5 * last):  # as still as rounding allows
                 self._refuse_without_joint(motion)
                 self._pose(q, motion)
                 return motion
+            last = step
         raise ArithmeticError("Drake's equilibrium was not reached")
 
     def wrenches(self, loads: Loads) -> Array:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .diagnose.result import Diagnosis, Evidence, Finding, PoseErrors
+from .diagnosis import Diagnosis, Evidence, Finding, PoseErrors
 from .report.drawing import (
     AFTER,
     BEFORE,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .arm import Array
-from .diagnose.result import Where
+from .diagnosis import Where
 from .effects import catalogue
 from .effects.base import Effect
 from .faults import Fault, InputError

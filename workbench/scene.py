@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .atomic import put
-from .diagnose.result import Diagnosis, PoseErrors
+from .diagnosis import Diagnosis, PoseErrors
 from .meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, with_panel
 from .robot import Robot
 

@@ -146,13 +146,15 @@ def equilibrium(
     motions, and `hasten`, which makes of a round's change (N, S, 6) the whole way to rest. Raises
     ArithmeticError when an arm is so soft that it does not come to rest.
     """
-    motion = direct if near is None else near
+    motion, last = direct if near is None else near, np.inf
     for _ in range(60):
         where = frames(arm, q, motion)
         load = wrenches(arm, where, loads)
         change = direct + law(load.local) - motion
-        if float(np.abs(change).max(initial=0.0)) < tolerance:
+        step = float(np.abs(change).max(initial=0.0))
+        if step < tolerance or (step < 1e3 * tolerance and step > 0.5 * last):  # as still as rounding allows
             return motion + change, where, load
+        last = step
         motion = motion + (change if hasten is None else hasten(change))
     raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")
 

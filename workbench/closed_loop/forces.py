@@ -161,6 +161,7 @@ class Forces(LeafSystem):
         plant, machine = self.machine.plant, self.machine
         positions = np.zeros(plant.num_positions())
         positions[machine.motors] = self.motion.q[0]
+        last = np.inf
         for _ in range(60):
             torque = self.at_points(positions, 0)
             torque += plant.CalcGravityGeneralizedForces(self.scratch)
@@ -176,8 +177,9 @@ class Forces(LeafSystem):
             new = self.error[0] + yields
             change = float(np.abs(new - positions[machine.springs]).max())
             positions[machine.springs] = new
-            if change < 1e-14:
+            if change < 1e-14 or (change < 1e-10 and change > 0.5 * last):  # as still as rounding allows
                 break
+            last = change
         else:
             raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")
         needed = -torque[machine.motors]

@@ -10,14 +10,7 @@ import numpy as np
 
 from ..arm import Array
 from ..campaign import Campaign
-from ..effects.base import Effect
-from ..fit import Fit, heldout, refit
-from ..problem import Problem
-from ..report.numbers import words
-from .evidence import evidence, structure_evidence
-from .judge import test_figures
-from .power import detectable, swallowed
-from .result import (
+from ..diagnosis import (
     Diagnosis,
     FaultFound,
     Finding,
@@ -29,6 +22,12 @@ from .result import (
     Verdict,
     Where,
 )
+from ..effects.base import Effect
+from ..fit import Fit, heldout, refit
+from ..problem import Problem
+from .evidence import evidence, structure_evidence
+from .judge import test_figures
+from .power import detectable, swallowed
 from .search import Selection
 from .verdict import (
     MOSTLY,
@@ -281,7 +280,10 @@ def _verdict(findings: Sequence[Finding], unknown: bool) -> Verdict:
 def _headline(verdict: Verdict, findings: Sequence[Finding], stages: Sequence[Stage]) -> str:
     """The verdict in one line; the numbers follow after the first full stop."""
     found = [f for f in findings if f.cause != "unknown"]
-    named = [f"{words(f.cause)} in {f.where}" if str(f.where) else words(f.cause) for f in found]
+    named = [
+        f"{f.cause.replace('_', ' ')} in {f.where}" if str(f.where) else f.cause.replace("_", " ")
+        for f in found
+    ]
     listed = ", ".join(named[:4]) + (f" and {len(named) - 4} more" if len(named) > 4 else "")
     gain = (
         f"Held-out error {stages[0].heldout_rms_mm:.3f} → {stages[-1].heldout_rms_mm:.3f} mm RMS, "

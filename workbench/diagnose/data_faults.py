@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from ..arm import Array
 from ..campaign import Campaign
+from ..diagnosis import FaultFound
+from ..effects import catalogue
 from ..fit import Fit, fit
 from ..model import Model, State
 from ..noise import Covariance
 from ..problem import Problem
 from .generic import families
-from .result import FaultFound
 from .screen import effective_dof, quadratic, reduce_columns
 
 FAR = 6.0  # robust standard deviations per axis from which a point is an outlier
@@ -190,18 +191,32 @@ def moved_instrument(result: Fit) -> tuple[int, float] | None:
 
 
 def _beside_joints(result: Fit, step: Array) -> float:
-    """Statistic of a step when smooth functions of every joint are taken out first: poses measured joint
-    by joint would else let an error of a joint look like a moved instrument."""
-    smooth = np.concatenate([f.columns for f in families(result) if f.joint is not None], axis=2)
+    """Statistic of a step when smooth functions of every joint, stiffness and payload are taken out first.
+
+    Poses measured joint by joint, or load by load, would else let their errors look like a step.
+    """
+    smooth = np.concatenate(
+        [f.columns for f in families(result) if f.joint is not None] + _load_columns(result), axis=2
+    )
     if result.J.shape[2] + smooth.shape[2] > 0.6 * result.point_rows:
         return 0.0
     S, u, own = reduce_columns(result, np.concatenate([smooth, step], axis=2))
     n = smooth.shape[2]
-    length = np.sqrt(np.maximum(own, 1e-12 * own.max()))
+    length = np.sqrt(np.maximum(own, 1e-12 * own.max()))  # what moves nothing stays nothing
     S, u = S / np.outer(length, length), u / length
     solved = np.linalg.solve(S[:n, :n] + 1e-8 * np.eye(n), np.column_stack([S[:n, n:], u[:n]]))
     left = S[n:, n:] - S[n:, :n] @ solved[:, :-1]
     return quadratic(left, u[n:] - S[n:, :n] @ solved[:, -1], np.ones(step.shape[2]))[0]
+
+
+def _load_columns(result: Fit) -> list[Array]:
+    """Whitened columns of what a change of load does."""
+    problem, model = result.model.problem, result.model
+    effects = [e for cause in ("payload", "joint_compliance") for e in catalogue()[cause].sites(problem)]
+    return [
+        np.matmul(result.whitener, model.effect_jacobian(result.line, e, np.zeros(len(e.params))))
+        for e in effects
+    ]
 
 
 def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Array]]:

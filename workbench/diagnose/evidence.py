@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..arm import Array
+from ..diagnosis import Evidence
 from ..effects.base import DirectEffect, Effect, TransmissionEffect, YieldEffect
 from ..fit import Fit
 from .generic import FamilyTest
-from .result import Evidence
 
 
 def evidence(result: Fit, effect: Effect, values: Array) -> Evidence:

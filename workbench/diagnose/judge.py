@@ -8,13 +8,13 @@ import numpy as np
 
 from ..arm import Array
 from ..campaign import Campaign
+from ..diagnosis import TestFigures
 from ..faults import Fault, InputError
 from ..fit import Fit, fit
 from ..model import Model, State
 from ..noise import Covariance
 from ..problem import Problem
 from ..registration import check_units, register
-from .result import TestFigures
 
 
 def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:

@@ -9,11 +9,11 @@ from scipy import stats
 from scipy.optimize import minimize
 
 from ..arm import Array
+from ..diagnosis import Noise
 from ..fit import Fit
 from ..model import Linearisation
 from ..noise import Covariance, MeasuredNoise, measure_noise, repeat_chi2
 from ..problem import Problem
-from .result import Noise
 
 ENOUGH = 60  # degrees of freedom from which measured noise stands in for stated noise
 

@@ -9,10 +9,10 @@ import numpy as np
 from scipy import optimize, stats
 
 from ..arm import Array
+from ..diagnosis import Detectable, NotTestable, Where
 from ..effects.base import Effect, LoadEffect, YieldEffect
 from ..fit import Fit
 from ..problem import Problem
-from .result import Detectable, NotTestable, Where
 from .screen import FAINT, SURVIVES, screen
 from .search import ALPHA, Selection
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import drive_torque
 from ..campaign import Campaign, join
+from ..diagnosis import Diagnosis, FaultFound, NotTestable
 from ..effects import catalogue
 from ..effects.base import Effect, LoadEffect
 from ..fit import Fit, fit, heldout, refit, start_state
@@ -19,7 +20,6 @@ from ..registration import check_units
 from .assemble import Parts, assemble
 from .data_faults import clean, moved_instrument, split_setup
 from .noise_choice import choose, from_residual
-from .result import Diagnosis, FaultFound, NotTestable
 from .search import Search, Selection
 from .verdict import SURE, remainder, stands_out
 

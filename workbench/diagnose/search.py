@@ -15,10 +15,10 @@ import numpy as np
 from scipy import stats
 
 from ..arm import Array
+from ..diagnosis import Where
 from ..effects.base import Effect
 from ..effects.gear_kinematic_error import GearKinematicError
 from ..fit import Fit, refit
-from .result import Where
 from .scan import Line, scan
 from .screen import Screen, effective_dof, p_value, screen
 

@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arm import Arm, Array, Frames
-from ..diagnose.result import Parameter, Where
+from ..diagnosis import Parameter, Where
 from ..problem import Problem
 from ..statics import Loads
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arm import Array
-from ..diagnose.result import Parameter
+from ..diagnosis import Parameter
 from ..problem import Problem
 from .base import DirectEffect, Param
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arm import Array
-from ..diagnose.result import Parameter, Where
+from ..diagnosis import Parameter, Where
 from ..problem import Problem
 from .base import SIN_COS, Param, TransmissionEffect, amplitude_phase, sin_cos
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..arm import Array
-from ..diagnose.result import Where
+from ..diagnosis import Where
 from ..problem import Problem
 from .base import Param, TransmissionEffect
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arm import Arm, Array, Frames
-from ..diagnose.result import Where
+from ..diagnosis import Where
 from ..problem import Problem
 from ..statics import Loads
 from .base import LoadEffect, Param

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arm import Arm, Array
 from ..beam import bending_compliance
-from ..diagnose.result import Where
+from ..diagnosis import Where
 from ..problem import Problem
 from .base import LinearYield, Param
 

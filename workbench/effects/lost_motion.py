@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arm import RZ, TZ, Arm, Array
-from ..diagnose.result import Where
+from ..diagnosis import Where
 from ..problem import Problem
 from .base import Param, YieldEffect
 

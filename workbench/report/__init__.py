@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from ..atomic import put
-from ..diagnose.result import Array, Diagnosis
+from ..diagnosis import Array, Diagnosis
 from ..robot import Robot
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .. import figures
-from ..diagnose.result import Diagnosis, FaultFound, Finding, Parameter
+from ..diagnosis import Diagnosis, FaultFound, Finding, Parameter
 from .drawing import Figure
 from .equation import typeset
 from .limits import detectable, not_testable, place, unidentifiable

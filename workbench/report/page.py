@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 
 from ..atomic import put
-from ..diagnose.result import Diagnosis
+from ..diagnosis import Diagnosis
 from .content import Content, Material, gather
 from .drawing import Figure
 from .parts import bullets, document, figure, table

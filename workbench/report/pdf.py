@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 from ..atomic import put
-from ..diagnose.result import Diagnosis
+from ..diagnosis import Diagnosis
 from .content import Material, gather
 
 

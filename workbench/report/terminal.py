@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..diagnose.result import Diagnosis
+from ..diagnosis import Diagnosis
 from .content import place
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from ...arm import Array
 from ...campaign import Campaign
 from ...diagnose.judge import test_figures
-from ...diagnose.result import Finding
 from ...diagnose.run import Outcome, diagnose
+from ...diagnosis import Finding
 from ...effects.base import Effect
 from ...fit import Fit, refit
 from .cases import Case, draw_case

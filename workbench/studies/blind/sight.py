@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ...arm import Array
 from ...campaign import Campaign
-from ...diagnose.result import Where
 from ...diagnose.run import testable
 from ...diagnose.screen import quadratic, reduce_columns
+from ...diagnosis import Where
 from ...effects.base import Effect
 from ...fit import Fit, fit, start_state
 from ...model import Model
