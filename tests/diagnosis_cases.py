@@ -42,6 +42,7 @@ def measured(
     repeats: int = 1,
     targets: int = 3,
     joints: Callable[[Problem], np.ndarray] | None = None,
+    motion: Callable[[Problem], dict[int, np.ndarray]] | None = None,
     q: np.ndarray | None = None,
     sigma: float = SIGMA,
     state_sigma: bool = True,
@@ -50,7 +51,8 @@ def measured(
 ) -> Campaign:
     """`poses` random poses, without payload and with each of `loads` [kg], all `repeats` times.
 
-    effects: as on the command line; joints: a further error of the joints, in any form.
+    effects: as on the command line; joints, motion: further errors of the joints, of
+    the frames, in any form.
     """
     arm = robot(name)
     rng = np.random.default_rng([seed, 77])
@@ -72,6 +74,7 @@ def measured(
         geometry=random_geometry(job.arm, rng),
         effects=tuple(parse_effect(text, job) for text in effects),
         joints=joints,
+        motion=motion,
         sigma=sigma,
     )
     return simulate(plan, truth, seed=seed, state_sigma=state_sigma, torque_sigma=torque_sigma)

@@ -298,3 +298,19 @@ def test_little_data_do_not_lead_to_absurd_parameters(name, q, options):
         assert diagnosis.causes[0].parameters[0].value == pytest.approx(2e-4, rel=0.15)
     else:
         assert causes == {}
+
+
+def test_a_tool_mounted_anew_is_found_and_mended():
+    plan = measured(seed=3)
+    late = np.arange(len(plan.q)) >= 50
+    flange = 6 * (plan.q.shape[1] + 1)
+    moved = {flange: np.where(late, 4e-4, 0.0), flange + 4: np.where(late, 1e-3, 0.0)}
+    diagnosis = found(measured(seed=3, motion=lambda _: moved))
+    assert [(fault.kind, fault.pose_id) for fault in diagnosis.faults] == [("changed_setup", "51")]
+    assert diagnosis.verdict == "nothing_missing"
+
+
+def test_rounded_joints_are_suspected_of_the_scatter_they_make():
+    campaign = measured(seed=4)
+    diagnosis = found(replace(campaign, q=np.radians(np.round(np.degrees(campaign.q), 2))))
+    assert [fault.kind for fault in diagnosis.faults] == ["rounded_joints"]

@@ -97,7 +97,7 @@ def assemble(parts: Parts) -> Diagnosis:
         remainder_p=left.p,
         not_testable=parts.not_testable + tuple(swallowed(selection, final, parts.problem)),
         detectable=tuple(detectable(selection, final, parts.known)),
-        faults=parts.faults,
+        faults=parts.faults + _rounded(parts, left),
         test=test,
         notes=tuple(notes),
         geometry=_geometry(final),
@@ -315,6 +315,31 @@ def _remarks(parts: Parts, left: Remainder, share: float, mostly: bool) -> list[
     if not parts.known:
         notes.append(parts.noise.sentence)
     return notes
+
+
+def _rounded(parts: Parts, left: Remainder) -> tuple[FaultFound, ...]:
+    """Joints that are multiples of a step which alone would make the scatter that is left.
+
+    Commands are often round numbers and then exact; only unexplained scatter makes them suspect.
+    """
+    if not left.scatter:
+        return ()
+    problem = parts.problem
+    axial = parts.selection.fit.line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
+    lever = np.sqrt(np.mean(axial**2, axis=(0, 1)))
+    excess = parts.noise.sigma_mm * 1e-3 * np.sqrt(max(left.inflation**2 - 1, 0.0))
+    for step in (1.0, 0.5, 0.1, 0.05, 0.01):
+        turns = np.degrees(problem.q) / step
+        round_ = np.abs(turns - np.round(turns)).max(axis=0) < 1e-6
+        made = float(
+            np.sqrt(np.sum((lever * np.radians(step) / np.sqrt(12))[round_ & ~problem.arm.prismatic] ** 2))
+        )
+        if round_.all() and 0.4 * excess < made < 2.5 * excess:
+            what = f"all joints are multiples of {step:g}°, which alone scatters {made * 1e3:.3f} mm per axis"
+            return (
+                FaultFound("rounded_joints", None, None, what, "kept: record the joints with more digits"),
+            )
+    return ()
 
 
 def _geometry(final: Fit) -> tuple[Parameter, ...]:

@@ -1,4 +1,4 @@
-"""Data faults before causes: wild points, swapped and frozen targets, an instrument that was moved.
+"""Data faults before causes: wild points, swapped and frozen targets, an instrument or tool that moved.
 
 Each is found on a robust geometry fit, named with its pose, and either mended or left out.
 """
@@ -158,36 +158,54 @@ def _frozen(problem: Problem) -> tuple[Problem, list[FaultFound]]:
     return replace(problem, campaign=replace(c, points=points)), faults
 
 
-def moved_instrument(result: Fit) -> tuple[int, float] | None:
-    """First pose after a step of the instrument (index, size in m); None when there is no step.
+@dataclass(frozen=True)
+class Step:
+    """A step in time: kind of data fault, first pose after it, size [m], statistic."""
+
+    kind: str
+    first: int
+    size: float
+    statistic: float
+
+
+def step_in_time(result: Fit) -> Step | None:
+    """A moved instrument, or a tool that was mounted anew; None when nothing steps.
 
     Every place in the measured order is tried; a step must beat a steady drift clearly.
     """
     c = result.model.problem.campaign
     if len(c.setup_names) > 1 or len(c.q) < 20:
         return None
+    flange = result.line.direct[:, :, -6:]
+    steps = [
+        _step(result, kind, np.matmul(result.whitener, columns))
+        for kind, columns in (("moved_instrument", result.line.frame), ("changed_setup", flange))
+    ]
+    return max((step for step in steps if step), key=lambda step: step.statistic, default=None)
 
-    base = np.matmul(result.whitener, result.line.frame)
-    ramp = np.linspace(-1, 1, len(c.q))
+
+def _step(result: Fit, kind: str, base: Array) -> Step | None:
+    """The best step of the motions base: (N, D, 6), whitened; None when none is clear."""
+    n_poses = len(base)
+    ramp = np.linspace(-1, 1, n_poses)
     S, u, own = reduce_columns(result, base * ramp[:, None, None])
     drift, _ = quadratic(S, u, np.maximum(own, 1e-300))
-    best = (0.0, 0)
-    grid = range(5, len(c.q) - 4)
-    B = _prefix(result, base)
-    for k in grid:
-        S, u, own = B(k)
-        gain, _ = quadratic(S, u, np.maximum(own, 1e-300))
-        best = max(best, (gain, k))
+    before = _prefix(result, base)
+    gains = []
+    for k in range(5, n_poses - 4):
+        S, u, own = before(k)
+        gains.append(quadratic(S, u, np.maximum(own, 1e-300))[0])
+    gain, first = max(gains), 5 + int(np.argmax(gains))
     # against what the residual scatters anyway: an unknown effect is no step
     scatter = max(1.0, result.chi2 / effective_dof(result))
-    if best[0] < 60 * scatter or best[0] < drift + 40 * scatter:
+    if gain < 60 * scatter or gain < drift + 40 * scatter:
         return None
-    step = base * (np.arange(len(c.q)) < best[1])[:, None, None]
+    step = base * (np.arange(n_poses) < first)[:, None, None]
     if _beside_joints(result, step) < 60 * scatter:
         return None
-    S, u, own = B(best[1])
+    S, u, own = before(first)
     size = float(np.linalg.norm((np.linalg.pinv(S, hermitian=True) @ u)[:3]))
-    return best[1], size
+    return Step(kind, first, size, gain)
 
 
 def _beside_joints(result: Fit, step: Array) -> float:

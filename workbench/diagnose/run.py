@@ -18,7 +18,7 @@ from ..problem import Problem, problem
 from ..records import stated_effects
 from ..registration import check_units
 from .assemble import Parts, assemble
-from .data_faults import clean, moved_instrument, split_setup
+from .data_faults import clean, split_setup, step_in_time
 from .noise_choice import choose, from_residual
 from .search import Search, Selection
 from .verdict import SURE, remainder, stands_out
@@ -57,14 +57,13 @@ def diagnose(
     guess, noise, notes = choose(whole, model.linearise(start))
     cleaned = clean(whole, start, guess, known_effects, judged=noise.source != "residual")
     whole, faults = cleaned.problem, list(cleaned.faults)
-    step = moved_instrument(cleaned.fit)
+    step = step_in_time(cleaned.fit)
     if step is not None:
-        whole = split_setup(whole, step[0])
-        name = whole.campaign.pose_ids[step[0]]
-        what = f"the frame steps by {step[1] * 1e3:.2f} mm before this pose"
-        faults.append(
-            FaultFound("moved_instrument", name, None, what, "frame and targets fitted anew from here on")
-        )
+        whole = split_setup(whole, step.first)
+        moved = {"moved_instrument": "the instrument's frame", "changed_setup": "the tool with its targets"}
+        what = f"{moved[step.kind]} steps by {step.size * 1e3:.2f} mm before this pose"
+        name = whole.campaign.pose_ids[step.first]
+        faults.append(FaultFound(step.kind, name, None, what, "frame and targets fitted anew from here on"))
         start = start_state(whole)
         guess, noise, _ = choose(whole, Model(whole, (), known_effects).linearise(start))
     else:
