@@ -108,6 +108,13 @@ def _search(nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bo
     """The search; where something unknown is left, causes that do not stand out of it are taken back."""
     search = Search(nominal, geometry, candidates, known)
     selection = search.run()
+    for _ in range(3):
+        absurd = _absurd(selection.fit)
+        if not absurd:
+            break
+        candidates = [effect for effect in candidates if effect not in absurd]
+        search = Search(nominal, geometry, candidates, known)
+        selection = search.run()
     while selection.chosen and remainder(selection.fit, known).structured:
         kept = [
             index
@@ -118,6 +125,15 @@ def _search(nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bo
             break
         selection = search.select(selection.pool, kept)
     return _material(search, selection) if geometry.model.problem.drives else selection
+
+
+def _absurd(result: Fit) -> list[Effect]:
+    """Effects whose fitted numbers no machine can have: they make up for something else."""
+    return [
+        effect
+        for effect, values in zip(result.model.effects, result.state.values, strict=True)
+        if any(not p.lower <= v <= p.upper for p, v in zip(effect.params, values, strict=True))
+    ]
 
 
 def _material(search: Search, selection: Selection) -> Selection:

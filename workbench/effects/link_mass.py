@@ -42,7 +42,10 @@ class LinkMass(LoadEffect):
     def params(self) -> tuple[Param, ...]:
         if self.variant == "mass":
             return (Param("mass", "kg", 0.05 * self.mass, "added to the URDF's mass", lower=-self.mass),)
-        return tuple(Param(f"moment_{axis}", "kg·m", 0.02 * self.mass) for axis in "xyz")
+        most = 0.3 * self.mass  # a centre of mass does not leave its link
+        return tuple(
+            Param(f"moment_{axis}", "kg·m", 0.02 * self.mass, lower=-most, upper=most) for axis in "xyz"
+        )
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:

@@ -44,7 +44,11 @@ class Payload(LoadEffect):
             return (
                 Param("mass", "kg", 0.05 * max(self.mass, 1.0), "added to the stated mass", lower=-self.mass),
             )
-        return tuple(Param(f"moment_{axis}", "kg·m", 0.03 * max(self.mass, 1.0)) for axis in "xyz")
+        size = max(self.mass, 1.0)
+        return tuple(
+            Param(f"moment_{axis}", "kg·m", 0.03 * size, lower=-0.5 * size, upper=0.5 * size)
+            for axis in "xyz"
+        )
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
