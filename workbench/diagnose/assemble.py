@@ -31,6 +31,7 @@ from .power import detectable, swallowed
 from .search import Selection
 from .verdict import (
     MOSTLY,
+    OVERSHADOWED,
     PIECES,
     SURE,
     Remainder,
@@ -40,6 +41,7 @@ from .verdict import (
     remainder,
     stands_alone,
     stands_out,
+    wald,
 )
 
 
@@ -175,6 +177,9 @@ def _sure(parts: Parts, groups: Groups, left: Remainder) -> dict[int, bool]:
         free = not left.structured or any(
             stands_alone(final, i, left, SURE / selection.tries[i]) for i in own
         )
+        # beside something unknown that is far larger nothing is sure (where the noise is known, its size is)
+        excess = left.chi2 - left.dof if left.structured and parts.known else 0.0
+        free = free and sum(wald(final, i) for i in own) >= OVERSHADOWED * excess
         pieces = effect.cause in PIECES and effect.where.joint in patched
         sure[g] = out and free and not pieces
     return sure

@@ -22,6 +22,7 @@ SURE = 0.01  # p-value, looks counted, that a cause keeps against the scatter al
 PIECES = ("gear_kinematic_error", "gear_ratio", "gear_eccentricity")
 FAST = 12.0  # cycles per joint turn from which a gear line is no smooth function of the joint
 DWARFS = 25.0  # times the structure left near it that a cause must explain to be sure at once
+OVERSHADOWED = 0.5  # share of the unexplained excess that a cause must itself explain to be sure
 MOSTLY = 0.9  # share of the excess that a cause must explain to be named although its form is not exact
 
 
@@ -80,8 +81,7 @@ def stands_alone(result: Fit, i: int, left: Remainder, threshold: float) -> bool
     effect: Effect = result.model.effects[i]
     joint = effect.where.joint
     excess = max((t.statistic - t.rank for t, _ in left.tests if _near(effect, t)), default=0.0)
-    values, covariance = result.effect_values(i)
-    if float(values @ np.linalg.solve(covariance, values)) > DWARFS * excess:
+    if wald(result, i) > DWARFS * excess:
         return True
     if (effect.where.order or 0.0) < FAST:
         return False
@@ -117,11 +117,11 @@ def stands_alone(result: Fit, i: int, left: Remainder, threshold: float) -> bool
     prior = result.columns.prior[index]
     value = result.state.values[i] + step[index] * prior
     covariance = (inverse[index] * prior[:, None]) @ (inverse[index] * prior[:, None]).T
-    wald = float(value @ np.linalg.solve(covariance, value))
+    size = float(value @ np.linalg.solve(covariance, value))
     rss = float(R[n, n] ** 2)
     dof = max(rows - n, 1)
     # against what is left, not against the noise: something unknown is in it
-    p = p_value(wald, len(index), rss + wald, dof + len(index), result.noise.dof, known=False)
+    p = p_value(size, len(index), rss + size, dof + len(index), result.noise.dof, known=False)
     return bool(p < threshold)
 
 
@@ -158,7 +158,7 @@ def stands_out(result: Fit, i: int) -> float:
     scatters more than the noise from pose to pose, and the effect must stand out of that.
     """
     effect = result.model.effects[i]
-    values, covariance = result.effect_values(i)
+    values = result.state.values[i]
     move = result.model.effect_jacobian(result.line, effect, values) @ values
     d = np.matmul(result.whitener, move[..., None])[..., 0]
     size = (d**2).sum(axis=1)
@@ -168,18 +168,20 @@ def stands_out(result: Fit, i: int) -> float:
     scatter = total / count
     rows = result.point_rows
     scatter *= rows / max(effective_dof(result), 1.0)
-    wald = float(values @ np.linalg.solve(covariance, values))
     p = len(values)
-    return float(stats.f.sf(wald / p / max(1.0, scatter), p, max(count - p, 1)))
+    return float(stats.f.sf(wald(result, i) / p / max(1.0, scatter), p, max(count - p, 1)))
+
+
+def wald(result: Fit, i: int) -> float:
+    """Squared size of the model's i-th effect in standard deviations."""
+    values, covariance = result.effect_values(i)
+    return float(values @ np.linalg.solve(covariance, values))
 
 
 def explained_share(result: Fit, left: Remainder) -> float:
     """Share of what geometry leaves that the causes explain: their misfit against the strongest structure
     left (a sum over all rows would drown it in the noise's own scatter)."""
-    explained = 0.0
-    for i in range(len(result.model.effects)):
-        values, covariance = result.effect_values(i)
-        explained += float(values @ np.linalg.solve(covariance, values))
+    explained = sum(wald(result, i) for i in range(len(result.model.effects)))
     excess = max((t.statistic - t.rank for t, _ in left.tests), default=0.0)
     if left.scatter:
         excess = max(excess, left.chi2 - left.dof)

@@ -33,7 +33,8 @@ class GearRatio(TransmissionEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        return (Param("relative", "1", 5e-5, "joint travel over the commanded travel, minus one"),, lower=-5e-3, upper=5e-3)
+        meaning = "joint travel over the commanded travel, minus one"
+        return (Param("relative", "1", 5e-5, meaning, lower=-5e-3, upper=5e-3),)
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[GearRatio]:
