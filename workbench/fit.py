@@ -187,11 +187,19 @@ def fit(
         start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
     cols = columns(problem, model.effects, geometry)
     state, damping = start, 0.0
-    W, near = np.zeros(0), None
+    near: Linearisation | None = None
+    W, step, halved = np.zeros(0), np.zeros(0), 0
     best: tuple[float, State] | None = None
     for iteration in range(max_iterations):
-        line = model.linearise(state, near)
-        near = line
+        try:
+            line = model.linearise(state, near)
+        except ArithmeticError:  # the step went to an arm too soft to stand: half of it, and half again
+            if best is None or near is None or halved > 20:
+                raise
+            halved += 1
+            state = _move(problem, cols, best[1], near.centre, 0.5**halved * step)
+            continue
+        near, halved = line, 0
         if iteration < 2:
             W = _whitener(problem, line, noise)
         residual, r = _residual(model, line, state, W)
@@ -214,6 +222,8 @@ def fit(
         if moved < tolerance and damping == 0.0:
             break
         state = _move(problem, cols, state, line.centre, step)
+    if halved and best is not None:
+        state = best[1]
     upper = _step(flat, r.ravel(), offset, cols.prior, 0.0)[1]
     seen = problem.seen[..., None]
     return Fit(
