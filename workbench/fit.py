@@ -107,6 +107,11 @@ class Fit:
         part = self.columns.effect[i]
         return self.state.values[i], self.covariance[part, part]
 
+    def wald(self, i: int) -> float:
+        """Squared size of the model's i-th effect in standard deviations."""
+        values, covariance = self.effect_values(i)
+        return float(values @ np.linalg.solve(covariance, values))
+
 
 def columns(problem: Problem, effects: Sequence[Effect], geometry: bool = True) -> Columns:
     """The numbers to fit: frames, targets, geometry (unless False) and the effects' parameters."""

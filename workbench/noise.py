@@ -37,10 +37,6 @@ class Covariance:
         """Leaves out the poses marked True."""
         return replace(self, weight=np.where(poses, 0.0, self.weight))
 
-    def scaled(self, factor: float) -> Covariance:
-        """All standard deviations times `factor`."""
-        return replace(self, sigma=self.sigma * factor, joint=self.joint * factor)
-
 
 def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Array | None) -> Array:
     """(N, D, 3T): whitens residuals (N, 3T) of a pose; rows of what was not seen are zero.

@@ -41,7 +41,6 @@ from .verdict import (
     remainder,
     stands_alone,
     stands_out,
-    wald,
 )
 
 
@@ -74,7 +73,7 @@ def assemble(parts: Parts) -> Diagnosis:
     share = explained_share(final, left)
     sure = _sure(parts, groups, left)
     mostly = bool(groups) and share >= MOSTLY and all(sure.values()) and parts.known
-    findings = [_finding(parts, groups, g, stages, heldouts, sure[g]) for g in range(len(groups))]
+    findings = [_finding(parts, groups, g, stages, sure[g]) for g in range(len(groups))]
     notes = list(parts.notes) + list(c.warnings) + _remarks(parts, left, share, mostly)
     patched = patchwork(selection.effects)
     unknown = (left.structured and not mostly) or bool(patched)
@@ -179,15 +178,13 @@ def _sure(parts: Parts, groups: Groups, left: Remainder) -> dict[int, bool]:
         )
         # beside something unknown that is far larger nothing is sure (where the noise is known, its size is)
         excess = left.chi2 - left.dof if left.structured and parts.known else 0.0
-        free = free and sum(wald(final, i) for i in own) >= OVERSHADOWED * excess
+        free = free and sum(final.wald(i) for i in own) >= OVERSHADOWED * excess
         pieces = effect.cause in PIECES and effect.where.joint in patched
         sure[g] = out and free and not pieces
     return sure
 
 
-def _finding(
-    parts: Parts, groups: Groups, g: int, stages: list[Stage], heldouts: list[Array], sure: bool
-) -> Finding:
+def _finding(parts: Parts, groups: Groups, g: int, stages: list[Stage], sure: bool) -> Finding:
     effect, own = groups[g]
     final, selection = parts.selection.fit, parts.selection
     without = [e for i, e in enumerate(final.model.effects) if i not in own]

@@ -286,11 +286,13 @@ class Search:
 
     def _p(self, pool: Screen, result: Fit, i: int) -> float:
         """p-value of the fit's i-th cause given the others, times the number of looks."""
-        values, covariance = result.effect_values(i)
-        wald = float(values @ np.linalg.solve(covariance, values))
+        wald = result.wald(i)
         tries = self.tries.get(result.model.effects[i], self.regular)
         rss = result.chi2 + wald
-        return min(1.0, tries * p_value(wald, len(values), rss, pool.dof, result.noise.dof, self.known))
+        return min(
+            1.0,
+            tries * p_value(wald, len(result.state.values[i]), rss, pool.dof, result.noise.dof, self.known),
+        )
 
     def _rivals(self, pool: Screen, chosen: Sequence[int], a: int) -> tuple[int, ...]:
         """Causes that could stand in for an accepted one: beside them it adds nothing significant."""

@@ -81,7 +81,7 @@ def stands_alone(result: Fit, i: int, left: Remainder, threshold: float) -> bool
     effect: Effect = result.model.effects[i]
     joint = effect.where.joint
     excess = max((t.statistic - t.rank for t, _ in left.tests if _near(effect, t)), default=0.0)
-    if wald(result, i) > DWARFS * excess:
+    if result.wald(i) > DWARFS * excess:
         return True
     if (effect.where.order or 0.0) < FAST:
         return False
@@ -169,19 +169,13 @@ def stands_out(result: Fit, i: int) -> float:
     rows = result.point_rows
     scatter *= rows / max(effective_dof(result), 1.0)
     p = len(values)
-    return float(stats.f.sf(wald(result, i) / p / max(1.0, scatter), p, max(count - p, 1)))
-
-
-def wald(result: Fit, i: int) -> float:
-    """Squared size of the model's i-th effect in standard deviations."""
-    values, covariance = result.effect_values(i)
-    return float(values @ np.linalg.solve(covariance, values))
+    return float(stats.f.sf(result.wald(i) / p / max(1.0, scatter), p, max(count - p, 1)))
 
 
 def explained_share(result: Fit, left: Remainder) -> float:
     """Share of what geometry leaves that the causes explain: their misfit against the strongest structure
     left (a sum over all rows would drown it in the noise's own scatter)."""
-    explained = sum(wald(result, i) for i in range(len(result.model.effects)))
+    explained = sum(result.wald(i) for i in range(len(result.model.effects)))
     excess = max((t.statistic - t.rank for t, _ in left.tests), default=0.0)
     if left.scatter:
         excess = max(excess, left.chi2 - left.dof)

@@ -169,6 +169,41 @@ class LoadEffect(Effect):
         """(N, S, 6, p) change of the local wrenches per unit of each parameter."""
 
 
+@dataclass(frozen=True)
+class MassEffect(LoadEffect):
+    """Mass (`variant` "mass") or centre of mass ("com") of a body differs from its `mass` [kg] and place.
+
+    A centre of mass is fitted as first moment [kg·m], which is linear, and reported as a shift. reference:
+    whose numbers they differ from, in words.
+    """
+
+    mass: float = 0.0
+
+    reference: ClassVar[str]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        if self.variant == "mass":
+            return ("mass",)
+        return tuple(f"{kind}_{axis}" for kind in ("com", "moment") for axis in "xyz")
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        if self.variant == "mass":
+            return super().given(numbers)
+        return np.array([numbers.get(f"moment_{a}", self.mass * numbers.get(f"com_{a}", 0.0)) for a in "xyz"])
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        std = np.sqrt(np.diag(covariance))
+        if self.variant == "mass":
+            return (Parameter("mass", float(values[0]), float(std[0]), "kg", f"over {self.reference} mass"),)
+        return tuple(
+            Parameter(
+                f"com_{axis}", float(v / self.mass), float(s / self.mass), "m", f"over {self.reference} place"
+            )
+            for axis, v, s in zip("xyz", values, std, strict=True)
+        )
+
+
 class InstrumentEffect(Effect):
     """How the points are seen; linear in its parameters."""
 

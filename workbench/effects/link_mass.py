@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..arm import Arm, Array, Frames
-from ..diagnosis import Parameter, Where
+from ..diagnosis import Where
 from ..problem import Problem
 from ..statics import Loads
-from .base import LoadEffect, Param, mass_wrench
-
-MOMENT = ("com_x", "com_y", "com_z", "moment_x", "moment_y", "moment_z")
+from .base import MassEffect, Param, mass_wrench
 
 
 @dataclass(frozen=True)
-class LinkMass(LoadEffect):
+class LinkMass(MassEffect):
     """Gravity of the link acts with m + Δm at c (`variant` "mass"), or with m at c + Δc ("com").
 
     The fitted centre-of-mass parameters are first moments m Δc [kg·m] on the URDF link's axes, so that
     both are linear. Catalogue no. 11. Drake: mass and centre of mass of the body, in the Context.
     """
 
-    mass: float = 0.0
-
     cause: ClassVar[str] = "link_mass"
     title: ClassVar[str] = "Mass of a link differs from the model"
+    reference: ClassVar[str] = "the URDF's"
     equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "measure with two payloads: a stiffness acts on both, a link mass on neither",
@@ -84,24 +81,6 @@ class LinkMass(LoadEffect):
             for m, first in zip(mass, moment.T, strict=True)
         ]
         return np.stack(columns, axis=-1)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return ("mass",) if self.variant == "mass" else MOMENT
-
-    def given(self, numbers: Mapping[str, float]) -> Array:
-        if self.variant == "mass":
-            return super().given(numbers)
-        return np.array([numbers.get(f"moment_{a}", self.mass * numbers.get(f"com_{a}", 0.0)) for a in "xyz"])
-
-    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
-        std = np.sqrt(np.diag(covariance))
-        if self.variant == "mass":
-            return (Parameter("mass", float(values[0]), float(std[0]), "kg", "over the URDF's mass"),)
-        return tuple(
-            Parameter(f"com_{axis}", float(v / self.mass), float(s / self.mass), "m", "over the URDF's place")
-            for axis, v, s in zip("xyz", values, std, strict=True)
-        )
 
     def sentence(self, values: Array) -> str:
         if self.variant == "mass":

@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..arm import Arm, Array, Frames
-from ..diagnosis import Parameter, Where
+from ..diagnosis import Where
 from ..problem import Problem
 from ..statics import Loads
-from .base import LoadEffect, Param, mass_wrench
-
-MOMENT = ("com_x", "com_y", "com_z", "moment_x", "moment_y", "moment_z")
+from .base import MassEffect, Param, mass_wrench
 
 
 @dataclass(frozen=True)
-class Payload(LoadEffect):
+class Payload(MassEffect):
     """Gravity of the payload acts with m + Δm at c (`variant` "mass"), or with m at c + Δc ("com").
 
     The fitted centre-of-mass parameters are first moments m Δc, so that both are linear.
     Drake: mass and centre of mass of the payload's body, parameters of the Context.
     """
 
-    mass: float = 0.0
     com: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     cause: ClassVar[str] = "payload"
     title: ClassVar[str] = "Payload differs from what was stated"
+    reference: ClassVar[str] = "the stated"
     equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "weigh the payload, or measure a third load",
@@ -84,24 +82,6 @@ class Payload(LoadEffect):
         return np.stack(
             [mass_wrench(problem, where, flange, mass[:, i], moment[:, :, i]) for i in range(mass.shape[1])],
             axis=-1,
-        )
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return ("mass",) if self.variant == "mass" else MOMENT
-
-    def given(self, numbers: Mapping[str, float]) -> Array:
-        if self.variant == "mass":
-            return super().given(numbers)
-        return np.array([numbers.get(f"moment_{a}", self.mass * numbers.get(f"com_{a}", 0.0)) for a in "xyz"])
-
-    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
-        std = np.sqrt(np.diag(covariance))
-        if self.variant == "mass":
-            return (Parameter("mass", float(values[0]), float(std[0]), "kg", "over the stated mass"),)
-        return tuple(
-            Parameter(f"com_{axis}", float(v / self.mass), float(s / self.mass), "m", "over the stated place")
-            for axis, v, s in zip("xyz", values, std, strict=True)
         )
 
     def sentence(self, values: Array) -> str:
