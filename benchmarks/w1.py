@@ -23,7 +23,8 @@ from scipy.spatial.transform import Rotation
 
 from workbench.arm import Array
 from workbench.campaign import Target
-from workbench.fit import Columns, Fit, columns, fit, start_state
+from workbench.columns import Columns, columns
+from workbench.fit import Fit, fit, start_state
 from workbench.model import Model, State, move_frame
 from workbench.noise import Covariance
 from workbench.plant import rigid_twin

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.diagnose.noise_choice import choose, from_residual, stated
+from workbench.diagnose.noise_choice import choose, from_residual
 from workbench.fit import fit, start_state
 from workbench.model import Model
-from workbench.noise import Covariance, measure_noise, repeat_chi2, repeat_groups, whitener
+from workbench.noise import Covariance, measure_noise, repeat_chi2, repeat_groups, stated_noise, whitener
 from workbench.poses import planned, random_poses
 from workbench.problem import problem
 from workbench.robot import load_robot
@@ -96,7 +96,7 @@ def test_without_repeats_nothing_is_measured():
     assert said.source == "residual"
     assert not notes
     assert np.ptp(noise.sigma) == 0
-    assert stated(job) is None
+    assert stated_noise(job) is None
 
 
 def test_the_side_of_approach_and_the_load_make_other_poses():

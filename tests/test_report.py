@@ -151,7 +151,9 @@ def test_nasty_texts_are_only_texts(robot: Robot) -> None:
     checker = parse(page(material))
     assert "".join(checker.text).count(NASTY) > 15
     assert pdf(material).startswith(b"%PDF")
-    assert NASTY.replace("<", "\\u003c").split("\\n")[0][:9] in scene(nasty(), robot)
+    assert NASTY.replace("<", "\\u003c").split("\\n")[0][:9] in scene(
+        nasty(), robot, ghost_q=np.zeros(6), ghost_label=NASTY
+    )
 
 
 def test_page_and_pdf_come_out_the_same_twice() -> None:

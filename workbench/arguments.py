@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import io
+import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +26,32 @@ def common(parser: argparse.ArgumentParser, out: str | None = None) -> None:
     parser.add_argument("--quick", action="store_true", help="smaller and faster")
     parser.add_argument("--workers", type=int, default=None, help="processes (default: all cores)")
     parser.add_argument("--resume", action="store_true", help="go on where a stopped run ended")
+
+
+def guarded(action: Callable[[], int]) -> int:
+    """Exit status of an action: its own (0), 2 when the input or the call is wrong, 1 when it failed."""
+    for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(threads, "1")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without µ is no reason to fail
+    try:
+        return action()
+    except InputError as error:
+        for fault in error.faults:
+            print(f"error: {fault}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        if os.environ.get("WORKBENCH_DEBUG"):
+            raise
+        print(f"failed: {type(error).__name__}: {error} (WORKBENCH_DEBUG=1 shows where)", file=sys.stderr)
+        return 1
 
 
 def progress(message: str) -> None:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import io
 import json
 import os
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .arguments import check_folder, common, conditions, load_all, load_options, progress
-from .faults import InputError
+from .arguments import check_folder, common, conditions, guarded, load_all, load_options, progress
+from .studies import PUBLISHED
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -20,29 +18,12 @@ if TYPE_CHECKING:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command; exit status 0 done, 2 the input or the call is wrong, 1 the program failed."""
-    for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ.setdefault(threads, "1")
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # a terminal without µ is no reason to fail
-    arguments = _parser().parse_args(argv)
-    try:
+
+    def action() -> int:
+        arguments = _parser().parse_args(argv)
         return int(arguments.run(arguments) or 0)
-    except InputError as error:
-        for fault in error.faults:
-            print(f"error: {fault}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return 1
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except Exception as error:
-        if os.environ.get("WORKBENCH_DEBUG"):
-            raise
-        print(f"failed: {type(error).__name__}: {error} (WORKBENCH_DEBUG=1 shows where)", file=sys.stderr)
-        return 1
+
+    return guarded(action)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -214,26 +195,39 @@ def _verify(commands: Commands) -> None:
 
 
 def _study(commands: Commands) -> None:
-    parser = commands.add_parser("study", help="studies: blind (our error rates)")
-    parser.add_argument("name", choices=("blind",))
-    parser.add_argument("--draws", type=int, default=20, help="draws per cause (20)")
-    common(parser, "reports/blind")
+    parser = commands.add_parser("study", help="the published studies, and our own error rates (blind)")
+    parser.add_argument("name", choices=(*PUBLISHED, "all", "blind"))
+    parser.add_argument("--draws", type=int, default=20, help="blind: draws per cause (20)")
+    common(parser)
 
     def run(arguments: argparse.Namespace) -> int:
-        from .studies.blind import blind
+        name = arguments.name
+        folder = arguments.out or Path("reports") / ("" if name == "all" else name)
+        check_folder(folder)
+        if name == "blind":
+            return _blind(arguments, folder)
+        from .studies.running import run_published
 
-        result = blind(
-            arguments.out,
-            arguments.draws,
-            arguments.seed,
-            arguments.workers,
-            arguments.resume,
-            arguments.quick,
-        )
-        print(json.dumps(result.to_json()) if arguments.json else result.text)
+        names = PUBLISHED if name == "all" else (name,)
+        found = run_published(names, folder, arguments.seed, arguments.quick, progress)
+        if arguments.json:
+            results = [study.to_json() for study in found]
+            print(json.dumps(results if name == "all" else results[0]))
+        else:
+            print("\n\n".join(study.text for study in found), f"open {folder}/index.html", sep="\n\n")
         return 0
 
     parser.set_defaults(run=run)
+
+
+def _blind(arguments: argparse.Namespace, folder: Path) -> int:
+    from .studies.blind import blind
+
+    result = blind(
+        folder, arguments.draws, arguments.seed, arguments.workers, arguments.resume, arguments.quick
+    )
+    print(json.dumps(result.to_json()) if arguments.json else result.text)
+    return 0
 
 
 def _robots(commands: Commands) -> None:

@@ -10,47 +10,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
 from scipy.spatial.transform import Rotation
 
 from .arm import Array
+from .columns import Columns, body_motion, columns
 from .effects.base import Effect
+from .faults import Fault, InputError
 from .model import Linearisation, Model, State, move_frame
-from .noise import Covariance, whitener
+from .noise import Covariance, stated_noise, whitener
 from .problem import Problem
-from .registration import STATED_TARGET, UNKNOWN_TARGET, register
-
-GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
-FRAME_PRIOR = 10.0  # m, rad: as good as none
-KEYS = ("tx", "ty", "tz", "rx", "ry", "rz")
-
-
-@dataclass(frozen=True)
-class Columns:
-    """The fitted numbers: their names and prior standard deviations, in blocks.
-
-    First the frames: shift and turn of each set-up. Then `targets`: (setup, target, columns), three
-    columns for one target, or six (shift and turn, target None) for all of a 6-D measurement together.
-    Then geometry: columns 6 · slot + component; then the effects' own parameters.
-    """
-
-    names: tuple[str, ...]
-    prior: Array
-    setups: int
-    targets: tuple[tuple[int, int | None, slice], ...]
-    geometry: NDArray[np.int64]
-    effect: tuple[slice, ...]
-
-    @property
-    def background(self) -> int:
-        """Number of columns before the effects'."""
-        start = self.targets[-1][2].stop if self.targets else 6 * self.setups
-        return int(start) + len(self.geometry)
-
-    @property
-    def geometry_slice(self) -> slice:
-        return slice(self.background - len(self.geometry), self.background)
+from .registration import register
 
 
 @dataclass(frozen=True)
@@ -113,61 +83,6 @@ class Fit:
         return float(values @ np.linalg.solve(covariance, values))
 
 
-def columns(problem: Problem, effects: Sequence[Effect], geometry: bool = True) -> Columns:
-    """The numbers to fit: frames, targets, geometry (unless False) and the effects' parameters."""
-    campaign = problem.campaign
-    names: list[str] = []
-    prior: list[float] = []
-    for setup in campaign.setup_names:
-        names += [f"frame/{setup}/{key}" for key in KEYS]
-        prior += [FRAME_PRIOR] * 6
-    targets: list[tuple[int, int | None, slice]] = []
-    for k, setup in enumerate(campaign.setup_names):
-        for i, label, keys, spread in _free_targets(problem, k):
-            targets.append((k, i, slice(len(names), len(names) + len(keys))))
-            names += [f"target/{setup}/{label}/{key}" for key in keys]
-            prior += spread
-    arm = problem.arm
-    which = np.arange(6, 6 * (arm.n + 1)) if geometry else np.zeros(0, dtype=int)
-    for column in which:
-        slot, component = divmod(int(column), 6)
-        names.append(f"geometry/{arm.names[slot - 1]}/{KEYS[component]}")
-        prior.append(GEOMETRY_PRIOR[component // 3])
-    slices, start = [], len(names)
-    for effect in effects:
-        names += [f"{effect.label}/{p.name}" for p in effect.params]
-        prior += [1e3 * p.typical for p in effect.params]
-        slices.append(slice(start, len(names)))
-        start = len(names)
-    return Columns(
-        tuple(names), np.array(prior), len(campaign.setup_names), tuple(targets), which, tuple(slices)
-    )
-
-
-def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, tuple[str, ...], list[float]]]:
-    """Targets of a set-up that are fitted: index (None: all as one body), name, keys, priors."""
-    campaign = problem.campaign
-    seen = problem.seen[campaign.setup == setup].any(axis=0)
-    free = [i for i, target in enumerate(campaign.targets) if seen[i] and not target.fixed]
-    stated = [campaign.targets[i].xyz is not None for i in free]
-    if campaign.six_dof and free:
-        spread = [STATED_TARGET] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
-        return [(None, "body", KEYS, spread)]
-    return [
-        (i, campaign.targets[i].name, ("x", "y", "z"), [STATED_TARGET if known else UNKNOWN_TARGET] * 3)
-        for i, known in zip(free, stated, strict=True)
-    ]
-
-
-def _body_motion(places: Array) -> Array:
-    """(3T, 6) motion of places (T, 3) by shift and turn of all about their centroid."""
-    arms = places - places.mean(axis=0)
-    out = np.zeros((len(places), 3, 6))
-    out[..., :3] = np.eye(3)
-    out[..., 3:] = np.cross(np.eye(3)[None], arms[:, None]).transpose(0, 2, 1)
-    return out.reshape(-1, 6)
-
-
 def start_state(problem: Problem) -> State:
     """State after registration, robot as it is."""
     R, t, targets = register(problem)
@@ -176,18 +91,23 @@ def start_state(problem: Problem) -> State:
 
 def fit(
     model: Model,
-    start: State,
-    noise: Covariance,
-    geometry: bool = True,
+    start: State | None = None,
+    noise: Covariance | None = None,
+    geometry: bool | Sequence[int] = True,
     tolerance: float = 1e-2,
     max_iterations: int = 30,
 ) -> Fit:
     """Fits frames, targets, geometry and the model's effects to the campaign.
 
-    `start` may lack the effects' values (zeros then). Stops when a step changes no fitted number by
-    more than `tolerance` of its standard deviation. Raises ArithmeticError when it does not converge.
+    geometry: all of it, none of it, or only the columns 6 · slot + component (tx ty tz rx ry rz) named.
+    start: default the registered nominal robot; it may lack the effects' values (zeros then). noise: default
+    as the campaign states it. Stops when a step changes no fitted number by more than `tolerance` of its
+    standard deviation. Raises ArithmeticError when it does not converge, `InputError` without any noise.
     """
     problem = model.problem
+    start, noise = start or start_state(problem), noise or stated_noise(problem)
+    if noise is None:
+        raise InputError(Fault(problem.campaign.title, "states no noise", "say sigma_mm under [noise]"))
     if len(start.values) != len(model.effects):
         start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
     cols = columns(problem, model.effects, geometry)
@@ -284,7 +204,7 @@ def _offset(model: Model, cols: Columns, state: State) -> Array:
         if i is not None:
             out[part] = np.nan_to_num(off[i])
         elif np.isfinite(off).all():
-            out[part] = np.linalg.lstsq(_body_motion(state.targets[k]), off.ravel(), rcond=None)[0]
+            out[part] = np.linalg.lstsq(body_motion(state.targets[k]), off.ravel(), rcond=None)[0]
     change = state.geometry - problem.arm.geometry
     out[cols.geometry_slice] = change.ravel()[cols.geometry]
     for part, values in zip(cols.effect, state.values, strict=True):
@@ -304,7 +224,7 @@ def _jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W:
         if i is not None:
             J[:, 3 * i : 3 * i + 3, part] = np.where(here, line.target[:, i], 0.0)
         else:
-            body = _body_motion(state.targets[k]).reshape(-1, 3, 6)
+            body = body_motion(state.targets[k]).reshape(-1, 3, 6)
             count = 3 * line.target.shape[1]
             J[:, :count, part] = np.where(here, (line.target @ body).reshape(n_poses, count, 6), 0.0)
     J[:, :, cols.geometry_slice] = line.geometry[:, :, cols.geometry]

@@ -38,6 +38,22 @@ class Covariance:
         return replace(self, weight=np.where(poses, 0.0, self.weight))
 
 
+def stated_noise(problem: Problem) -> Covariance | None:
+    """Noise as the campaign and the robot state it; None where the campaign states none."""
+    c = problem.campaign
+    joint = np.array([item.data.repeatability or 0.0 for item in problem.robot.joints])
+    if c.sigma is not None and np.isfinite(c.sigma[problem.seen]).any():
+        sigma = np.sqrt(np.nanmean(np.where(np.isfinite(c.sigma), c.sigma, np.nan)[problem.seen] ** 2))
+        each = np.where(problem.seen, np.sqrt(np.mean(np.nan_to_num(c.sigma, nan=sigma) ** 2, axis=2)), sigma)
+        if c.noise_sigma is None and not np.isfinite(c.sigma[problem.seen]).all():
+            each = np.where(np.isfinite(c.sigma).all(axis=2), each, sigma)
+    elif c.noise_sigma is not None:
+        each = c.noise_sigma / np.sqrt(np.maximum(c.shots, 1))
+    else:
+        return None
+    return Covariance(np.maximum(each, 1e-9), joint, np.ones(len(c.q)))
+
+
 def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Array | None) -> Array:
     """(N, D, 3T): whitens residuals (N, 3T) of a pose; rows of what was not seen are zero.
 

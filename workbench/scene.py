@@ -6,13 +6,13 @@ draws points and arrows, so that their enlargement and the stage can be changed 
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .atomic import put
 from .diagnosis import Diagnosis, PoseErrors
 from .meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, with_panel
 from .robot import Robot
@@ -22,17 +22,21 @@ MOST_POINTS = 6000
 LONGEST = 0.13  # of the scene's size: the length of a large nominal error's arrow
 
 
-def write_scene(
-    diagnosis: Diagnosis,
-    robot: Robot,
-    path: Path,
-    q: Array | None = None,
-    ghost_q: Array | None = None,
-    ghost_label: str = "the same pose under load, deflection enlarged",
-) -> Path:
-    """Write `scene.html`; its path. See `scene` for the arguments."""
-    put(path, scene(diagnosis, robot, q, ghost_q, ghost_label).encode())
-    return path
+@dataclass(frozen=True)
+class Shown:
+    """What a scene shows. q: (n,) joints of the robot; points: (M, 3) [m] in the base frame; stages: name →
+    errors (M, 3) [m] at the points, the worst first; pose, target: (M,) the number of each point's pose and
+    target; noise: σ per axis [m], 0 where there is none; ghost_q: (n,) joints of a translucent second
+    robot, for loaded against unloaded; `ghost_label` says what it is."""
+
+    q: Array
+    points: Array
+    stages: Mapping[str, Array]
+    pose: NDArray[np.int64] | None = None
+    target: NDArray[np.int64] | None = None
+    noise: float = 0.0
+    ghost_q: Array | None = None
+    ghost_label: str = ""
 
 
 def scene(
@@ -42,20 +46,26 @@ def scene(
     ghost_q: Array | None = None,
     ghost_label: str = "the same pose under load, deflection enlarged",
 ) -> str:
-    """The scene as one HTML text.
+    """The scene of a diagnosis as one HTML text. q: default a pose in the middle of the campaign."""
+    errors = diagnosis.errors or _no_errors()
+    stages = {"Nominal model": errors.error_nominal, "Geometry calibrated": errors.error_geometry}
+    if len(diagnosis.stages) > 2:
+        stages["Causes in the model"] = errors.error_final
+    pose = _middle_pose(diagnosis, robot) if q is None else q
+    sigma = 1e-3 * diagnosis.noise.sigma_mm
+    shown = Shown(pose, errors.points, stages, errors.pose, errors.target, sigma, ghost_q, ghost_label)
+    return scene_of(robot, shown, f"{diagnosis.robot_title}, {diagnosis.campaign}")
 
-    q: (n,) joints of the solid robot, default a pose in the middle of the campaign. ghost_q: (n,)
-    joints of a translucent second robot, for loaded against unloaded; `ghost_label` says what it is.
-    """
-    pose = _middle_pose(diagnosis, robot) if q is None else np.asarray(q, dtype=float)
+
+def scene_of(robot: Robot, shown: Shown, title: str) -> str:
+    """Robot, points and errors as one HTML text."""
     with meshcat_alone() as meshcat:
-        reach = draw_robot(meshcat, robot, pose, "/robot")
-        if ghost_q is not None:
-            draw_robot(meshcat, robot, np.asarray(ghost_q, dtype=float), "/ghost")
-        data = _data(diagnosis, reach, ghost_label if ghost_q is not None else "")
+        reach = draw_robot(meshcat, robot, np.asarray(shown.q, dtype=float), "/robot")
+        if shown.ghost_q is not None:
+            draw_robot(meshcat, robot, np.asarray(shown.ghost_q, dtype=float), "/ghost")
+        data = _data(shown, reach)
         look(meshcat, data["centre"], data["extent"], reach[-1] - reach[0])
         html: str = meshcat.StaticHtml()
-    title = f"{diagnosis.robot_title}, {diagnosis.campaign}"
     return with_panel(html, "scene_overlay.html", data, title)
 
 
@@ -68,31 +78,28 @@ def _middle_pose(diagnosis: Diagnosis, robot: Robot) -> Array:
     return np.asarray(diagnosis.q[int(np.argmin(distance))])
 
 
-def _data(diagnosis: Diagnosis, links: Array, ghost: str) -> dict[str, Any]:
+def _data(shown: Shown, links: Array) -> dict[str, Any]:
     """What the overlay draws: places and errors as packed numbers, stages, enlargement, colours."""
-    errors = diagnosis.errors or _no_errors()
-    step = max(1, -(-len(errors.points) // MOST_POINTS))
-    stages = [("Nominal model", errors.error_nominal), ("Geometry calibrated", errors.error_geometry)]
-    if len(diagnosis.stages) > 2:
-        stages.append(("Causes in the model", errors.error_final))
-    seen = np.concatenate([errors.points, links])
+    points = shown.points
+    step = max(1, -(-len(points) // MOST_POINTS))
+    pose = np.arange(len(points)) if shown.pose is None else shown.pose
+    target = np.zeros(len(points), dtype=np.int64) if shown.target is None else shown.target
+    seen = np.concatenate([points, links])
     low, high = seen.min(axis=0), seen.max(axis=0)
-    extent = float(np.linalg.norm(high - low)) * (1.0 if len(errors.points) else 1.4) or 1.0
-    sizes = np.linalg.norm(errors.error_nominal, axis=1)
+    extent = float(np.linalg.norm(high - low)) * (1.0 if len(points) else 1.4) or 1.0
+    sizes = np.linalg.norm(next(iter(shown.stages.values())), axis=1)
     large = float(np.quantile(sizes, 0.98)) if len(sizes) else 1e-3
     return {
-        "robot": diagnosis.robot_title,
-        "points": pack(errors.points[::step]),
-        "stages": [{"name": name, "errors": pack(e[::step])} for name, e in stages],
-        "pose": errors.pose[::step].tolist(),
-        "target": errors.target[::step].tolist(),
+        "points": pack(points[::step]),
+        "stages": [{"name": name, "errors": pack(e[::step])} for name, e in shown.stages.items()],
+        "pose": pose[::step].tolist(),
+        "target": target[::step].tolist(),
         "factor": round_factor(LONGEST * extent / max(large, 1e-9)),
-        "noise_mm": diagnosis.noise.sigma_mm * float(np.sqrt(3)),
+        "noise_mm": 1e3 * (float(np.sqrt(3)) * shown.noise or large / 100),
         "largest_mm": 1e3 * large,
         "extent": extent,
         "centre": ((low + high) / 2).tolist(),
-        "ghost": ghost,
-        "all": len(errors.points),
+        "ghost": shown.ghost_label if shown.ghost_q is not None else "",
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from ..report.numbers import mm
-from ..report.parts import bullets, document, figure, table
+from ..report.parts import bullets, document, figure, table, tiles
 from .pictures import pictures, speed_text
 from .verification import NAMES, Series, Verification
 
@@ -37,7 +37,6 @@ def headline(found: Verification) -> str:
 
 def _head(found: Verification) -> str:
     links = "".join(f'<a href="{file}">{name}</a>' for file, name in LINKS.items())
-    tiles = "".join(_tile(series) for series in found.series)
     said = [
         f'<p class="lead">The true robot ran the path in closed loop: controller, drives, gears, springs and '
         f"loads in one dynamic model, {len(found.path)} samples. Commands were corrected by what the model "
@@ -53,18 +52,19 @@ def _head(found: Verification) -> str:
     return (
         f'<header><div><div class="origin"><span>{escape(found.robot.title)} · {escape(found.path.title)}'
         f'</span><nav aria-label="Files">{links}</nav></div><h1>{escape(headline(found))}</h1>'
-        f'{"".join(said)}<div class="tiles">{tiles}</div></div></header>'
+        f"{''.join(said)}{tiles([_tile(series) for series in found.series])}</div></header>"
     )
 
 
-def _tile(series: Series) -> str:
+def _tile(series: Series) -> dict[str, str]:
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
-    return (
-        f'<dl class="tile"><dt>RMS error at {speed_text(series.speed)}</dt><dd class="big">'
-        f'<span class="was">{mm(before.rms_mm)}</span><span class="to"> → </span>'
-        f'<span class="now">{mm(after.rms_mm)}</span> <small>mm</small></dd>'
-        f'<dd class="quiet">largest {mm(before.max_mm)} → {mm(after.max_mm)} mm</dd></dl>'
-    )
+    return {
+        "label": f"RMS error at {speed_text(series.speed)}",
+        "before": mm(before.rms_mm),
+        "after": mm(after.rms_mm),
+        "unit": "mm",
+        "note": f"largest {mm(before.max_mm)} → {mm(after.max_mm)} mm",
+    }
 
 
 def _numbers(series: Series) -> str:

@@ -12,26 +12,10 @@ from ..arm import Array
 from ..diagnosis import Noise
 from ..fit import Fit
 from ..model import Linearisation
-from ..noise import Covariance, MeasuredNoise, measure_noise, repeat_chi2
+from ..noise import Covariance, MeasuredNoise, measure_noise, repeat_chi2, stated_noise
 from ..problem import Problem
 
 ENOUGH = 60  # degrees of freedom from which measured noise stands in for stated noise
-
-
-def stated(problem: Problem) -> Covariance | None:
-    """Noise as the campaign and the robot state it; None where the campaign states none."""
-    c = problem.campaign
-    joint = np.array([item.data.repeatability or 0.0 for item in problem.robot.joints])
-    if c.sigma is not None and np.isfinite(c.sigma[problem.seen]).any():
-        sigma = np.sqrt(np.nanmean(np.where(np.isfinite(c.sigma), c.sigma, np.nan)[problem.seen] ** 2))
-        each = np.where(problem.seen, np.sqrt(np.mean(np.nan_to_num(c.sigma, nan=sigma) ** 2, axis=2)), sigma)
-        if c.noise_sigma is None and not np.isfinite(c.sigma[problem.seen]).all():
-            each = np.where(np.isfinite(c.sigma).all(axis=2), each, sigma)
-    elif c.noise_sigma is not None:
-        each = c.noise_sigma / np.sqrt(np.maximum(c.shots, 1))
-    else:
-        return None
-    return Covariance(np.maximum(each, 1e-9), joint, np.ones(len(c.q)))
 
 
 def provisional(problem: Problem) -> Covariance:
@@ -42,7 +26,7 @@ def provisional(problem: Problem) -> Covariance:
 def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, list[str]]:
     """Noise before the residual is seen: stated or measured; else provisional, source "residual"."""
     axial = line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
-    said = stated(problem)
+    said = stated_noise(problem)
     measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
     notes: list[str] = []
     if measured is not None and (said is None or measured.dof >= ENOUGH):

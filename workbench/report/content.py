@@ -137,7 +137,8 @@ def _tiles(diagnosis: Diagnosis) -> list[dict[str, str]]:
     for label, key in (("Mean error", "mean"), ("RMS error", "rms"), ("Largest error", "max")):
         values = [getattr(stage, f"heldout_{key}_mm") for stage in (first, last)]
         between = f"{mm(getattr(middle, f'heldout_{key}_mm'))} mm with geometry alone" if middle else ""
-        tiles.append({"label": label, "before": mm(values[0]), "after": mm(values[1]), "note": between})
+        before, after = map(mm, values)
+        tiles.append({"label": label, "before": before, "after": after, "unit": "mm", "note": between})
     return tiles
 
 

@@ -4,22 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
-from pathlib import Path
 
-from ..atomic import put
-from ..diagnosis import Diagnosis
-from .content import Content, Material, gather
+from .content import Content, Material
 from .drawing import Figure
-from .parts import bullets, document, figure, table
+from .parts import bullets, document, figure, table, tiles
 
 LINKS = {"report.pdf": "PDF", "scene.html": "3-D scene", "result.json": "Numbers", "model.toml": "Model"}
-
-
-def write_page(diagnosis: Diagnosis, folder: Path) -> Path:
-    """Write `index.html` into the folder; its path."""
-    path = folder / "index.html"
-    put(path, page(gather(diagnosis)).encode())
-    return path
 
 
 def page(material: Material) -> str:
@@ -34,13 +24,6 @@ def page(material: Material) -> str:
 def _head(said: Content) -> str:
     verdict = said["verdict"]
     links = "".join(f'<a href="{file}">{name}</a>' for file, name in LINKS.items())
-    tiles = "".join(
-        f'<dl class="tile"><dt>{escape(tile["label"])}</dt><dd class="big">'
-        f'<span class="was">{tile["before"]}</span><span class="to"> → </span>'
-        f'<span class="now">{tile["after"]}</span> <small>mm</small></dd>'
-        f'<dd class="quiet">{escape(tile["note"])}</dd></dl>'
-        for tile in said["tiles"]
-    )
     proof = ""
     if said["proof"]:
         words, link = said["proof"]
@@ -52,7 +35,7 @@ def _head(said: Content) -> str:
         f'<nav aria-label="Files">{links}</nav></div>'
         f'<span class="chip {verdict["kind"]}">{escape(verdict["label"])}</span>'
         f'<h1>{escape(verdict["headline"])}</h1>{more}<p class="lead">{escape(said["summary"])}</p>{proof}'
-        f'<div class="tiles">{tiles}</div>'
+        f"{tiles(said['tiles'])}"
         '<p class="quiet">From the nominal model to the model with everything below in it; 3-D errors on '
         f"poses that were not fitted.</p>{test}</div></header>"
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 
@@ -33,6 +33,24 @@ def document(title: str, body: str) -> str:
     style = Path(__file__).with_name("page.css").read_text(encoding="utf-8")
     head = f"{TOP}<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
     return head + body + "\n</body>\n</html>\n"
+
+
+def tiles(given: Sequence[Mapping[str, str]]) -> str:
+    """Big figures side by side: label, before (or ""), after, unit, note."""
+    shown = ""
+    for tile in given:
+        was = (
+            f'<span class="was">{escape(tile["before"])}</span><span class="to"> → </span>'
+            if tile["before"]
+            else ""
+        )
+        note = f'<dd class="quiet">{escape(tile["note"])}</dd>' if tile["note"] else ""
+        shown += (
+            f'<dl class="tile"><dt>{escape(tile["label"])}</dt><dd class="big">{was}'
+            f'<span class="now">{escape(tile["after"])}</span> <small>{escape(tile["unit"])}</small></dd>'
+            f"{note}</dl>"
+        )
+    return f'<div class="tiles">{shown}</div>'
 
 
 def bullets(lines: Sequence[str]) -> str:

@@ -1,44 +1,46 @@
-"""The printed report: Typst sets `report.typ` from the same text and figures as the page."""
+"""Printed reports: Typst sets a template from the same text and figures as the page."""
 
 from __future__ import annotations
 
 import json
 import shutil
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-from ..atomic import put
-from ..diagnosis import Diagnosis
-from .content import Material, gather
-
-
-def write_pdf(diagnosis: Diagnosis, folder: Path) -> Path:
-    """Write `report.pdf` into the folder; its path."""
-    path = folder / "report.pdf"
-    put(path, pdf(gather(diagnosis)))
-    return path
+from .content import Material
+from .drawing import Figure
 
 
 def pdf(material: Material) -> bytes:
-    """The report as a PDF; the same bytes for the same material."""
+    """The report of a diagnosis; the same bytes for the same material."""
+    said = {**material.said, "maths": list(material.equations)}
+    return typeset("report.typ", said, material.figures)
+
+
+def typeset(template: str, said: Mapping[str, Any], figures: Mapping[str, Figure]) -> bytes:
+    """A PDF from a template of this folder, which finds its text in `data.json` and figures by name."""
     import typst
 
-    said = {
-        **material.said,
-        "maths": list(material.equations),
-        "figures": {name: {"title": f.title, "alt": f.alt} for name, f in material.figures.items()},
-    }
+    shown = {name: {"title": f.title, "alt": f.alt} for name, f in figures.items()}
     with tempfile.TemporaryDirectory(prefix="report") as room:
         place = Path(room)
-        (place / "data.json").write_text(json.dumps(said, ensure_ascii=False), encoding="utf-8")
-        for name, figure in material.figures.items():
+        text = json.dumps({**said, "figures": shown}, ensure_ascii=False)
+        (place / "data.json").write_text(text, encoding="utf-8")
+        for name, figure in figures.items():
             (place / f"{name}.svg").write_text(figure.svg, encoding="utf-8")
-        template = shutil.copy(Path(__file__).with_name("report.typ"), place / "report.typ")
+        for file in (template, "style.typ"):
+            shutil.copy(Path(__file__).with_name(file), place / file)
         made, warnings = typst.compile_with_warnings(
-            str(template), root=room, font_paths=[_figure_fonts()], ignore_system_fonts=True, timestamp=0
+            str(place / template),
+            root=room,
+            font_paths=[_figure_fonts()],
+            ignore_system_fonts=True,
+            timestamp=0,
         )
     if warnings:
-        raise RuntimeError("report.typ: " + "; ".join(warning.message for warning in warnings))
+        raise RuntimeError(f"{template}: " + "; ".join(warning.message for warning in warnings))
     assert isinstance(made, bytes)
     return made
 

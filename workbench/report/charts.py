@@ -1,0 +1,140 @@
+"""Charts that many studies draw: values with intervals by row, curves, histograms.
+
+A series is a label and its numbers; its colour is that of its place: `PRINTED` for what a paper prints,
+`OURS` for what was computed, or any colour of `drawing`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .drawing import AFTER, BEFORE, INK, MIDDLE, MODEL, NOISE, Array, Figure, dots, drawing, plain_log
+
+PRINTED, OURS = BEFORE, AFTER
+COLOURS = (AFTER, BEFORE, NOISE, MIDDLE, MODEL)
+MOST = 2000  # points of a curve
+
+
+@dataclass(frozen=True)
+class Series:
+    """Numbers of one colour. values: (R,) by row, or (K,) along x; low, high: ends of their intervals;
+    style: "-", "--", "o" or "o-"."""
+
+    values: ArrayLike
+    low: ArrayLike | None = None
+    high: ArrayLike | None = None
+    colour: str = ""
+    style: str = "-"
+
+
+def rows(
+    name: str,
+    title: str,
+    names: Sequence[str],
+    series: Mapping[str, Series],
+    label: str,
+    log: bool = False,
+) -> Figure:
+    """One row per name, a dot per series with its interval as a line; NaN draws nothing."""
+    shift = np.linspace(-0.16, 0.16, len(series)) if len(series) > 1 else np.zeros(1)
+    with drawing(name, 0.95 + 0.34 * len(names)) as (axes, svg):
+        for k, (key, given) in enumerate(series.items()):
+            colour, at = given.colour or COLOURS[k], np.arange(len(names)) + shift[k]
+            values = np.asarray(given.values, dtype=float)
+            if given.low is not None and given.high is not None:
+                axes.hlines(at, np.asarray(given.low), np.asarray(given.high), color=colour, lw=2, alpha=0.45)
+            axes.plot(values, at, "o", color=colour, ms=5.5, mec="none", label=key)
+        if log:
+            axes.set_xscale("log")
+            plain_log(axes.xaxis)
+        axes.set(yticks=range(len(names)), ylim=(len(names) - 0.5, -0.6), xlabel=label)
+        axes.set_yticklabels(names, color=INK)
+        axes.grid(axis="y", visible=False)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=len(series))
+    said = "; ".join(f"{row}: {_said(series, i)}" for i, row in enumerate(names))
+    return Figure(name, title, f"{label}. {said}", svg[0])
+
+
+def curves(
+    name: str,
+    title: str,
+    x: ArrayLike,
+    series: Mapping[str, Series],
+    xlabel: str,
+    ylabel: str,
+    log: bool = False,
+    height: float = 2.7,
+) -> Figure:
+    """Curves over a common x (K,); intervals as bands (of "o" series: as bars)."""
+    at = np.asarray(x, dtype=float)
+    with drawing(name, height) as (axes, svg):
+        for k, (key, given) in enumerate(series.items()):
+            _curve(axes, at, given, given.colour or COLOURS[k], key)
+        if log:
+            axes.set_yscale("log")
+            plain_log(axes.yaxis)
+        axes.set(xlabel=xlabel, ylabel=ylabel)
+        axes.margins(x=0.02)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(len(series), 3))
+    return Figure(name, title, f"{ylabel} over {xlabel}: {', '.join(series)}", svg[0])
+
+
+def histogram(
+    name: str, title: str, values: ArrayLike, label: str, marks: Mapping[str, float], bins: int = 45
+) -> Figure:
+    """How values (M,) are spread, with named marks as upright lines."""
+    given = np.asarray(values, dtype=float)
+    ends = [*given, *marks.values()]
+    edges = np.linspace(min(ends), max(ends), bins + 1)
+    with drawing(name, 2.5) as (axes, svg):
+        share = 100 * np.histogram(given, edges)[0] / max(len(given), 1)
+        axes.stairs(share, edges, fill=True, alpha=0.35, color=MIDDLE)
+        axes.stairs(share, edges, color=MIDDLE, lw=1.2)
+        for colour, (key, value) in zip((BEFORE, AFTER, NOISE, MODEL), marks.items(), strict=False):
+            axes.axvline(value, color=colour, lw=2, label=key)
+        axes.set(xlabel=label, ylabel="% of cases", ylim=(0, None))
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=max(len(marks), 1))
+    said = "; ".join(f"{key}: {value:.4g}" for key, value in marks.items())
+    return Figure(name, title, f"{label}, {len(given)} cases. {said}", svg[0])
+
+
+def plane(
+    name: str,
+    title: str,
+    series: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    xlabel: str,
+    ylabel: str,
+    height: float = 4.2,
+) -> Figure:
+    """Curves (x, y) in a plane with equal scales: a path seen from above."""
+    with drawing(name, height) as (axes, svg):
+        for k, (key, (x, y)) in enumerate(series.items()):
+            axes.plot(np.asarray(x), np.asarray(y), color=(MODEL, *COLOURS)[k], lw=1.4, label=key)
+        axes.set(xlabel=xlabel, ylabel=ylabel, aspect="equal")
+        axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
+    return Figure(name, title, f"{ylabel} over {xlabel}: {', '.join(series)}", svg[0])
+
+
+def _curve(axes: Any, x: Array, given: Series, colour: str, key: str) -> None:
+    step = max(1, -(-len(x) // MOST))
+    x, y = x[::step], np.asarray(given.values, dtype=float)[::step]
+    low, high = (None if end is None else np.asarray(end)[::step] for end in (given.low, given.high))
+    if given.style == "o" and len(x) > 60:
+        dots(axes, x, y, colour, key)
+        return
+    if low is not None and high is not None:
+        if "o" in given.style:
+            axes.vlines(x, low, high, color=colour, lw=2, alpha=0.45)
+        else:
+            axes.fill_between(x, low, high, color=colour, alpha=0.2, lw=0)
+    marker = {"ms": 5, "mec": "none"} if "o" in given.style else {}
+    axes.plot(x, y, given.style, color=colour, lw=1.5, label=key, **marker)
+
+
+def _said(series: Mapping[str, Series], i: int) -> str:
+    return ", ".join(f"{key} {np.asarray(s.values, dtype=float)[i]:.3g}" for key, s in series.items())

@@ -1,0 +1,134 @@
+"""A study's result: what page, PDF, scene and list of studies are set from.
+
+A study tells a published paper again: sections with text, tables and figures in the paper's order, our
+numbers beside the printed ones, and a box with what its numbers support.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..robot import Robot
+from ..scene import Shown as Shown
+from .drawing import Figure
+from .numbers import MISSING, significant
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of ready text under `head`; the first column names the row. title: what the table is; note:
+    how it was measured. Columns in `numbers` are set to the right (None: all but the first)."""
+
+    title: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    note: str = ""
+    numbers: Sequence[int] | None = None
+
+    def __post_init__(self) -> None:
+        if any(len(row) != len(self.head) for row in self.rows):
+            raise ValueError(f"{self.title}: a row has not as many cells as the head")
+
+    @property
+    def right(self) -> tuple[int, ...]:
+        """Columns that are set to the right."""
+        return tuple(range(1, len(self.head)) if self.numbers is None else self.numbers)
+
+
+@dataclass(frozen=True)
+class Section:
+    """One step of the study: paragraphs, then tables and figures, then what follows from them."""
+
+    title: str
+    text: Sequence[str] = ()
+    shown: Sequence[Table | Figure] = ()
+    after: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A big figure: from `before` to `after` (or `before` empty: one number)."""
+
+    label: str
+    before: str
+    after: str
+    unit: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Box:
+    """The end of a study, a paragraph each."""
+
+    concludes: str
+    supports: str
+    next: str
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study found.
+
+    name: of its folder and command; source: the paper in one line; headline: the verdict in one sentence;
+    summary: a short paragraph. assumed: (what, value, why) that the paper does not give, beyond what the
+    robot's TOML marks. numbers: the headline figures by name, SI or with the unit in the name. picture:
+    the figure that stands for it in the list of studies. files: name → link of what else the study wrote
+    into its folder.
+    """
+
+    name: str
+    robot: Robot
+    title: str
+    source: str
+    headline: str
+    summary: str
+    tiles: Sequence[Tile]
+    sections: Sequence[Section]
+    box: Box
+    assumed: Sequence[tuple[str, str, str]]
+    numbers: Mapping[str, float]
+    shown: Shown
+    picture: Figure
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def tables(self) -> list[Table]:
+        """All tables, in order."""
+        return [item for section in self.sections for item in section.shown if isinstance(item, Table)]
+
+    @property
+    def figures(self) -> list[Figure]:
+        """All figures, in order."""
+        return [item for section in self.sections for item in section.shown if isinstance(item, Figure)]
+
+    def to_json(self) -> dict[str, Any]:
+        """Numbers, tables and box."""
+        return {
+            "schema": 1,
+            "study": self.name,
+            "robot": self.robot.name,
+            "source": self.source,
+            "headline": self.headline,
+            "numbers": {key: float(value) for key, value in self.numbers.items()},
+            "tables": [
+                {"title": t.title, "head": list(t.head), "rows": [list(row) for row in t.rows]}
+                for t in self.tables
+            ],
+            "box": {"concludes": self.box.concludes, "supports": self.box.supports, "next": self.box.next},
+        }
+
+    @property
+    def text(self) -> str:
+        """The result for a terminal."""
+        width = max((len(key) for key in self.numbers), default=0)
+        lines = [f"{self.title}: {self.headline}", ""]
+        lines += [f"  {key:<{width}}  {_number(value)}" for key, value in self.numbers.items()]
+        return "\n".join(lines)
+
+
+def _number(value: float) -> str:
+    return significant(float(value), 4) if np.isfinite(value) else MISSING
