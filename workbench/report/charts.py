@@ -103,18 +103,28 @@ def histogram(
     return Figure(name, title, f"{label}, {len(given)} cases. {said}", svg[0])
 
 
+@dataclass(frozen=True)
+class Trace:
+    """A line in a plane: x, y (K,), its colour, and its style."""
+
+    x: ArrayLike
+    y: ArrayLike
+    colour: str = MODEL
+    style: str = "-"
+
+
 def plane(
     name: str,
     title: str,
-    series: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    series: Mapping[str, Trace],
     xlabel: str,
     ylabel: str,
     height: float = 4.2,
 ) -> Figure:
-    """Curves (x, y) in a plane with equal scales: a path seen from above."""
+    """Lines in a plane with equal scales: a path seen from above."""
     with drawing(name, height) as (axes, svg):
-        for k, (key, (x, y)) in enumerate(series.items()):
-            axes.plot(np.asarray(x), np.asarray(y), color=(MODEL, *COLOURS)[k], lw=1.4, label=key)
+        for key, line in series.items():
+            axes.plot(line.x, line.y, line.style, color=line.colour, lw=1.4, label=key)
         axes.set(xlabel=xlabel, ylabel=ylabel, aspect="equal")
         axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
     return Figure(name, title, f"{ylabel} over {xlabel}: {', '.join(series)}", svg[0])

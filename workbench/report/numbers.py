@@ -78,6 +78,11 @@ def mm(value: float) -> str:
     return decimals(value, 3 if abs(value) < 1 else 2 if abs(value) < 100 else 1)
 
 
+def percent(value: float, places: int = 1) -> str:
+    """A share as `−22.0 %`."""
+    return f"{decimals(100 * value, places)} %" if math.isfinite(value) else MISSING
+
+
 def p_value(value: float) -> str:
     """`p = 0.26`, or a bound where nobody cares about more: `p < 10⁻¹²`."""
     if not math.isfinite(value):

@@ -1,7 +1,8 @@
 """A study's result: what page, PDF, scene and list of studies are set from.
 
 A study tells a published paper again: sections with text, tables and figures in the paper's order, our
-numbers beside the printed ones, and a box with what its numbers support.
+numbers beside the printed ones, and a box with what its numbers support. Its script (`studies/NAME.py`, up to
+200 lines) gives numbers, tables and figures; its words stand beside it in `NAME.md`: see `story.tell`.
 """
 
 from __future__ import annotations
@@ -41,12 +42,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Section:
-    """One step of the study: paragraphs, then tables and figures, then what follows from them."""
+    """One step of the study: paragraphs, tables and figures in their order."""
 
     title: str
-    text: Sequence[str] = ()
-    shown: Sequence[Table | Figure] = ()
-    after: Sequence[str] = ()
+    content: Sequence[str | Table | Figure]
 
 
 @dataclass(frozen=True)
@@ -98,12 +97,12 @@ class Study:
     @property
     def tables(self) -> list[Table]:
         """All tables, in order."""
-        return [item for section in self.sections for item in section.shown if isinstance(item, Table)]
+        return [item for section in self.sections for item in section.content if isinstance(item, Table)]
 
     @property
     def figures(self) -> list[Figure]:
         """All figures, in order."""
-        return [item for section in self.sections for item in section.shown if isinstance(item, Figure)]
+        return [item for section in self.sections for item in section.content if isinstance(item, Figure)]
 
     def to_json(self) -> dict[str, Any]:
         """Numbers, tables and box."""

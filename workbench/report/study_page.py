@@ -83,20 +83,17 @@ def index(studies: Sequence[Study]) -> str:
 
 
 def _section(section: Section) -> str:
-    parts = [f"<section><h2>{escape(section.title)}</h2>", *(_paragraph(text) for text in section.text)]
-    for item in section.shown:
-        if isinstance(item, Table):
+    parts = [f"<section><h2>{escape(section.title)}</h2>"]
+    for item in section.content:
+        if isinstance(item, str):
+            parts.append(f"<p>{escape(item)}</p>")
+        elif isinstance(item, Table):
             parts.append(f"<h4>{escape(item.title)}</h4>")
             parts.append(table("", item.head, item.rows, numbers=item.right))
             parts.append(f'<p class="quiet">{escape(item.note)}</p>' if item.note else "")
         else:
             parts.append(figure(item))
-    parts += [_paragraph(text) for text in section.after]
     return "".join(parts) + "</section>"
-
-
-def _paragraph(text: str) -> str:
-    return f"<p>{escape(text)}</p>"
 
 
 def _said(study: Study) -> dict[str, Any]:
@@ -108,12 +105,7 @@ def _said(study: Study) -> dict[str, Any]:
         "summary": study.summary,
         "tiles": [vars(tile) for tile in study.tiles],
         "sections": [
-            {
-                "title": section.title,
-                "text": list(section.text),
-                "shown": [_item(item) for item in section.shown],
-                "after": list(section.after),
-            }
+            {"title": section.title, "content": [_item(item) for item in section.content]}
             for section in study.sections
         ],
         "box": vars(study.box),
@@ -123,6 +115,8 @@ def _said(study: Study) -> dict[str, Any]:
 
 
 def _item(item: Any) -> dict[str, Any]:
+    if isinstance(item, str):
+        return {"text": item}
     if not isinstance(item, Table):
         return {"figure": item.name}
     return {

@@ -1,0 +1,173 @@
+"""A study's words, from a Markdown file beside its script: the script computes, the story tells.
+
+    # Title: headline in one sentence
+    Source of the paper, one line.
+
+    Summary, with numbers as {noise_needed_mm:mm}.
+
+    - Label of a tile | before | after | unit | note
+
+    ## A section
+    Paragraphs, and lines like [[stiffness]] where a table or figure of that name stands. Or a table:
+
+    **Its title**
+    | Joint | Printed | Ours |
+    |---|---:|---:|
+    | joint 1 | 780 000 | {stiffness_1:4} |
+    *Its note.*
+
+    ## Box
+    ### What the paper concludes ... ### What its numbers support ... ### What we would measure next
+
+    ## Assumed
+    - what | value | why
+
+Numbers come by name from the script, `{name:form}` with form: mm (a length in mm), % or %2 (a share in
+per cent, with so many decimals), .1 (decimals), 3 (significant digits), p (a probability).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..robot import Robot
+from ..scene import Shown
+from .drawing import Figure
+from .numbers import decimals, mm, p_value, percent, significant
+from .study import Box, Section, Study, Table, Tile
+
+Item = Table | Figure
+ITEM = re.compile(r"\[\[(.+)\]\]")
+
+
+class _Number(float):
+    """A number that knows how to be written."""
+
+    def __format__(self, form: str) -> str:
+        value = float(self)
+        if form == "mm":
+            return mm(value)
+        if form == "p":
+            return p_value(value)
+        if form.startswith("%"):
+            return percent(value, int(form[1:] or 1))
+        if form.startswith("."):
+            return decimals(value, int(form[1:]))
+        return significant(value, int(form or 3))
+
+
+@dataclass
+class _Part:
+    """What stands under one heading: paragraphs, items, and the cells of lines that begin with a dash."""
+
+    title: str
+    content: list[str | Item] = field(default_factory=list)
+    lines: list[list[str]] = field(default_factory=list)
+
+    @property
+    def words(self) -> list[str]:
+        return [piece for piece in self.content if isinstance(piece, str)]
+
+
+def tell(
+    story: Path,
+    robot: Robot,
+    numbers: Mapping[str, float],
+    items: Mapping[str, Item],
+    shown: Shown,
+    picture: str,
+    files: Mapping[str, str] | None = None,
+) -> Study:
+    """The study that `story` (a Markdown file as above) tells with these numbers, tables and figures.
+
+    picture: the item that stands for the study in the list of studies. Raises ValueError where the story
+    asks for what is not there, or leaves out a table or figure that is.
+    """
+    parts = _parts(story, _filled(story, numbers), items)
+    first, *others = parts
+    title, _, headline = first.title.partition(": ")
+    source, *summary = first.words
+    by_title = {part.title: part for part in others}
+    box = [by_title[name] for name in ("What the paper concludes", "What its numbers support",
+                                       "What we would measure next")]  # fmt: skip
+    plain = [part for part in others if part not in box and part.title not in ("Box", "Assumed")]
+    chosen = items[picture]
+    if not isinstance(chosen, Figure):
+        raise ValueError(f"{picture} is no figure")
+    return Study(
+        name=story.stem,
+        robot=robot,
+        title=title,
+        source=source,
+        headline=headline,
+        summary=" ".join(summary),
+        tiles=[Tile(*(cells + [""] * (5 - len(cells)))) for cells in first.lines],
+        sections=[Section(part.title, part.content) for part in plain],
+        box=Box(*(" ".join(part.words) for part in box)),
+        assumed=[(what, value, why) for what, value, why in by_title["Assumed"].lines],
+        numbers=numbers,
+        shown=shown,
+        picture=chosen,
+        files=files or {},
+    )
+
+
+def _filled(story: Path, numbers: Mapping[str, float]) -> str:
+    """The story's text with its numbers in place."""
+    try:
+        return story.read_text(encoding="utf-8").format_map({k: _Number(v) for k, v in numbers.items()})
+    except KeyError as error:
+        raise ValueError(f"{story.name}: there is no number {error}") from None
+
+
+def _parts(story: Path, text: str, items: Mapping[str, Item]) -> list[_Part]:
+    """The story by its headings, of any level."""
+    parts: list[_Part] = []
+    for block in re.split(r"\n\s*\n", text):
+        for piece in _pieces(block):
+            if piece.startswith("#"):
+                parts.append(_Part(piece.lstrip("# ")))
+            elif found := ITEM.fullmatch(piece):
+                if found[1] not in items:
+                    raise ValueError(f"{story.name}: there is no table or figure {found[1]!r}")
+                parts[-1].content.append(items[found[1]])
+            elif piece.startswith("- "):
+                parts[-1].lines.append([cell.strip() for cell in piece[2:].split("|")])
+            elif "\n|" in piece:
+                parts[-1].content.append(_table(piece))
+            else:
+                parts[-1].content.append(" ".join(piece.split()))
+    told = [piece for part in parts for piece in part.content if not isinstance(piece, str)]
+    if missing := [name for name, item in items.items() if item not in told]:
+        raise ValueError(f"{story.name} leaves out {', '.join(missing)}")
+    return parts
+
+
+def _pieces(block: str) -> list[str]:
+    """A block's headings, items and dashed lines one by one; the rest of it together."""
+    pieces: list[str] = []
+    together = False
+    for line in block.strip().splitlines():
+        alone = line.startswith(("#", "- ")) or ITEM.fullmatch(line.strip()) is not None
+        if together and not alone:
+            pieces[-1] += f"\n{line}"
+        else:
+            pieces.append(line.strip() if alone else line)
+        together = not alone
+    return pieces
+
+
+def _table(piece: str) -> Table:
+    """A table from its title, rows and note."""
+    lines = piece.splitlines()
+    cells = [
+        [cell.strip() for cell in line.strip()[1:-1].split("|")] for line in lines if line.startswith("|")
+    ]
+    title = " ".join(line.strip("*") for line in lines if line.startswith("**"))
+    after = lines[max(i for i, line in enumerate(lines) if line.startswith("|")) + 1 :]
+    head, rule, *body = cells
+    right = [i for i, mark in enumerate(rule) if mark.endswith(":")]
+    return Table(title, head, body, " ".join(after).strip("* "), right)
