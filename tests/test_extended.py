@@ -7,6 +7,7 @@ import pytest
 from extended_example import extended, extended_kr500
 
 from workbench.compensate import compensate, conditions_of, stated_conditions
+from workbench.diagnose.run import diagnose
 from workbench.diagnosis import Where
 from workbench.effects.backlash import Backlash
 from workbench.effects.lost_motion import LostMotion
@@ -19,6 +20,7 @@ from workbench.noise import Covariance
 from workbench.paths import Path
 from workbench.poses import planned, random_poses
 from workbench.problem import problem
+from workbench.records import parse_effect
 from workbench.robot import LoadData, load_robot
 from workbench.simulate import Truth, simulate
 
@@ -70,6 +72,28 @@ def test_a_fit_is_written_with_the_loads_of_its_campaign(tmp_path):
     said, known = stated_conditions(model, "heavy"), conditions_of(measured, "heavy")
     assert (said.payload, said.payload_mass, said.tool_mass) == ("heavy", 250.0, 60.0)
     assert np.allclose([said.payload_com, said.tool_com], [known.payload_com, known.tool_com], atol=1e-15)
+
+
+def test_a_gear_line_of_unknown_order_survives_its_model(tmp_path):
+    """What a scan found is written, loaded, compensated and known to the next diagnosis."""
+    robot = load_robot("kr500")
+    bare = tuple(
+        replace(j, data=j.data.model_copy(update={"gear_ratio": None})) if j.name == "joint_3" else j
+        for j in robot.joints
+    )
+    robot = replace(robot, joints=bare)
+    plan = planned(robot, random_poses(robot, 120, np.random.default_rng(2)))
+    hidden = parse_effect("gear_kinematic_error:joint=joint_3,order=88.4,amplitude=3e-4", problem(plan))
+    measured = simulate(plan, Truth(effects=(hidden,), sigma=3e-5))
+    outcome = diagnose(measured)
+    (found,) = outcome.diagnosis.causes
+    assert (found.cause, found.where.joint) == ("gear_kinematic_error", "joint_3")
+    assert abs(found.where.order - 88.4) < 0.1
+    write_fit(tmp_path / "model.toml", outcome.fit)
+    model = load_robot(tmp_path / "model.toml")
+    assert compensate(model, line(model)).before_mm.max() > 0.1
+    again = diagnose(replace(measured, robot=model))
+    assert again.diagnosis.verdict == "nothing_missing"
 
 
 def test_compensation_takes_the_model_s_own_loads():

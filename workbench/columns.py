@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arm import Array
-from .effects.base import Effect
+from .effects.base import Effect, Param
 from .problem import Problem
 from .registration import STATED_TARGET, UNKNOWN_TARGET
 
@@ -70,12 +70,21 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequen
     slices, start = [], len(names)
     for effect in effects:
         names += [f"{effect.label}/{p.name}" for p in effect.params]
-        prior += [1e3 * p.typical for p in effect.params]
+        prior += [effect_prior(p) for p in effect.params]
         slices.append(slice(start, len(names)))
         start = len(names)
     return Columns(
         tuple(names), np.array(prior), len(campaign.setup_names), tuple(targets), which, tuple(slices)
     )
+
+
+def effect_prior(param: Param) -> float:
+    """Prior standard deviation of an effect's parameter: what physics allows, else a thousand usual sizes.
+
+    Parts of an effect that the data do not show stay where a machine can be (a centre of mass in its link).
+    """
+    allowed = (param.upper - param.lower) / 2
+    return allowed if np.isfinite(allowed) else 1e3 * param.typical
 
 
 def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, tuple[str, ...], list[float]]]:

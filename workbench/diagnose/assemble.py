@@ -23,6 +23,7 @@ from ..diagnosis import (
     Where,
 )
 from ..effects.base import Effect
+from ..effects.gear_kinematic_error import GearKinematicError
 from ..fit import Fit, heldout, refit
 from ..problem import Problem
 from .evidence import evidence, structure_evidence
@@ -210,7 +211,7 @@ def _finding(parts: Parts, groups: Groups, g: int, stages: list[Stage], sure: bo
     parameters, sentence = _describe(final, groups[g])
     joint = effect.where.joint
     aliases = selection.aliases.get(joint or "", ())
-    if effect.where.order is not None and effect.variant == "scan" and aliases:
+    if isinstance(effect, GearKinematicError) and effect.searched and aliases:
         sentence += f" These poses fit other orders as well (e.g. {aliases[0]:g}): random poses would decide."
     strongest = min(own, key=lambda i: selection.p_values[i])
     return Finding(

@@ -128,12 +128,16 @@ def _search(nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bo
 
 
 def _absurd(result: Fit) -> list[Effect]:
-    """Effects whose fitted numbers no machine can have: they make up for something else."""
-    return [
-        effect
-        for effect, values in zip(result.model.effects, result.state.values, strict=True)
-        if any(not p.lower <= v <= p.upper for p, v in zip(effect.params, values, strict=True))
-    ]
+    """Effects whose fitted numbers no machine can have, by more than their uncertainty: they make up for
+    something else."""
+    out = []
+    for i, effect in enumerate(result.model.effects):
+        values, covariance = result.effect_values(i)
+        grace = 2 * np.sqrt(np.diag(covariance))
+        lower, upper = (np.array([getattr(p, end) for p in effect.params]) for end in ("lower", "upper"))
+        if (values + grace < lower).any() or (values - grace > upper).any():
+            out.append(effect)
+    return out
 
 
 def _material(search: Search, selection: Selection) -> Selection:

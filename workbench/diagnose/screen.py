@@ -18,6 +18,7 @@ from scipy import stats
 from scipy.linalg import solve_triangular
 
 from ..arm import Array
+from ..columns import effect_prior
 from ..effects.base import Effect
 from ..fit import Fit
 
@@ -30,7 +31,8 @@ class Screen:
     """Candidates in reduced form. `parts[k]` are the columns of candidate k.
 
     S: (g, g), u: (g,) in units where every column's parameter is counted in its typical size;
-    own: (g,) length² of the columns before projection; rss: whitened residual sum of squares, dof its
+    own: (g,) length² of the columns before projection; held: (g,) what the parameters' priors add to the
+    diagonal of S where several are solved for; rss: whitened residual sum of squares, dof its
     degrees of freedom; known: the noise is known (χ²), else tests divide by the residual (F).
     """
 
@@ -44,6 +46,7 @@ class Screen:
     noise_dof: float
     known: bool
     scale: Array
+    held: Array
 
     def statistic(self, k: Sequence[int], given: Sequence[int] = ()) -> tuple[float, int]:
         """Drop of the residual sum of squares by candidates `k` beyond `given`, and its rank."""
@@ -92,11 +95,11 @@ class Screen:
         return np.where(self.own[index] > FAINT, self.own[index], np.inf)
 
     def _solve(self, g: NDArray[np.int64], right: Array) -> Array:
-        """S_gg⁻¹ right, with a whiff of ridge for sets that are nearly dependent."""
+        """S_gg⁻¹ right, held by the priors, with a whiff of ridge for sets that are nearly dependent."""
         if not len(g):
             return np.zeros((0, *right.shape[1:]))
         S = self.S[np.ix_(g, g)].copy()
-        S[np.diag_indices_from(S)] += 1e-10 * self.own[g] + 1e-9
+        S[np.diag_indices_from(S)] += 1e-10 * self.own[g] + self.held[g]
         return np.asarray(np.linalg.solve(S, right), dtype=np.float64)
 
     def solution(self, k: Sequence[int]) -> tuple[Array, Array]:
@@ -171,13 +174,14 @@ def effective_dof(fit: Fit, drives: bool = False) -> float:
 
 def screen(fit: Fit, candidates: Sequence[Effect], known: bool) -> Screen:
     """Reduced form of all candidates at a fit. Effects of the fit's model are background."""
-    blocks, parts, scale, at = [], [], [], 0
+    blocks, parts, scale, held, at = [], [], [], [], 0
     for effect in candidates:
         typical = np.array([p.typical for p in effect.params])
         G = fit.model.effect_jacobian(fit.line, effect, np.zeros(len(typical))) * typical
         blocks.append(G)
         parts.append(slice(at, at + len(typical)))
         scale.append(typical)
+        held += [(p.typical / effect_prior(p)) ** 2 for p in effect.params]
         at += len(typical)
     G = np.matmul(fit.whitener, np.concatenate(blocks, axis=2))
     S, u, own = reduce_columns(fit, G)
@@ -192,4 +196,5 @@ def screen(fit: Fit, candidates: Sequence[Effect], known: bool) -> Screen:
         fit.noise.dof,
         known,
         np.concatenate(scale),
+        np.array(held),
     )

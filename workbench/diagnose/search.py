@@ -25,6 +25,7 @@ from .screen import Screen, effective_dof, p_value, screen
 ALPHA = 0.004  # chance that clean data show some catalogue cause
 ALPHA_SCAN = 0.002  # and that they show some gear line of unknown order
 RIVAL = 1e-3  # a rival is dropped when the accepted cause still adds to it at this level
+ALMOST = 0.1  # a rival that the linear pool drops is fitted in full if it leaves no more than this share
 MOST_CAUSES = 16
 LARGEST = 3.0  # a cause moves the points by no more than this times the nominal robot's error
 
@@ -129,7 +130,7 @@ class Search:
             if p * line.tries > ALPHA_SCAN or self._is_known(line):
                 continue
             name = at.model.problem.arm.names[line.joint]
-            effect = GearKinematicError(Where(joint=name, order=round(line.order, 3)), "scan")
+            effect = GearKinematicError(Where(joint=name, order=round(line.order, 3)))
             self.candidates.append(effect)
             self.tries[effect] = line.tries
             self.aliases[effect.where.joint or ""] = line.aliases
@@ -312,8 +313,16 @@ class Search:
             ):
                 continue
             more, extra = pool.statistic([a], [*rest, k])
-            if extra and pool.p_value(more, extra, base + alone) < RIVAL:
+            worse = extra and pool.p_value(more, extra, base + alone) < RIVAL
+            if worse and (more > ALMOST * own or not self._stands_in(pool, rest, k, a)):
                 continue
             if effect.key not in found or alone > found[effect.key][0]:
                 found[effect.key] = alone, k
         return tuple(k for _, k in sorted(found.values(), reverse=True))
+
+    def _stands_in(self, pool: Screen, rest: Sequence[int], k: int, a: int) -> bool:
+        """Candidate `a` adds nothing to a full fit with `k` in its place: large effects are not linear, and
+        the pool is."""
+        there = refit(self.last, self._effects(pool, [*rest, k]))
+        gain, rank = screen(there, [pool.candidates[a]], self.known).statistic([0])
+        return self._tail(gain, rank, there) >= RIVAL

@@ -10,6 +10,7 @@ from scipy import stats
 from scipy.linalg import qr, solve_triangular
 
 from ..effects.base import Effect
+from ..effects.gear_kinematic_error import GearKinematicError
 from ..fit import Fit
 from .generic import FamilyTest, test_families
 from .scan import scatter_of
@@ -144,7 +145,7 @@ def patchwork(effects: Sequence[Effect]) -> set[str]:
     Such a set draws any smooth function of the joint; none of its members is the cause. A fast line of the
     same joint says that the slow one is a harmonic of a gear.
     """
-    lines = [e for e in effects if e.variant == "scan"]
+    lines = [e for e in effects if isinstance(e, GearKinematicError) and e.searched]
     slow = {e.where.joint for e in lines if (e.where.order or FAST) < FAST}
     slow -= {e.where.joint for e in lines if (e.where.order or FAST) >= FAST}
     smooth = {e.where.joint for e in effects if e.cause in PIECES[1:]}

@@ -48,7 +48,7 @@ class GravityCompensator(LoadEffect):
         if self.variant == "temperature":
             return (Param("coefficient", "1/K", 3e-3, "relative change of the pressure per K over 20 °C"),)
         what = "gas charge (absolute pressure)" if self.kind == "gas" else "spring rate"
-        return (Param("relative", "1", 0.05, f"{what} over the model's, minus one", lower=-1.0),)
+        return (Param("relative", "1", 0.1, f"{what} over the model's, minus one", lower=-1.0),)
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
