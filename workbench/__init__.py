@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .compensate import compensate_file as compensate_file
     from .compensate import conditions_of as conditions_of
     from .compensate import stated_conditions as stated_conditions
+    from .design import plan as plan
     from .diagnose.run import Outcome as Outcome
     from .diagnose.run import diagnose as diagnose
     from .diagnosis import Diagnosis as Diagnosis
@@ -40,6 +41,9 @@ if TYPE_CHECKING:
     from .poses import random_poses as random_poses
     from .problem import Problem as Problem
     from .problem import problem as problem
+    from .protocols.circle_points import fit_circle as fit_circle
+    from .protocols.circle_points import link_between as link_between
+    from .protocols.circle_points import turning_ratio as turning_ratio
     from .records import parse_effect as parse_effect
     from .report.outcome import write_outcome as write_outcome
     from .robot import Robot as Robot
@@ -51,8 +55,10 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "campaign": "Campaign Target load_campaign write_campaign",
+    "protocols.circle_points": "fit_circle link_between turning_ratio",
     "closed_loop.verify": "verify",
     "compensate": "Conditions compensate compensate_file conditions_of stated_conditions",
+    "design": "plan",
     "diagnosis": "Diagnosis",
     "diagnose.run": "Outcome diagnose",
     "effects": "catalogue",

@@ -32,7 +32,7 @@ def _parser() -> argparse.ArgumentParser:
         description="What a robot's simulation gets wrong, why, and how to draw the right path all the same.",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for add in (_demo, _diagnose, _simulate, _compensate, _verify, _study, _robots, _causes):
+    for add in (_demo, _diagnose, _simulate, _plan, _compensate, _verify, _study, _robots, _causes):
         add(commands)
     return parser
 
@@ -134,6 +134,31 @@ def _simulate(commands: Commands) -> None:
             if arguments.json
             else f"{len(campaign.q)} poses written to {arguments.out}/campaign.toml"
         )
+        return 0
+
+    parser.set_defaults(run=run)
+
+
+def _plan(commands: Commands) -> None:
+    parser = commands.add_parser(
+        "plan", help="the next measurements: for accuracy, or to tell rival causes apart"
+    )
+    parser.add_argument(
+        "source", metavar="CAMPAIGN.toml|ROBOT", help="what was measured already, or a robot's name or TOML"
+    )
+    parser.add_argument("--poses", type=int, default=30, metavar="N", help="how many records (30)")
+    parser.add_argument(
+        "--tell",
+        metavar="CAUSE,CAUSE",
+        help="two causes as in --effect, without numbers: gear_ratio:joint=joint_2,link_mass:link=link_2; "
+        "what is left out (joint, link, payload, variant) is tried everywhere: gear_ratio,hose_torque",
+    )
+    common(parser, "reports/plan/poses.csv")
+
+    def run(arguments: argparse.Namespace) -> int:
+        from .design.command import plan_command
+
+        print(plan_command(arguments, progress))
         return 0
 
     parser.set_defaults(run=run)

@@ -20,11 +20,11 @@ from workbench.compensate import Conditions, compensate
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.extended import write_fit
 from workbench.fit import Fit, fit
-from workbench.load_pairs import difference_rows
 from workbench.model import Model
 from workbench.path_shapes import Run, circle, work_frame
 from workbench.poses import planned
 from workbench.problem import problem
+from workbench.protocols.load_pairs import difference_rows
 from workbench.report.charts import OURS, PRINTED, Series, Trace, plane, rows
 from workbench.report.drawing import MIDDLE, Figure
 from workbench.report.story import tell

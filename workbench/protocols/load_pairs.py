@@ -13,17 +13,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .arm import Arm, Array
-from .campaign import Campaign, Target
-from .effects.base import Effect, Param, YieldEffect
-from .effects.joint_compliance import JointCompliance
-from .fit import Fit, fit, start_state
-from .model import Model
-from .noise import Covariance
-from .poses import planned
-from .problem import Problem, problem
-from .robot import Robot
-from .simulate import Truth, simulate
+from ..arm import Arm, Array
+from ..campaign import Campaign, Target
+from ..effects.base import Effect, Param, YieldEffect
+from ..effects.joint_compliance import JointCompliance
+from ..fit import Fit, fit, start_state
+from ..model import Model
+from ..noise import Covariance
+from ..poses import planned
+from ..problem import Problem, problem
+from ..robot import Robot
+from ..simulate import Truth, simulate
 
 Load = tuple[float, Sequence[float]]
 
@@ -76,7 +76,7 @@ def pairs(
     force at the same place instead, as a cable exerts it, in the base frame. Rows 0..C−1 are before loading.
     """
     count = len(q)
-    pulled = pull.any(axis=1)
+    pulled = [bool(force.any()) for force in pull]
     plan = planned(
         robot,
         np.vstack([q, q]),
@@ -94,15 +94,15 @@ def pairs(
     return replace(plan, wrench=wrench)
 
 
-def grouped(job: Problem, joint: str, group: Array) -> list[Effect]:
-    """One compliance per joint, and for `joint` one per group; group: (N,) number of each pose's, from 0."""
+def grouped(job: Problem, joint: str, group: Sequence[int]) -> list[Effect]:
+    """One compliance per joint, and for `joint` one per group; group: N numbers of the poses', from 0."""
     out: list[Effect] = []
     for whole in JointCompliance.sites(job):
         if whole.where.joint != joint:
             out.append(whole)
             continue
-        for g in np.unique(group):
-            mask = tuple(bool(here) for here in group == g)
+        for g in sorted(set(group)):
+            mask = tuple(number == g for number in group)
             out.append(GroupCompliance(whole.where, str(g + 1), whole.nominal, mask))
     return out
 
@@ -111,9 +111,7 @@ def fit_pairs(campaign: Campaign, effects: Callable[[Problem], Sequence[Effect]]
     """Effects from loaded minus unloaded poses; sigma: noise per axis [m]. Geometry stays as it is."""
     job = problem(campaign)
     setups = len(campaign.setup_names)
-    start = start_state(
-        problem(as_one_setup(campaign))
-    )  # the instrument stood still: one registration serves all
+    start = start_state(problem(as_one_setup(campaign)))  # the instrument stood still: one start serves all
     R, t, targets = (np.repeat(part, setups, axis=0) for part in (start.R, start.t, start.targets))
     start = replace(start, R=R, t=t, targets=targets)
     noise = Covariance(np.full(job.seen.shape, sigma), np.zeros(job.arm.n), np.ones(len(job.q)))

@@ -1,0 +1,140 @@
+"""Gas spring between two links: torque and stiffness of one energy, the fit of (12), charge and length."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.arm import frames
+from workbench.campaign import Campaign
+from workbench.compensator.charge import EFFECTS, identify_charge
+from workbench.compensator.gas_spring import Linkage, added_stiffness, bias, linkage
+from workbench.compensator.spring_fit import fit_spring
+from workbench.faults import InputError
+from workbench.poses import TARGETS, planned, random_poses
+from workbench.problem import Problem, problem
+from workbench.protocols.load_pairs import (
+    compliances,
+    difference_rows,
+    fit_pairs,
+    grouped,
+    measure_pairs,
+    pairs,
+)
+from workbench.robot import load_robot
+from workbench.simulate import Truth, simulate
+
+ANGLES = np.radians(np.linspace(-140, -5, 6))
+GAS, LENGTH = EFFECTS
+
+
+@pytest.fixture(scope="module")
+def job() -> Problem:
+    q = np.zeros((6, 6))
+    q[:, 1] = ANGLES
+    return problem(planned(load_robot("kr120"), q))
+
+
+def triangle_of(job: Problem) -> Linkage:
+    assert job.compensator is not None
+    return linkage(job.arm, job.compensator)
+
+
+def test_triangle_is_that_of_the_pivots(job: Problem) -> None:
+    triangle = triangle_of(job)
+    assert job.compensator is not None
+    np.testing.assert_allclose(
+        triangle.stretch(ANGLES)[0], job.compensator.ends(frames(job.arm, job.q))[2], atol=1e-12
+    )
+    # physics: from the public pivots
+    assert triangle.a == pytest.approx(0.8028, abs=1e-4)
+    assert pytest.approx(0.2002, abs=1e-4) == triangle.L
+    assert np.degrees(triangle.alpha) == pytest.approx(88.09, abs=0.03)
+
+
+def test_torque_is_the_statics_own(job: Problem) -> None:
+    assert job.compensator is not None
+    without = replace(job, compensator=None)
+    pulled = job.nominal_load.local[:, 2, 5] - without.nominal_load.local[:, 2, 5]
+    np.testing.assert_allclose(bias(triangle_of(job), job.compensator, ANGLES), pulled, rtol=1e-9)
+
+
+def test_stiffness_is_the_slope_of_the_torque(job: Problem) -> None:
+    triangle, law, h = triangle_of(job), job.compensator, 1e-5
+    assert law is not None
+    slope = (bias(triangle, law, ANGLES + h) - bias(triangle, law, ANGLES - h)) / (2 * h)
+    np.testing.assert_allclose(added_stiffness(triangle, law, ANGLES), -slope, rtol=1e-6)
+
+
+def test_a_spring_that_made_the_compliances_is_found_again(job: Problem) -> None:
+    triangle, law = triangle_of(job), job.compensator
+    assert law is not None
+    gas = replace(law, data=law.data.model_copy(update={"precharge": 8e8, "gas_length": 0.6}))
+    area = law.data.piston_area or 0.0
+    k = 1 / (3e6 + added_stiffness(triangle, gas, ANGLES))
+    found = fit_spring(triangle, area, ANGLES, k, 1e-3 * k)
+    assert found.chi2 < 0.1
+    assert found.stiffness == pytest.approx(3e6, rel=0.01)
+    force = gas.force(triangle.stretch(ANGLES)[0])[0]
+    np.testing.assert_allclose(found.force, force, rtol=0.05)
+    np.testing.assert_allclose(found.torque, bias(triangle, gas, ANGLES), rtol=0.05)
+    # the source's parameters say the same: F = P0 A (s − s0)/(s0 + sV − s)
+    s = triangle.stretch(ANGLES)[0]
+    theirs = 101325.0 * area * (s - found.s0) / (found.s0 + found.sV - s)
+    np.testing.assert_allclose(theirs, found.force, rtol=1e-6)
+
+
+def test_gas_length_moves_the_torque_as_its_derivative_says(job: Problem) -> None:
+    def local(x: float) -> np.ndarray:
+        arm, loads = LENGTH.apply(job, job.arm, job.loads, np.array([x]))
+        from workbench.statics import wrenches
+
+        return wrenches(arm, job.rigid, loads).local
+
+    h = 1e-6
+    difference = (local(0.1 + h) - local(0.1 - h)) / (2 * h)
+    _, loads = LENGTH.apply(job, job.arm, job.loads, np.array([0.1]))
+    np.testing.assert_allclose(LENGTH.wrench(job, job.rigid, loads)[..., 0], difference, rtol=1e-6, atol=1e-5)
+
+
+@pytest.fixture(scope="module")
+def measured() -> Campaign:
+    robot = load_robot("kr120")
+    q = random_poses(robot, 40, np.random.default_rng(4))
+    plan = planned(robot, q, targets=[replace(target, fixed=True) for target in TARGETS])
+    truth = Truth(effects=((GAS, np.array([-0.1])), (LENGTH, np.array([0.1]))), sigma=3e-5)
+    return simulate(plan, truth, seed=1, torque_sigma=0.02)
+
+
+@pytest.mark.parametrize("witness", ["points", "torque", "both"])
+def test_charge_and_length_lie_in_their_intervals(measured: Campaign, witness: str) -> None:
+    found = identify_charge(measured, witness, 0.02)  # type: ignore[arg-type]
+    assert abs(found.charge + 0.1) < 3.5 * found.charge_std < 0.03
+    assert abs(found.length - 0.1) < 3.5 * found.length_std < 0.25
+
+
+def test_charge_without_torque_or_compensator_is_refused(measured: Campaign) -> None:
+    with pytest.raises(InputError, match="no torques"):
+        identify_charge(replace(measured, torque=None), "torque")
+    bare = replace(measured, robot=replace(measured.robot, compensator=None))
+    with pytest.raises(InputError, match="no gas compensator"):
+        identify_charge(bare, "points")
+
+
+def test_compliances_by_group_come_out_of_loaded_minus_unloaded() -> None:
+    robot = load_robot("kr120")
+    q = random_poses(robot, 12, np.random.default_rng(6))
+    group = [0, 1] * 12
+    pull = np.zeros((12, 3))
+    pull[:4, 1] = 500.0
+    plan = pairs(robot, q, (120.0, (0.2, 0.0, 0.1)), pull, TARGETS, (20.0, (0.0, 0.0, 0.1)))
+    assert difference_rows(plan).shape == (12, 9, 6)
+    fixed = replace(plan, targets=tuple(replace(target, fixed=True) for target in plan.targets))
+    still = measure_pairs(fixed, Truth(sigma=1e-5), 2, (np.eye(3), np.zeros(3)))
+    found = fit_pairs(still, lambda job: grouped(job, "joint_2", group), 1e-5)
+    values, std = compliances(found)
+    k = [1 / (joint.data.stiffness or np.inf) for joint in robot.joints]
+    np.testing.assert_array_less(abs(values - [k[0], k[1], *k[1:]]), 4 * std)
+    assert len({effect.label for effect in found.model.effects}) == 7

@@ -1,0 +1,109 @@
+"""The RX170 study: stiffness, the order without a ratio, what the sweep separates, and Table II."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.campaign import load_campaign
+from workbench.report.study import Study
+from workbench.robot import load_robot
+from workbench.studies import rx170
+from workbench.studies.running import run
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("rx170")
+
+
+@pytest.fixture(scope="module")
+def found(folder: Path) -> Study:
+    return run(rx170.study, folder, 0, True, lambda _: None)
+
+
+def test_every_stiffness_is_found_within_its_interval(found: Study) -> None:
+    n = found.numbers
+    off = np.array([n[f"off_{j}"] / n[f"std_{j}"] for j in range(1, 7)])
+    assert (off**2).sum() < 22.5  # χ² of 6: one in a thousand is above
+    assert n["inside"] >= 4
+    for j in range(1, 7):
+        assert n[f"std_{j}"] < 0.03
+        assert abs(n[f"true_{j}"] / n[f"printed_{j}"] - 1) > 0.09  # there was something to find
+
+
+def test_the_order_is_found_without_a_ratio(found: Study, folder: Path) -> None:
+    n = found.numbers
+    campaign = load_campaign(folder / "campaign" / "campaign.toml")
+    assert campaign.n_poses == 2001
+    assert all(joint.data.gear_ratio is None for joint in campaign.robot.joints)
+    assert abs(n["order"] - 200) < 0.2
+    assert n["order_low"] < 200 < n["order_high"]
+    assert n["order_half"] < 0.1 < n["width"]
+    assert n["shaft"] == pytest.approx(100, abs=0.1)
+    [orders] = [table for table in found.tables if table.title.startswith("Lines")]
+    counts = [row[-1] for row in orders.rows]
+    assert counts[0] == "2"
+    assert {"1", "4"} <= set(counts)  # once per turn of the shaft, and the harmonic
+    assert any(count.startswith("none") for count in counts)  # the motor
+
+
+def test_magnitudes_are_those_of_the_paper(found: Study) -> None:
+    n = found.numbers
+    assert 10 < n["yield_span"] < 50  # "many 1/100 of degree", in 1/1000
+    assert 2 < n["largest"] < 10  # "many 1/1000 of degree", up to 0.01
+
+
+def test_the_sweep_alone_does_not_tell_yield_from_gear(found: Study) -> None:
+    n = found.numbers
+    assert n["alone_once_half"] > 2 * n["alone_lines_half"]
+    assert n["alone_smooth_half"] > 5 * n["alone_once_half"]
+    assert n["alone_smooth_half"] > 10 * n["local_half"]
+    assert n["alone_lines_chi2"] - n["alone_once_chi2"] > 13.8  # and it shows that the gear runs out
+    assert n["spring_share"] > 0.05
+    assert n["error_rms"] ** 2 == pytest.approx(
+        n["lines_rms"] ** 2 + n["smooth_rms"] ** 2 + n["noise_rms"] ** 2, rel=0.05
+    )
+
+
+def test_each_correction_brings_the_slow_spiral_nearer(found: Study) -> None:
+    n = found.numbers
+    for seen in ("", "_seen"):
+        ra = [n[f"ra{seen}_{key}_slow"] for key in ("none", "stiffness", "both")]
+        assert ra[0] > 3 * ra[1] > 3 * 1.5 * ra[2]
+    assert n["rz_none_slow"] > n["rz_both_slow"] > n["rz_all_slow"] > n["rz_perfect_slow"]
+    assert n["rz_perfect_slow"] < 0.02
+    assert n["worst"] < 3  # beside the printed table
+
+
+def test_what_is_left_is_the_other_joints(found: Study) -> None:
+    n = found.numbers
+    assert n["rz_both_slow"] == pytest.approx(n["others_pv"], rel=0.5)
+    assert n["rz_all_slow"] < 0.6 * n["others_pv"]
+    assert n["ra_base_both_slow"] > 5 * n["ra_both_slow"]  # in the base's frame joint 3's weight stays
+    assert n["torque_3_ours"] > 3 * n["torque_3_printed"]
+    assert 0.85 < n["constant_share"] < 1
+
+
+def test_ten_times_as_fast_the_dynamics_rule(found: Study) -> None:
+    n = found.numbers
+    assert n["rz_none_fast"] > 1.5 * n["rz_none_slow"]
+    assert n["rz_perfect_fast"] > 10 * n["rz_perfect_slow"]
+    assert n["ra_both_fast"] < n["ra_none_fast"]
+    assert "fast" in [figure.name for figure in found.figures]
+
+
+def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
+    assert [len(t.rows) for t in found.tables if "Lines" not in t.title] == [6, 5, 3, 4, 5, 5]
+    for name in ("index.html", "report.pdf", "scene.html", "result.json"):
+        assert (folder / name).stat().st_size > 500, name
+    assert json.loads((folder / "result.json").read_text())["numbers"] == pytest.approx(dict(found.numbers))
+    for link in found.files.values():
+        assert (folder / link).exists(), link
+    corrected = load_robot(folder / "model.toml")
+    assert [joint.name for joint in corrected.joints if joint.data.stiffness] == ["joint_2"]
+    assert {effect.joint for effect in corrected.effects} == {"joint_2"}
+    assert load_robot(folder / "model_stiffness.toml").effects == ()

@@ -1,0 +1,1 @@
+"""A gravity compensator by itself: its torque, its stiffness, and its identification."""

@@ -1,0 +1,40 @@
+"""Diagnoses side by side, and one diagnosis in space: for studies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..diagnose.run import Outcome
+from ..report.numbers import p_value
+from ..report.study import Shown, Table
+
+
+def verdict(outcome: Outcome) -> str:
+    """Verdict, causes and their rivals in one line."""
+    said = []
+    for cause in outcome.diagnosis.causes:
+        others = ", ".join(f"{name} {where}".strip() for name, where in cause.rivals)
+        rivals = f", or {others}" if others else ""
+        said.append(f"{cause.cause} {cause.where}".strip() + f" ({p_value(cause.p_value)}{rivals})")
+    found = outcome.diagnosis.verdict
+    return (f"{found}: {'; '.join(said)}" if said else found).replace("_", " ")
+
+
+def verdict_table(
+    title: str, columns: Mapping[str, str], outcomes: Mapping[str, Mapping[str, Outcome]]
+) -> Table:
+    """Verdicts by measurement (rows) and hidden truth (columns: its key → its heading)."""
+    rows = [[way, *(verdict(found[name]) for name in columns)] for way, found in outcomes.items()]
+    return Table(title, ("Measurement", *columns.values()), rows, numbers=())
+
+
+def in_space(outcome: Outcome) -> Shown:
+    """A diagnosis' points with their errors by stage, the robot in the first pose."""
+    errors = outcome.diagnosis.errors
+    if errors is None:
+        raise ValueError("the diagnosis holds no errors of points")
+    stages = {"Nominal model": errors.error_nominal, "Geometry calibrated": errors.error_geometry}
+    if len(outcome.diagnosis.stages) > 2:
+        stages["Causes in the model"] = errors.error_final
+    sigma = 1e-3 * outcome.diagnosis.noise.sigma_mm
+    return Shown(outcome.problem.q[0], errors.points, stages, errors.pose, errors.target, sigma)
