@@ -16,8 +16,10 @@ from scipy import stats
 
 from ..arm import Array
 from ..diagnosis import Where
-from ..effects.base import Effect
+from ..effects.base import Effect, LoadEffect, YieldEffect
+from ..effects.bearing_tilt import BearingTilt
 from ..effects.gear_kinematic_error import GearKinematicError
+from ..effects.joint_compliance import JointCompliance
 from ..fit import Fit, refit
 from .scan import Line, scan
 from .screen import Screen, effective_dof, p_value, screen
@@ -318,7 +320,32 @@ class Search:
                 continue
             if effect.key not in found or alone > found[effect.key][0]:
                 found[effect.key] = alone, k
-        return tuple(k for _, k in sorted(found.values(), reverse=True))
+        return tuple(k for _, k in sorted(found.values(), reverse=True)) or self._rigid_joints(pool, rest, a)
+
+    def _rigid_joints(self, pool: Screen, rest: Sequence[int], a: int) -> tuple[int, ...]:
+        """Joints that the model has rigid, where `a` adds nothing to their yielding all together.
+
+        Every joint yields. Where no stiffness at all is stated, axial yield and tilt of all these joints are
+        as likely as whatever single yield draws the same: then they are its rivals, the strongest first.
+        """
+        effect, candidates = pool.candidates[a], pool.candidates
+        rigid = {
+            e.where.joint for e in candidates if isinstance(e, JointCompliance) and not e.nominal
+        }  # fmt: skip
+        if isinstance(effect, JointCompliance) or not isinstance(effect, YieldEffect | LoadEffect):
+            return ()
+        alones = pool.increments(rest)[0]
+        group = [
+            k
+            for k, e in enumerate(candidates)
+            if isinstance(e, JointCompliance | BearingTilt) and e.where.joint in rigid and k not in (*rest, a)
+        ]
+        axial = [k for k in group if isinstance(candidates[k], JointCompliance)]
+        base = pool.statistic([*rest, *group])[0]
+        more, extra = pool.statistic([a], [*rest, *group])
+        if not axial or (extra and pool.p_value(more, extra, base) < RIVAL):
+            return ()
+        return tuple(sorted(axial, key=lambda k: -alones[k])[:3])
 
     def _stands_in(self, pool: Screen, rest: Sequence[int], k: int, a: int) -> bool:
         """Candidate `a` adds nothing to a full fit with `k` in its place: large effects are not linear, and
