@@ -362,6 +362,28 @@ def test_simulate_refuses(tmp_path, capsys, options, said):
     assert not (tmp_path / "out").exists()
 
 
+def test_simulate_takes_all_that_a_file_of_poses_says(tmp_path, capsys):
+    rows = [
+        "pose_id,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,payload,dir2,t_s,temp_degC,fz_N",
+        "a,0,-90,90,0,45,0,,1,0,20,0",
+        "b,10,-80,80,5,40,0,heavy,-1,60,25,-100",
+        "c,10,-70,80,5,40,30,heavy,1,120,26,0",
+    ]
+    (tmp_path / "plan.csv").write_text("\n".join([*rows, ""]))
+    command = ["simulate", "kr500", "--poses", tmp_path / "plan.csv", "--out", tmp_path / "made"]
+    fault, _ = faults(capsys, *command)
+    assert "plan.csv line 3" in fault
+    assert "payload 'heavy' is not known" in fault
+    assert "--payload heavy=KG" in fault
+    call(capsys, *command, "--payload", "heavy=200")
+    made = load_campaign(tmp_path / "made/campaign.toml")
+    assert [made.payload_names[k] for k in made.payload] == ["", "heavy", "heavy"]
+    assert made.direction[:, 1].tolist() == [1, -1, 1]
+    assert made.time.tolist() == [0, 60, 120]
+    assert made.temperature.tolist() == [20, 25, 26]
+    assert made.wrench[:, 2].tolist() == [0, -100, 0]
+
+
 def test_simulate_on_a_grid_and_from_a_file(folder, tmp_path, capsys):
     status, *_ = call(
         capsys,

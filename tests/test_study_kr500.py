@@ -39,7 +39,10 @@ def test_cells_help_where_an_effect_is_missing(found: Study) -> None:
     assert n["b_constant_mm"] > 1.05 * n["b_16_mm"] > 1.1 * n["b_128_mm"]
     assert abs(n["b_2_mm"] / n["b_constant_mm"] - 1) < 0.1  # left and right of the robot torques are the same
     assert n["b_same_true_mm"] > 1.5 * n["b_128_true_mm"]  # not because of more measurements
-    assert n["b_allowed"] >= 128
+    assert n["b_allowed"] == 128
+    allowed = [row[-1] for row in next(t for t in found.tables if "noise allows" in t.title).rows]
+    assert allowed[0] == "128 or more"
+    assert allowed[-1] == "1"
     assert 0 < n["b_pays"] < 0.5
 
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from .campaign import Target as Target
     from .campaign import load_campaign as load_campaign
     from .campaign import write_campaign as write_campaign
+    from .cells import CellModel as CellModel
+    from .cells import fit_cells as fit_cells
     from .closed_loop.verify import verify as verify
     from .compensate import Conditions as Conditions
     from .compensate import compensate as compensate
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "campaign": "Campaign Target load_campaign write_campaign",
+    "cells": "CellModel fit_cells",
     "protocols.circle_points": "fit_circle link_between turning_ratio",
     "closed_loop.verify": "verify",
     "compensate": "Conditions compensate compensate_file conditions_of stated_conditions",

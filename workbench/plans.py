@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
@@ -14,7 +16,7 @@ from .campaign import Campaign, write_campaign
 from .campaign.file import pose_columns
 from .faults import Fault, InputError
 from .poses import planned, random_poses
-from .problem import problem
+from .problem import filled, problem
 from .records import effect_text, parse_effect
 from .robot import LoadData, Robot, load_robot
 from .simulate import Truth, random_geometry, simulate
@@ -23,32 +25,36 @@ from .tables import Layout, read_table
 Load = tuple[float, tuple[float, float, float]]
 
 
+@dataclass(frozen=True)
+class _Told:
+    """What the robot is told in N poses; as in `Campaign`, payloads by name."""
+
+    q: Array
+    payload: list[str]
+    wrench: Array | None = None
+    direction: Array | None = None
+    time: Array | None = None
+    temperature: Array | None = None
+
+
 def simulate_command(arguments: argparse.Namespace) -> Campaign:
     """Simulates what the arguments say and writes the campaign. Raises InputError."""
     robot = load_robot(arguments.robot)
     rng = np.random.default_rng([arguments.seed, 11])
-    q = _poses(robot, arguments, rng)
     loads = dict(_payload(text, robot) for text in arguments.payload)
-    payload = [name for name in ["", *loads] for _ in range(len(q))]
-    q = np.tile(q, (1 + len(loads), 1))
-    order = rng.permutation(len(q)) if arguments.hours > 0 else np.arange(len(q))
-    q, payload = q[order], [payload[i] for i in order]
-    time = np.linspace(0, 3600 * arguments.hours, len(q)) if arguments.hours > 0 else None
-    temperature = None
-    if arguments.warm_degC:
-        share = np.linspace(0, 1, len(q)) if time is None else time / time.max()
-        temperature = 20 + arguments.warm_degC * (1 - np.exp(-3 * share)) / (1 - np.exp(-3))
-    direction = rng.choice([-1.0, 1.0], size=q.shape) if arguments.approach else None
+    told = _file(robot, arguments.poses, loads) if arguments.poses else _drawn(robot, arguments, rng)
+    told = _drawn_besides(told, arguments, loads, rng)
     plan = planned(
         robot,
-        q,
+        told.q,
         payloads=loads,
-        payload=payload,
+        payload=told.payload,
         tool=_load(arguments.tool, "--tool") if arguments.tool else _stated(robot.tool),
-        direction=direction,
-        time=time,
-        temperature=temperature,
-        title=f"{robot.title}, simulated, {len(q)} poses",
+        wrench=told.wrench,
+        direction=told.direction,
+        time=told.time,
+        temperature=told.temperature,
+        title=f"{robot.title}, simulated, {len(told.q)} poses",
     )
     job = problem(plan)
     effects = tuple(parse_effect(text, job) for text in arguments.effect)
@@ -63,18 +69,76 @@ def simulate_command(arguments: argparse.Namespace) -> Campaign:
     return campaign
 
 
-def _poses(robot: Robot, arguments: argparse.Namespace, rng: np.random.Generator) -> Array:
-    if arguments.poses:
-        path = Path(arguments.poses)
-        table = read_table(path, Layout(), pose_columns(robot), str(path))
-        if table.faults:
-            raise InputError(table.faults)
-        return np.column_stack([table.numbers[f"q{j + 1}"] for j in range(len(robot.joints))])
-    if arguments.random is not None:
-        if arguments.random < 1:
-            raise InputError(Fault("--random", f"is {arguments.random}", "give a number of poses"))
-        return random_poses(robot, arguments.random, rng)
-    return _grid(robot, arguments.grid)
+def _file(robot: Robot, file: str, loads: dict[str, Load]) -> _Told:
+    """The poses of a file, with the payloads, wrenches, sides, times and temperatures that it gives."""
+    path, n = Path(file), len(robot.joints)
+    table = read_table(path, Layout(), pose_columns(robot), str(path))
+    names = table.texts.get("payload", [])
+    for name in dict.fromkeys(names):
+        if name and name not in loads and name in robot.payloads:
+            loads[name] = _stated(robot.payloads[name])
+    rows = [row for row, name in enumerate(names) if name and name not in loads]
+    what = [f"payload {names[row]!r} is not known" for row in rows]
+    table.add_faults(rows, what, [f"say --payload {names[row]}=KG" for row in rows])
+    if table.faults:
+        raise InputError(table.faults)
+
+    def columns(labels: Sequence[str]) -> Array | None:
+        given = [table.numbers.get(label) for label in labels]
+        zero = np.zeros(len(table))
+        found = [zero if values is None else np.nan_to_num(values) for values in given]
+        return None if all(values is None for values in given) else np.stack(found, axis=1)
+
+    q = columns([f"q{j + 1}" for j in range(n)])
+    assert q is not None
+    return _Told(
+        q,
+        list(names),
+        columns(("fx", "fy", "fz", "mx", "my", "mz")),
+        columns([f"dir{j + 1}" for j in range(n)]),
+        filled(table.numbers.get("t"), 0.0),
+        filled(table.numbers.get("temp"), 0.0),
+    )
+
+
+def _drawn(robot: Robot, arguments: argparse.Namespace, rng: np.random.Generator) -> _Told:
+    """Random poses or a grid."""
+    if arguments.random is None:
+        return _Told(_grid(robot, arguments.grid), [])
+    if arguments.random < 1:
+        raise InputError(Fault("--random", f"is {arguments.random}", "give a number of poses"))
+    return _Told(random_poses(robot, arguments.random, rng), [])
+
+
+def _drawn_besides(
+    told: _Told, arguments: argparse.Namespace, loads: dict[str, Load], rng: np.random.Generator
+) -> _Told:
+    """Each pose without and with every payload, unless a file says; then times and sides as asked.
+
+    Drawn poses come in random order where time counts, those of a file in its own."""
+    if not told.payload:
+        copies = 1 + len(loads)
+        told = replace(
+            told,
+            q=np.tile(told.q, (copies, 1)),
+            payload=[name for name in ["", *loads] for _ in range(len(told.q))],
+            **{
+                name: np.concatenate([values] * copies)
+                for name in ("wrench", "direction", "time", "temperature")
+                if (values := getattr(told, name)) is not None
+            },
+        )
+    if arguments.hours > 0 and told.time is None:
+        order = np.arange(len(told.q)) if arguments.poses else rng.permutation(len(told.q))
+        told = replace(told, q=told.q[order], payload=[told.payload[i] for i in order])
+        told = replace(told, time=np.linspace(0, 3600 * arguments.hours, len(told.q)))
+    if arguments.warm_degC and told.temperature is None:
+        share = np.linspace(0, 1, len(told.q)) if told.time is None else told.time / told.time.max()
+        rise = (1 - np.exp(-3 * share)) / (1 - np.exp(-3))
+        told = replace(told, temperature=20 + arguments.warm_degC * rise)
+    if arguments.approach and told.direction is None:
+        told = replace(told, direction=rng.choice([-1.0, 1.0], size=told.q.shape))
+    return told
 
 
 def _grid(robot: Robot, text: str) -> Array:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
+from scipy import stats
 
 from ..arm import Array
 from ..statics import ATMOSPHERE
@@ -29,6 +31,11 @@ class FittedSpring:
     dof: int
     s0: float
     sV: float
+
+    @property
+    def p_value(self) -> float:
+        """How often noise alone leaves more."""
+        return float(stats.chi2.sf(self.chi2, self.dof))
 
 
 def fit_spring(triangle: Linkage, area: float, q: Array, compliance: Array, sigma: Array) -> FittedSpring:
@@ -61,6 +68,13 @@ def fit_spring(triangle: Linkage, area: float, q: Array, compliance: Array, sigm
         float(shortest + length[at] - sV),
         float(sV),
     )
+
+
+def fit_any_order(triangle: Linkage, area: float, q: Array, compliance: Array, sigma: Array) -> FittedSpring:
+    """The best of the fits to all orders of the compliances: which angle each belongs to is not known."""
+    orders = (list(order) for order in permutations(range(len(q))))
+    fits = (fit_spring(triangle, area, q, compliance[order], sigma[order]) for order in orders)
+    return min(fits, key=lambda spring: spring.chi2)
 
 
 def _two(a: Array, b: Array, y: Array) -> tuple[Array, Array, Array]:

@@ -7,7 +7,7 @@ takes three points of a circle; here any number of them is fitted in space, and 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,6 +60,30 @@ class Link:
     a_std: float
     alpha_std: float
     spread: float = 0.0
+
+
+@dataclass(frozen=True)
+class Axes:
+    """What the circles of an arm's n joints give: the links between its axes (n − 1), the ratios (n, 2) and
+    the ball's distance from the last axis [m], these two with standard deviations."""
+
+    links: Sequence[Link]
+    ratio: Array
+    ball: tuple[float, float]
+
+    def rows(self, nominal: Array) -> Array:
+        """(n, 4) Denavit–Hartenberg rows θ α a d with these a and α; behind the last axis: as `nominal`."""
+        out = np.array(nominal, dtype=np.float64)
+        out[:-1, 1:3] = [(link.alpha, link.a) for link in self.links]
+        return out
+
+    @property
+    def values(self) -> Array:
+        """(3 n − 1, 2) lengths a [mm], twists α [°], ratios less one [ppm], the ball's distance [mm], each with
+        its standard deviation."""
+        a = [(1e3 * link.a, 1e3 * link.a_std) for link in self.links]
+        alpha = np.degrees([(link.alpha, link.alpha_std) for link in self.links])
+        return np.concatenate([a, alpha, 1e6 * (self.ratio - [1, 0]), [1e3 * np.array(self.ball)]])
 
 
 def fit_circle(points: Array) -> Circle:
@@ -143,6 +167,19 @@ def distance_from(circle: Circle, points: Array, commanded: Array) -> tuple[floa
     fitted = np.linalg.lstsq(A, flat.T.ravel())[0]
     spread = circle.sigma * np.sqrt(np.linalg.inv(A.T @ A)[2, 2])
     return float(np.hypot(fitted[2], fitted[3])), float(spread)
+
+
+def axes_of(points: Array, commanded: Array, along: Array) -> Axes:
+    """Axes, links and ratios of an arm whose joints were turned one at a time (`sweeps`).
+
+    points: (n, N, T, 3) [m] of each joint's sweep: the ball on the last axis, then a mark off all axes, which
+    runs on the circles; commanded: (n, N) [rad] angle of the joint that turns; along: (n − 1, 3) rough x axes
+    of the links.
+    """
+    circles = [fit_circle(swept[:, 1]) for swept in points]
+    links = [link_between(circles[i], circles[i + 1], along[i]) for i in range(len(circles) - 1)]
+    ratio = [turning_ratio(circle, angle) for circle, angle in zip(circles, commanded, strict=True)]
+    return Axes(links, np.array(ratio), distance_from(circles[-1], points[-1, :, 0], commanded[-1]))
 
 
 def _normal(x: Array, frame: Array) -> Array:

@@ -17,6 +17,7 @@ from ..arm import Arm, Array
 from ..campaign import Campaign, Target
 from ..effects.base import Effect, Param, YieldEffect
 from ..effects.joint_compliance import JointCompliance
+from ..effects.lost_motion import LostMotion
 from ..fit import Fit, fit, start_state
 from ..model import Model
 from ..noise import Covariance
@@ -116,6 +117,17 @@ def fit_pairs(campaign: Campaign, effects: Callable[[Problem], Sequence[Effect]]
     start = replace(start, R=R, t=t, targets=targets)
     noise = Covariance(np.full(job.seen.shape, sigma), np.zeros(job.arm.n), np.ones(len(job.q)))
     return fit(Model(job, tuple(effects(job))), start, noise, geometry=False)
+
+
+def fit_beside(campaign: Campaign, effect: Effect, sigma: float) -> Fit:
+    """One compliance per joint, and one effect beside them: the last of the fit."""
+    return fit_pairs(campaign, lambda job: [*JointCompliance.sites(job), effect], sigma)
+
+
+def fit_soft_zone(campaign: Campaign, joint: str, sigma: float) -> Fit:
+    """One compliance per joint and a soft zone of `joint`: of the catalogue's widths the one that fits best."""
+    zones = [zone for zone in LostMotion.sites(problem(campaign)) if zone.where.joint == joint]
+    return min((fit_beside(campaign, zone, sigma) for zone in zones), key=lambda found: found.chi2)
 
 
 def measure_pairs(plan: Campaign, truth: Truth, seed: int, instrument: tuple[Array, Array]) -> Campaign:

@@ -1,20 +1,145 @@
-"""What a gravity compensator does to its joint, drawn: torque that is left, shift by a lost charge."""
+"""The KR 120 study's figures, Table I beside ours, and its numbers by name."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy import stats
 
 from ..arm import Array
-from ..compensator.gas_spring import linkage
+from ..compensator.gas_spring import added_stiffness, bias, linkage
+from ..compensator.spring_fit import FittedSpring
+from ..design.groups import GroupPlan
+from ..fit import Fit
 from ..poses import planned
 from ..problem import Problem, problem
 from ..protocols.load_pairs import Load
-from ..report.charts import Series, curves
-from ..report.drawing import MIDDLE, Figure
+from ..report.charts import OURS, PRINTED, Series, curves, histogram
+from ..report.drawing import MIDDLE, NOISE, Figure
+from ..report.numbers import decimals
+from ..report.study import Table
 from ..robot import Robot
+
+WithHalf = tuple[Array, Array]  # compliances [rad/(N·m)] and half widths of their intervals
+
+
+def plan_numbers(plan: GroupPlan) -> dict[str, float]:
+    """The optimum beside plans drawn at random."""
+    middle = float(np.median(plan.random))
+    return {
+        "rho0_mm": 1e3 * plan.rho0,
+        "rho0_median_mm": 1e3 * middle,
+        "rho0_best_mm": 1e3 * float(plan.random.min()),
+        "hanging_tells_k1": float(np.isfinite(plan.hanging)),
+        "fewer": (middle / plan.rho0) ** 2,
+        "pulled": float(plan.campaign.wrench.any(axis=1).sum()),
+    }
+
+
+def plan_figure(plan: GroupPlan) -> Figure:
+    marks = {
+        "optimum": 1e3 * plan.rho0,
+        f"best of {len(plan.random)} random": 1e3 * float(plan.random.min()),
+        "median": 1e3 * float(np.median(plan.random)),
+    }
+    title = f"The optimum plan against {len(plan.random)} random plans of the same size"
+    return histogram("plans", title, 1e3 * plan.random, "expected error at the test pose ρ0, mm", marks)
+
+
+def compliance_numbers(names: Sequence[str], k: Mapping[str, WithHalf]) -> dict[str, float]:
+    """Compliances by name and machine, and how far joint 2's six spread over their mean."""
+    numbers: dict[str, float] = {}
+    for machine, (values, half) in k.items():
+        six = [value for name, value in zip(names, values, strict=True) if name.startswith("k2")]
+        numbers |= {f"{name}_{machine}": float(v) for name, v in zip(names, values, strict=True)}
+        numbers |= {f"{name}_{machine}_half": float(h) for name, h in zip(names, half, strict=True)}
+        numbers[f"spread_{machine}"] = float(np.ptp(six) / np.mean(six))
+    return numbers
+
+
+def compliance_table(names: Sequence[str], k: Mapping[str, WithHalf], constant: Array) -> Table:
+    """Table I with intervals beside ours, 1e-6 rad/(N·m)."""
+    columns = [*k["printed"], *k["gas"], constant, *k["soft"]]
+    places = [2 if name in ("k1", "k4", "k5", "k6") else 3 for name in names]
+    rows = [
+        [name, *(decimals(1e6 * float(column[i]), places[i]) for column in columns)]
+        for i, name in enumerate(names)
+    ]
+    head = ("10⁻⁶ rad/(N·m)", "Table I", "±", "Gas spring alone", "±", "True", "With soft gear", "±")
+    note = (
+        "± of ours: 95 %; what the paper's “CI” is it does not say. Angles of joint 2 in the printed order."
+    )
+    return Table("Compliances: the paper's Table I beside ours", head, rows, note)
+
+
+def fit_numbers(name: str, fits: Mapping[str, Fit]) -> dict[str, float]:
+    """χ² of the points, its degrees of freedom and its p by model."""
+    numbers: dict[str, float] = {}
+    for model, found in fits.items():
+        dof = found.point_rows - len(found.columns.names)
+        numbers |= {f"{name}_{model}_chi2": found.chi2, f"{name}_{model}_dof": float(dof)}
+        numbers[f"{name}_{model}_p"] = float(stats.chi2.sf(found.chi2, dof))
+    return numbers
+
+
+def spring_numbers(springs: Mapping[str, FittedSpring]) -> dict[str, float]:
+    """Fitted gas springs, each with its gear."""
+    numbers: dict[str, float] = {}
+    for name, spring in springs.items():
+        numbers |= _strength(name, spring.force, spring.torque, spring.stiffness)
+        numbers |= {f"{name}_chi2": spring.chi2, f"{name}_p": spring.p_value}
+    return numbers
+
+
+def own_spring_numbers(job: Problem, angles: Array) -> dict[str, float]:
+    """What the robot's own gas spring does at these angles: force, torque, stiffness, and shift of the
+    stretched arm."""
+    law, joint = job.compensator, compensated_joint(job.robot)
+    assert law is not None
+    triangle, gear = linkage(job.arm, law), job.robot.joints[joint].data.stiffness or np.inf
+    torque, added = bias(triangle, law, angles), added_stiffness(triangle, law, angles)
+    return {
+        "a_mm": 1e3 * triangle.a,
+        "L_mm": 1e3 * triangle.L,
+        "alpha_deg": float(np.degrees(triangle.alpha)),
+        **_strength("own", law.force(triangle.stretch(angles)[0])[0], torque, gear),
+        "added_least_kNm": 1e-3 * float(added.min()),
+        "added_most_kNm": 1e-3 * float(added.max()),
+        "added_share": float(added.max()) / gear,
+        "bias_shift_mm": 1e3 * float(np.abs(torque).max()) / gear * reach(job, joint),
+    }
+
+
+def _strength(name: str, force: Array, torque: Array, gear: float) -> dict[str, float]:
+    return {
+        f"{name}_least_MN": 1e-6 * float(force.min()),
+        f"{name}_most_MN": 1e-6 * float(force.max()),
+        f"{name}_torque_kNm": 1e-3 * float(np.abs(torque).max()),
+        f"{name}_gear_MNm": 1e-6 * gear,
+    }
+
+
+def stiffness_figure(
+    job: Problem, angles: Array, six: Mapping[str, WithHalf], needed: FittedSpring
+) -> Figure:
+    """Joint 2's stiffness at the angles: Table I, ours, the robot's gas spring, the one that is needed."""
+
+    def bars(k: Array, half: Array, colour: str) -> Series:
+        return Series(1e-6 / k, 1e-6 / (k + half), 1e-6 / (k - half), colour, "o")
+
+    assert job.compensator is not None
+    added = added_stiffness(linkage(job.arm, job.compensator), job.compensator, angles)
+    series = {
+        "gas spring alone": Series(1e-6 * (1 / six["printed"][0].mean() + added), colour=MIDDLE),
+        "needed gas spring, eq. (12)": Series(1e-6 / needed.compliance, colour=NOISE, style="--"),
+        "Table I": bars(*six["printed"], PRINTED),
+        "ours, with soft gear": bars(*six["soft"], OURS),
+    }
+    title = "The gas spring leaves joint 2's stiffness flat; a soft gear scatters it as Table I does"
+    x, y = "joint 2, °", "stiffness, MN·m/rad"
+    return curves("stiffness", title, np.degrees(angles), series, x, y, height=3.4)
 
 
 def compensated_joint(robot: Robot) -> int:
