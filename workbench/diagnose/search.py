@@ -28,6 +28,7 @@ ALPHA = 0.004  # chance that clean data show some catalogue cause
 ALPHA_SCAN = 0.002  # and that they show some gear line of unknown order
 RIVAL = 1e-3  # a rival is dropped when the accepted cause still adds to it at this level
 ALMOST = 0.1  # a rival that the linear pool drops is fitted in full if it leaves no more than this share
+CLEARER = 4.0  # gain in misfit that moves a setting
 MOST_CAUSES = 16
 LARGEST = 3.0  # a cause moves the points by no more than this times the nominal robot's error
 
@@ -71,6 +72,7 @@ class Search:
         self.candidates: list[Effect] = list(candidates)
         self.tries: dict[Effect, int] = {}
         self.aliases: dict[str, tuple[float, ...]] = {}
+        self.sharpened: dict[tuple[str, Where], int] = {}
         self.regular = max(1, len(self.candidates))
 
     def run(self) -> Selection:
@@ -84,10 +86,9 @@ class Search:
             current = self._fit(pool, chosen)
             grew = self._add_lines(current)
             fresh = self._next(current, pool, chosen)
-            if grew:
-                kept = self._effects(pool, chosen)
-                pool = screen(self.geometry, self.candidates, self.known)
-                chosen = [self.candidates.index(effect) for effect in kept]
+            if self._sharpen(pool, chosen) or grew:
+                grew = True
+                pool = screen(self.geometry, self.candidates, self.known)  # indices stay as they were
             if fresh is not None and len(chosen) < self.max_causes:
                 chosen.append(self.candidates.index(fresh))
                 continue
@@ -138,6 +139,25 @@ class Search:
             self.aliases[effect.where.joint or ""] = line.aliases
             grew = True
         return grew
+
+    def _sharpen(self, pool: Screen, chosen: Sequence[int]) -> bool:
+        """Moves settings of accepted effects (a soft zone's width) to where the data want them, twice at most."""
+        changed = False
+        for a in chosen:
+            effect = pool.candidates[a]
+            options = [effect, *effect.finer()]
+            if len(options) == 1 or self.sharpened.get(effect.key, 0) >= 2:
+                continue
+            self.sharpened[effect.key] = self.sharpened.get(effect.key, 0) + 1
+            rest = self._effects(pool, [c for c in chosen if c != a])
+            there = screen(self.geometry, [*options, *rest], self.known)
+            given = range(len(options), len(options) + len(rest))
+            gains = np.array([there.statistic([k], given)[0] for k in range(len(options))])
+            unit = 1.0 if self.known else (there.rss - gains.max()) / max(there.dof, 1.0)
+            if gains.max() > gains[0] + CLEARER * unit:
+                self.candidates[a] = options[int(np.argmax(gains))]
+                changed = True
+        return changed
 
     def _is_known(self, line: Line) -> bool:
         """A candidate of (nearly) that order is there already."""

@@ -61,6 +61,10 @@ class Effect(ABC):
     def params(self) -> tuple[Param, ...]:
         """The fitted parameters, in the order of `values`."""
 
+    def finer(self) -> Sequence[Effect]:
+        """The same effect with other settings, to choose from once it is accepted."""
+        return ()
+
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
         """Why this campaign cannot show the cause at all; None when it can."""

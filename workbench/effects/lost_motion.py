@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -25,7 +25,8 @@ class LostMotion(YieldEffect):
     play   the same with t₀ = 2 % of the largest torque: the joint falls to either side
     cubic  Δq = a (τ/t₀)³, a at the largest torque t₀; a < 0: the gear hardens
 
-    The sites' t₀ are shares of the largest nominal torque in the campaign. (Source 002, whose varying
+    The sites' t₀ are shares of the largest nominal torque in the campaign; one that is accepted is moved to
+    where the data want it. (Source 002, whose varying
     stiffness this explains; catalogue no. 8.) Drake: force element or two-stage spring.
     """
 
@@ -75,6 +76,12 @@ class LostMotion(YieldEffect):
             for j in range(arm.n)
             for variant, share in shares.items()
         ]
+
+    def finer(self) -> Sequence[LostMotion]:
+        """The same soft zone, narrower and wider."""
+        if not self.variant.startswith("soft"):
+            return ()
+        return [replace(self, torque=float(self.torque * x)) for x in np.geomspace(0.4, 2.5, 15)]
 
     def slot(self, arm: Arm) -> int:
         return arm.names.index(str(self.where.joint)) + 1
