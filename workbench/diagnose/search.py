@@ -141,7 +141,7 @@ class Search:
         return grew
 
     def _sharpen(self, pool: Screen, chosen: Sequence[int]) -> bool:
-        """Moves settings of accepted effects (a soft zone's width) to where the data want them, twice at most."""
+        """Moves settings of accepted effects (a soft zone's width) where the data want them, at most twice."""
         changed = False
         for a in chosen:
             effect = pool.candidates[a]
