@@ -12,12 +12,14 @@ from workbench.arm import Array, frames
 from workbench.campaign import Target
 from workbench.deflection import deflection, deflection_budget, with_compliance
 from workbench.denavit_hartenberg import axial_columns, chain, corrections, fitted_rows, with_rows
+from workbench.faults import InputError
 from workbench.fit import fit
 from workbench.model import Model
 from workbench.plant import arrays
 from workbench.poses import planned
 from workbench.problem import problem
 from workbench.protocols.circle_points import distance_from, fit_circle, link_between, sweeps, turning_ratio
+from workbench.protocols.zeros_and_offsets import identified
 from workbench.robot import load_robot
 from workbench.simulate import Truth, simulate
 from workbench.studies.longlink import TABLE_2, TABLE_3
@@ -110,6 +112,12 @@ def test_rows_of_another_arm_are_refused() -> None:
     other[1, 1] = 0.5
     with pytest.raises(ValueError, match="joint_3"):
         corrections(arrays(load_robot("longlink")), other, TABLE_3)
+
+
+def test_zeros_and_offsets_want_a_stated_noise() -> None:
+    robot = load_robot("longlink")
+    with pytest.raises(InputError, match="states no noise"):
+        identified(planned(robot, np.zeros((3, 7))), robot)
 
 
 def test_fit_gives_the_rows_back() -> None:

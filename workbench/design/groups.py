@@ -36,6 +36,12 @@ class Rig:
         plan = pairs(robot, q, self.load, np.tile(pull, (len(q), 1)), self.targets, self.tool)
         return difference_rows(plan) / (np.sqrt(2) * self.sigma)
 
+    def moved(self, robot: Robot, q: Array, force: Array) -> Array:
+        """(3, n) [m] how the first target moves in a pose q (n,) under a force (3,) [N] at the load's place,
+        per unit of each joint's compliance over the model's."""
+        plan = pairs(robot, q[None], self.load, force[None], self.targets, self.tool)
+        return difference_rows(plan)[0, :3]
+
 
 @dataclass(frozen=True)
 class GroupPlan:

@@ -141,7 +141,8 @@ class Search:
         return grew
 
     def _sharpen(self, pool: Screen, chosen: Sequence[int]) -> bool:
-        """Moves settings of accepted effects (a soft zone's width) where the data want them, at most twice."""
+        """Moves settings of accepted effects (a soft zone's width) where the data want them, twice at most:
+        True when any moved."""
         changed = False
         for a in chosen:
             effect = pool.candidates[a]

@@ -79,8 +79,8 @@ class Axes:
 
     @property
     def values(self) -> Array:
-        """(3 n − 1, 2) lengths a [mm], twists α [°], ratios less one [ppm], the ball's distance [mm], each with
-        its standard deviation."""
+        """(3 n − 1, 2) lengths a [mm], twists α [°], ratios less one [ppm] and the ball's distance [mm], each
+        with its standard deviation."""
         a = [(1e3 * link.a, 1e3 * link.a_std) for link in self.links]
         alpha = np.degrees([(link.alpha, link.alpha_std) for link in self.links])
         return np.concatenate([a, alpha, 1e6 * (self.ratio - [1, 0]), [1e3 * np.array(self.ball)]])

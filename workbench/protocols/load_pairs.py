@@ -125,7 +125,7 @@ def fit_beside(campaign: Campaign, effect: Effect, sigma: float) -> Fit:
 
 
 def fit_soft_zone(campaign: Campaign, joint: str, sigma: float) -> Fit:
-    """One compliance per joint and a soft zone of `joint`: of the catalogue's widths the one that fits best."""
+    """One compliance per joint and a soft zone of `joint`, in the catalogue's width that fits best."""
     zones = [zone for zone in LostMotion.sites(problem(campaign)) if zone.where.joint == joint]
     return min((fit_beside(campaign, zone, sigma) for zone in zones), key=lambda found: found.chi2)
 

@@ -85,7 +85,7 @@ def gear_of(campaign: Campaign, joint: str) -> Fit:
     """The gear of a swept joint: the lines that the diagnosis finds, ratio known or not, and run-out of one
     cycle per turn where it is beyond chance (p < 0.001)."""
     lines: list[Effect] = [
-        GearKinematicError(effect.where)
+        effect
         for effect in diagnose(campaign).fit.model.effects
         if isinstance(effect, GearKinematicError) and effect.where.joint == joint
     ]

@@ -13,9 +13,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arm import Array
-from ..campaign import Campaign, Target
+from ..campaign import Campaign, Target, join
 from ..denavit_hartenberg import axial_columns, corrections, with_rows
+from ..effects.base import Effect
+from ..effects.bearing_tilt import BearingTilt
 from ..effects.gear_ratio import GearRatio
+from ..effects.joint_compliance import JointCompliance
 from ..faults import Fault, InputError
 from ..fit import Fit, fit
 from ..model import Model
@@ -94,12 +97,12 @@ def told(robot: Robot, nominal: Array, rows: Array, ratio: Array) -> Robot:
 
 
 def with_ball(campaign: Campaign, x: float) -> Campaign:
-    """The first target known to sit x [m] along the flange's x axis: the last row's a, where no joint sits."""
+    """The first target known to sit x [m] along the flange's x axis: the last row's a."""
     return replace(campaign, targets=(replace(campaign.targets[0], xyz=(x, 0, 0)), *campaign.targets[1:]))
 
 
 def identified(campaign: Campaign, robot: Robot, free: Sequence[int] | None = None) -> Fit:
-    """Fits d and θ of the robot (or the `free` columns of its geometry); the marks on the base give the frame.
+    """Fits d and θ of the robot (or `free` columns of its geometry); the marks on the base give the frame.
 
     Raises `InputError` where the campaign states no noise.
     """
@@ -111,6 +114,20 @@ def identified(campaign: Campaign, robot: Robot, free: Sequence[int] | None = No
     columns = axial_columns(robot) if free is None else free
     model = Model(job, (), tuple(stated_effects(job)))
     return fit(model, noise=replace(noise, sigma=noise.sigma * weight), geometry=columns)
+
+
+def everything(campaigns: Sequence[Campaign], robot: Robot, compliance: bool = True) -> Fit:
+    """One fit instead of two steps: all geometry, ratios and targets, and the compliance of the joints and
+    bearings that gravity loads: neither an upright first joint nor what turns the ball about itself."""
+    freed = [
+        replace(c, robot=robot, targets=tuple(replace(t, fixed=t.on == "base") for t in c.targets))
+        for c in campaigns
+    ]
+    job = problem(join(freed) if len(freed) > 1 else freed[0])
+    effects: list[Effect] = list(GearRatio.sites(job))
+    if compliance:
+        effects += [*JointCompliance.sites(job)[1:-1], *BearingTilt.sites(job)[:-1]]
+    return fit(Model(job, tuple(effects)))
 
 
 def error_of(found: Fit, judged: Campaign, ball: str = "ball") -> Array:

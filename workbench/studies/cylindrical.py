@@ -29,8 +29,10 @@ from workbench.report.charts import OURS, PRINTED, Series, Trace, plane, rows
 from workbench.report.drawing import MIDDLE, Figure
 from workbench.report.story import tell
 from workbench.report.study import Shown, Study
+from workbench.restated import restated
 from workbench.robot import Robot, load_robot
 from workbench.simulate import Truth, simulate
+from workbench.studies.telling import each
 
 TABLE_1 = np.array([1e6, 2e6, 0.5e6])  # printed: the stiffnesses that made the paper's data
 TABLE_2 = np.array([7.8e5, 20.9e5, 5.2e5])  # printed: the stiffnesses that it identified
@@ -96,11 +98,6 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
     return tell(Path(__file__).with_suffix(".md"), robot, numbers, items, shown, "stiffness", files)
 
 
-def each(name: str, values: Array, what: str = "") -> dict[str, float]:
-    """Numbers of the three joints by name."""
-    return {f"{name}_{j + 1}{what}": float(value) for j, value in enumerate(values)}
-
-
 def fifty_poses(robot: Robot, seed: int) -> Campaign:
     """Fifty random poses within the limits, without load and then with it."""
     lower, upper = np.array([(joint.lower, joint.upper) for joint in robot.joints]).T
@@ -112,7 +109,7 @@ def fifty_poses(robot: Robot, seed: int) -> Campaign:
 
 def identified(campaign: Campaign) -> Fit:
     """Compliances of a robot that is thought to be rigid; the paper's robot has no errors of geometry."""
-    job = problem(replace(campaign, robot=with_stiffness(campaign.robot, [None] * 3)))
+    job = problem(replace(campaign, robot=restated(campaign.robot, stiffness=None)))
     return fit(Model(job, tuple(JointCompliance.sites(job))), geometry=False)
 
 
@@ -123,14 +120,11 @@ def stiffness(found: Fit) -> tuple[Array, Array]:
     return 1 / k, np.sqrt(variance) / k
 
 
-def with_stiffness(robot: Robot, values: Array | list[None]) -> Robot:
-    """The robot on other springs (None: rigid)."""
-    springs = [
-        joint.data.model_copy(update={"stiffness": k}) for joint, k in zip(robot.joints, values, strict=True)
-    ]
-    return replace(
-        robot, joints=tuple(replace(j, data=d) for j, d in zip(robot.joints, springs, strict=True))
-    )
+def with_stiffness(robot: Robot, values: Array) -> Robot:
+    """The robot on other springs."""
+    for name, k in zip(robot.joint_names, values, strict=True):
+        robot = restated(robot, [name], stiffness=float(k))
+    return robot
 
 
 def explained(name: str, plan: Campaign, A: Array, which: tuple[bool, bool]) -> dict[str, float]:

@@ -42,7 +42,7 @@ def three_loads(robot: Robot, rig: Rig, poses: int, seed: int) -> Campaign:
 def diagnosed(
     folder: Path, data: Mapping[str, Campaign], rich: Mapping[str, Campaign], seed: int
 ) -> dict[str, dict[str, Outcome]]:
-    """Diagnoses by way and machine. data: its pairs; rich: its poses under three loads, written into folder."""
+    """Diagnoses by way and machine. data: its pairs; rich: its poses under three loads, kept in `folder`."""
     found: dict[str, dict[str, Outcome]] = {way: {} for way in WAYS}
     for name, full in rich.items():
         write_campaign(folder / name, full, comments=["simulated in Drake"])

@@ -48,9 +48,14 @@ def plan_figure(plan: GroupPlan) -> Figure:
     return histogram("plans", title, 1e3 * plan.random, "expected error at the test pose ρ0, mm", marks)
 
 
-def compliance_numbers(names: Sequence[str], k: Mapping[str, WithHalf]) -> dict[str, float]:
-    """Compliances by name and machine, and how far joint 2's six spread over their mean."""
-    numbers: dict[str, float] = {}
+def compliance_numbers(names: Sequence[str], k: Mapping[str, WithHalf], constant: Array) -> dict[str, float]:
+    """Compliances by name and machine, how far joint 2's six spread over their mean, how wide our intervals
+    are, and how far the soft gear spoils k3 to k6 (constant: the true ones)."""
+    (soft, soft_half), wider = k["soft"], k["gas"][1] / k["printed"][1]
+    numbers = {
+        "wider_than_printed": float(np.median(wider)),
+        "soft_misses": float((abs(soft - constant) / soft_half)[7:].max()),
+    }
     for machine, (values, half) in k.items():
         six = [value for name, value in zip(names, values, strict=True) if name.startswith("k2")]
         numbers |= {f"{name}_{machine}": float(v) for name, v in zip(names, values, strict=True)}
@@ -151,6 +156,13 @@ def compensated_joint(robot: Robot) -> int:
 def reach(job: Problem, joint: int) -> float:
     """From a joint to the flange in the first pose [m]."""
     return float(np.linalg.norm(job.rigid.p[-1][0] - job.rigid.origin[0, joint + 1]))
+
+
+def stretched(angles: Array) -> Array:
+    """(91, 6) poses with the arm stretched, joint 2 from the first of these angles to the last."""
+    q = np.zeros((91, 6))
+    q[:, 1] = np.linspace(angles[0], angles[-1], len(q))
+    return q
 
 
 def torque_figure(robot: Robot, q: Array, load: Load, tool: Load) -> Figure:

@@ -6,28 +6,23 @@ these two numbers needs flexibility, and which measurement would show it?
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from workbench.arm import Array
-from workbench.campaign import Campaign, Target, join, write_campaign
+from workbench.campaign import Campaign, Target, write_campaign
 from workbench.deflection import deflection, with_compliance
 from workbench.denavit_hartenberg import chain, fitted_rows
-from workbench.effects.base import Effect
-from workbench.effects.bearing_tilt import BearingTilt
-from workbench.effects.gear_ratio import GearRatio
-from workbench.effects.joint_compliance import JointCompliance
 from workbench.extended import write_fit
-from workbench.fit import Fit, fit
-from workbench.model import Model
-from workbench.problem import problem
+from workbench.fit import Fit
 from workbench.protocols.circle_points import Axes, axes_of, sweeps
 from workbench.protocols.zeros_and_offsets import (
     SimulatedArm,
     error_of,
+    everything,
     identified,
     misses,
     told,
@@ -154,26 +149,11 @@ def two_steps(made: Campaign, robot: Robot, axes: Axes) -> tuple[Robot, Fit]:
     return known, identified(with_ball(made, axes.ball[0]), known)
 
 
-def everything(campaigns: Sequence[Campaign], robot: Robot, compliance: bool = True) -> Fit:
-    """All geometry and ratios, targets, and the compliance of all joints and bearings that gravity loads."""
-    freed = [
-        replace(c, robot=robot, targets=tuple(replace(t, fixed=t.on == "base") for t in c.targets))
-        for c in campaigns
-    ]
-    job = problem(join(freed) if len(freed) > 1 else freed[0])
-    effects: list[Effect] = list(GearRatio.sites(job))
-    if compliance:
-        effects += [*JointCompliance.sites(job)[1:6], *BearingTilt.sites(job)[:6]]
-    return fit(Model(job, tuple(effects)))
-
-
 def circle_numbers(bent: Axes, axes: Axes) -> dict[str, float]:
     """Values of the circles with their intervals, and their shift when deflection stays in the points."""
     value, std = axes.values.T
     shift, half = bent.values[:, 0] - value, 1.96 * std
-    true = np.array(
-        [*1e3 * TABLE_3[:6, 2], *np.degrees(TABLE_3[:6, 1]), *1e6 * RATIO, 1e3 * TABLE_3[6, 2]]
-    )
+    true = np.array([*1e3 * TABLE_3[:6, 2], *np.degrees(TABLE_3[:6, 1]), *1e6 * RATIO, 1e3 * TABLE_3[6, 2]])
     out = {"a_7": value[19], "a_half_7": half[19]}
     for name, part in {"a": slice(0, 6), "alpha": slice(6, 12), "ratio": slice(12, 19)}.items():
         out |= each(name, value[part]) | each(f"{name}_half", half[part])
@@ -192,16 +172,16 @@ def circle_numbers(bent: Axes, axes: Axes) -> dict[str, float]:
 def axial_numbers(table: Array, covariance: Array, rigid: Array) -> dict[str, float]:
     """d [mm] and θ [°] with their intervals; rigid: (7, 4) the table when the joints are taken as rigid."""
     unit = UNIT[[3, 0]]
-    value, true, sag = (t[:, [3, 0]] / unit for t in (table, TABLE_3, rigid - table))
+    value, true = table[:, [3, 0]] / unit, TABLE_3[:, [3, 0]] / unit
     half = 1.96 * np.sqrt(np.diag(covariance)).reshape(7, 2) / unit
     decided = half < 1.96 * np.array([1.0, 0.1])  # mm, °: what the prior leaves is more
-    d, d_true = value[1:3, 0].sum(), true[1:3, 0].sum()  # axes 2 and 3 are parallel
+    d, d_true = float(value[1:3, 0].sum()), float(true[1:3, 0].sum())  # axes 2 and 3 are parallel
     d_half = 1.96 / unit[0] * float(np.sqrt(covariance[np.ix_([2, 4], [2, 4])].sum()))
     hits = [*(np.abs(value - true) < half)[decided], abs(d - d_true) < d_half]
-    out = {"d_sum": d, "d_sum_half": d_half, "d_theta_hits": sum(hits), "d_theta_intervals": len(hits)}
-    for k, name in enumerate(("d", "theta")):
-        out |= each(name, value[:, k]) | each(f"{name}_half", half[:, k]) | each(f"{name}_sag", sag[:, k])
-    return {name: float(number) for name, number in out.items()}
+    out = each("d", value[:, 0]) | each("d_half", half[:, 0]) | {"d_sum": d, "d_sum_half": d_half}
+    out |= each("theta", value[:, 1]) | each("theta_half", half[:, 1])
+    out |= each("sag", np.degrees(rigid - table)[:, 0], "_deg")
+    return out | {"d_theta_hits": float(sum(hits)), "d_theta_intervals": float(len(hits))}
 
 
 def miss_numbers(miss: Mapping[str, Array]) -> dict[str, float]:

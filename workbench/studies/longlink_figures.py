@@ -18,13 +18,15 @@ SEEN = 0.1  # µm; less is not drawn
 
 def tables_figure(size: Array, before: float) -> Figure:
     """Tip differences of the two tables, size: (N,) [mm], against the printed mean error."""
-    title = f"Geometry alone moves the tip by {mm(size.mean())} mm on average; the paper prints {mm(before)} mm"
+    title = (
+        f"Geometry alone moves the tip by {mm(size.mean())} mm on average; the paper prints {mm(before)} mm"
+    )
     marks = {"printed mean of 12 points": before, "mean of the two tables": float(size.mean())}
     return histogram("tables", title, size, "tip difference, joints within ±90°, mm", marks)
 
 
 def entries_table(sizes: Mapping[str, float], shares: Mapping[str, float]) -> Table:
-    """The six entries of the table that move the tip most, then all by kind. sizes [mm] and shares by entry."""
+    """The six entries of Table III that move the tip most, then all by kind; sizes [mm], shares: by entry."""
     largest = sorted(sizes, key=lambda name: -sizes[name])[:6]
     lines = [[name, mm(sizes[name]), percent(shares[name], 0)] for name in largest]
     for kind in "θαad":
@@ -61,8 +63,8 @@ def twelve_figure(miss: Mapping[str, Array], noise: float) -> Figure:
     """Errors (12,) [mm] of the points that judge, by model, above the mean length of the noise [mm]."""
     names = {
         "designed": ("Table II", PRINTED),
-        "rigid": ("d and θ, joints taken as rigid", MIDDLE),
-        "known": ("d and θ, deflection known", OURS),
+        "rigid": ("joints taken as rigid", MIDDLE),
+        "known": ("deflection known", OURS),
     }
     series = {label: Series(miss[name], colour=c, style="o") for name, (label, c) in names.items()}
     series["noise alone"] = Series(np.full(len(miss["known"]), noise), colour=NOISE, style="--")
@@ -77,6 +79,8 @@ def plans_figure(plans: Mapping[str, Array], joints: Sequence[str], gain: float)
     colours = (PRINTED, MIDDLE, OURS, NOISE)
     series = {name: Series(100 * x, colour=c) for (name, x), c in zip(plans.items(), colours, strict=True)}
     times = decimals(gain, 1)
-    title = f"A payload put on and off shows the outer joints {times} times better than as many unloaded points"
+    title = (
+        f"A payload put on and off shows the outer joints {times} times better than as many unloaded points"
+    )
     label = "smallest detectable excess compliance, % of the model's"
     return rows("plans", title, [joint.replace("_", " ") for joint in joints], series, label, log=True)

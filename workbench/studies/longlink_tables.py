@@ -73,9 +73,8 @@ def z_largest(error: Array, judged: int) -> float:
 
 
 def what_bends(arm: SimulatedArm, robot: Robot, bending: Array, seed: int, count: int) -> Told:
-    """Motion of the tip by joint, bearing and link: printed bending stiffness EI (n,) [N·m²], assumed joints."""
+    """Motion of the tip by joint, bearing and link: printed bending stiffness (n,) [N·m²], assumed joints."""
     plan = planned(robot, arm.poses(count, seed), targets=arm.targets[:1], payloads=arm.payloads)
-    loads = {"own": plan, "loaded": replace(plan, payload=np.ones_like(plan.payload))}
     own, loaded = (deflection_budget(replace(plan, payload=np.full_like(plan.payload, k))) for k in (0, 1))
     size, size_loaded = ({kind: mean_mm(part) for kind, part in b.parts.items()} for b in (own, loaded))
     length = arm.nominal[:, 2:].max(axis=1)

@@ -8,51 +8,34 @@ And what makes the 0.15 mm from peak to valley that both corrections leave?
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from scipy import stats
 
 from workbench.arm import Array
 from workbench.campaign import Campaign, Target, write_campaign
-from workbench.closed_loop.draw import Drawn, draw_corrected
-from workbench.closed_loop.heights import height_figure, heights, least_mean
 from workbench.compensate import compensate_file
-from workbench.compensate.path_causes import one_cause_each, standing_error
 from workbench.fit import Fit
-from workbench.path_shapes import Run, spiral, work_frame
-from workbench.paths import Path as ToolPath
 from workbench.paths import write_path
-from workbench.poses import planned
-from workbench.problem import problem
 from workbench.protocols.axis_by_axis import POINTER, LocalStiffness, identify, levels, local_plan
 from workbench.protocols.separation import separate
 from workbench.protocols.sweep import gear_of, sweep
 from workbench.records import record
-from workbench.report.charts import OURS, PRINTED, Series, rows
-from workbench.report.drawing import MODEL, NOISE, Figure
-from workbench.report.numbers import mm
-from workbench.report.story import tell
-from workbench.report.study import Shown, Study, Table
+from workbench.report.story import Item, tell
+from workbench.report.study import Study
 from workbench.restated import restated, stored
 from workbench.robot import EffectRecord, Robot, load_robot
 from workbench.simulate import Truth, simulate
-from workbench.studies.rx170_figures import line_table, sweep_figures, sweep_numbers
+from workbench.studies import rx170_figures as told
+from workbench.studies.rx170_spiral import ELBOW_UP, draw_spirals, printed_numbers, spiral_numbers
 
-Numbers = dict[str, float]
 TABLE_1 = np.array([0.204, 0.85, 0.57, 0.49, 0.12, 0.005]) * 1e6  # N·m/rad, printed
 TABLE_2 = {"ra": (0.2032, 0.0459, 0.0312), "rz": (0.2882, 0.2097, 0.1502)}  # mm, printed
-COMMANDS = {
-    "none": "Without correction",
-    "stiffness": "Stiffness correction",
-    "both": "Stiffness and kinematic correction",
-    "all": "All joints corrected",
-    "perfect": "A perfect model",
-}
-# Noise per reading: tracker [m], level [rad], and tracker along the path [m].
-TRACKER, LEVEL, ALONG = 3e-5, 5e-6, 1e-5
+
+# not in the paper, from here on: noise per reading of tracker [m] and level [rad]
+TRACKER, LEVEL = 3e-5, 5e-6
 
 # How each joint is loaded: pose [deg], N and N·m at the flange per N of load, largest load [N], links with
 # tracker targets (none: levels). Each force runs through the axes that shall not feel it, if it can.
@@ -89,9 +72,6 @@ GEARS = {
     "joint_5": ((88, 6e-5, 1.2),),
     "joint_6": ((72, 8e-5, 2.2),),
 }
-SLOW, FAST = 0.03, 0.3  # m/s; at 0.1 m/s² as printed, and at ten times that
-PLANE = 0.75 + 0.2  # m over the floor: the maker counts Z from the height of joint 2
-ELBOW_UP = np.array([0.0, 0.4, 1.8, 0.0, 0.95, 0.0])
 
 
 def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:
@@ -116,34 +96,26 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
     apart = separate(robot, swept["joint_2"], gears["joint_2"], "joint_2")
 
     progress("drawing the spiral in closed loop")
-    beliefs = models(folder, known, truth, gears)
-    slow, fast = (spiral_at(speed, 1 if quick else 2) for speed in (SLOW, FAST))
-    runs = draw_corrected(truth, robot, [slow, fast], beliefs, ELBOW_UP, workers=2, progress=progress)
-    single = one_cause_each(truth, "joint_2")
-    causes = {key: standing_error(one, slow, ELBOW_UP)[:, 2] for key, one in single.items()}
-    # z = 0 is where the tool would run on average if joint 2 had no error: see the words
-    zero = float((causes["yield_others"] + causes["gear_others"]).mean())
-    write_path(folder / "spiral.csv", slow)
+    turns = 1 if quick else 2
+    spirals = draw_spirals(truth, robot, models(folder, known, truth, gears), turns, progress)
+    write_path(folder / "spiral.csv", spirals.path)
     compensate_file(folder / "spiral.csv", folder / "model.toml", "val3", folder, start=ELBOW_UP)
 
     numbers = {
-        "turns": 1.0 if quick else 2.0,
-        **stiffness_numbers(local, share),
-        **sweep_numbers(apart),
-        **spiral_numbers(runs, zero, seed),
-        **cause_numbers(causes),
-        **printed_numbers(robot, runs[0]),
+        "turns": float(turns),
+        **told.stiffness_numbers(local, TABLE_1, share),
+        **told.sweep_numbers(apart),
+        **spiral_numbers(spirals, TABLE_2, seed),
+        **printed_numbers(robot, spirals, TABLE_1[2], TABLE_2),
     }
-    items: dict[str, Table | Figure] = {
-        "stiffness": stiffness_figure(local, share),
-        **sweep_figures(apart, "joint 2"),
-        "orders": line_table(apart, "joint 2"),
-        "slow": along_figure("slow", SLOW, runs[0], zero, numbers),
-        "fast": along_figure("fast", FAST, runs[1], zero, numbers),
-        "heights": ra_rz_figure(numbers),
+    items: dict[str, Item] = {
+        "stiffness": told.stiffness_figure(local, TABLE_1, share),
+        **told.sweep_figures(apart, "joint 2"),
+        "orders": told.line_table(apart, "joint 2"),
+        "slow": told.along_figure("slow", spirals, numbers),
+        "fast": told.along_figure("fast", spirals, numbers),
+        "heights": told.ra_rz_figure(numbers, TABLE_2),
     }
-    error = {COMMANDS[key]: e for key, e in runs[0].error.items()}
-    shown = Shown(runs[0].q[len(slow) // 2], runs[0].wanted, error, noise=ALONG)
     files = {
         "Sweep": "campaign/campaign.toml",
         "Stiffness model": "model_stiffness.toml",
@@ -151,7 +123,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
         "All joints": "model_all.toml",
         "Spiral, VAL3": "spiral.pjx",
     }
-    return tell(Path(__file__).with_suffix(".md"), robot, numbers, items, shown, "heights", files)
+    return tell(Path(__file__).with_suffix(".md"), robot, numbers, items, spirals.shown, "heights", files)
 
 
 def hidden(folder: Path, robot: Robot, seed: int) -> tuple[Robot, Array]:
@@ -200,109 +172,16 @@ def measured(truth: Robot, believed: Robot, joint: str, count: int, seed: int) -
 def models(folder: Path, known: Robot, truth: Robot, gears: Mapping[str, Fit]) -> dict[str, Robot]:
     """What each command but the first believes: joint 2 alone, as the paper does; all joints; the truth."""
     alone = restated(known, set(known.joint_names) - {"joint_2"}, stiffness=None)
-    errs = {
-        name: [record(e, v) for e, v in zip(f.model.effects, f.state.values, strict=True)]
-        for name, f in gears.items()
+    lines = {
+        name: [record(e, v) for e, v in zip(found.model.effects, found.state.values, strict=True)]
+        for name, found in gears.items()
     }
     return {
         "stiffness": stored(folder / "model_stiffness.toml", alone),
-        "both": stored(folder / "model.toml", alone, errs["joint_2"]),
-        "all": stored(folder / "model_all.toml", known, [e for each in errs.values() for e in each]),
+        "both": stored(folder / "model.toml", alone, lines["joint_2"]),
+        "all": stored(folder / "model_all.toml", known, [line for gear in lines.values() for line in gear]),
         "perfect": truth,
     }
-
-
-def spiral_at(speed: float, turns: int) -> ToolPath:
-    """The paper's spiral at a speed [m/s], 1 m before the robot, hand down; 0.3 mm between samples."""
-    run = Run(work_frame([1.0, 0.0, PLANE]), speed, 0.1 * speed / SLOW, 3e-4 / speed)
-    return spiral(run, start=0.024, growth=0.15, angle=2 * np.pi * turns)
-
-
-def stiffness_numbers(local: Sequence[LocalStiffness], share: Array) -> Numbers:
-    """Table I beside what was found."""
-    numbers: Numbers = {"local_half": 1.96 * local[1].relative_std, "inside": 0.0}
-    for j, (found, printed, s) in enumerate(zip(local, TABLE_1, share, strict=True), 1):
-        numbers |= {f"printed_{j}": printed / 1e6, f"true_{j}": s * printed / 1e6}
-        numbers |= {f"k_{j}": found.value / 1e6, f"low_{j}": found.low / 1e6, f"high_{j}": found.high / 1e6}
-        numbers |= {f"off_{j}": found.value / (s * printed) - 1, f"std_{j}": found.relative_std}
-        numbers |= {f"torque_{j}": found.torque, f"turn_{j}": 1e3 * found.turn}
-        numbers["inside"] += float(found.low <= s * printed <= found.high)
-    return numbers
-
-
-def spiral_numbers(runs: Sequence[Drawn], zero: float, seed: int) -> Numbers:
-    """R_a and R_z of every command at both speeds [mm]."""
-    rng = np.random.default_rng([seed, 13])
-    numbers: Numbers = {}
-    for speed, run in zip(("slow", "fast"), runs, strict=True):
-        for name, error in run.error.items():
-            found = heights(run.wanted, error, zero, ALONG * rng.normal(size=len(error)))
-            numbers |= {f"{key}_{name}_{speed}": value for key, value in found.items()}
-    pairs = [(r, *pair) for r in ("ra", "rz") for pair in zip(COMMANDS, TABLE_2[r], strict=False)]
-    ratios = [numbers[f"{r}_{name}_slow"] / printed for r, name, printed in pairs]
-    return numbers | {"worst": float(np.exp(np.abs(np.log(ratios)).max()))}
-
-
-def cause_numbers(causes: Mapping[str, Array]) -> Numbers:
-    """Mean and span of what each cause alone does to z [mm]."""
-    every = {**causes, "others": causes["yield_others"] + causes["gear_others"]}
-    means = {f"{key}_mean": float(1e3 * z.mean()) for key, z in every.items()}
-    means["lowered"] = -means["yield_others_mean"]
-    return means | {f"{key}_pv": float(1e3 * np.ptp(z)) for key, z in every.items()}
-
-
-def printed_numbers(robot: Robot, run: Drawn) -> Numbers:
-    """What the printed R_a and R_z say by themselves."""
-    job = problem(planned(robot, run.q[len(run.q) // 2][None], targets=()))
-    lever = float(np.linalg.norm((job.rigid.p[-1, 0] - job.rigid.origin[0, 3])[:2]))  # joint 3 to tool
-    span = 2 * float(stats.norm.isf(0.56 / len(run.q)))  # in σ, of as many readings as samples (Blom)
-    constant = least_mean(TABLE_2["ra"][0], TABLE_2["rz"][0])
-    return {
-        "constant": constant,
-        "constant_share": constant / TABLE_2["ra"][0],
-        "torque_3_printed": 1e-3 * TABLE_2["ra"][2] / lever * TABLE_1[2],
-        "torque_3_ours": float(abs(job.nominal_load.local.ravel()[job.arm.axial[2]])),
-        "noise_most": 1e3 * TABLE_2["rz"][2] / span,
-        "noise_ours": 1e6 * ALONG,
-        "samples": float(len(run.q)),
-    }
-
-
-def stiffness_figure(local: Sequence[LocalStiffness], share: Array) -> Figure:
-    """Identified over printed stiffness."""
-    value, low, high = (np.array([getattr(f, key) for f in local]) for key in ("value", "low", "high"))
-    series = {
-        "printed": Series(np.ones(6), colour=PRINTED),
-        "true, simulated": Series(share, colour=MODEL),
-        "identified, 95 %": Series(value / TABLE_1, low / TABLE_1, high / TABLE_1, OURS),
-    }
-    title = "Loaded by itself, each joint shows its own stiffness"
-    return rows("stiffness", title, [f"joint {j}" for j in range(1, 7)], series, "stiffness over Table I")
-
-
-def along_figure(name: str, speed: float, run: Drawn, zero: float, numbers: Numbers) -> Figure:
-    """z along the spiral, the paper's Fig. 13."""
-    keys = ("none", "stiffness", "both")
-    ra = ", ".join(mm(numbers[f"ra_{key}_{name}"]) for key in keys)
-    error = {COMMANDS[key]: run.error[key] for key in keys}
-    return height_figure(name, f"At {speed:g} m/s the mean of |z| is {ra} mm", run.time, error, zero)
-
-
-def ra_rz_figure(numbers: Numbers) -> Figure:
-    """R_a and R_z beside the printed ones."""
-    which = [(r, key) for key in ("none", "stiffness", "both") for r in ("ra", "rz")]
-    printed = np.array(list(TABLE_2.values())).T.ravel()
-    slow, fast = ([numbers[f"{r}_{key}_{speed}"] for r, key in which] for speed in ("slow", "fast"))
-    series = {
-        "printed": Series(printed, colour=PRINTED),
-        "ours, 0.03 m/s": Series(slow, colour=OURS),
-        "ours, ten times as fast": Series(fast, colour=NOISE),
-    }
-    names = [f"R_{r[1]}, {COMMANDS[key].lower()}" for r, key in which]
-    title = (
-        f"R_a falls from {mm(slow[0])} to {mm(slow[4])} mm; printed: {mm(printed[0])} to {mm(printed[4])} mm"
-    )
-    return rows("heights", title, names, series, "mm", log=True)
 
 
 if __name__ == "__main__":

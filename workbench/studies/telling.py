@@ -1,18 +1,11 @@
-"""Numbers and cells as studies tell them."""
+"""Numbers as studies tell them."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..report.numbers import decimals
-
 
 def each(name: str, values: ArrayLike, what: str = "") -> dict[str, float]:
     """Numbers of the joints by name: `name_1what`, `name_2what`, ..."""
     return {f"{name}_{j}{what}": float(value) for j, value in enumerate(np.asarray(values), start=1)}
-
-
-def within(value: float, half: float, places: int) -> str:
-    """A value with the half width of its interval, both with so many decimals."""
-    return f"{decimals(value, places)} ± {decimals(half, places)}"
