@@ -337,8 +337,10 @@ class Search:
                 continue
             more, extra = pool.statistic([a], [*rest, k])
             worse = extra and pool.p_value(more, extra, base + alone) < RIVAL
-            if worse and (more > ALMOST * own or not self._stands_in(pool, rest, k, a)):
-                continue
+            if worse and (more > ALMOST * own or not self._stands_in(pool, rest, [k], a)):
+                parts = self._parts(pool, k)
+                if not parts or not self._stands_in(pool, rest, parts, a):
+                    continue
             if effect.key not in found or alone > found[effect.key][0]:
                 found[effect.key] = alone, k
         return tuple(k for _, k in sorted(found.values(), reverse=True)) or self._rigid_joints(pool, rest, a)
@@ -368,9 +370,17 @@ class Search:
             return ()
         return tuple(sorted(axial, key=lambda k: -alones[k])[:3])
 
-    def _stands_in(self, pool: Screen, rest: Sequence[int], k: int, a: int) -> bool:
-        """Candidate `a` adds nothing to a full fit with `k` in its place: large effects are not linear, and
-        the pool is."""
-        there = refit(self.last, self._effects(pool, [*rest, k]))
+    def _parts(self, pool: Screen, k: int) -> list[int]:
+        """All parts of the law that a candidate is a part of; none where it is a law by itself."""
+        effect = pool.candidates[k]
+        parts = [i for i, other in enumerate(pool.candidates) if other.key == effect.key]
+        return parts if effect.together and len(parts) > 1 else []
+
+    def _stands_in(self, pool: Screen, rest: Sequence[int], instead: Sequence[int], a: int) -> bool:
+        """Candidate `a` adds nothing to a full fit with others in its place: large effects are not linear,
+        and the pool is."""
+        if not self._possible(pool, [*rest, *instead]):
+            return False
+        there = refit(self.last, self._effects(pool, [*rest, *instead]))
         gain, rank = screen(there, [pool.candidates[a]], self.known).statistic([0])
         return self._tail(gain, rank, there) >= RIVAL

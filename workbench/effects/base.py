@@ -43,7 +43,7 @@ class Effect(ABC):
     the measurement that tells it apart (in words). variant: forms of the same cause share cause and
     place and differ in this; they are never each other's rivals. settings: names of the fields that
     are numbers but not fitted (a time constant, say); they are kept with the values in model.toml.
-    ordered: `where` needs an order.
+    ordered: `where` needs an order. together: the variants are parts of one law that may be off at once.
     """
 
     where: Where = NOWHERE
@@ -55,6 +55,7 @@ class Effect(ABC):
     separate: ClassVar[Mapping[str, str]] = {}
     settings: ClassVar[tuple[str, ...]] = ()
     ordered: ClassVar[bool] = False
+    together: ClassVar[bool] = False
 
     @property
     @abstractmethod

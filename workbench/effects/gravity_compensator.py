@@ -30,6 +30,7 @@ class GravityCompensator(LoadEffect):
 
     cause: ClassVar[str] = "gravity_compensator"
     title: ClassVar[str] = "Gravity compensator differs from the model"
+    together: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta tau = -Delta F(s) thin (dif s) / (dif q_2)"
     separate: ClassVar[dict[str, str]] = {
         "gear_eccentricity": "record the motor torque of joint 2 (3 % is enough)",

@@ -139,7 +139,7 @@ def _parts(story: Path, text: str, items: Mapping[str, Item]) -> list[_Part]:
             elif "\n|" in piece:
                 parts[-1].content.append(_table(piece))
             else:
-                parts[-1].content.append(" ".join(piece.split()))
+                parts[-1].content.append(re.sub(r"[ \n]+", " ", piece).strip())
     told = [piece for part in parts for piece in part.content if not isinstance(piece, str)]
     if missing := [name for name, item in items.items() if item not in told]:
         raise ValueError(f"{story.name} leaves out {', '.join(missing)}")

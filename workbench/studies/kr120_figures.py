@@ -192,5 +192,5 @@ def bias_figure(robot: Robot, q: Array, shares: Sequence[float] = (-0.05, -0.1, 
     shift = 1e3 * reach(job, joint) * job.compensator.force(s)[2] * slope / stiffness  # mm per unit of charge
     series = {f"{100 * share:.0f} %".replace("-", "−"): Series(-share * shift) for share in shares}
     title = "A lost charge moves the unloaded tool; loaded minus unloaded does not see it"
-    x, y = f"joint {joint + 1}, °", f"shift of the flange towards +q{joint + 1}, mm"
+    x, y = f"joint {joint + 1}, °", "shift of the flange, mm"
     return curves("bias", title, np.degrees(q[:, joint]), series, x, y)

@@ -77,7 +77,7 @@ def _load_figures(found: Separation, angle: str) -> dict[str, Figure]:
         "with a spring 1 % stiffer": Series(found.torque + found.spring, colour=BEFORE, style="--"),
     }
     title = f"Of the position error {decimals(np.ptp(yielded), 0)}/1000° from end to end are the load's"
-    q, y = np.rad2deg(found.q), "measured minus commanded, 1/1000°"
+    q, y = np.rad2deg(found.q), "position error, 1/1000°"
     return {
         "error": curves("error", title, q, errors, angle, y),
         "torque": curves(
