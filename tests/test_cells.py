@@ -9,21 +9,9 @@ import numpy as np
 import pytest
 
 from workbench.campaign import Campaign, Target
-from workbench.cells import (
-    CellModel,
-    Trade,
-    cells,
-    external,
-    fit_cells,
-    left_over,
-    load_cells,
-    seated,
-    trade,
-    write_cells,
-)
+from workbench.cells import CellModel, cells, fit_cells, load_cells, write_cells
+from workbench.cells.load import external, seated
 from workbench.compensate import nominal_joints
-from workbench.effects.foundation import Foundation
-from workbench.effects.joint_compliance import JointCompliance
 from workbench.faults import InputError
 from workbench.fit import fit
 from workbench.model import Model
@@ -209,43 +197,3 @@ def test_cells_without_poses_are_named(measured: Campaign) -> None:
     unknown = replace(measured, targets=(Target("T"),))
     with pytest.raises(InputError, match="no known place on the flange"):
         fit_cells(unknown, BOX, (1, 1, 1), instrument=IN_BASE)
-
-
-def test_number_of_cells_that_noise_allows() -> None:
-    counts = np.array([1.0, 2.0, 16.0, 128.0])
-    noise = 1e-12 * counts
-    assert Trade(counts, np.zeros(4), noise).best == 1
-    assert np.isinf(Trade(counts, np.zeros(4), noise).pays)
-    assert Trade(counts, 1e-11 / counts**2, noise).best == 2
-    falling = Trade(counts, 1e-6 / counts, noise)
-    assert falling.best == 128
-    assert falling.scaled(1e-3).best == 1
-    assert falling.pays == pytest.approx(np.sqrt(127e-12 / (1e-6 - 1e-6 / 128)))
-
-
-def test_trade_separates_noise_from_what_is_missing() -> None:
-    rng = np.random.default_rng(0)
-    true = rng.normal(size=(4000, 3))
-    clean = [true + 0.3, true + 0.1]
-    noisy = [[one + rng.normal(scale=s, size=one.shape) for one, s in zip(clean, (0.1, 0.2), strict=True)]]
-    found = trade([1, 8], true, clean, noisy)
-    np.testing.assert_allclose(found.bias, [0.27, 0.03])
-    np.testing.assert_allclose(found.variance, [0.03, 0.12], rtol=0.05)
-
-
-def test_size_of_an_effect_that_leaves_so_much() -> None:
-    """A foundation of the size that is said leaves in Drake what it is said to leave."""
-    ours, check = plan(cells(BOX, (1, 1, 1)).samples), plan(cells(BOX, (2, 2, 2)).samples, (0.0,))
-    job = problem(ours)
-    effect = Foundation.sites(job)[0]
-    (one,) = left_over(ours, check, [effect], 2e-5)
-    hidden = Truth(effects=((effect, np.array([one.size])),), sigma=1e-7, repeatability=np.zeros(6))
-    data = simulate(ours, hidden, instrument=IN_BASE)
-    model = fit_cells(data, BOX, (1, 1, 1), instrument=IN_BASE)
-    points = simulate(check, replace(hidden, sigma=0.0), instrument=IN_BASE).points[:, 0]
-    half = len(points) // 2
-    moved = points[half:] - points[:half]
-    assert np.linalg.norm(moved, axis=1).mean() == pytest.approx(one.raw, rel=0.05)
-    left = np.linalg.norm(moved - model.deflection(check)[half:], axis=1).mean()
-    assert left == pytest.approx(2e-5, rel=0.3)  # the fit weighs K1 and K6 in, which the estimate leaves out
-    assert not left_over(ours, check, [JointCompliance.sites(job)[0]], 2e-5)  # takes itself over

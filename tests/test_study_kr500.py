@@ -9,10 +9,18 @@ import numpy as np
 import pytest
 
 from workbench.campaign import load_campaign
-from workbench.cells import load_cells
+from workbench.cells import cells, fit_cells, load_cells
+from workbench.effects.foundation import Foundation
+from workbench.effects.joint_compliance import JointCompliance
+from workbench.problem import problem
 from workbench.report.study import Study
+from workbench.restated import restated
 from workbench.robot import load_robot
+from workbench.simulate import Truth, simulate
 from workbench.studies import kr500
+from workbench.studies.kr500_count import Trade, trade
+from workbench.studies.kr500_loads import IN_BASE, exact, moved
+from workbench.studies.kr500_missing import left_over
 from workbench.studies.running import run
 
 
@@ -63,7 +71,7 @@ def test_the_named_effect_beats_the_cells(found: Study) -> None:
     assert n["line_named_max_mm"] < n["jump_mm"]
     verdicts = {row[0]: row[2:4] for row in next(t for t in found.tables if "diagnosis" in t.title).rows}
     assert verdicts["(a)"] == ["nothing missing", "none"]
-    assert verdicts["(b)"] == ["named", "lost motion(joint 2)"]
+    assert verdicts["(b)"] == ["named", "lost motion, joint 2"]
 
 
 def test_a_hanging_mass_does_not_show_two_stiffnesses(found: Study) -> None:
@@ -95,3 +103,43 @@ def test_files_are_there_and_can_be_used(found: Study, folder: Path) -> None:
     assert [e.cause for e in load_robot(folder / "model.toml").effects] == ["lost_motion"] * len(
         load_robot(folder / "model.toml").effects
     )
+
+
+def test_number_of_cells_that_noise_allows() -> None:
+    counts = np.array([1.0, 2.0, 16.0, 128.0])
+    noise = 1e-12 * counts
+    assert Trade(counts, np.zeros(4), noise).best == 1
+    assert np.isinf(Trade(counts, np.zeros(4), noise).pays)
+    assert Trade(counts, 1e-11 / counts**2, noise).best == 2
+    falling = Trade(counts, 1e-6 / counts, noise)
+    assert falling.best == 128
+    assert falling.scaled(1e-3).best == 1
+    assert falling.pays == pytest.approx(np.sqrt(127e-12 / (1e-6 - 1e-6 / 128)))
+
+
+def test_trade_separates_noise_from_what_is_missing() -> None:
+    rng = np.random.default_rng(0)
+    true = rng.normal(size=(4000, 3))
+    clean = [true + 0.3, true + 0.1]
+    noisy = [[one + rng.normal(scale=s, size=one.shape) for one, s in zip(clean, (0.1, 0.2), strict=True)]]
+    found = trade([1, 8], true, clean, noisy)
+    np.testing.assert_allclose(found.bias, [0.27, 0.03])
+    np.testing.assert_allclose(found.variance, [0.03, 0.12], rtol=0.05)
+
+
+def test_size_of_an_effect_that_leaves_so_much() -> None:
+    """A foundation of the size that is said leaves in Drake what it is said to leave."""
+    box = np.array([[1.5, -0.3, 1.1], [1.9, 0.3, 1.5]])
+    robot = restated(load_robot("kr500"), repeatability=None)
+    ours = kr500.plan(robot, cells(box, (1, 1, 1)).samples)
+    check = kr500.plan(robot, cells(box, (2, 2, 2)).samples, (0.0,))
+    effect = Foundation.sites(problem(ours))[0]
+    (one,) = left_over(ours, check, [effect], 2e-5)
+    hidden = Truth(effects=((effect, np.array([one.size])),), sigma=1e-7, repeatability=np.zeros(6))
+    model = fit_cells(simulate(ours, hidden, instrument=IN_BASE), box, (1, 1, 1), instrument=IN_BASE)
+    true = moved(exact(check, hidden))
+    assert np.linalg.norm(true, axis=1).mean() == pytest.approx(one.raw, rel=0.05)
+    left = np.linalg.norm(true - model.deflection(check)[len(true) :], axis=1).mean()
+    assert left == pytest.approx(2e-5, rel=0.3)  # the fit weighs K1 and K6 in, which the estimate leaves out
+    springs = JointCompliance.sites(problem(ours))
+    assert not left_over(ours, check, springs[:1], 2e-5)  # takes itself over

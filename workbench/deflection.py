@@ -76,5 +76,6 @@ def _loaded(job: Problem) -> Prediction:
 
 def _unloaded(job: Problem) -> Array:
     """(N, T, 3) the targets of the same robot, ratios and all, if nothing pulled on it."""
-    weightless = replace(job, arm=replace(job.arm, compliance=np.zeros_like(job.arm.compliance)))
-    return _loaded(weightless).base
+    arm = replace(job.arm, compliance=np.zeros_like(job.arm.compliance), gravity=np.zeros(3))
+    campaign = replace(job.campaign, wrench=np.zeros_like(job.campaign.wrench))
+    return _loaded(replace(job, arm=arm, campaign=campaign, compensator=None)).base

@@ -56,7 +56,12 @@ class Cells:
     def samples(self) -> Array:
         """(M, 3) [m] eight corners and the centre of every cell, a corner that cells share only once."""
         corners = np.indices([count + 1 for count in self.counts]).reshape(3, -1).T
-        return np.asarray(self.lower + self.size * np.vstack([corners, self._every + 0.5]))
+        return np.vstack([self.lower + self.size * corners, self.centres])
+
+    @property
+    def centres(self) -> Array:
+        """(cells, 3) [m] the centre of each cell."""
+        return np.asarray(self.lower + self.size * (self._every + 0.5))
 
     def draw(self, rng: np.random.Generator) -> Array:
         """(cells, 3) [m] one random point in each cell."""
