@@ -82,6 +82,9 @@ def test_words_get_their_numbers(tmp_path: Path) -> None:
     assert study.assumed == [("length", "0.5 m", "not given")]
     assert curve is study.picture
     assert text == 'A paragraph <b> & "more".'
+    said = study.text.splitlines()
+    assert said[0] == "A robot: It is 1.23 mm off"
+    assert said[-2:] == ["  Error   1.23 → 0 mm   (a note)", "  Alone   31 poses"]
 
 
 @pytest.mark.parametrize(

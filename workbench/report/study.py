@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from textwrap import wrap
 from typing import Any
-
-import numpy as np
 
 from ..robot import Robot
 from ..scene import Shown as Shown
 from .drawing import Figure
-from .numbers import MISSING, significant
 
 
 @dataclass(frozen=True)
@@ -122,12 +120,16 @@ class Study:
 
     @property
     def text(self) -> str:
-        """The result for a terminal."""
-        width = max((len(key) for key in self.numbers), default=0)
-        lines = [f"{self.title}: {self.headline}", ""]
-        lines += [f"  {key:<{width}}  {_number(value)}" for key, value in self.numbers.items()]
+        """The result for a terminal; all numbers stand in result.json."""
+        lines = [
+            f"{self.title}: {self.headline}",
+            "",
+            *wrap(self.summary, 100, initial_indent="  ", subsequent_indent="  "),
+            "",
+        ]
+        width = max((len(tile.label) for tile in self.tiles), default=0)
+        for tile in self.tiles:
+            change = f"{tile.before} → {tile.after}" if tile.before else tile.after
+            note = f"   ({tile.note})" if tile.note else ""
+            lines.append(f"  {tile.label:<{width}}   {change} {tile.unit}".rstrip() + note)
         return "\n".join(lines)
-
-
-def _number(value: float) -> str:
-    return significant(float(value), 4) if np.isfinite(value) else MISSING

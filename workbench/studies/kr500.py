@@ -122,7 +122,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
     driven, line_figure = commanded(ways, truth, by_cells, physical, check, "mass")
     n = errors("a", case["a"], said["a"]) | errors("b", case["b"], said["b"]) | singular | driven
     n |= sideways(truth, b["128"], physical, check, SIDE, TABLE_1[:, 0], BOX[:, 0].mean())
-    n |= told.compared(n, case["b"], trades)
+    n |= told.compared(n, case["b"], trades, models, PRINTED_ERROR["constant"][0])
     n |= {f"{key}records": len(at(case["b"].data, cut).q) for key, cut in USED.items()}
     n["remainder_p"] = outcomes["b", "2"].diagnosis.remainder_p
     n["printed_k1_ratio"] = TABLE_1[:, 0].max() / TABLE_1[:, 0].min()
