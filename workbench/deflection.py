@@ -69,9 +69,7 @@ def with_compliance(robot: Robot, share: float) -> Robot:
 
 def _loaded(job: Problem) -> Prediction:
     model = Model(job, (), tuple(stated_effects(job)))
-    setups = len(job.campaign.setup_names)
-    here = np.tile(np.eye(3), (setups, 1, 1)), np.zeros((setups, 3))
-    return model.loaded(model.start(*here, np.tile(job.stated_targets, (setups, 1, 1))))
+    return model.loaded(model.in_base())
 
 
 def _unloaded(job: Problem) -> Array:

@@ -102,6 +102,12 @@ class Model:
         values = tuple(np.zeros(len(effect.params)) for effect in self.effects)
         return State(self.problem.arm.geometry, R, t, targets, values)
 
+    def in_base(self) -> State:
+        """The same seen by instruments that stand in the base frame, targets where they are stated."""
+        stated, setups = self.problem.stated_targets, len(self.problem.campaign.setup_names)
+        R, t = np.tile(np.eye(3), (setups, 1, 1)), np.zeros((setups, 3))
+        return self.start(R, t, np.tile(stated, (setups, 1, 1)))
+
     def loaded(self, state: State, near: Linearisation | None = None) -> Prediction:
         """Loaded poses and points; `near`, at a state that is almost the same, saves time."""
         problem = self.problem

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -96,6 +96,23 @@ class Campaign:
     def seen(self) -> NDArray[np.bool_]:
         """(N, T) which target was measured at which pose."""
         return self.shots > 0
+
+    def some(self, chosen: NDArray[np.int64]) -> Campaign:
+        """Only these poses, in this order."""
+        columns = (
+            "q",
+            "payload",
+            "wrench",
+            "direction",
+            "time",
+            "temperature",
+            "torque",
+            "readback",
+            "setup",
+        )
+        kept = {name: getattr(self, name) for name in (*columns, "points", "shots", "sigma")}
+        taken = {name: None if column is None else column[chosen] for name, column in kept.items()}
+        return replace(self, pose_ids=tuple(self.pose_ids[i] for i in chosen), **taken)
 
     @property
     def folder(self) -> str:

@@ -52,15 +52,7 @@ def external(campaign: Campaign) -> Campaign:
 def part(campaign: Campaign, chosen: NDArray[np.bool_]) -> Campaign:
     """Some poses of a campaign, without what an external load does not ask for."""
     return replace(
-        campaign,
-        pose_ids=tuple(name for name, kept in zip(campaign.pose_ids, chosen, strict=True) if kept),
-        q=campaign.q[chosen],
-        payload=campaign.payload[chosen],
-        wrench=campaign.wrench[chosen],
-        setup=campaign.setup[chosen],
-        points=campaign.points[chosen],
-        shots=campaign.shots[chosen],
-        sigma=None if campaign.sigma is None else campaign.sigma[chosen],
+        campaign.some(np.flatnonzero(chosen)),
         direction=None,
         time=None,
         temperature=None,
@@ -73,7 +65,7 @@ def predicted(campaign: Campaign) -> Array:
     """(N, T, 3) [m] places of the targets in the base frame, as the campaign's own robot has them."""
     job = problem(campaign)
     model = Model(job, (), tuple(stated_effects(job)))
-    return model.predict(_in_base(model))
+    return model.predict(model.in_base())
 
 
 def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]:
@@ -87,7 +79,7 @@ def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]
     if kinematics:
         job = problem(part(campaign, empty))
         model = Model(job)
-        found = fit(model, _in_base(model))
+        found = fit(model, model.in_base())
         rows = zip(robot.joint_names, seated(job.arm, found.state)[1:-1].tolist(), strict=True)
         robot = replace(robot, geometry={name: dict(zip(GEOMETRY, row, strict=True)) for name, row in rows})
     stiffness = _from_differences(replace(campaign, robot=robot), empty)
@@ -111,12 +103,7 @@ def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
     assert noise is not None  # or the kinematics would not have been fitted
     both = Covariance(np.sqrt(2) * noise.sigma, np.sqrt(2) * noise.joint, np.where(empty[used], SURE, 1.0))
     model = Model(job, tuple(JointCompliance.sites(job)))
-    return fit(model, _in_base(model), both, geometry=False)
-
-
-def _in_base(model: Model) -> State:
-    """The robot as it is, seen by an instrument that stands in the base frame."""
-    return model.start(np.eye(3)[None], np.zeros((1, 3)), model.problem.stated_targets[None])
+    return fit(model, model.in_base(), both, geometry=False)
 
 
 def seated(arm: Arm, state: State) -> Array:

@@ -60,24 +60,8 @@ def candidates(known: Knowledge, count: int, factors: Factors, rng: np.random.Ge
 
 def take(records: Campaign, chosen: NDArray[np.int64]) -> Campaign:
     """Some of the records, named in the order of the plan."""
-
-    def some(column: Array | None) -> Array | None:
-        return None if column is None else column[chosen]
-
-    return replace(
-        records,
-        title=f"{records.robot.title}, {len(chosen)} planned poses",
-        pose_ids=tuple(str(i + 1) for i in range(len(chosen))),
-        q=records.q[chosen],
-        payload=records.payload[chosen],
-        wrench=records.wrench[chosen],
-        direction=some(records.direction),
-        time=some(records.time),
-        temperature=some(records.temperature),
-        setup=records.setup[chosen],
-        points=records.points[chosen],
-        shots=records.shots[chosen],
-    )
+    title = f"{records.robot.title}, {len(chosen)} planned poses"
+    return replace(records.some(chosen), title=title, pose_ids=tuple(str(i + 1) for i in range(len(chosen))))
 
 
 def ordered(plan: Campaign) -> Campaign:

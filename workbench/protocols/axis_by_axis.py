@@ -95,7 +95,7 @@ def identify(campaign: Campaign, joint: str, levelled: bool = False) -> LocalSti
     beside = [i for i in range(j + 1) if not levelled or abs(axes[i] @ axes[j]) > 0.1]
     sites = JointCompliance.sites(job)
     model = Model(job, tuple(sites[i] for i in beside))
-    in_base = model.start(np.eye(3)[None], np.zeros((1, 3)), job.stated_targets[None])
+    in_base = model.in_base()
     sigma = np.full(job.seen.shape, campaign.noise_sigma or 1e-5)
     noise = Covariance(sigma, np.zeros(job.arm.n), np.ones(len(job.q)))
     found = fit(model, in_base if levelled else None, noise, geometry=False)

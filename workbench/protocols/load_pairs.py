@@ -162,7 +162,7 @@ def difference_rows(campaign: Campaign) -> Array:
     model's. The rows A of the source's criteria (14), (17), (18), about the nominal loaded pose."""
     job = problem(as_one_setup(campaign))
     model = Model(job)
-    line = model.linearise(model.start(np.eye(3)[None], np.zeros((1, 3)), job.stated_targets[None]))
+    line = model.linearise(model.in_base())
     parts = [model.effect_jacobian(line, effect, np.zeros(1)) for effect in JointCompliance.sites(job)]
     rows = np.concatenate(parts, axis=2)
     half = len(job.q) // 2

@@ -117,7 +117,7 @@ class _Moved:
 def _moved(plan: Campaign, effects: Sequence[Effect]) -> _Moved:
     job = problem(replace(plan, points=plan.points[:, :1], targets=plan.targets[:1]))
     model, half = Model(job), len(job.q) // 2
-    line = model.linearise(model.start(np.eye(3)[None], np.zeros((1, 3)), job.stated_targets[None]))
+    line = model.linearise(model.in_base())
     every = [*effects, *JointCompliance.sites(job)]
     one = [model.effect_jacobian(line, e, np.zeros(len(e.params)))[..., 0] for e in every]
     by = np.stack([(rows[half:] - rows[:half]).ravel() for rows in one], axis=1)
