@@ -99,20 +99,26 @@ class Campaign:
 
     def some(self, chosen: NDArray[np.int64]) -> Campaign:
         """Only these poses, in this order."""
-        columns = (
-            "q",
-            "payload",
-            "wrench",
-            "direction",
-            "time",
-            "temperature",
-            "torque",
-            "readback",
-            "setup",
+
+        def of(column: Array | None) -> Array | None:
+            return None if column is None else column[chosen]
+
+        return replace(
+            self,
+            pose_ids=tuple(self.pose_ids[i] for i in chosen),
+            q=self.q[chosen],
+            payload=self.payload[chosen],
+            wrench=self.wrench[chosen],
+            direction=of(self.direction),
+            time=of(self.time),
+            temperature=of(self.temperature),
+            torque=of(self.torque),
+            readback=of(self.readback),
+            setup=self.setup[chosen],
+            points=self.points[chosen],
+            shots=self.shots[chosen],
+            sigma=of(self.sigma),
         )
-        kept = {name: getattr(self, name) for name in (*columns, "points", "shots", "sigma")}
-        taken = {name: None if column is None else column[chosen] for name, column in kept.items()}
-        return replace(self, pose_ids=tuple(self.pose_ids[i] for i in chosen), **taken)
 
     @property
     def folder(self) -> str:
