@@ -92,7 +92,7 @@ RX170 = Design(
         "damping": "assumed",
         "repeatability": "assumed",
         "compensator": "assumed: sized so that joint 2 keeps 150 to 300 N·m of the gravity torque at the "
-        "ends of the sweep of paper 003 (50 degrees either way)",
+        "ends of the sweep of paper 003 (50 degrees either way, forearm in line with the upper arm)",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),
