@@ -26,6 +26,7 @@ from ..effects.base import Effect
 from ..effects.gear_kinematic_error import GearKinematicError
 from ..fit import Fit, heldout, refit
 from ..problem import Problem
+from .background import facts, geometry, unidentifiable
 from .evidence import evidence, structure_evidence
 from .judge import test_figures
 from .power import detectable, swallowed
@@ -102,9 +103,9 @@ def assemble(parts: Parts) -> Diagnosis:
         faults=parts.faults + _rounded(parts, left),
         test=test,
         notes=tuple(notes),
-        geometry=_geometry(final),
-        unidentifiable=_unidentifiable(final),
-        facts=_facts(parts.problem),
+        geometry=geometry(final),
+        unidentifiable=unidentifiable(final),
+        facts=facts(parts.problem),
         errors=_errors(parts),
         joints=tuple(names),
         q=c.q,
@@ -343,61 +344,6 @@ def _rounded(parts: Parts, left: Remainder) -> tuple[FaultFound, ...]:
                 FaultFound("rounded_joints", None, None, what, "kept: record the joints with more digits"),
             )
     return ()
-
-
-def _geometry(final: Fit) -> tuple[Parameter, ...]:
-    """Corrections of the joint frames with standard deviations."""
-    part = final.columns.geometry_slice
-    std = np.sqrt(np.diag(final.covariance)[part])
-    change = final.state.geometry.ravel()[final.columns.geometry]
-    return tuple(
-        Parameter(name.removeprefix("geometry/"), float(v), float(s), "rad" if name[-2] == "r" else "m")
-        for name, v, s in zip(final.columns.names[part], change, std, strict=True)
-    )
-
-
-def _unidentifiable(final: Fit) -> tuple[str, ...]:
-    """Geometry that stays where it was because these data do not show it."""
-    part = final.columns.geometry_slice
-    std = np.sqrt(np.diag(final.covariance)[part]) / final.columns.prior[part]
-    hidden = [
-        name.removeprefix("geometry/")
-        for name, s in zip(final.columns.names[part], std, strict=True)
-        if s > 0.9
-    ]
-    return tuple(hidden)
-
-
-def _facts(problem: Problem) -> dict[str, str]:
-    c = problem.campaign
-    facts = {
-        "Poses": str(len(c.q)),
-        "Points": str(int(problem.seen.sum())),
-        "Targets": ", ".join(f"{t.name} (on {t.on})" if t.on != "flange" else t.name for t in c.targets),
-        "Set-ups": ", ".join(name or "one" for name in c.setup_names),
-        "Payloads": ", ".join(
-            f"{name or 'tool only'}: {c.tool_mass + m:g} kg"
-            for i, (name, m) in enumerate(zip(c.payload_names, c.load_mass, strict=True))
-            if (c.payload == i).any()
-        ),
-    }
-    for j, name in enumerate(problem.arm.names):
-        low, high = c.q[:, j].min(), c.q[:, j].max()
-        facts[f"Range of {name}"] = (
-            f"{low * 1e3:.0f} … {high * 1e3:.0f} mm"
-            if problem.arm.prismatic[j]
-            else f"{np.degrees(low):.1f} … {np.degrees(high):.1f}°"
-        )
-    if c.temperature is not None and np.isfinite(c.temperature).any():
-        facts["Temperature"] = f"{np.nanmin(c.temperature):.1f} … {np.nanmax(c.temperature):.1f} °C"
-    extra = [
-        ("side of approach", c.direction),
-        ("time", c.time),
-        ("motor torque", c.torque),
-        ("read-back joints", c.readback),
-    ]
-    facts["Recorded besides"] = ", ".join(name for name, value in extra if value is not None) or "nothing"
-    return facts
 
 
 def _errors(parts: Parts) -> PoseErrors:
