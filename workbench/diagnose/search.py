@@ -198,7 +198,7 @@ class Search:
         )
 
     def _strangeness(self, pool: Screen, chosen: Sequence[int]) -> float:
-        """Penalty on sizes far beyond the typical (a Student prior two typical sizes wide); infinite
+        """Penalty on sizes far beyond the typical (a Cauchy prior two typical sizes wide); infinite
         beyond physical bounds, or where causes move the points by far more than the robot errs (they
         then cancel each other). It decides between causes that fit alike."""
         if not chosen:
@@ -214,7 +214,7 @@ class Search:
         for i in chosen:
             effect = pool.candidates[i]
             size = typical[at : at + len(effect.params)]
-            total += 4 * np.log1p(float(np.mean(size**2)) / 4)
+            total += 2 * np.log1p(float(np.mean(size**2)) / 4)
             at += len(effect.params)
         return float(total)
 
