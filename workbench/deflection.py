@@ -27,6 +27,11 @@ class Budget:
     moment: Array
 
 
+def places(campaign: Campaign) -> Array:
+    """(N, T, 3) [m] where the targets are under the stated loads, as modelled, in the base frame."""
+    return _loaded(problem(campaign)).base
+
+
 def deflection(campaign: Campaign) -> Array:
     """(N, T, 3) [m] how far the stated loads and the arm's own weight move the targets, in the base frame."""
     job = problem(campaign)

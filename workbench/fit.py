@@ -16,9 +16,8 @@ from scipy.spatial.transform import Rotation
 from .arm import Array
 from .columns import Columns, body_motion, columns
 from .effects.base import Effect
-from .faults import Fault, InputError
 from .model import Linearisation, Model, State, move_frame
-from .noise import Covariance, stated_noise, whitener
+from .noise import Covariance, required_noise, whitener
 from .problem import Problem
 from .registration import register
 
@@ -105,9 +104,7 @@ def fit(
     standard deviation. Raises ArithmeticError when it does not converge, `InputError` without any noise.
     """
     problem = model.problem
-    start, noise = start or start_state(problem), noise or stated_noise(problem)
-    if noise is None:
-        raise InputError(Fault(problem.campaign.title, "states no noise", "say sigma_mm under [noise]"))
+    start, noise = start or start_state(problem), noise or required_noise(problem)
     if len(start.values) != len(model.effects):
         start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
     cols = columns(problem, model.effects, geometry)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from .arm import Array
+from .faults import Fault, InputError
 from .problem import Problem
 
 
@@ -52,6 +53,14 @@ def stated_noise(problem: Problem) -> Covariance | None:
     else:
         return None
     return Covariance(np.maximum(each, 1e-9), joint, np.ones(len(c.q)))
+
+
+def required_noise(problem: Problem) -> Covariance:
+    """Noise as stated; raises `InputError` where the campaign states none."""
+    noise = stated_noise(problem)
+    if noise is None:
+        raise InputError(Fault(problem.campaign.title, "states no noise", "say sigma_mm under [noise]"))
+    return noise
 
 
 def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Array | None) -> Array:

@@ -18,7 +18,7 @@ from .faults import Fault, InputError
 from .poses import planned, random_poses
 from .problem import filled, problem
 from .records import effect_text, parse_effect
-from .robot import LoadData, Robot, load_robot
+from .robot import Robot, load_robot, stated_load
 from .simulate import Truth, random_geometry, simulate
 from .tables import Layout, read_table
 
@@ -49,7 +49,7 @@ def simulate_command(arguments: argparse.Namespace) -> Campaign:
         told.q,
         payloads=loads,
         payload=told.payload,
-        tool=_load(arguments.tool, "--tool") if arguments.tool else _stated(robot.tool),
+        tool=_load(arguments.tool, "--tool") if arguments.tool else stated_load(robot.tool),
         wrench=told.wrench,
         direction=told.direction,
         time=told.time,
@@ -76,7 +76,7 @@ def _file(robot: Robot, file: str, loads: dict[str, Load]) -> _Told:
     names = table.texts.get("payload", [])
     for name in dict.fromkeys(names):
         if name and name not in loads and name in robot.payloads:
-            loads[name] = _stated(robot.payloads[name])
+            loads[name] = stated_load(robot.payloads[name])
     rows = [row for row, name in enumerate(names) if name and name not in loads]
     what = [f"payload {names[row]!r} is not known" for row in rows]
     table.add_faults(rows, what, [f"say --payload {names[row]}=KG" for row in rows])
@@ -164,17 +164,10 @@ def _payload(text: str, robot: Robot) -> tuple[str, Load]:
     """Name and load; the name alone for a payload that the robot's own TOML states."""
     name, equals, rest = text.partition("=")
     if name in robot.payloads and not equals:
-        return name, _stated(robot.payloads[name])
+        return name, stated_load(robot.payloads[name])
     if not equals or not name:
         raise InputError(Fault("--payload", f"{text!r} is no NAME=KG", "like heavy=250:150,0,0"))
     return name, _load(rest, "--payload")
-
-
-def _stated(load: LoadData | None) -> Load:
-    if load is None:
-        return 0.0, (0.0, 0.0, 0.0)
-    x, y, z = load.com_mm
-    return load.mass_kg, (1e-3 * x, 1e-3 * y, 1e-3 * z)
 
 
 def _load(text: str, place: str) -> Load:

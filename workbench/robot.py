@@ -83,6 +83,14 @@ class LoadData(_Table):
     com_mm: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
 
 
+def stated_load(load: LoadData | None) -> tuple[float, tuple[float, float, float]]:
+    """Mass [kg] and centre of mass [m, flange frame]; nothing for None."""
+    if load is None:
+        return 0.0, (0.0, 0.0, 0.0)
+    x, y, z = load.com_mm
+    return load.mass_kg, (1e-3 * x, 1e-3 * y, 1e-3 * z)
+
+
 class EffectRecord(_Table):
     """One effect of an extended model: its cause, where it sits, its parameters by name."""
 

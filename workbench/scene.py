@@ -7,7 +7,7 @@ draws points and arrows, so that their enlargement and the stage can be changed 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -47,14 +47,18 @@ def scene(
     ghost_label: str = "the same pose under load, deflection enlarged",
 ) -> str:
     """The scene of a diagnosis as one HTML text. q: default a pose in the middle of the campaign."""
+    shown = shown_of(diagnosis, _middle_pose(diagnosis, robot) if q is None else q)
+    shown = replace(shown, ghost_q=ghost_q, ghost_label=ghost_label)
+    return scene_of(robot, shown, f"{diagnosis.robot_title}, {diagnosis.campaign}")
+
+
+def shown_of(diagnosis: Diagnosis, q: Array) -> Shown:
+    """A diagnosis' points with their errors by stage, the robot at joints q: (n,)."""
     errors = diagnosis.errors or _no_errors()
     stages = {"Nominal model": errors.error_nominal, "Geometry calibrated": errors.error_geometry}
     if len(diagnosis.stages) > 2:
         stages["Causes in the model"] = errors.error_final
-    pose = _middle_pose(diagnosis, robot) if q is None else q
-    sigma = 1e-3 * diagnosis.noise.sigma_mm
-    shown = Shown(pose, errors.points, stages, errors.pose, errors.target, sigma, ghost_q, ghost_label)
-    return scene_of(robot, shown, f"{diagnosis.robot_title}, {diagnosis.campaign}")
+    return Shown(q, errors.points, stages, errors.pose, errors.target, 1e-3 * diagnosis.noise.sigma_mm)
 
 
 def scene_of(robot: Robot, shown: Shown, title: str) -> str:

@@ -15,13 +15,14 @@ from scipy.spatial.transform import Rotation
 
 from ..arm import Arm, Array
 from ..campaign import Campaign
+from ..deflection import places
 from ..effects.joint_compliance import JointCompliance
 from ..faults import Fault, InputError
 from ..fit import Fit, fit
 from ..model import Model, State
-from ..noise import Covariance, stated_noise
+from ..noise import Covariance, required_noise
 from ..problem import problem
-from ..records import record, stated_effects
+from ..records import record
 from ..robot import GEOMETRY, Robot
 
 SURE = 1e3  # how much more than a measured place a computed one counts
@@ -61,13 +62,6 @@ def part(campaign: Campaign, chosen: NDArray[np.bool_]) -> Campaign:
     )
 
 
-def predicted(campaign: Campaign) -> Array:
-    """(N, T, 3) [m] places of the targets in the base frame, as the campaign's own robot has them."""
-    job = problem(campaign)
-    model = Model(job, (), tuple(stated_effects(job)))
-    return model.predict(model.in_base())
-
-
 def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]:
     """The extended robot of a campaign with poses with and without load, and the fit of its stiffness.
 
@@ -96,11 +90,10 @@ def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
     used = empty | (pair >= 0)
     if used.sum() == empty.sum():
         raise InputError(Fault(campaign.title, "no pose was measured with and without load", "measure both"))
-    rest = predicted(replace(campaign, wrench=np.zeros_like(campaign.wrench)))
+    rest = places(replace(campaign, wrench=np.zeros_like(campaign.wrench)))
     moved = rest + np.where(empty[:, None, None], 0.0, campaign.points - campaign.points[pair])
     job = problem(part(replace(campaign, points=moved), used))
-    noise = stated_noise(job)
-    assert noise is not None  # or the kinematics would not have been fitted
+    noise = required_noise(job)
     both = Covariance(np.sqrt(2) * noise.sigma, np.sqrt(2) * noise.joint, np.where(empty[used], SURE, 1.0))
     model = Model(job, tuple(JointCompliance.sites(job)))
     return fit(model, model.in_base(), both, geometry=False)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..arm import Array
 from ..campaign import Campaign, Target
 from ..compensate import Compensation, Conditions, compensate, nominal_joints
+from ..deflection import places
 from ..faults import Fault, InputError
 from ..fit import Fit, start_state
 from ..paths import Path
@@ -19,7 +20,7 @@ from ..poses import planned
 from ..problem import problem
 from ..robot import Robot
 from .grid import Cells, Index, cells
-from .load import external, identified, part, predicted
+from .load import external, identified, part
 
 FEWEST = 3  # poses of a cell with load, and without
 
@@ -68,7 +69,7 @@ class CellModel:
         where, out = self.cell_of(_places(plan, self.tool)), np.empty((len(plan.q), 3))
         for cell in np.unique(where):
             here = replace(part(plan, where == cell), robot=self.robots[cell])
-            out[where == cell] = predicted(here)[:, 0]
+            out[where == cell] = places(here)[:, 0]
         return out
 
     def deflection(self, plan: Campaign) -> Array:

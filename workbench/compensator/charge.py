@@ -15,7 +15,7 @@ from ..effects.gravity_compensator import GravityCompensator
 from ..faults import Fault, InputError
 from ..fit import Fit, fit
 from ..model import Model
-from ..noise import stated_noise
+from ..noise import required_noise
 from ..problem import problem
 from ..robot import Robot
 from .gas_spring import GasLength
@@ -49,12 +49,10 @@ def identify_charge(
         raise InputError(Fault(campaign.title, "has no torques", "record tau1_Nm ... in poses.csv"))
     used = replace(campaign, torque=None) if witness == "points" else campaign
     charge = length = 1.0
-    for _ in range(
-        ROUNDS
-    ):  # torques follow the length along a tangent: each round starts where the last ended
-        found = _fitted(
-            replace(used, robot=_recharged(campaign.robot, charge, length)), witness, torque_share, unknown
-        )
+    # torques follow the length along a tangent: each round starts where the last ended
+    for _ in range(ROUNDS):
+        here = replace(used, robot=_recharged(campaign.robot, charge, length))
+        found = _fitted(here, witness, torque_share, unknown)
         (more, charge_variance), (longer, length_variance) = (found.effect_values(i) for i in range(2))
         factors = charge, length
         charge, length = charge * (1 + float(more[0])), length * (1 + float(longer[0]))
@@ -67,9 +65,7 @@ def identify_charge(
 
 def _fitted(campaign: Campaign, witness: Witness, torque_share: float, unknown: Sequence[Effect]) -> Fit:
     job = problem(campaign)
-    noise = stated_noise(job)
-    if noise is None:
-        raise InputError(Fault(campaign.title, "states no noise", "say sigma_mm under [noise]"))
+    noise = required_noise(job)
     if campaign.torque is not None:
         believed = np.isfinite(drive_torque.noise(job))
         largest = np.nanmax(np.abs(campaign.torque), axis=0)

@@ -26,7 +26,7 @@ from ..poses import TARGETS, planned
 from ..problem import Problem, problem
 from ..records import stated_effects
 from ..registration import check_units
-from ..robot import LoadData, Robot
+from ..robot import Robot, stated_load
 
 ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tracker
 WIDE = 30.0  # prior of an effect's parameter, in its typical sizes: wide, but no arm is made of rubber
@@ -174,8 +174,8 @@ def information_before(names: Sequence[str]) -> Array:
 
 def unmeasured(robot: Robot) -> Knowledge:
     """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker."""
-    loads = {name: _load(load) for name, load in robot.payloads.items()}
-    blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=_load(robot.tool))
+    loads = {name: stated_load(load) for name, load in robot.payloads.items()}
+    blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=stated_load(robot.tool))
     whole = problem(blank)
     joint = np.array([item.data.repeatability or 0.0 for item in robot.joints])
     noise = f"{1e3 * ASSUMED_SIGMA:.3f} mm per axis assumed, and the joints' repeatability as stated"
@@ -183,13 +183,6 @@ def unmeasured(robot: Robot) -> Knowledge:
     effects = tuple(stated_effects(whole))
     shown = np.ones(len(TARGETS), dtype=bool)
     return Knowledge(whole, effects, None, sigma, joint, 1.0, noise, shown, whole.stated_targets)
-
-
-def _load(load: LoadData | None) -> tuple[float, tuple[float, float, float]]:
-    if load is None:
-        return 0.0, (0.0, 0.0, 0.0)
-    x, y, z = load.com_mm
-    return load.mass_kg, (1e-3 * x, 1e-3 * y, 1e-3 * z)
 
 
 def measured(campaign: Campaign) -> Knowledge:

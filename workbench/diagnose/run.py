@@ -20,7 +20,7 @@ from ..registration import check_units
 from .assemble import Parts, assemble
 from .data_faults import clean, split_setup, step_in_time
 from .noise_choice import choose, from_residual
-from .search import Search, Selection
+from .search import Search, Selection, bounded
 from .verdict import SURE, remainder, stands_out
 
 Progress = Callable[[str], None]
@@ -130,14 +130,11 @@ def _search(nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bo
 def _absurd(result: Fit) -> list[Effect]:
     """Effects whose fitted numbers no machine can have, by more than their uncertainty: they make up for
     something else."""
-    out = []
-    for i, effect in enumerate(result.model.effects):
-        values, covariance = result.effect_values(i)
-        grace = 2 * np.sqrt(np.diag(covariance))
-        lower, upper = (np.array([getattr(p, end) for p in effect.params]) for end in ("lower", "upper"))
-        if (values + grace < lower).any() or (values - grace > upper).any():
-            out.append(effect)
-    return out
+    return [
+        effect
+        for i, effect in enumerate(result.model.effects)
+        if not bounded(effect.params, *result.effect_values(i))
+    ]
 
 
 def _material(search: Search, selection: Selection) -> Selection:

@@ -16,7 +16,7 @@ from scipy import stats
 
 from ..arm import Array
 from ..diagnosis import Where
-from ..effects.base import Effect, LoadEffect, YieldEffect
+from ..effects.base import Effect, LoadEffect, Param, YieldEffect
 from ..effects.bearing_tilt import BearingTilt
 from ..effects.gear_kinematic_error import GearKinematicError
 from ..effects.joint_compliance import JointCompliance
@@ -59,6 +59,14 @@ def _gain_by_chance(alpha: float, rank: int, dof: float, noise_dof: float, known
         return float(rank * stats.f.isf(alpha, rank, noise_dof))
     F = stats.f.isf(alpha, rank, max(dof - rank, 2.0))
     return float(dof * np.log1p(rank * F / max(dof - rank, 2.0)))
+
+
+def bounded(params: Sequence[Param], values: Array, covariance: Array) -> bool:
+    """Whether a machine can have these numbers: physical bounds, with two standard deviations of grace."""
+    std = np.sqrt(np.maximum(np.diag(covariance), 0))
+    return all(
+        p.lower <= v + 2 * s and v - 2 * s <= p.upper for p, v, s in zip(params, values, std, strict=True)
+    )
 
 
 class Search:
@@ -191,11 +199,7 @@ class Search:
         return self._bounded(pool, chosen, *pool.solution(chosen))
 
     def _bounded(self, pool: Screen, chosen: Sequence[int], values: Array, covariance: Array) -> bool:
-        std = np.sqrt(np.maximum(np.diag(covariance), 0))
-        params = [p for i in chosen for p in pool.candidates[i].params]
-        return all(
-            p.lower <= v + 2 * s and v - 2 * s <= p.upper for p, v, s in zip(params, values, std, strict=True)
-        )
+        return bounded([p for i in chosen for p in pool.candidates[i].params], values, covariance)
 
     def _strangeness(self, pool: Screen, chosen: Sequence[int]) -> float:
         """Penalty on sizes far beyond the typical (a Cauchy prior two typical sizes wide); infinite
@@ -352,11 +356,9 @@ class Search:
         as likely as whatever single yield draws the same: then they are its rivals, the strongest first.
         """
         effect, candidates = pool.candidates[a], pool.candidates
-        rigid = {
-            e.where.joint for e in candidates if isinstance(e, JointCompliance) and not e.nominal
-        }  # fmt: skip
         if isinstance(effect, JointCompliance) or not isinstance(effect, YieldEffect | LoadEffect):
             return ()
+        rigid = {e.where.joint for e in candidates if isinstance(e, JointCompliance) and not e.nominal}
         alones = pool.increments(rest)[0]
         group = [
             k

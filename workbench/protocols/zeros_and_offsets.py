@@ -19,10 +19,9 @@ from ..effects.base import Effect
 from ..effects.bearing_tilt import BearingTilt
 from ..effects.gear_ratio import GearRatio
 from ..effects.joint_compliance import JointCompliance
-from ..faults import Fault, InputError
 from ..fit import Fit, fit
 from ..model import Model
-from ..noise import stated_noise
+from ..noise import required_noise
 from ..poses import planned
 from ..problem import problem
 from ..records import stated_effects
@@ -107,9 +106,7 @@ def identified(campaign: Campaign, robot: Robot, free: Sequence[int] | None = No
     Raises `InputError` where the campaign states no noise.
     """
     job = problem(replace(campaign, robot=robot))
-    noise = stated_noise(job)
-    if noise is None:
-        raise InputError(Fault(campaign.title, "states no noise", "say sigma_mm under [noise]"))
+    noise = required_noise(job)
     weight = np.where([target.on == "base" for target in campaign.targets], FRAME, 1.0)
     columns = axial_columns(robot) if free is None else free
     model = Model(job, (), tuple(stated_effects(job)))

@@ -35,11 +35,12 @@ from workbench.report.story import Item, tell
 from workbench.report.study import Study
 from workbench.restated import stored
 from workbench.robot import Robot, load_robot
+from workbench.scene import shown_of
 from workbench.simulate import Truth, random_geometry, simulate
 from workbench.studies import kr120_figures as told
 from workbench.studies.kr120_compensator import blind_to_charge, charge_by_witness
 from workbench.studies.kr120_decides import WAYS, diagnosed, reversing, three_loads
-from workbench.studies.verdicts import in_space, verdict_table
+from workbench.studies.verdicts import verdict_table
 
 # Table I as printed, 1e-6 rad/(N·m): k1, k2 at six angles, k3 to k6, and their intervals' half widths
 NAMES = ("k1", "k21", "k22", "k23", "k24", "k25", "k26", "k3", "k4", "k5", "k6")
@@ -121,7 +122,8 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
         "bias": told.bias_figure(robot, stretched),
         "verdicts": verdict_table("Verdicts, by what is hidden in the machine", HIDDEN, outcomes),
     }
-    return tell(Path(__file__).with_suffix(".md"), robot, numbers, items, in_space(best), "stiffness", FILES)
+    shown = shown_of(best.diagnosis, best.problem.q[0])
+    return tell(Path(__file__).with_suffix(".md"), robot, numbers, items, shown, "stiffness", FILES)
 
 
 def charged(path: Path) -> Robot:

@@ -10,7 +10,7 @@ import numpy as np
 from ..arm import Array
 from ..campaign import Campaign, Target
 from ..cells import CellModel
-from ..cells.load import predicted
+from ..deflection import places
 from ..problem import problem
 from ..protocols.load_pairs import difference_rows
 from ..report.numbers import percent
@@ -56,7 +56,7 @@ def moved(points: Array) -> Array:
 
 def modelled(robot: Robot, check: Campaign) -> Array:
     """(C, 3) [m] what the load moves the verification points by, as an extended robot has it."""
-    return moved(predicted(replace(check, robot=robot)))
+    return moved(places(replace(check, robot=robot)))
 
 
 def errors(name: str, case: Case, found: Mapping[str, Array]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Diagnoses side by side, and one diagnosis in space: for studies."""
+"""Diagnoses side by side: for studies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from ..diagnose.run import Outcome
 from ..report.numbers import p_value
-from ..report.study import Shown, Table
+from ..report.study import Table
 
 
 def verdict(outcome: Outcome) -> str:
@@ -26,15 +26,3 @@ def verdict_table(
     """Verdicts by measurement (rows) and hidden truth (columns: its key → its heading)."""
     rows = [[way, *(verdict(found[name]) for name in columns)] for way, found in outcomes.items()]
     return Table(title, ("Measurement", *columns.values()), rows, numbers=())
-
-
-def in_space(outcome: Outcome) -> Shown:
-    """A diagnosis' points with their errors by stage, the robot in the first pose."""
-    errors = outcome.diagnosis.errors
-    if errors is None:
-        raise ValueError("the diagnosis holds no errors of points")
-    stages = {"Nominal model": errors.error_nominal, "Geometry calibrated": errors.error_geometry}
-    if len(outcome.diagnosis.stages) > 2:
-        stages["Causes in the model"] = errors.error_final
-    sigma = 1e-3 * outcome.diagnosis.noise.sigma_mm
-    return Shown(outcome.problem.q[0], errors.points, stages, errors.pose, errors.target, sigma)
