@@ -14,13 +14,13 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.campaign import Target
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.problem import problem
 from workbench.effects.joint_compliance import JointCompliance
-from workbench.fit import fit
-from workbench.model import Model, State
-from workbench.noise import Covariance
-from workbench.poses import planned, random_poses
-from workbench.problem import problem
-from workbench.robot import load_robot
+from workbench.identification.fit import fit
+from workbench.identification.model import Model, State
+from workbench.identification.noise import Covariance
+from workbench.robot.description import load_robot
 
 POSES = 1000
 LOADED_MS, STEP_MS = 50.0, 30.0  # targets on an idle core

@@ -18,13 +18,13 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests")]
 
 from extended_example import extended_kr500  # noqa: E402
 
-from workbench.closed_loop.control import Controller, drives, nominal_mechanics  # noqa: E402
-from workbench.closed_loop.machine import machine  # noqa: E402
-from workbench.closed_loop.mechanics import Mechanics, mechanics  # noqa: E402
-from workbench.closed_loop.motion import motion  # noqa: E402
-from workbench.closed_loop.simulation import run  # noqa: E402
-from workbench.compensate import Conditions, compensate  # noqa: E402
-from workbench.path_shapes import Run, circle, work_frame  # noqa: E402
+from workbench.correction import Conditions, compensate  # noqa: E402
+from workbench.correction.path_shapes import Run, circle, work_frame  # noqa: E402
+from workbench.simulation.closed_loop.control import Controller, drives, nominal_mechanics  # noqa: E402
+from workbench.simulation.closed_loop.machine import machine  # noqa: E402
+from workbench.simulation.closed_loop.mechanics import Mechanics, mechanics  # noqa: E402
+from workbench.simulation.closed_loop.motion import motion  # noqa: E402
+from workbench.simulation.closed_loop.simulation import run  # noqa: E402
 
 
 def plant_alone(truth: Mechanics, rotor: np.ndarray, q: np.ndarray, seconds: float) -> float:

@@ -13,13 +13,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import least_squares
 
-from workbench.arm import Array
-from workbench.compensate import Conditions, compensate
-from workbench.compensate.course import Course, ready
-from workbench.compensate.solve import settle
-from workbench.path_shapes import Run, spiral, work_frame
-from workbench.paths import Path
-from workbench.robot import EffectRecord, Robot, load_robot
+from workbench.correction import Conditions, compensate
+from workbench.correction.course import Course, ready
+from workbench.correction.path_shapes import Run, spiral, work_frame
+from workbench.correction.paths import Path
+from workbench.correction.solve import settle
+from workbench.robot.description import EffectRecord, Robot, load_robot
+from workbench.robot.kinematics import Array
 
 POINTS = 10_000
 POSES = 10  # that SciPy solves

@@ -21,16 +21,16 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from workbench.arm import Array
 from workbench.campaign import Target
-from workbench.columns import Columns, columns
-from workbench.fit import Fit, fit, start_state
-from workbench.model import Model, State, move_frame
-from workbench.noise import Covariance
-from workbench.plant import rigid_twin
-from workbench.poses import planned
-from workbench.problem import Problem, problem
-from workbench.robot import Robot, load_robot
+from workbench.campaign.planned import planned
+from workbench.campaign.problem import Problem, problem
+from workbench.identification.fit import Fit, fit, start_state
+from workbench.identification.model import Model, State, move_frame
+from workbench.identification.noise import Covariance
+from workbench.identification.parameters import Columns, columns
+from workbench.robot.description import Robot, load_robot
+from workbench.robot.kinematics import Array
+from workbench.robot.rigid_plant import rigid_twin
 
 A = np.array([0.5, 1.3, -0.055, 0.0, 0.0, 0.0])
 ALPHA = np.radians([-90.0, 0.0, 90.0, -90.0, 90.0, 0.0])

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from workbench.campaign import load_campaign
-from workbench.faults import InputError
+from workbench.files.faults import InputError
 
 URDF = """<robot name="tiny">
   <link name="world_mount"/><link name="link_1"/><link name="link_2"/><link name="link_3"/>

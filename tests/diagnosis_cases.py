@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from workbench.campaign import Campaign
-from workbench.diagnose.run import diagnose
-from workbench.diagnosis import Diagnosis
-from workbench.poses import TARGETS, planned, random_poses
-from workbench.problem import Problem, problem
-from workbench.records import parse_effect
-from workbench.robot import Robot, load_robot
-from workbench.simulate import Truth, random_geometry, simulate
-from workbench.studies.random_robot import write_random_robot
+from workbench.campaign.planned import TARGETS, planned, random_poses
+from workbench.campaign.problem import Problem, problem
+from workbench.diagnosis.result import Diagnosis
+from workbench.diagnosis.run import diagnose
+from workbench.effects.records import parse_effect
+from workbench.robot.description import Robot, load_robot
+from workbench.simulation.random_robot import write_random_robot
+from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
 SIGMA = 3e-5  # m
 

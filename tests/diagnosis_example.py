@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.diagnosis import (
+from workbench.diagnosis.result import (
     Detectable,
     Diagnosis,
     Evidence,
@@ -22,8 +22,8 @@ from workbench.diagnosis import (
     TestFigures,
     Where,
 )
-from workbench.plant import rigid_twin
-from workbench.robot import load_robot
+from workbench.robot.description import load_robot
+from workbench.robot.rigid_plant import rigid_twin
 
 Array = NDArray[np.float64]
 SIGMA = 3e-5

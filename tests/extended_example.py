@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.diagnosis import Where
+from workbench.diagnosis.result import Where
 from workbench.effects.backlash import Backlash
 from workbench.effects.base import Effect
 from workbench.effects.bearing_tilt import BearingTilt
@@ -18,9 +18,9 @@ from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.link_bending import LinkBending
 from workbench.effects.lost_motion import LostMotion
 from workbench.effects.payload import Payload
+from workbench.effects.records import record
 from workbench.effects.thermal_growth import ThermalGrowth
-from workbench.records import record
-from workbench.robot import GEOMETRY, Robot, load_robot
+from workbench.robot.description import GEOMETRY, Robot, load_robot
 
 Values = tuple[Effect, list[float]]
 

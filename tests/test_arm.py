@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.arm import frames, point_jacobian
-from workbench.beam import bending_compliance
-from workbench.elastic import elastic_twin
-from workbench.plant import arrays, compensator_law, rigid_twin
-from workbench.robot import load_robot
-from workbench.statics import Loads, equilibrium, wrench_jacobian, wrenches
-from workbench.studies.random_robot import write_random_robot
+from workbench.robot.beam import bending_compliance
+from workbench.robot.description import load_robot
+from workbench.robot.elastic_plant import elastic_twin
+from workbench.robot.kinematics import frames, point_jacobian
+from workbench.robot.rigid_plant import arrays, compensator_law, rigid_twin
+from workbench.robot.statics import Loads, equilibrium, wrench_jacobian, wrenches
+from workbench.simulation.random_robot import write_random_robot
 
 KINDS = ["6R", "7R", "PRRR"]
 

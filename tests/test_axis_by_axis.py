@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from workbench.campaign import Target
-from workbench.protocols.axis_by_axis import POINTER, LocalStiffness, identify, levels, local_plan
-from workbench.restated import restated, stored
-from workbench.robot import EffectRecord, Robot, load_robot
-from workbench.simulate import Truth, simulate
+from workbench.identification.restated import restated, stored
+from workbench.measurement.axis_by_axis import POINTER, LocalStiffness, identify, levels, local_plan
+from workbench.robot.description import EffectRecord, Robot, load_robot
+from workbench.simulation.virtual_campaign import Truth, simulate
 
 FLAT = np.deg2rad([0, 0, 90, 0, 0, 0])
 LOADS = np.tile(np.linspace(0, 500, 11), 2)

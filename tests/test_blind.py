@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.diagnose.run import diagnose
+from workbench.campaign.problem import problem
+from workbench.diagnosis.run import diagnose
 from workbench.effects import catalogue
-from workbench.fit import fit, start_state
-from workbench.model import Model
-from workbench.problem import problem
+from workbench.identification.fit import fit, start_state
+from workbench.identification.model import Model
 from workbench.studies.blind import blind, case_keys
 from workbench.studies.blind.cases import FORMS, draw_case
 from workbench.studies.blind.score import judged, right_model, run_case, sensitivity

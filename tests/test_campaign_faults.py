@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.campaign import load_campaign
-from workbench.faults import InputError
+from workbench.files.faults import InputError
 
 
 @pytest.mark.parametrize(

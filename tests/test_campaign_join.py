@@ -9,7 +9,7 @@ import pytest
 from campaign_example import POSES, TOML, write_example
 
 from workbench.campaign import join, load_campaign
-from workbench.faults import InputError
+from workbench.files.faults import InputError
 
 
 def test_join_keeps_set_ups_and_what_differs_apart(tmp_path: Path) -> None:

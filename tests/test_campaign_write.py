@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.campaign import Campaign, Target, load_campaign, write_campaign
-from workbench.faults import InputError
-from workbench.robot import load_robot
+from workbench.files.faults import InputError
+from workbench.robot.description import load_robot
 
 
 def assert_same(one: Campaign, other: Campaign) -> None:

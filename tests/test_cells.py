@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 
 from workbench.campaign import Campaign, Target
-from workbench.cells import CellModel, cells, fit_cells, load_cells, write_cells
-from workbench.cells.load import external, seated
-from workbench.compensate import nominal_joints
-from workbench.faults import InputError
-from workbench.fit import fit
-from workbench.model import Model
-from workbench.path_shapes import Run, line, tilted, work_frame
-from workbench.paths import Path as Course
-from workbench.poses import planned
-from workbench.problem import problem
-from workbench.programs.rotations import pose
-from workbench.robot import load_robot
-from workbench.simulate import Truth, random_geometry, simulate
+from workbench.campaign.planned import planned
+from workbench.campaign.problem import problem
+from workbench.correction import nominal_joints
+from workbench.correction.path_shapes import Run, line, tilted, work_frame
+from workbench.correction.paths import Path as Course
+from workbench.files.faults import InputError
+from workbench.identification.cells import CellModel, cells, fit_cells, load_cells, write_cells
+from workbench.identification.cells.two_steps import external, seated
+from workbench.identification.fit import fit
+from workbench.identification.model import Model
+from workbench.robot.description import load_robot
+from workbench.robot.rotations import pose
+from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
 BOX = np.array([[1.5, -0.3, 1.1], [1.9, 0.3, 1.5]])
 TOOL = (0.08, 0.05, 0.25)

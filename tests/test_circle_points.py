@@ -8,21 +8,27 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from workbench.arm import Array, frames
 from workbench.campaign import Target
-from workbench.deflection import deflection, deflection_budget, with_compliance
-from workbench.denavit_hartenberg import axial_columns, chain, corrections, fitted_rows, with_rows
-from workbench.faults import InputError
-from workbench.fit import fit
-from workbench.model import Model
-from workbench.plant import arrays
-from workbench.poses import planned
-from workbench.problem import problem
-from workbench.protocols.circle_points import distance_from, fit_circle, link_between, sweeps, turning_ratio
-from workbench.protocols.zeros_and_offsets import identified
-from workbench.robot import load_robot
-from workbench.simulate import Truth, simulate
-from workbench.studies.longlink import TABLE_2, TABLE_3
+from workbench.campaign.planned import planned
+from workbench.campaign.problem import problem
+from workbench.files.faults import InputError
+from workbench.identification.deflection import deflection, deflection_budget, with_compliance
+from workbench.identification.denavit_hartenberg import (
+    axial_columns,
+    chain,
+    corrections,
+    fitted_rows,
+    with_rows,
+)
+from workbench.identification.fit import fit
+from workbench.identification.model import Model
+from workbench.measurement.circle_points import distance_from, fit_circle, link_between, sweeps, turning_ratio
+from workbench.measurement.zeros_and_offsets import identified
+from workbench.robot.description import load_robot
+from workbench.robot.kinematics import Array, frames
+from workbench.robot.rigid_plant import arrays
+from workbench.simulation.virtual_campaign import Truth, simulate
+from workbench.studies.longlink.study import TABLE_2, TABLE_3
 
 ANGLES = np.linspace(-1.2, 1.2, 15)
 

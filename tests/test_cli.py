@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from workbench.campaign import load_campaign
-from workbench.cli import main
+from workbench.cli.main import main
 from workbench.effects import catalogue
-from workbench.extended import write_model
-from workbench.robot import GEOMETRY, load_robot
+from workbench.identification.model_file import write_model
+from workbench.robot.description import GEOMETRY, load_robot
 
 EFFECTS = [
     "--effect", "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.6",
@@ -409,7 +409,7 @@ def test_a_failure_is_not_the_user_s(folder, capsys, monkeypatch):
     def broken(*_):
         raise ArithmeticError("the fit does not converge")
 
-    monkeypatch.setattr(sys.modules["workbench.diagnose.run"], "problem", broken)
+    monkeypatch.setattr(sys.modules["workbench.diagnosis.run"], "problem", broken)
     status, out, err = call(capsys, "diagnose", folder / "one/campaign.toml", "--json")
     assert (status, out) == (1, "")
     assert "failed: ArithmeticError: the fit does not converge" in err

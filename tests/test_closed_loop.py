@@ -7,29 +7,29 @@ import numpy as np
 import pytest
 from extended_example import extended, extended_kr500
 
-from workbench.closed_loop import Controller, verify, verify_file
-from workbench.closed_loop.control import drives, nominal_mechanics
-from workbench.closed_loop.forces import Forces
-from workbench.closed_loop.machine import machine
-from workbench.closed_loop.measures import main_lines, path_accuracy
-from workbench.closed_loop.mechanics import mechanics
-from workbench.closed_loop.motion import hold, motion, sides
-from workbench.closed_loop.simulation import run
-from workbench.compensate import Conditions, compensate
-from workbench.compensate.conditions import path_campaign
-from workbench.compensate.extended_arm import extended_arm
-from workbench.diagnosis import Where
+from workbench.campaign.problem import Problem
+from workbench.correction import Conditions, compensate
+from workbench.correction.conditions import path_campaign
+from workbench.correction.extended_arm import extended_arm
+from workbench.correction.path_shapes import Run, line, work_frame
+from workbench.correction.paths import Path, write_path
+from workbench.diagnosis.result import Where
 from workbench.effects import catalogue
 from workbench.effects.base import InstrumentEffect
 from workbench.effects.gear_kinematic_error import GearKinematicError
-from workbench.faults import InputError
-from workbench.path_shapes import Run, line, work_frame
-from workbench.paths import Path, write_path
-from workbench.plant import arrays, compensator_law
-from workbench.problem import Problem
-from workbench.records import record
-from workbench.robot import load_robot
-from workbench.statics import equilibrium
+from workbench.effects.records import record
+from workbench.files.faults import InputError
+from workbench.robot.description import load_robot
+from workbench.robot.rigid_plant import arrays, compensator_law
+from workbench.robot.statics import equilibrium
+from workbench.simulation.closed_loop import Controller, verify, verify_file
+from workbench.simulation.closed_loop.control import drives, nominal_mechanics
+from workbench.simulation.closed_loop.forces import Forces
+from workbench.simulation.closed_loop.machine import machine
+from workbench.simulation.closed_loop.measures import main_lines, path_accuracy
+from workbench.simulation.closed_loop.mechanics import mechanics
+from workbench.simulation.closed_loop.motion import hold, motion, sides
+from workbench.simulation.closed_loop.simulation import run
 
 LOADS = Conditions(
     "heavy",

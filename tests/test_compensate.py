@@ -9,23 +9,23 @@ import pytest
 from extended_example import extended, extended_kr500
 
 from workbench.campaign import Target
-from workbench.compensate import Compensation, Conditions, compensate, nominal_joints
-from workbench.compensate.course import ready
-from workbench.compensate.solve import turning_sides
-from workbench.diagnosis import Where
+from workbench.campaign.planned import planned
+from workbench.correction import Compensation, Conditions, compensate, nominal_joints
+from workbench.correction.course import ready
+from workbench.correction.path_shapes import Run, pocket, raster, spiral, work_frame
+from workbench.correction.paths import Path
+from workbench.correction.solve import turning_sides
+from workbench.diagnosis.result import Where
 from workbench.effects.backlash import Backlash
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.gear_ratio import GearRatio
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.thermal_growth import ThermalGrowth
-from workbench.faults import InputError
-from workbench.path_shapes import Run, pocket, raster, spiral, work_frame
-from workbench.paths import Path
-from workbench.poses import planned
-from workbench.robot import Robot, load_robot
-from workbench.simulate import Truth, simulate
-from workbench.studies.random_robot import write_random_robot
+from workbench.files.faults import InputError
+from workbench.robot.description import Robot, load_robot
+from workbench.simulation.random_robot import write_random_robot
+from workbench.simulation.virtual_campaign import Truth, simulate
 
 HEAVY = Conditions("heavy", 250.0, (0.15, 0.0, 0.05), 60.0, (0.05, 0.0, 0.1), temperature=28.0)
 TOOL = np.eye(4)

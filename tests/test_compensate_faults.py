@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 from extended_example import extended, extended_kr500
 
-from workbench.compensate import Conditions, compensate, compensate_file, conditions_of, nominal_joints
-from workbench.diagnosis import Where
+from workbench.campaign.planned import planned
+from workbench.correction import Conditions, compensate, compensate_file, conditions_of, nominal_joints
+from workbench.correction.path_shapes import Run, circle, line, work_frame
+from workbench.correction.paths import Path, write_path
+from workbench.correction.programs import formats, read_program
+from workbench.diagnosis.result import Where
 from workbench.effects.gear_eccentricity import GearEccentricity
-from workbench.extended import write_model
-from workbench.faults import InputError
-from workbench.path_shapes import Run, circle, line, work_frame
-from workbench.paths import Path, write_path
-from workbench.plant import arrays
-from workbench.poses import planned
-from workbench.programs import formats, read_program
-from workbench.programs.rotations import angle_between
-from workbench.robot import Robot, load_robot
-from workbench.studies.random_robot import write_random_robot
+from workbench.files.faults import InputError
+from workbench.identification.model_file import write_model
+from workbench.robot.description import Robot, load_robot
+from workbench.robot.rigid_plant import arrays
+from workbench.robot.rotations import angle_between
+from workbench.simulation.random_robot import write_random_robot
 
 WORK = work_frame([1.8, 0.2, 0.8])
 CIRCLE = circle(0.1, Run(WORK, speed=0.1, period=0.05))
@@ -152,7 +152,7 @@ def replace_joint(item):
 def test_an_arm_of_two_joints(kr500: Robot) -> None:
     few = replace(kr500, joints=kr500.joints[:2])
     assert few.joint_names == ("joint_1", "joint_2")
-    from workbench.compensate.check import check_path
+    from workbench.correction.check import check_path
 
     with pytest.raises(InputError, match="takes three"):
         check_path(few, arrays(kr500), Path(np.arange(2.0), q=np.zeros((2, 2))), np.eye(4))

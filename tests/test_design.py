@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from workbench import Truth, load_campaign, load_robot, plan, planned, problem, random_poses, simulate
-from workbench.cli import main
-from workbench.design import criterion, exchange
-from workbench.design.candidates import Factors, candidates, ordered, take, travel
-from workbench.design.causes import cause_places, split_causes
-from workbench.design.fedorov import gains, information
-from workbench.design.knowledge import measured, unmeasured
-from workbench.design.rivals import contest, duel
-from workbench.diagnose.screen import screen
+from workbench.cli.main import main
+from workbench.diagnosis.screen import screen
 from workbench.effects.joint_compliance import JointCompliance
-from workbench.faults import InputError
-from workbench.fit import fit, start_state
-from workbench.model import Model
-from workbench.noise import Covariance
+from workbench.files.faults import InputError
+from workbench.identification.fit import fit, start_state
+from workbench.identification.model import Model
+from workbench.identification.noise import Covariance
+from workbench.measurement.design import criterion, exchange
+from workbench.measurement.design.candidates import Factors, candidates, ordered, take, travel
+from workbench.measurement.design.causes import cause_places, split_causes
+from workbench.measurement.design.fedorov import gains, information
+from workbench.measurement.design.knowledge import measured, unmeasured
+from workbench.measurement.design.rivals import contest, duel
 
 HEAVY = {"heavy": (250.0, (0.15, 0.0, 0.1))}
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
 
-from workbench.diagnosis import Diagnosis
-from workbench.poses import random_poses
+from workbench.campaign.planned import random_poses
+from workbench.diagnosis.result import Diagnosis
 
 GEAR = "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.6"
 GEAR_JOINT = ("gear_kinematic_error", "joint_4")

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from workbench.campaign import Target
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.problem import problem
 from workbench.effects import catalogue
-from workbench.faults import InputError
-from workbench.model import Model, State
-from workbench.poses import planned, random_poses
-from workbench.problem import problem
-from workbench.records import effect_text, from_record, parse_effect, record, stated_effects
-from workbench.robot import load_robot
-from workbench.simulate import Truth, simulate
-from workbench.studies.random_robot import write_random_robot
+from workbench.effects.records import effect_text, from_record, parse_effect, record, stated_effects
+from workbench.files.faults import InputError
+from workbench.identification.model import Model, State
+from workbench.robot.description import load_robot
+from workbench.simulation.random_robot import write_random_robot
+from workbench.simulation.virtual_campaign import Truth, simulate
 
 FOLDER = TemporaryDirectory()  # the parameters of the tests need the robots
 atexit.register(FOLDER.cleanup)

@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 from extended_example import extended, extended_kr500
 
-from workbench.compensate import compensate, conditions_of, stated_conditions
-from workbench.diagnose.run import diagnose
-from workbench.diagnosis import Where
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.problem import problem
+from workbench.correction import compensate, conditions_of, stated_conditions
+from workbench.correction.paths import Path
+from workbench.diagnosis.result import Where
+from workbench.diagnosis.run import diagnose
 from workbench.effects.backlash import Backlash
 from workbench.effects.lost_motion import LostMotion
 from workbench.effects.readback_joints import ReadbackJoints
-from workbench.extended import write_fit, write_model
-from workbench.faults import InputError
-from workbench.fit import fit, start_state
-from workbench.model import Model
-from workbench.noise import Covariance
-from workbench.paths import Path
-from workbench.poses import planned, random_poses
-from workbench.problem import problem
-from workbench.records import parse_effect
-from workbench.robot import LoadData, load_robot
-from workbench.simulate import Truth, simulate
+from workbench.effects.records import parse_effect
+from workbench.files.faults import InputError
+from workbench.identification.fit import fit, start_state
+from workbench.identification.model import Model
+from workbench.identification.model_file import write_fit, write_model
+from workbench.identification.noise import Covariance
+from workbench.robot.description import LoadData, load_robot
+from workbench.simulation.virtual_campaign import Truth, simulate
 
 LOADS = {"heavy": (250.0, (0.15, 0.0, 0.0712345)), "light": (80.5, (0.0, 0.01, 0.1))}
 TOOL = (60.0, (0.0, 0.0, 0.08))

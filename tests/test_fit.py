@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from workbench.campaign import Target
+from workbench.campaign.planned import TARGETS, planned, random_poses
+from workbench.campaign.problem import problem
 from workbench.effects.joint_compliance import JointCompliance
-from workbench.fit import fit, heldout, refit, start_state
-from workbench.model import Model
-from workbench.noise import Covariance
-from workbench.poses import TARGETS, planned, random_poses
-from workbench.problem import problem
-from workbench.robot import load_robot
-from workbench.simulate import Truth, random_geometry, simulate
-from workbench.studies.random_robot import write_random_robot
+from workbench.identification.fit import fit, heldout, refit, start_state
+from workbench.identification.model import Model
+from workbench.identification.noise import Covariance
+from workbench.robot.description import load_robot
+from workbench.simulation.random_robot import write_random_robot
+from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
 SIGMA, JOINT = 3e-5, 1e-5
 PLACES = np.array([target.xyz for target in TARGETS])

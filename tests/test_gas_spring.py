@@ -7,15 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.arm import frames
 from workbench.campaign import Campaign
-from workbench.compensator.charge import EFFECTS, identify_charge
-from workbench.compensator.gas_spring import Linkage, added_stiffness, bias, linkage
-from workbench.compensator.spring_fit import fit_spring
-from workbench.faults import InputError
-from workbench.poses import TARGETS, planned, random_poses
-from workbench.problem import Problem, problem
-from workbench.protocols.load_pairs import (
+from workbench.campaign.planned import TARGETS, planned, random_poses
+from workbench.campaign.problem import Problem, problem
+from workbench.files.faults import InputError
+from workbench.identification.gravity_compensator.charge import EFFECTS, identify_charge
+from workbench.identification.gravity_compensator.gas_spring import Linkage, added_stiffness, bias, linkage
+from workbench.identification.gravity_compensator.spring_fit import fit_spring
+from workbench.measurement.load_pairs import (
     compliances,
     difference_rows,
     fit_pairs,
@@ -23,8 +22,9 @@ from workbench.protocols.load_pairs import (
     measure_pairs,
     pairs,
 )
-from workbench.robot import load_robot
-from workbench.simulate import Truth, simulate
+from workbench.robot.description import load_robot
+from workbench.robot.kinematics import frames
+from workbench.simulation.virtual_campaign import Truth, simulate
 
 ANGLES = np.radians(np.linspace(-140, -5, 6))
 GAS, LENGTH = EFFECTS
@@ -89,7 +89,7 @@ def test_a_spring_that_made_the_compliances_is_found_again(job: Problem) -> None
 def test_gas_length_moves_the_torque_as_its_derivative_says(job: Problem) -> None:
     def local(x: float) -> np.ndarray:
         arm, loads = LENGTH.apply(job, job.arm, job.loads, np.array([x]))
-        from workbench.statics import wrenches
+        from workbench.robot.statics import wrenches
 
         return wrenches(arm, job.rigid, loads).local
 

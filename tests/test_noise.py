@@ -5,14 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.diagnose.noise_choice import choose, from_residual
-from workbench.fit import fit, start_state
-from workbench.model import Model
-from workbench.noise import Covariance, measure_noise, repeat_chi2, repeat_groups, stated_noise, whitener
-from workbench.poses import planned, random_poses
-from workbench.problem import problem
-from workbench.robot import load_robot
-from workbench.simulate import Truth, simulate
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.problem import problem
+from workbench.diagnosis.noise_choice import choose, from_residual
+from workbench.identification.fit import fit, start_state
+from workbench.identification.model import Model
+from workbench.identification.noise import (
+    Covariance,
+    measure_noise,
+    repeat_chi2,
+    repeat_groups,
+    stated_noise,
+    whitener,
+)
+from workbench.robot.description import load_robot
+from workbench.simulation.virtual_campaign import Truth, simulate
 
 SIGMA, JOINT = 3e-5, 4e-5
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.faults import InputError
-from workbench.path_shapes import Run, circle, line, pocket, raster, spiral, tilted, work_frame
-from workbench.paths import Path, load_path, write_path
+from workbench.correction.path_shapes import Run, circle, line, pocket, raster, spiral, tilted, work_frame
+from workbench.correction.paths import Path, load_path, write_path
+from workbench.files.faults import InputError
 
 FRAME = work_frame([1.5, 0.2, 0.8], normal=[0.1, -0.2, 1.0], along=[1.0, 1.0, 0.0])
 PLAIN = Run(FRAME, speed=0.05)

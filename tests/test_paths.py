@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from workbench.faults import InputError
-from workbench.paths import Path, load_path, write_path
-from workbench.robot import Robot, load_robot
+from workbench.correction.paths import Path, load_path, write_path
+from workbench.files.faults import InputError
+from workbench.robot.description import Robot, load_robot
 
 JOINTS = "t_s,q1_deg,q2_rad,q3_mm\n"
 QUATERNIONS = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from workbench.faults import InputError
-from workbench.programs import find_format
+from workbench.correction.programs import find_format
+from workbench.files.faults import InputError
 
 KRL_SRC = """&ACCESS RVP
 &REL 3

@@ -13,20 +13,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from workbench.faults import InputError
-from workbench.programs import (
+from workbench.correction.programs import (
     Program,
     find_format,
     formats,
     krl,
     read_program,
-    rotations,
     rounding_effect,
     write_program,
 )
-from workbench.programs.base import Array, legs_of
-from workbench.programs.ls import Ls
-from workbench.programs.urscript import UrScript
+from workbench.correction.programs.base import Array, legs_of
+from workbench.correction.programs.ls import Ls
+from workbench.correction.programs.urscript import UrScript
+from workbench.files.faults import InputError
+from workbench.robot import rotations
 
 ALL = sorted(formats())
 WITH_RAILS = [name for name in ALL if find_format(name).most_rails != 0]

@@ -8,7 +8,7 @@ import pytest
 
 from workbench.arguments import common
 from workbench.campaign.file import CampaignFile
-from workbench.cli import _parser, main
+from workbench.cli.main import _parser, main
 from workbench.effects import catalogue
 from workbench.report.causes import causes_page, causes_table
 

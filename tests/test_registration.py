@@ -7,13 +7,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from workbench.campaign import Target
-from workbench.faults import InputError
-from workbench.poses import TARGETS, planned, random_poses
-from workbench.problem import problem
-from workbench.registration import check_units, register
-from workbench.robot import load_robot
-from workbench.simulate import Truth, random_geometry, simulate
-from workbench.studies.random_robot import write_random_robot
+from workbench.campaign.planned import TARGETS, planned, random_poses
+from workbench.campaign.problem import problem
+from workbench.files.faults import InputError
+from workbench.identification.registration import check_units, register
+from workbench.robot.description import load_robot
+from workbench.simulation.random_robot import write_random_robot
+from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
 PLACES = np.array([target.xyz for target in TARGETS])
 HALF_TURNS = {

@@ -14,17 +14,16 @@ import diagnosis_example as example
 import numpy as np
 import pytest
 
-from workbench import figures
-from workbench.diagnosis import Diagnosis, Finding, Parameter
+from workbench.diagnosis.result import Diagnosis, Finding, Parameter
 from workbench.effects import catalogue
-from workbench.report import write_all
+from workbench.report import figures, write_all
 from workbench.report.content import content, gather
 from workbench.report.equation import typeset
 from workbench.report.numbers import mm, p_value, quantity, significant, size
 from workbench.report.page import page
 from workbench.report.pdf import pdf
-from workbench.robot import Robot, load_robot
-from workbench.scene import scene
+from workbench.report.scene import scene
+from workbench.robot.description import Robot, load_robot
 
 VARIANTS = [example.diagnosis, example.nothing_missing, example.unknown, example.bare]
 NASTY = "a & b <i> # $x$ _y_ *z* \\n @ref `c` \" ' // [k] {m} ~ = - + 1. é"

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from workbench.campaign import Target, load_campaign, write_campaign
-from workbench.elastic import elastic_twin
-from workbench.faults import InputError
-from workbench.plant import arrays, rigid_twin
-from workbench.poses import planned, random_poses
-from workbench.problem import problem
-from workbench.records import parse_effect
-from workbench.registration import register
-from workbench.robot import list_robots, load_robot
-from workbench.simulate import Truth, random_geometry, simulate
-from workbench.statics import Loads
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.problem import problem
+from workbench.effects.records import parse_effect
+from workbench.files.faults import InputError
+from workbench.identification.registration import register
+from workbench.robot.description import list_robots, load_robot
+from workbench.robot.elastic_plant import elastic_twin
+from workbench.robot.rigid_plant import arrays, rigid_twin
+from workbench.robot.statics import Loads
+from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
 STILL = np.zeros(6)
 

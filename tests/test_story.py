@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from workbench.report.charts import Series, Trace, curves, histogram, plane, rows
+from workbench.report.scene import Shown
 from workbench.report.story import tell
 from workbench.report.study import Study, Table
 from workbench.report.study_page import index, write_study
-from workbench.robot import load_robot
-from workbench.scene import Shown
+from workbench.robot.description import load_robot
 
 STORY = """# A robot: It is {error_mm:mm} mm off
 A paper, 2020
@@ -52,14 +52,15 @@ NUMBERS = {"error_mm": 1.2345, "share": -0.22, "zero": 0.0, "count": 31.4, "stif
 
 
 def told(folder: Path, text: str = STORY) -> Study:
-    (folder / "case.md").write_text(text, encoding="utf-8")
+    (folder / "case").mkdir(exist_ok=True)
+    (folder / "case" / "story.md").write_text(text, encoding="utf-8")
     line = Series([1.0, 2.0, 3.0], [0.5, 1.5, 2.5], [1.5, 2.5, 3.5])
     items = {
         "curve": curves("curve", "It grows", [0, 1, 2], {"ours": line}, "x", "y"),
         "list": Table("A list", ("Name", "Value"), [["a", "1"]]),
     }
     shown = Shown(np.zeros(6), np.ones((3, 3)), {"before": np.full((3, 3), 1e-3), "after": np.zeros((3, 3))})
-    return tell(folder / "case.md", load_robot("kr500"), NUMBERS, items, shown, "curve")
+    return tell(folder / "case" / "story.md", load_robot("kr500"), NUMBERS, items, shown, "curve")
 
 
 def test_words_get_their_numbers(tmp_path: Path) -> None:

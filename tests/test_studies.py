@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.cli import main
+from workbench.cli.main import main
 from workbench.studies import PUBLISHED
 
 STUDIES = Path(__file__).resolve().parents[1] / "workbench" / "studies"
@@ -33,11 +33,11 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.Captu
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_a_study_is_a_script_to_copy(name: str) -> None:
     """Short, with its words beside it, and without imports that work in this package only."""
-    text = (STUDIES / f"{name}.py").read_text(encoding="utf-8")
+    text = (STUDIES / name / "study.py").read_text(encoding="utf-8")
     assert 80 <= len(text.splitlines()) <= 200
     assert not re.search(r"^\s*from \.", text, flags=re.MULTILINE)
     assert "main(study)" in text
-    story = (STUDIES / f"{name}.md").read_text(encoding="utf-8")
+    story = (STUDIES / name / "story.md").read_text(encoding="utf-8")
     for heading in ("## Box", "### What the paper concludes", "### What its numbers support",
                     "### What we would measure next", "## Assumed"):  # fmt: skip
         assert heading in story

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from workbench.report.study import Study
-from workbench.studies import cylindrical
+from workbench.studies.cylindrical import study as cylindrical
 from workbench.studies.running import run
 
 

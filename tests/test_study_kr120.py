@@ -9,8 +9,8 @@ import pytest
 
 from workbench.campaign import load_campaign
 from workbench.report.study import Study
-from workbench.robot import load_robot
-from workbench.studies import kr120
+from workbench.robot.description import load_robot
+from workbench.studies.kr120 import study as kr120
 from workbench.studies.running import run
 
 STIFFNESSES = ("k21", "k22", "k23", "k24", "k25", "k26")

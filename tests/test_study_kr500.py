@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from workbench.campaign import load_campaign
-from workbench.cells import cells, fit_cells, load_cells
+from workbench.campaign.problem import problem
 from workbench.effects.foundation import Foundation
 from workbench.effects.joint_compliance import JointCompliance
-from workbench.problem import problem
+from workbench.identification.cells import cells, fit_cells, load_cells
+from workbench.identification.restated import restated
 from workbench.report.study import Study
-from workbench.restated import restated
-from workbench.robot import load_robot
-from workbench.simulate import Truth, simulate
-from workbench.studies import kr500
-from workbench.studies.kr500_count import Trade, trade
-from workbench.studies.kr500_loads import IN_BASE, exact, moved
-from workbench.studies.kr500_missing import left_over
+from workbench.robot.description import load_robot
+from workbench.simulation.virtual_campaign import Truth, simulate
+from workbench.studies.kr500 import study as kr500
+from workbench.studies.kr500.count import Trade, trade
+from workbench.studies.kr500.loads import IN_BASE, exact, moved
+from workbench.studies.kr500.missing import left_over
 from workbench.studies.running import run
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from workbench.campaign import load_campaign
 from workbench.report.study import Study
-from workbench.studies import longlink
+from workbench.studies.longlink import study as longlink
 from workbench.studies.running import run
 
 

@@ -10,9 +10,9 @@ import pytest
 
 from workbench.campaign import load_campaign
 from workbench.report.study import Study
-from workbench.robot import load_robot
-from workbench.studies import rx170
+from workbench.robot.description import load_robot
 from workbench.studies.running import run
+from workbench.studies.rx170 import study as rx170
 
 
 @pytest.fixture(scope="module")

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from workbench.arm import Array
 from workbench.campaign import Campaign, Target
-from workbench.closed_loop.heights import heights, least_mean
-from workbench.compensate.path_causes import one_cause_each, standing_error
-from workbench.path_shapes import Run, circle, work_frame
-from workbench.problem import Problem
-from workbench.protocols.sweep import GearLine, gear_lines, gear_of, joint_error, shaft, sweep
-from workbench.restated import restated
-from workbench.robot import EffectRecord, load_robot
-from workbench.simulate import Truth, simulate
+from workbench.campaign.problem import Problem
+from workbench.correction.path_shapes import Run, circle, work_frame
+from workbench.identification.restated import restated
+from workbench.measurement.sweep import GearLine, gear_lines, gear_of, joint_error, shaft, sweep
+from workbench.robot.description import EffectRecord, load_robot
+from workbench.robot.kinematics import Array
+from workbench.simulation.virtual_campaign import Truth, simulate
+from workbench.studies.rx170.causes import one_cause_each, standing_error
+from workbench.studies.rx170.heights import heights, least_mean
 
 ENDS = (-0.9, 0.9)
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from workbench.tables import Column, Layout, Table, number_text, read_table, write_table, write_text
+from workbench.files.tables import Column, Layout, Table, number_text, read_table, write_table, write_text
 
 WANTED = [
     Column("pose_id", text=True, required=True),

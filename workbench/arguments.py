@@ -10,11 +10,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .faults import Fault, InputError
+from .files.faults import Fault, InputError
 
 if TYPE_CHECKING:
     from .campaign import Campaign
-    from .compensate import Conditions
+    from .correction import Conditions
 
 
 def common(parser: argparse.ArgumentParser, out: str | None = None) -> None:
@@ -93,8 +93,8 @@ def load_options(parser: argparse.ArgumentParser) -> None:
 
 def conditions(arguments: argparse.Namespace) -> Conditions:
     """Tool and payload along the path, as the campaign or else the model states them."""
-    from .compensate import conditions_of, stated_conditions
-    from .robot import load_robot
+    from .correction import conditions_of, stated_conditions
+    from .robot.description import load_robot
 
     if arguments.campaign:
         (campaign,) = load_all([arguments.campaign])

@@ -1,7 +1,7 @@
 """A campaign: what the robot was told and what the instrument saw."""
 
 from .data import Campaign, Target
-from .join import join
+from .joined import join
 from .load import load_campaign
 from .write import write_campaign
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..faults import Fault
-from ..robot import Robot
-from ..tables import SHOWN, Table, suggest
+from ..files.faults import Fault
+from ..files.tables import SHOWN, Table, suggest
+from ..robot.description import Robot
 from .file import CampaignFile
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..robot import Robot
+from ..robot.description import Robot
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal, cast
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from ..faults import Fault, InputError, read_text
-from ..robot import LoadData, Robot, toml_faults
-from ..tables import Column, Layout, suggest
+from ..files.faults import Fault, InputError, read_text
+from ..files.tables import Column, Layout, suggest
+from ..robot.description import LoadData, Robot, toml_faults
 
 Name = Annotated[str, Field(min_length=1)]
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]

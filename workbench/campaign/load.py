@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..faults import Fault, InputError
-from ..robot import Robot, find_robot, list_robots, load_robot
-from ..tables import Table, read_table, suggest
+from ..files.faults import Fault, InputError
+from ..files.tables import Table, read_table, suggest
+from ..robot.description import Robot, find_robot, list_robots, load_robot
 from .check import check_points, check_poses, check_targets, doubts
 from .data import Array, Campaign, IntArray, Target
 from .file import CampaignFile, point_columns, pose_columns, read_campaign_file

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..robot import Joint, Robot, list_robots
-from ..tables import number_text, write_table, write_text
+from ..files.tables import number_text, write_table, write_text
+from ..robot.description import Joint, Robot, list_robots
 from .data import Array, Campaign
 
 Rows = list[list[str]]

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import Array
-from ..diagnosis import Where
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..diagnosis.result import Where
+from ..robot.kinematics import Array
 from .base import Param, TransmissionEffect
 
 

@@ -15,10 +15,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import Arm, Array, Frames
-from ..diagnosis import Parameter, Where
-from ..problem import Problem
-from ..statics import Loads
+from ..campaign.problem import Problem
+from ..diagnosis.result import Parameter, Where
+from ..robot.kinematics import Arm, Array, Frames
+from ..robot.statics import Loads
 
 NOWHERE = Where()  # the whole robot
 

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import RX, RY, Arm, Array
-from ..diagnosis import Where
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..diagnosis.result import Where
+from ..robot.kinematics import RX, RY, Arm, Array
 from .base import LinearYield, Param
 
 

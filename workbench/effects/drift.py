@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import Array
-from ..diagnosis import Parameter
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..diagnosis.result import Parameter
+from ..robot.kinematics import Array
 from .base import DirectEffect, Param
 
 RATES = ("rate_x", "rate_y", "rate_z")

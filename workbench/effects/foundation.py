@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import RX, RY, Arm, Array
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..robot.kinematics import RX, RY, Arm, Array
 from .base import LinearYield, Param
 
 

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import Array
-from ..diagnosis import Parameter, Where
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..diagnosis.result import Parameter, Where
+from ..robot.kinematics import Array
 from .base import SIN_COS, Param, TransmissionEffect, amplitude_phase, sin_cos
 
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..arm import Array
-from ..diagnosis import Where
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..diagnosis.result import Where
+from ..robot.kinematics import Array
 from .base import Param, TransmissionEffect
 
 

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import Arm, Array, Frames
-from ..problem import Problem
-from ..statics import Loads
+from ..campaign.problem import Problem
+from ..robot.kinematics import Arm, Array, Frames
+from ..robot.statics import Loads
 from .base import LoadEffect, Param
 
 

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import Arm, Array, Frames
-from ..diagnosis import Where
-from ..problem import Problem
-from ..statics import Loads
+from ..campaign.problem import Problem
+from ..diagnosis.result import Where
+from ..robot.kinematics import Arm, Array, Frames
+from ..robot.statics import Loads
 from .base import LoadEffect, Param
 from .wrist_coupling import wrist
 

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import Arm, Array
-from ..beam import bending_compliance
-from ..diagnosis import Where
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..diagnosis.result import Where
+from ..robot.beam import bending_compliance
+from ..robot.kinematics import Arm, Array
 from .base import LinearYield, Param
 
 SHORTEST = 0.05  # m, shorter links are taken as rigid

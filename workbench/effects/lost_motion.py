@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import RZ, TZ, Arm, Array
-from ..diagnosis import Where
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..diagnosis.result import Where
+from ..robot.kinematics import RZ, TZ, Arm, Array
 from .base import Param, YieldEffect
 
 SOFT = (0.05, 0.15, 0.5)  # width of the soft zone, as shares of the joint's largest torque

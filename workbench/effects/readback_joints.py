@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arm import Array
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..robot.kinematics import Array
 from .base import DirectEffect, Param
 
 

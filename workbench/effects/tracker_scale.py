@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..arm import Array
-from ..problem import Problem
+from ..campaign.problem import Problem
+from ..robot.kinematics import Array
 from .base import InstrumentEffect, Param
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from ..atomic import put
-from ..diagnosis import Array, Diagnosis
-from ..robot import Robot
+from ..diagnosis.result import Array, Diagnosis
+from ..files.whole import put
+from ..robot.description import Robot
 
 
 def write_all(
@@ -23,10 +23,10 @@ def write_all(
     Everything is made before anything is written, so a failure leaves the folder as it was.
     `q`, `ghost_q`, `ghost_label`: poses of the scene, see `scene.scene`.
     """
-    from ..scene import scene
     from .content import gather
     from .page import page
     from .pdf import pdf
+    from .scene import scene
 
     material = gather(diagnosis)
     made = {

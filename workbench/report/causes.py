@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..atomic import put
+from ..campaign.planned import planned
+from ..campaign.problem import Problem, problem
 from ..effects import catalogue
 from ..effects.base import Effect
-from ..poses import planned
-from ..problem import Problem, problem
-from ..robot import load_robot
+from ..files.whole import put
+from ..robot.description import load_robot
 
 BEGIN, END = "<!-- causes: written by workbench.report.causes -->", "<!-- end of causes -->"
 HEAD = "| cause | what it is | sits at | not testable if | easily mistaken for |\n|---|---|---|---|---|"

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .. import figures
-from ..diagnosis import Diagnosis, FaultFound, Finding, Parameter
+from ..diagnosis.result import Diagnosis, FaultFound, Finding, Parameter
+from . import figures
 from .drawing import Figure
 from .equation import typeset
 from .limits import detectable, not_testable, place, unidentifiable

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..diagnose.run import Outcome
-from ..extended import write_fit
+from ..diagnosis.run import Outcome
+from ..identification.model_file import write_fit
 from . import write_all
 
 

@@ -30,7 +30,7 @@ TOP = """<!DOCTYPE html>
 
 def document(title: str, body: str) -> str:
     """The whole page as text: one self-contained file."""
-    style = Path(__file__).with_name("page.css").read_text(encoding="utf-8")
+    style = (Path(__file__).parent / "templates" / "page.css").read_text(encoding="utf-8")
     head = f"{TOP}<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
     return head + body + "\n</body>\n</html>\n"
 

@@ -31,7 +31,7 @@ def typeset(template: str, said: Mapping[str, Any], figures: Mapping[str, Figure
         for name, figure in figures.items():
             (place / f"{name}.svg").write_text(figure.svg, encoding="utf-8")
         for file in (template, "style.typ"):
-            shutil.copy(Path(__file__).with_name(file), place / file)
+            shutil.copy(Path(__file__).parent / "templates" / file, place / file)
         made, warnings = typst.compile_with_warnings(
             str(place / template),
             root=room,

@@ -33,10 +33,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..robot import Robot
-from ..scene import Shown
+from ..robot.description import Robot
 from .drawing import Figure
 from .numbers import decimals, mm, p_value, percent, significant
+from .scene import Shown
 from .study import Box, Section, Study, Table, Tile
 
 Item = Table | Figure
@@ -98,7 +98,7 @@ def tell(
     if not isinstance(chosen, Figure):
         raise ValueError(f"{picture} is no figure")
     return Study(
-        name=story.stem,
+        name=story.resolve().parent.name,
         robot=robot,
         title=title,
         source=source,

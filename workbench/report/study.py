@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from textwrap import wrap
 from typing import Any
 
-from ..robot import Robot
-from ..scene import Shown as Shown
+from ..robot.description import Robot
 from .drawing import Figure
+from .scene import Shown as Shown
 
 
 @dataclass(frozen=True)

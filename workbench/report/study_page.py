@@ -9,10 +9,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..atomic import put
-from ..scene import scene_of
+from ..files.whole import put
 from .parts import document, figure, table, tiles
 from .pdf import typeset
+from .scene import scene_of
 from .study import Section, Study, Table
 
 FILES = {"report.pdf": "PDF", "scene.html": "3-D scene", "result.json": "Numbers"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..diagnosis import Diagnosis
+from ..diagnosis.result import Diagnosis
 from .content import place
 
 

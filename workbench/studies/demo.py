@@ -15,23 +15,23 @@ from typing import Any
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
-from ..arm import Array
 from ..campaign import Campaign, Target, load_campaign, write_campaign
-from ..closed_loop import Verified, verify_file
-from ..compensate import compensate_file
-from ..diagnose.run import Outcome, diagnose
-from ..elastic_parts import slot_pose
-from ..extended import loaded, write_fit, write_model
-from ..path_shapes import Run, circle, work_frame
-from ..paths import write_path
-from ..poses import TARGETS, planned, random_poses
-from ..problem import problem
-from ..records import parse_effect, record
+from ..campaign.planned import TARGETS, planned, random_poses
+from ..campaign.problem import problem
+from ..correction import compensate_file
+from ..correction.path_shapes import Run, circle, work_frame
+from ..correction.paths import write_path
+from ..diagnosis.run import Outcome, diagnose
+from ..effects.records import parse_effect, record
+from ..identification.model_file import loaded, write_fit, write_model
 from ..report.numbers import mm
 from ..report.outcome import write_outcome
 from ..report.terminal import short_verdict
-from ..robot import load_robot
-from ..simulate import Truth, random_geometry, simulate
+from ..robot.description import load_robot
+from ..robot.kinematics import Array
+from ..robot.plant_parts import slot_pose
+from ..simulation.closed_loop import Verified, verify_file
+from ..simulation.virtual_campaign import Truth, random_geometry, simulate
 
 Progress = Callable[[str], None]
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..arguments import common, guarded, progress
-from ..atomic import put
+from ..files.whole import put
 from ..report.study import Study
 from ..report.study_page import index, write_study
 
@@ -32,7 +32,7 @@ def run_published(names: Sequence[str], folder: Path, seed: int, quick: bool, sa
     with a list of them in `index.html`."""
     found = []
     for name in names:
-        script: Script = importlib.import_module(f"workbench.studies.{name}").study
+        script: Script = importlib.import_module(f"workbench.studies.{name}.study").study
         if len(names) == 1:
             return [run(script, folder, seed, quick, say)]
         say(f"study {name}")
@@ -45,7 +45,7 @@ def main(script: Script) -> None:
     """A study's script as a program of its own: `python my_study.py [--quick] [--out DIR] [--seed N]`."""
     module = sys.modules[script.__module__]
     parser = argparse.ArgumentParser(description=module.__doc__)
-    common(parser, f"reports/{Path(module.__file__ or 'study').stem}")
+    common(parser, f"reports/{Path(module.__file__ or 'study/study.py').resolve().parent.name}")
 
     def action() -> int:
         given = parser.parse_args()

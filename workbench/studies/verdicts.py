@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..diagnose.run import Outcome
+from ..diagnosis.run import Outcome
 from ..report.numbers import p_value
 from ..report.study import Table
 

@@ -13,11 +13,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ...atomic import put
-from ...runner import Done, run_tasks
+from ...files.whole import put
+from .blind_page import miss_cells, page
 from .cases import FORMS
-from .page import miss_cells, page
 from .plots import write_figures
+from .runner import Done, run_tasks
 from .score import Record, run_case
 from .tally import Rate, aims, by_cause, by_strength, confusion, figures, missed
 from .unknowns import UNKNOWNS

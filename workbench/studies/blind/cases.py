@@ -15,10 +15,10 @@ from zlib import crc32
 import numpy as np
 
 from ...campaign import Campaign
+from ...campaign.problem import Problem, problem
 from ...effects import catalogue
 from ...effects.base import Effect
-from ...problem import Problem, problem
-from ...simulate import Truth, simulate
+from ...simulation.virtual_campaign import Truth, simulate
 from . import loads, surroundings, transmission
 from .designs import ROBOTS, Design, draw_design, draw_robot
 from .hidden import Hidden, together

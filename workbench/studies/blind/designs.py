@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arm import Array
 from ...campaign import Campaign, Target
-from ...noise import Covariance
-from ...poses import TARGETS, planned, random_poses
-from ...problem import problem
-from ...robot import Robot, load_robot
-from ...simulate import random_geometry
-from ..random_robot import write_random_robot
+from ...campaign.planned import TARGETS, planned, random_poses
+from ...campaign.problem import problem
+from ...identification.noise import Covariance
+from ...robot.description import Robot, load_robot
+from ...robot.kinematics import Array
+from ...simulation.random_robot import write_random_robot
+from ...simulation.virtual_campaign import random_geometry
 
 Ints = NDArray[np.int64]
 ROBOTS = ("kr500", "ur5", "6R", "7R")

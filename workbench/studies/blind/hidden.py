@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ...arm import Array
 from ...campaign import Campaign
+from ...campaign.problem import Problem
 from ...effects.base import Effect
-from ...problem import Problem
-from ...simulate import Truth
+from ...robot.kinematics import Array
+from ...simulation.virtual_campaign import Truth
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arm import RX, RY, Array
+from ...campaign.problem import Problem
 from ...effects.base import LinearYield
 from ...effects.bearing_tilt import BearingTilt
 from ...effects.foundation import Foundation
@@ -18,8 +18,8 @@ from ...effects.link_bending import LinkBending
 from ...effects.link_mass import LinkMass
 from ...effects.lost_motion import LostMotion
 from ...effects.payload import Payload
-from ...problem import Problem
-from ...simulate import Truth
+from ...robot.kinematics import RX, RY, Array
+from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden, largest_torque, slot_yield
 
 

@@ -9,8 +9,8 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from ...runner import one_thread_each, spawn_pool
-from .page import miss_cells
+from .blind_page import miss_cells
+from .runner import one_thread_each, spawn_pool
 from .score import run_case
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...atomic import put
+from ...files.whole import put
 from ...report.drawing import AFTER, BEFORE, INK, MIDDLE, MUTED, NOISE, Figure, drawing, plain_log
 from .score import Record
 from .tally import Rate, by_strength, confusion, offsets

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from ...arm import Array
 from ...campaign import Campaign
-from ...diagnose.judge import test_figures
-from ...diagnose.run import Outcome, diagnose
-from ...diagnosis import Finding
+from ...diagnosis.on_test_campaign import test_figures
+from ...diagnosis.result import Finding
+from ...diagnosis.run import Outcome, diagnose
 from ...effects.base import Effect
-from ...fit import Fit, refit
+from ...identification.fit import Fit, refit
+from ...robot.kinematics import Array
 from .cases import Case, draw_case
 from .sight import Key, Products
 

@@ -9,17 +9,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arm import Array
 from ...campaign import Campaign
-from ...diagnose.run import testable
-from ...diagnose.screen import quadratic, reduce_columns
-from ...diagnosis import Where
+from ...campaign.problem import problem
+from ...diagnosis.result import Where
+from ...diagnosis.run import testable
+from ...diagnosis.screen import quadratic, reduce_columns
 from ...effects.base import Effect
-from ...fit import Fit, fit, start_state
-from ...model import Model
-from ...noise import Covariance
-from ...problem import problem
-from ...simulate import Truth, simulate
+from ...identification.fit import Fit, fit, start_state
+from ...identification.model import Model
+from ...identification.noise import Covariance
+from ...robot.kinematics import Array
+from ...simulation.virtual_campaign import Truth, simulate
 from .designs import Design
 from .hidden import Hidden, together
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...arm import Array
+from ...campaign.problem import Problem
 from ...effects.drift import Drift
 from ...effects.thermal_growth import ThermalGrowth
 from ...effects.tracker_scale import TrackerScale
-from ...problem import Problem
-from ...simulate import Truth
+from ...robot.kinematics import Array
+from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden
 
 

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arm import Array
 from ...campaign import Campaign
+from ...campaign.problem import Problem
 from ...effects.backlash import Backlash
 from ...effects.gear_eccentricity import GearEccentricity
 from ...effects.gear_kinematic_error import GearKinematicError
 from ...effects.gear_ratio import GearRatio
 from ...effects.readback_joints import ReadbackJoints
 from ...effects.wrist_coupling import WristCoupling
-from ...problem import Problem
-from ...simulate import Truth
+from ...robot.kinematics import Array
+from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden, axial_torque, joint_error, largest_torque
 
 

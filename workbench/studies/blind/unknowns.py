@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ...arm import Array
-from ...problem import Problem
-from ...simulate import Truth
+from ...campaign.problem import Problem
+from ...robot.kinematics import Array
+from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden, axial_torque, joint_error
 
 LARGEST = 1e6  # the size is set by what is seen at the tool

@@ -1,0 +1,247 @@
+"""Make one campaign of several of the same robot: each keeps its set-ups, and its noise."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from ..files.faults import Fault, InputError
+from ..robot.description import Robot
+from .data import Array, Campaign, IntArray, Target
+
+
+@dataclass(frozen=True)
+class _Load:
+    name: str
+    mass: float
+    com: tuple[float, ...]
+
+
+Thing = TypeVar("Thing", Target, _Load)
+
+
+def join(campaigns: Sequence[Campaign]) -> Campaign:
+    """One campaign of several, poses in the order given.
+
+    Set-ups get the campaign's label in front, poses too where names repeat. Targets (and payloads)
+    of the same name are one where they agree, and get the label behind where they don't. Raises
+    `InputError` when the campaigns cannot be one.
+    """
+    if len(campaigns) == 1:
+        return campaigns[0]
+    faults = _differences(campaigns)
+    if faults:
+        raise InputError(faults)
+    labels = _labels(campaigns)
+    targets, columns = _targets(campaigns, labels)
+    loads, load_of = _payloads(campaigns, labels)
+    setup_names = tuple(
+        f"{label}/{name}" if name else label
+        for campaign, label in zip(campaigns, labels, strict=True)
+        for name in campaign.setup_names
+    )
+    offsets = np.cumsum([0, *(len(campaign.setup_names) for campaign in campaigns[:-1])])
+    sigma, noise_sigma, warnings = _noise(campaigns, columns, len(targets))
+    first = campaigns[0]
+    return Campaign(
+        title=" + ".join(campaign.title for campaign in campaigns),
+        path=first.path,
+        robot=first.robot,
+        pose_ids=_pose_ids(campaigns, labels),
+        q=np.concatenate([campaign.q for campaign in campaigns]),
+        payload=np.concatenate([load_of[i][campaign.payload] for i, campaign in enumerate(campaigns)]),
+        payload_names=tuple(load.name for load in loads),
+        load_mass=np.array([load.mass for load in loads]),
+        load_com=np.array([load.com for load in loads]),
+        tool_mass=first.tool_mass,
+        tool_com=first.tool_com,
+        wrench=np.concatenate([campaign.wrench for campaign in campaigns]),
+        direction=_optional([campaign.direction for campaign in campaigns], campaigns, empty=0.0),
+        time=_optional([campaign.time for campaign in campaigns], campaigns),
+        temperature=_optional([campaign.temperature for campaign in campaigns], campaigns),
+        torque=_optional([campaign.torque for campaign in campaigns], campaigns),
+        readback=_optional([campaign.readback for campaign in campaigns], campaigns),
+        setup=np.concatenate([campaign.setup + offsets[i] for i, campaign in enumerate(campaigns)]),
+        setup_names=setup_names,
+        targets=targets,
+        points=_spread([campaign.points for campaign in campaigns], columns, len(targets), np.nan),
+        shots=_spread([c.shots.astype(np.float64) for c in campaigns], columns, len(targets), 0.0).astype(
+            np.int64
+        ),
+        sigma=sigma,
+        shot_scatter=(sum(c.shot_scatter[0] for c in campaigns), sum(c.shot_scatter[1] for c in campaigns)),
+        noise_sigma=noise_sigma,
+        six_dof=first.six_dof,
+        warnings=(*(line for campaign in campaigns for line in campaign.warnings), *warnings),
+        files=_files(campaigns, labels),
+    )
+
+
+def _differences(campaigns: Sequence[Campaign]) -> list[Fault]:
+    """Why the campaigns cannot be one."""
+    first, faults = campaigns[0], []
+    paths = [campaign.path.resolve() for campaign in campaigns]
+    for index, other in enumerate(campaigns[1:], 1):
+        place = str(other.path)
+        if paths[index] in paths[:index]:
+            faults.append(Fault(place, "the same campaign twice", "name each once"))
+        if not _same_robot(first.robot, other.robot):
+            what = f"robot {other.robot.name!r}, but {first.robot.name!r} in {first.path}"
+            faults.append(Fault(place, what, "campaigns of different robots are diagnosed apart"))
+        if other.six_dof != first.six_dof:
+            what = f"[noise] pose is {str(other.six_dof).lower()}, not as in {first.path}"
+            faults.append(Fault(place, what, "make them agree, or diagnose them apart"))
+        same_place = first.tool_mass == 0.0 or np.allclose(other.tool_com, first.tool_com, rtol=0, atol=1e-9)
+        if not np.isclose(other.tool_mass, first.tool_mass, rtol=1e-9) or not same_place:
+            mend = "make them agree; what differs goes into [payloads] and the column payload"
+            faults.append(Fault(f"{place}: tool", f"not the tool of {first.path}", mend))
+    return faults
+
+
+def _same_robot(one: Robot, other: Robot) -> bool:
+    return one == replace(other, path=one.path, urdf=one.urdf) and (
+        one.urdf.resolve() == other.urdf.resolve() or one.urdf.read_bytes() == other.urdf.read_bytes()
+    )
+
+
+def _labels(campaigns: Sequence[Campaign]) -> list[str]:
+    """A short name for each campaign: its folder, with as many folders above as make it the only one."""
+    folders = [campaign.path.resolve().parent for campaign in campaigns]
+    alone = len(set(folders)) == len(folders)
+    paths = folders if alone else [campaign.path.resolve().with_suffix("") for campaign in campaigns]
+    for depth in range(1 if alone else 2, max(len(path.parts) for path in paths)):
+        labels = ["/".join(path.parts[-depth:]) for path in paths]
+        if len(set(labels)) == len(labels):
+            return labels
+    return [str(path) for path in paths]
+
+
+def _pose_ids(campaigns: Sequence[Campaign], labels: Sequence[str]) -> tuple[str, ...]:
+    counts = Counter(name for campaign in campaigns for name in campaign.pose_ids)
+    unique = max(counts.values()) == 1
+    return tuple(
+        name if unique else f"{label}/{name}"
+        for campaign, label in zip(campaigns, labels, strict=True)
+        for name in campaign.pose_ids
+    )
+
+
+def _targets(
+    campaigns: Sequence[Campaign], labels: Sequence[str]
+) -> tuple[tuple[Target, ...], list[IntArray]]:
+    """All targets, and for each campaign the new index of each of its own."""
+
+    def key(target: Target) -> Hashable:
+        place = None if target.xyz is None else tuple(round(value, 9) for value in target.xyz)
+        return place, target.on, target.fixed
+
+    merged, indices = _merge([campaign.targets for campaign in campaigns], labels, key)
+    return tuple(merged), indices
+
+
+def _payloads(campaigns: Sequence[Campaign], labels: Sequence[str]) -> tuple[list[_Load], list[IntArray]]:
+    """All payloads, and for each campaign the new index of each of its own."""
+    groups = [
+        [
+            _Load(name, float(mass), tuple(com.tolist()))
+            for name, mass, com in zip(
+                campaign.payload_names, campaign.load_mass, campaign.load_com, strict=True
+            )
+        ]
+        for campaign in campaigns
+    ]
+    return _merge(groups, labels, lambda load: (load.mass, load.com))
+
+
+def _merge(
+    groups: Sequence[Sequence[Thing]], labels: Sequence[str], key: Callable[[Thing], Hashable]
+) -> tuple[list[Thing], list[IntArray]]:
+    """One thing per name and key, renamed where a name has several keys; and the new indices per group."""
+    kinds: dict[str, set[Hashable]] = {}
+    for group in groups:
+        for thing in group:
+            kinds.setdefault(thing.name, set()).add(key(thing))
+    merged: dict[tuple[str, Hashable], int] = {}
+    things: list[Thing] = []
+    indices = []
+    for group, label in zip(groups, labels, strict=True):
+        for thing in group:
+            if (thing.name, key(thing)) not in merged:
+                merged[thing.name, key(thing)] = len(things)
+                alone = len(kinds[thing.name]) == 1
+                things.append(thing if alone else replace(thing, name=f"{thing.name} ({label})"))
+        indices.append(np.array([merged[thing.name, key(thing)] for thing in group], dtype=np.int64))
+    return things, indices
+
+
+def _spread(arrays: Sequence[Array], columns: Sequence[IntArray], n_targets: int, empty: float) -> Array:
+    """(N, T, ...) of all poses and targets from each campaign's (N_c, T_c, ...)."""
+    parts = []
+    for array, column in zip(arrays, columns, strict=True):
+        part = np.full((len(array), n_targets, *array.shape[2:]), empty)
+        part[:, column] = array
+        parts.append(part)
+    return np.concatenate(parts)
+
+
+def _optional(
+    arrays: Sequence[Array | None], campaigns: Sequence[Campaign], empty: float = np.nan
+) -> Array | None:
+    """The arrays one after the other, `empty` for a campaign that has none; None when none has."""
+    shapes = [array.shape[1:] for array in arrays if array is not None]
+    if not shapes:
+        return None
+    return np.concatenate(
+        [
+            np.full((campaign.n_poses, *shapes[0]), empty) if array is None else array
+            for array, campaign in zip(arrays, campaigns, strict=True)
+        ]
+    )
+
+
+def _noise(
+    campaigns: Sequence[Campaign], columns: Sequence[IntArray], n_targets: int
+) -> tuple[Array | None, float | None, list[str]]:
+    """Sigma per point, sigma of one shot, warnings. One unknown noise makes the noise of all unknown."""
+    first = campaigns[0]
+    stated = [campaign.sigma is not None or campaign.noise_sigma is not None for campaign in campaigns]
+    if all(campaign.sigma is None and campaign.noise_sigma == first.noise_sigma for campaign in campaigns):
+        return None, first.noise_sigma, []
+    if not all(stated):
+        silent = ", ".join(
+            str(campaign.path) for campaign, told in zip(campaigns, stated, strict=True) if not told
+        )
+        return (
+            None,
+            None,
+            [f"{silent}: states no noise, so the noise is estimated for all campaigns together"],
+        )
+    sigmas = [_sigma(campaign) for campaign in campaigns]
+    one_shot = np.concatenate(
+        [
+            (sigma * np.sqrt(campaign.shots)[..., None])[campaign.seen].ravel()
+            for sigma, campaign in zip(sigmas, campaigns, strict=True)
+        ]
+    )
+    return _spread(sigmas, columns, n_targets, np.nan), float(np.sqrt(np.mean(one_shot**2))), []
+
+
+def _sigma(campaign: Campaign) -> Array:
+    """(N, T, 3) one sigma of each mean, from the points or from the noise stated for all."""
+    if campaign.sigma is not None:
+        return campaign.sigma
+    shots = np.where(campaign.seen, campaign.shots, np.nan)
+    return np.repeat((campaign.noise_sigma or np.nan) / np.sqrt(shots)[..., None], 3, axis=2)
+
+
+def _files(campaigns: Sequence[Campaign], labels: Sequence[str]) -> dict[str, str]:
+    files: dict[str, str] = {}
+    for campaign, label in zip(campaigns, labels, strict=True):
+        for name, digest in campaign.files.items():
+            clash = files.get(name, digest) != digest
+            files[f"{label}: {name}" if clash else name] = digest
+    return files

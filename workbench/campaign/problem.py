@@ -1,0 +1,107 @@
+"""A robot and its campaign together: what every effect is evaluated on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..robot.description import Robot
+from ..robot.kinematics import Arm, Array, Frames, frames
+from ..robot.statics import CompensatorLaw, Loads, Wrenches, wrenches
+from . import Campaign
+
+REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Robot, arm and campaign. N poses, n joints, T targets; `compensator` as the robot's TOML has it."""
+
+    robot: Robot
+    arm: Arm
+    campaign: Campaign
+    compensator: CompensatorLaw | None = None
+
+    @property
+    def q(self) -> Array:
+        """Commanded joints (N, n) [rad or m]."""
+        return self.campaign.q
+
+    @cached_property
+    def on(self) -> list[int]:
+        """Slot behind which each target sits (T)."""
+        return [self.arm.slot_of_link(target.on) for target in self.campaign.targets]
+
+    @cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """(N, T) bool: the target was measured in that pose."""
+        return np.asarray(np.isfinite(self.campaign.points).all(axis=2))
+
+    @cached_property
+    def loads(self) -> Loads:
+        """Loads as the campaign states them."""
+        c = self.campaign
+        mass = c.tool_mass + c.load_mass[c.payload]
+        moment = c.tool_mass * c.tool_com + (c.load_mass[:, None] * c.load_com)[c.payload]
+        return Loads(mass, moment, c.wrench, np.zeros_like(c.q), self.compensator)
+
+    @cached_property
+    def stated_targets(self) -> Array:
+        """Stated places of the targets (T, 3) [m] in the frames behind their slots; NaN = unknown."""
+        places = [target.xyz or (np.nan,) * 3 for target in self.campaign.targets]
+        return np.array(
+            [self.arm.R_link[k] @ place for k, place in zip(self.on, np.array(places), strict=True)]
+        )
+
+    @property
+    def drives(self) -> int:
+        """Rows of drive torque beside a pose's points: n where they were recorded, else 0."""
+        return 0 if self.campaign.torque is None else self.arm.n
+
+    @cached_property
+    def positions(self) -> NDArray[np.int64]:
+        """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
+        table = np.column_stack([np.round(self.q, 9), self.campaign.setup])
+        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+
+    @cached_property
+    def rigid(self) -> Frames:
+        """Frames of the rigid arm at the commanded joints."""
+        return frames(self.arm, self.q)
+
+    @cached_property
+    def nominal_load(self) -> Wrenches:
+        """Wrenches at the slots of the rigid arm under the stated loads."""
+        return wrenches(self.arm, self.rigid, self.loads)
+
+    @cached_property
+    def warmth(self) -> Array | None:
+        """Temperature (N,) [K] over 20 °C, empty cells at the mean; None without the column."""
+        return filled(self.campaign.temperature, REFERENCE_TEMPERATURE)
+
+    @cached_property
+    def time(self) -> Array | None:
+        """Time (N,) [s], empty cells at the mean; None without the column."""
+        return filled(self.campaign.time, 0.0)
+
+    def joint(self, name: str | None) -> int:
+        """Number of a joint, from 0."""
+        return self.arm.names.index(str(name))
+
+
+def filled(column: Array | None, reference: float) -> Array | None:
+    """A column (N,) from its reference, NaN replaced by the mean; None where all are NaN."""
+    if column is None or not np.isfinite(column).any():
+        return None
+    return np.where(np.isfinite(column), column, np.nanmean(column)) - reference
+
+
+def problem(campaign: Campaign) -> Problem:
+    """The campaign with its robot's arrays (reads Drake once)."""
+    from ..robot.rigid_plant import arrays, compensator_law
+
+    arm = arrays(campaign.robot)
+    return Problem(campaign.robot, arm, campaign, compensator_law(campaign.robot, arm))

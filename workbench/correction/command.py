@@ -1,0 +1,209 @@
+"""`compensate`: from a path and an extended robot to commands, and what they are worth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..files.faults import Fault, InputError
+from ..robot.description import Robot
+from ..robot.kinematics import Array
+from .conditions import Conditions, stated_conditions
+from .course import Course, ready
+from .extended_arm import Shares, sided
+from .mirror import METHODS
+from .paths import Path
+from .programs import Program
+from .ripple import LeftOut, frequency, left_out, ripple_shares, speeds
+from .solve import Rest, correct, first_step, settle, turning_sides
+from .trouble import Trouble, impossible, near_singular, out_of_range, too_fast, unreached
+
+EXACT = "exact"
+BANDWIDTH_HZ = 10.0
+COARSE = 8  # samples per cycle of a ripple, below which straight motion between them misses it
+ROUGH = 1e-8  # rad, m: near enough to rest to tell the uncorrected error
+
+
+@dataclass(frozen=True, eq=False)
+class Compensation:
+    """A path of N samples as commanded, and what it is worth by the model's own prediction.
+
+    X_desired: (N, 4, 4) wanted tool poses; q_nominal: (N, n) joints that the nominal arm takes for them;
+    q_command: (N, n) joints to command; X_command: (N, 4, 4) tool poses that the nominal controller has
+    to be told to take them. before, after: (N, 6) way [m] and turn [rad] from the extended robot's tool
+    to the path, uncorrected and corrected, what is left out included. direction: (N, n) sides from which
+    the joints come (None: no effect asks). forward: joints → tool poses, as the controller has them.
+    position_only: an arm of fewer than six joints.
+    """
+
+    path: Path
+    method: str
+    tool: Array
+    X_desired: Array
+    q_nominal: Array
+    q_command: Array
+    X_command: Array
+    before: Array
+    after: Array
+    direction: Array | None
+    left_out: tuple[LeftOut, ...]
+    troubles: tuple[Trouble, ...]
+    notes: tuple[str, ...]
+    rounds: int
+    forward: Callable[[Array], Array]
+    sliding: tuple[bool, ...]
+    position_only: bool
+
+    @property
+    def before_mm(self) -> Array:
+        """(N,) distance of the uncorrected tool from the path."""
+        return 1e3 * np.linalg.norm(self.before[:, :3], axis=1)
+
+    @property
+    def after_mm(self) -> Array:
+        """(N,) distance of the corrected tool from the path."""
+        return 1e3 * np.linalg.norm(self.after[:, :3], axis=1)
+
+    def program(self, name: str = "", kind: Literal["poses", "joints"] = "poses") -> Program:
+        """The command as a program for a controller: tool poses, and joints for posture and rails; or
+        joints only."""
+        return Program(
+            name,
+            self.X_command,
+            self.q_command,
+            self.path.time,
+            tool=self.tool,
+            kind=kind,
+            sliding=self.sliding,
+        )
+
+    def lines(self) -> list[str]:
+        """What a user should know, a line each."""
+        found = [
+            f"{len(self.path)} samples, {self.path.time[-1] - self.path.time[0]:.6g} s: the model expects "
+            f"{_size(self.before_mm)} uncorrected, {_size(self.after_mm)} corrected"
+        ]
+        found += [f"left out: {item}" for item in self.left_out]
+        for kind in dict.fromkeys(trouble.kind for trouble in self.troubles):
+            here = [trouble for trouble in self.troubles if trouble.kind == kind]
+            more = f", and {len(here) - 1} more of this kind" if len(here) > 1 else ""
+            found.append(f"{kind}: {self.path.place(here[0].index)}: {here[0].what}{more}")
+        return [*found, *self.notes]
+
+
+def _size(error_mm: Array) -> str:
+    return f"{np.sqrt((error_mm**2).mean()):.3g} mm RMS ({error_mm.max():.3g} at most)"
+
+
+def compensate(
+    robot: Robot,
+    path: Path,
+    conditions: Conditions | None = None,
+    *,
+    tool: Array | None = None,
+    start: Array | None = None,
+    method: str = EXACT,
+    bandwidth_hz: float = BANDWIDTH_HZ,
+    seed: int = 0,
+) -> Compensation:
+    """The command that makes the extended robot's tool pass through the path.
+
+    robot: with the corrections and effects of its model.toml. conditions: what it carries (default: the
+    tool that the model states). tool: (4, 4) pose of the tool in the flange
+    frame (default: the flange). start: (n,) joints near the first pose, to choose the posture. method:
+    "exact", or for comparison "mirror", "double", "joint" (first order) or "geometry". bandwidth_hz: a gear
+    ripple that is faster at the path's speed is left out. seed: of the postures tried for the first pose.
+    Raises `InputError` with the lines of the path that cannot be run; lesser troubles are in the result.
+    """
+    _check_call(method, bandwidth_hz)
+    course = ready(robot, path, conditions or stated_conditions(robot), tool, start, seed)
+    needs_side = sided(course.extended)
+    direction = turning_sides(course.q) if needs_side else None
+    before = settle(course, course.q, direction, still=ROUGH)
+    speed = speeds(course.q, path.time)
+    shares: dict[int, Array] = {}
+    if method == EXACT:
+        shares = ripple_shares(course.extended, speed, bandwidth_hz)
+        first = first_step(course, before, direction, shares)
+        if direction is not None:
+            direction = turning_sides(_behind_play(course, first, direction))
+        rest = correct(course, first, direction, before.sag, shares)
+        after = settle(course, rest.q, direction, rest.sag) if shares else rest
+    else:
+        q, there = METHODS[method](course, before, direction)
+        after = settle(course, q, direction, before.sag)
+        rest = Rest(q, after.sag, after.error, there & after.there, after.rounds)
+    troubles = _troubles(course, before, rest)
+    return Compensation(
+        path=path,
+        method=method,
+        tool=np.eye(4) if tool is None else np.asarray(tool, dtype=np.float64),
+        X_desired=course.X,
+        q_nominal=course.q,
+        q_command=rest.q,
+        X_command=course.forward(rest.q),
+        before=before.error,
+        after=after.error,
+        direction=direction,
+        left_out=left_out(course.extended, rest.q, speed, shares, course.J[:, :3]) if shares else (),
+        troubles=troubles,
+        notes=(*course.extended.notes, *_coarse(course, speed, shares)),
+        rounds=rest.rounds,
+        forward=course.forward,
+        sliding=tuple(bool(slides) for slides in course.nominal.prismatic),
+        position_only=course.tip.rows == 3,
+    )
+
+
+def _check_call(method: str, bandwidth_hz: float) -> None:
+    if method not in (EXACT, *METHODS):
+        raise InputError(
+            Fault(f"method {method!r}", "no such method", f"one of {', '.join((EXACT, *METHODS))}")
+        )
+    if not bandwidth_hz > 0:
+        raise InputError(Fault("bandwidth", f"is {bandwidth_hz} Hz", "give a number above zero"))
+
+
+def _behind_play(course: Course, q: Array, direction: Array) -> Array:
+    """(N, n) joints on the arm's side of what depends on the side of approach: which way the arm goes."""
+    ext, part = course.extended, slice(0, len(q))
+    play = ext.direct(ext.at(q, direction, part)) - ext.direct(ext.at(q, np.zeros_like(q), part))
+    return np.asarray(q + play.reshape(len(q), -1)[:, course.nominal.axial])
+
+
+def _troubles(course: Course, before: Rest, rest: Rest) -> tuple[Trouble, ...]:
+    """What is not well; raises `InputError` when the path cannot be run."""
+    robot, path = course.robot, course.path
+    singular = near_singular(course.nominal, course.tip, course.J)
+    found = unreached(before.there, "the loaded arm finds no rest: a stiffness is far too small for its load")
+    names = {trouble.index for trouble in singular}
+    for trouble in unreached(rest.there & before.there | ~before.there, ""):
+        near = " (near-singular)" if trouble.index in names else ""
+        found.append(Trouble(trouble.index, "reach", f"the correction cannot be made here{near}"))
+    found += out_of_range(robot, rest.q, "the corrected command")
+    if faults := impossible(path, found):
+        raise InputError(faults)
+    return (*singular, *too_fast(robot, rest.q, path.time))
+
+
+def _coarse(course: Course, speed: Array, shares: Shares) -> list[str]:
+    """Ripples that are commanded, and faster than the path's samples can draw."""
+    found = []
+    rate = 1 / np.gradient(course.path.time)
+    for i, (effect, _) in enumerate(course.extended.effects):
+        if effect.where.order is None:
+            continue
+        joint = course.nominal.names.index(str(effect.where.joint))
+        commanded = shares.get(i, np.ones(len(rate))) > 0.01
+        cycles = frequency(effect.where.order, speed[:, joint])
+        few = commanded & (cycles * COARSE > rate)
+        if few.any():
+            least = float((rate[few] / cycles[few]).min())
+            found.append(
+                f"{effect.label}: {least:.1f} samples per cycle at sample {int(np.flatnonzero(few)[0])} and "
+                f"{few.sum() - 1} others: between samples it is not corrected; sample the path closer"
+            )
+    return found

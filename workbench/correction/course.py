@@ -1,0 +1,112 @@
+"""A path made ready for an arm: what is wanted of the tool, nominal joints, the extended robot on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..campaign.problem import Problem
+from ..files.faults import InputError
+from ..robot.description import Robot
+from ..robot.kinematics import Arm, Array, frames
+from ..robot.rigid_plant import arrays, compensator_law
+from .check import check_path, reach
+from .conditions import Conditions, path_campaign
+from .extended_arm import ExtendedArm, extended_arm, parts
+from .follow import follow
+from .inverse import Tip
+from .paths import Path
+from .trouble import Trouble, impossible, out_of_range, ranges_of, unreached
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A path of N samples, and all that its correction starts from.
+
+    nominal: the rigid arm as the controller believes it. X: (N, 4, 4) wanted tool poses; q: (N, n) joints
+    that the nominal arm takes there; J: (N, rows, n), gain: (N, n, rows) there, as `Tip` makes them.
+    """
+
+    robot: Robot
+    path: Path
+    nominal: Arm
+    tip: Tip
+    X: Array
+    q: Array
+    J: Array
+    gain: Array
+    extended: ExtendedArm
+
+    def forward(self, q: Array) -> Array:
+        """(N, 4, 4) tool poses of the nominal arm."""
+        X = np.empty((len(q), 4, 4))
+        for part in parts(len(q)):
+            X[part] = self.tip.pose(frames(self.nominal, q[part]))
+        return X
+
+
+def nominal_joints(
+    robot: Robot, path: Path, tool: Array | None = None, start: Array | None = None, seed: int = 0
+) -> Array:
+    """(N, n) joints of the nominal rigid arm along a path, on one branch of elbow and wrist.
+
+    tool: (4, 4) pose of the tool in the flange frame. start: (n,) joints near those of the first pose; by
+    default the posture that serves the whole path and stays farthest from its limits. Raises
+    `InputError` with the lines that are out of reach or out of range.
+    """
+    return _nominal(robot, arrays(robot), path, tool, start, seed)[3]
+
+
+def ready(
+    robot: Robot,
+    path: Path,
+    conditions: Conditions,
+    tool: Array | None = None,
+    start: Array | None = None,
+    seed: int = 0,
+) -> Course:
+    """The path made ready. Raises `InputError` with all that makes it impossible."""
+    arm = arrays(robot)
+    nominal, tip, X, q = _nominal(robot, arm, path, tool, start, seed)
+    campaign = path_campaign(robot, path, q, conditions)
+    extended = extended_arm(Problem(robot, arm, campaign, compensator_law(robot, arm)))
+    J = np.empty((len(q), tip.rows, arm.n))
+    gain = np.empty((len(q), arm.n, tip.rows))
+    for part in parts(len(q)):
+        J[part] = tip.jacobian(nominal, frames(nominal, q[part]))
+        gain[part] = tip.gain(nominal, J[part])
+    return Course(robot, path, nominal, tip, X, q, J, gain, extended)
+
+
+def _nominal(
+    robot: Robot, arm: Arm, path: Path, tool: Array | None, start: Array | None, seed: int
+) -> tuple[Arm, Tip, Array, Array]:
+    """Rigid arm, tip, wanted poses and joints."""
+    X_FT = np.eye(4) if tool is None else np.asarray(tool, dtype=np.float64)
+    check_path(robot, arm, path, X_FT)
+    nominal = replace(
+        arm.with_geometry(np.zeros_like(arm.geometry)), compliance=np.zeros_like(arm.compliance)
+    )
+    limits = ranges_of(robot)
+    length = reach(arm, X_FT, limits.upper) / 3
+    tip = Tip(X_FT[:3, :3], X_FT[:3, 3], 6 if arm.n >= 6 else 3, length)
+    troubles: list[Trouble] = []
+    if path.q is not None:
+        q = path.q
+        X = np.concatenate([tip.pose(frames(nominal, q[part])) for part in parts(len(q))])
+    else:
+        assert path.X is not None
+        X = path.X
+        q, reached = follow(nominal, tip, X, limits, start, seed)
+        troubles += unreached(reached, _reach_said(arm, tip))
+    troubles += out_of_range(robot, q, "the path itself")
+    if faults := impossible(path, troubles):
+        raise InputError(faults)
+    return nominal, tip, X, q
+
+
+def _reach_said(arm: Arm, tip: Tip) -> str:
+    if tip.rows == 3:
+        return f"the tool cannot get there ({arm.n} joints: only its place counts)"
+    return "the tool cannot get there in this posture"

@@ -1,0 +1,120 @@
+"""Inverse kinematics of the nominal rigid arm, many poses at a time: Newton with analytic Jacobians."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ..robot.kinematics import Arm, Array, Frames, cross, frames
+from ..robot.rotations import pose
+
+DAMPING = 1e-4  # of a joint motion, relative to the arm's length: only felt at a singularity
+STEP = 0.3  # rad, or of the arm's length: the longest step of any joint
+TOLERANCE = 1e-11  # m
+REFRESH = 5  # rounds that one Jacobian serves
+
+
+@dataclass(frozen=True, eq=False)
+class Tip:
+    """The tool on the flange, and how much of its pose the arm can serve.
+
+    R: (3, 3), p: (3,) [m] tool in the flange frame. rows: 6, or 3 where an arm with fewer than six joints
+    follows the position only. length: [m] that a rad counts, about a third of the arm's reach.
+    """
+
+    R: Array
+    p: Array
+    rows: int
+    length: float
+
+    def place(self, where: Frames) -> tuple[Array, Array]:
+        """Tool rotations (K, 3, 3) and positions (K, 3) [m]."""
+        R = where.R[-1]
+        return R @ self.R, where.p[-1] + R @ self.p
+
+    def pose(self, where: Frames) -> Array:
+        """(K, 4, 4)."""
+        R, p = self.place(where)
+        return pose(p, R)
+
+    def error(self, where: Frames, X: Array) -> Array:
+        """(K, 6) from the tool to the wanted pose X: way [m] and turn [rad], base frame."""
+        R, p = self.place(where)
+        out = np.empty((len(p), 6))
+        out[:, :3] = X[:, :3, 3] - p
+        out[:, 3:] = turn_vector(X[:, :3, :3] @ R.transpose(0, 2, 1))
+        return out
+
+    def scaled(self, error: Array) -> Array:
+        """(K, rows) [m]: turns count with `length`."""
+        return np.concatenate([error[:, :3], self.length * error[:, 3:]], axis=1)[:, : self.rows]
+
+    def jacobian(self, arm: Arm, where: Frames) -> Array:
+        """(K, rows, n) [m]: of the scaled error, per rad or, of a sliding joint, per `length`."""
+        slots = np.arange(1, arm.n + 1)
+        axis = where.axes[:, slots, arm.axial % 6]
+        p = self.place(where)[1]
+        J = np.empty((len(p), arm.n, 6))
+        J[..., :3] = cross(axis, p[:, None] - where.origin[:, slots])
+        J[..., 3:] = self.length * axis
+        J[:, arm.prismatic, :3] = self.length * axis[:, arm.prismatic]
+        J[:, arm.prismatic, 3:] = 0.0
+        return np.asarray(J[..., : self.rows].transpose(0, 2, 1))
+
+    def gain(self, arm: Arm, J: Array) -> Array:
+        """(K, n, rows) joint motion [rad, m] per scaled error [m]: the damped inverse, of least norm."""
+        inverse = damped_inverse(J, DAMPING * self.length)
+        inverse[:, arm.prismatic] *= self.length
+        return inverse
+
+
+def damped_inverse(J: Array, damping: float) -> Array:
+    """(K, n, m): Jᵀ (J Jᵀ + λ²)⁻¹ of (K, m, n); of fewer joints than rows (Jᵀ J + λ²)⁻¹ Jᵀ."""
+    m, n = J.shape[1:]
+    JT = J.transpose(0, 2, 1)
+    square = J @ JT if m <= n else JT @ J
+    np.einsum("kii->ki", square)[...] += damping**2
+    inverse = np.linalg.inv(square)
+    return np.asarray(JT @ inverse if m <= n else inverse @ JT)
+
+
+def turn_vector(R: Array) -> Array:
+    """(K, 3) rotation vectors [rad] of (K, 3, 3), quick and exact for small turns."""
+    v = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
+    sine, cosine = np.sqrt(np.einsum("ki,ki->k", v, v)), 0.5 * (np.einsum("kii->k", R) - 1)
+    out = v * np.where(sine > 1e-6, np.arctan2(sine, cosine) / np.maximum(sine, 1e-6), 1.0)[:, None]
+    half = (sine <= 1e-6) & (cosine < 0)  # a half turn: v says nothing of its axis
+    if half.any():
+        out[half] = Rotation.from_matrix(R[half]).as_rotvec()
+    return np.asarray(out)
+
+
+def limited(arm: Arm, tip: Tip, step: Array) -> Array:
+    """Steps (K, n), shortened where a joint would go too far at once."""
+    size = np.abs(step) / np.where(arm.prismatic, tip.length, 1.0)
+    return np.asarray(step / np.maximum(size.max(axis=1) / STEP, 1.0)[:, None])
+
+
+def newton(
+    arm: Arm, tip: Tip, X: Array, q: Array, rounds: int = 30, refresh: int = REFRESH
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Joints (K, n) that put the tool on X: (K, 4, 4), from the guess q, and which of them do."""
+    q = q.copy()
+    active = np.arange(len(q))
+    gain = np.zeros((len(q), arm.n, tip.rows))
+    for count in range(rounds):
+        where = frames(arm, q[active])
+        error = tip.scaled(tip.error(where, X[active]))
+        if count % refresh == 0:
+            gain = tip.gain(arm, tip.jacobian(arm, where))
+        far = np.abs(error).max(axis=1) > TOLERANCE
+        active, error, gain = active[far], error[far], gain[far]
+        if not len(active):
+            break
+        q[active] += limited(arm, tip, np.einsum("kij,kj->ki", gain, error))
+    there = np.ones(len(q), dtype=bool)
+    there[active] = False
+    return q, there

@@ -1,0 +1,67 @@
+"""Robot programs in the controllers' own formats. One file per format; the listing is the catalogue."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+
+from ...files.faults import Fault, InputError
+from . import files as _files
+from .base import Array, Program
+from .files import RoundingEffect
+from .format import Format
+
+__all__ = [
+    "Format",
+    "Program",
+    "RoundingEffect",
+    "find_format",
+    "formats",
+    "read_program",
+    "rounding_effect",
+    "write_program",
+]
+
+
+@cache
+def formats() -> dict[str, Format]:
+    """Every format by name: the modules of this folder that define `FORMAT`."""
+    modules = [import_module(f"{__name__}.{module.name}") for module in iter_modules(__path__)]
+    found = [module.FORMAT for module in modules if hasattr(module, "FORMAT")]
+    return {format.name: format for format in sorted(found, key=lambda format: format.name)}
+
+
+def find_format(name: str) -> Format:
+    """The format of that name; `InputError` with the names that there are."""
+    try:
+        return formats()[name]
+    except KeyError:
+        raise InputError(
+            Fault(f"format {name!r}", "no such format", f"one of {', '.join(formats())}")
+        ) from None
+
+
+def write_program(program: Program, format: str | Format, out: Path | str) -> list[Path]:
+    """Writes a program for a controller, all files or none; see `files.write_program`."""
+    return _files.write_program(
+        program, find_format(format) if isinstance(format, str) else format, Path(out)
+    )
+
+
+def read_program(path: Path | str, format: str | Format) -> Program:
+    """Reads a controller's program; see `files.read_program`."""
+    return _files.read_program(Path(path), find_format(format) if isinstance(format, str) else format)
+
+
+def rounding_effect(
+    program: Program,
+    format: str | Format,
+    forward: Callable[[Array], Array] | None = None,
+    lever: float = 0.0,
+) -> RoundingEffect:
+    """What writing in this format does at the tool; see `files.rounding_effect`."""
+    chosen = find_format(format) if isinstance(format, str) else format
+    return _files.rounding_effect(program, chosen, forward, lever)

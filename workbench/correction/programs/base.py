@@ -1,0 +1,153 @@
+"""A robot program, free of any controller: poses or joints, time, dwell, tool.
+
+Writers and readers of the controllers' own formats (`format.py` and one file each) start and end
+here. SI units; millimetres and degrees exist only in the files.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...robot import rotations
+
+Array = NDArray[np.float64]
+STILL = 1e-6  # m and rad: a shorter leg is a standstill; most formats write no finer
+SHARE_OF_LEG = 0.4  # a corner is rounded over less than half of the shorter leg (RAPID, UR: their limit)
+FINEST_BLEND = 1e-5  # m: controllers take hundredths of a millimetre
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """Points that a robot is to pass (`kind` "poses") or to stop at and be measured ("joints").
+
+    name:    name on the controller
+    X:       (N, 4, 4) tool poses in the base frame [m], or None
+    q:       (N, n) joints, base to flange [rad or m], or None; beside poses it gives the start posture
+             and the rails (a reader that finds rails beside poses gives q with the rails only)
+    time:    (N,) when the tool arrives [s], or None where a file does not say
+    dwell:   (N,) standstill after arrival [s]; one number counts for all points
+    tool:    (4, 4) pose of the tool in the flange frame; identity = X are flange poses
+    sliding: one flag per column of q: True = sliding joint; empty = all turn
+    blend:   how far from a corner the tool may leave the line, at most [m]; 0 = stop at every point
+    share:   of the joints' full speed, for joint moves
+
+    The base frame is the controller's own (its world); joints have the controller's zeros and signs.
+    """
+
+    name: str
+    X: Array | None = None
+    q: Array | None = None
+    time: Array | None = None
+    dwell: Array = field(default_factory=lambda: np.zeros(1))
+    tool: Array = field(default_factory=lambda: np.eye(4))
+    kind: Literal["poses", "joints"] = "poses"
+    sliding: tuple[bool, ...] = ()
+    blend: float = 1e-3
+    share: float = 0.1
+
+    def __post_init__(self) -> None:
+        points = self.X if self.kind == "poses" else self.q
+        if points is None:
+            raise ValueError(f"a program of kind {self.kind!r} needs {'X' if self.kind == 'poses' else 'q'}")
+        count = len(points)
+        _set(self, "dwell", np.broadcast_to(np.asarray(self.dwell, float).ravel(), (count,)).copy())
+        for name, shape in (("X", (count, 4, 4)), ("q", (count, -1)), ("time", (count,)), ("tool", (4, 4))):
+            value: ArrayLike | None = getattr(self, name)
+            if value is not None:
+                _set(self, name, np.asarray(value, dtype=float).reshape(shape))
+        if self.q is not None:
+            _set(self, "sliding", tuple(self.sliding) or (False,) * self.q.shape[1])
+            if len(self.sliding) != self.q.shape[1]:
+                raise ValueError(f"{len(self.sliding)} flags in `sliding` for {self.q.shape[1]} joints")
+
+    @property
+    def count(self) -> int:
+        return len(self.dwell)
+
+    @property
+    def rails(self) -> Array:
+        """(N, r) positions of the sliding joints [m]."""
+        return np.zeros((self.count, 0)) if self.q is None else self.q[:, np.array(self.sliding, dtype=bool)]
+
+    @property
+    def arm(self) -> Array:
+        """(N, a) positions of the turning joints [rad]."""
+        return np.zeros((self.count, 0)) if self.q is None else self.q[:, ~np.array(self.sliding, dtype=bool)]
+
+    @property
+    def speed(self) -> Array:
+        """(N,) tool speed on the leg to each point [m/s], from time; the first leg goes as the second."""
+        legs = legs_of(self)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            speed = np.where(legs.distance < STILL, 0.0, legs.distance / legs.duration)
+        if self.count > 1:
+            speed[0] = speed[1]
+        return np.asarray(speed)
+
+
+def _set(program: Program, name: str, value: Any) -> None:
+    object.__setattr__(program, name, value)
+
+
+@dataclass(frozen=True, eq=False)
+class Legs:
+    """The ways between the points; entry i is the leg that ends at point i (entry 0: no way).
+
+    distance [m], angle [rad], duration [s]: (N,); duration NaN without time, 0 where all of it is pause
+    speed [m/s], turn [rad/s]: (N,), what a controller is told; `turning` legs only rotate
+    pause:  (N,) standstill at the point [s]: its dwell and the standing legs that follow it
+    blend:  (N,) rounding of the corner [m], 0 = the tool stops there
+    """
+
+    distance: Array
+    angle: Array
+    duration: Array
+    speed: Array
+    turn: Array
+    turning: NDArray[np.bool_]
+    pause: Array
+    blend: Array
+
+
+def legs_of(program: Program) -> Legs:
+    """The legs of a program of poses, with speeds, pauses and corners as controllers want them."""
+    n = program.count
+    distance, angle = np.zeros(n), np.zeros(n)
+    if program.X is not None and n > 1:
+        distance[1:] = np.linalg.norm(np.diff(program.X[:, :3, 3], axis=0), axis=1)
+        angle[1:] = rotations.angle_between(program.X[:-1, :3, :3], program.X[1:, :3, :3])
+    duration = np.full(n, np.nan)
+    if program.time is not None:
+        duration = np.concatenate([[0.0], np.diff(program.time) - program.dwell[:-1]])
+    still = (distance < STILL) & (angle < STILL)
+    turning = (distance < STILL) & ~still
+    pause = program.dwell.copy()
+    pause[:-1] += np.where(still[1:] & (duration[1:] > 0), duration[1:], 0.0)
+    duration = np.where(still & (duration > 0), 0.0, duration)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        speed = _carried(np.where(distance < STILL, np.nan, distance / duration))
+        turn = np.where(turning, angle / duration, np.nan)
+    return Legs(distance, angle, duration, speed, turn, turning, pause, _blends(program, distance, pause))
+
+
+def _carried(speed: Array) -> Array:
+    """Standing and turning legs take the speed of the last moving leg before them (or the first one)."""
+    known = np.flatnonzero(np.isfinite(speed))
+    if not len(known):
+        return speed
+    last = np.searchsorted(known, np.arange(len(speed)), side="right") - 1
+    return np.asarray(speed[known[np.maximum(last, 0)]])
+
+
+def _blends(program: Program, distance: Array, pause: Array) -> Array:
+    """Corner rounding per point: not at the ends, not at a standstill, within both legs' share."""
+    blend = np.zeros(program.count)
+    if program.kind == "poses" and program.count > 2:
+        room = SHARE_OF_LEG * np.minimum(distance[1:-1], distance[2:])
+        blend[1:-1] = np.minimum(program.blend, room)
+    blend[(pause > 0) | (blend < FINEST_BLEND)] = 0.0
+    return blend

@@ -1,0 +1,149 @@
+"""Programs to and from disk, and what the rounding of their numbers does at the tool."""
+
+from __future__ import annotations
+
+import logging
+import os
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...files.faults import Fault, InputError, read_text
+from ...robot import rotations
+from .base import Array, Program
+from .format import Format
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class RoundingEffect:
+    """How far the written numbers put the tool from the program's own: mm, and the turn in degrees."""
+
+    mean_mm: float
+    max_mm: float
+    max_deg: float
+
+    def __str__(self) -> str:
+        return f"rounding moves the tool by {self.mean_mm:.2g} mm (mean), {self.max_mm:.2g} mm (most)"
+
+
+def rounding_effect(
+    program: Program,
+    format: Format,
+    forward: Callable[[Array], Array] | None = None,
+    lever: float = 0.0,
+) -> RoundingEffect:
+    """Writes the program, reads it back and compares, at the tool.
+
+    forward: (N, n) joints → (N, 4, 4) tool poses; needed for a program of joints.
+    lever:   distance [m] of the point that matters from the origin of X (the flange, say): a turn
+             counts with it.
+    The tool's own frame is rounded too: what the controller does is X̃ T̃⁻¹ T.
+    """
+    back = format.read(format.write(program))
+    if program.kind == "joints":
+        if forward is None or program.q is None or back.q is None:
+            raise ValueError("a program of joints needs `forward`")
+        wanted, given = forward(program.q), forward(back.q)
+    else:
+        assert program.X is not None
+        assert back.X is not None
+        tool = back.tool if format.carries_tool else program.tool
+        wanted, given = program.X, back.X @ np.linalg.inv(tool) @ program.tool
+    angle = rotations.angle_between(wanted[:, :3, :3], given[:, :3, :3])
+    error = np.linalg.norm(wanted[:, :3, 3] - given[:, :3, 3], axis=1) + lever * angle
+    return RoundingEffect(1e3 * float(error.mean()), 1e3 * float(error.max()), float(np.degrees(angle.max())))
+
+
+def write_program(program: Program, format: Format, out: Path) -> list[Path]:
+    """Checks the program and writes its files, all or none; `InputError` and nothing written otherwise.
+
+    out: the file; a folder takes it under the program's own name. A format of several files puts the
+    others beside a file with its extension, and else makes `out` a folder. A program without name is
+    named after the file. Warnings go to the log.
+    """
+    text = program.name or format.legal_name(out.stem)
+    if not program.name and text.casefold() != out.stem.casefold():
+        log.warning("%s: the program is named %r, as %s wants names", out, text, format.title)
+    elif program.name and format.named_as_file and not out.is_dir() and out.stem != text:
+        log.warning("%s: %s wants the file named as the program, %r", out, format.title, text)
+    program = replace(program, name=text)
+    faults = format.check(program)
+    if faults:
+        raise InputError(faults)
+    for warning in format.warnings(program):
+        log.warning("%s: %s", out, warning)
+    files = _places(format.write(program), format, out)
+    try:
+        _write_all({path: content.replace("\n", format.newline) for path, content in files.items()})
+    except OSError as error:
+        raise InputError(
+            Fault(str(out), error.strerror or "cannot be written", "check the folder")
+        ) from error
+    return list(files)
+
+
+def _places(files: Mapping[str, str], format: Format, out: Path) -> dict[Path, str]:
+    names = list(files)
+    if out.is_dir():
+        return {out / name: text for name, text in files.items()}
+    if len(names) == 1:
+        return {out: files[names[0]]}
+    if out.suffix.lower() != format.extension:
+        return {out / name: text for name, text in files.items()}
+    return {out.parent / name: text for name, text in files.items()}
+
+
+def _write_all(files: Mapping[Path, str]) -> None:
+    """Every file beside its place first, then all into place; what stood there comes back on a failure."""
+    fresh: dict[Path, Path] = {}
+    kept: dict[Path, bytes | None] = {}
+    try:
+        for path, text in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+            fresh[path] = Path(name)
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(text.encode())
+            os.chmod(name, 0o644)
+        for path, source in fresh.items():
+            kept[path] = path.read_bytes() if path.exists() else None
+            os.replace(source, path)
+    except BaseException:
+        for path, old in kept.items():
+            if old is None:
+                path.unlink(missing_ok=True)
+            elif not path.is_dir():
+                path.write_bytes(old)
+        raise
+    finally:
+        for source in fresh.values():
+            source.unlink(missing_ok=True)
+
+
+def read_program(path: Path, format: Format) -> Program:
+    """The program in a file, with the files that belong to it (VAL 3: the folder; KRL: its .dat)."""
+    if path.is_dir():
+        found = sorted(path.glob(f"*{format.extension}"))
+        if not found:
+            raise InputError(Fault(str(path), f"has no {format.extension} file", "name the file"))
+        path = found[0]
+    beside = {".pjx": (f"{path.stem}.dtx", "start.pgx", "*.pgx"), ".src": (f"{path.stem}.dat",)}
+    others = [
+        other
+        for pattern in beside.get(path.suffix.lower(), ())
+        for other in sorted(path.parent.glob(pattern))
+    ]
+    files = {other.name: read_text(other) for other in dict.fromkeys([path, *others])}
+    try:
+        return format.read(files)
+    except InputError:
+        raise
+    except (ValueError, IndexError) as error:
+        raise InputError(
+            Fault(str(path), f"is no {format.title} program: {error}", "check the format")
+        ) from error

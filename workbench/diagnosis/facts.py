@@ -1,0 +1,65 @@
+"""What a diagnosis says besides its findings: the campaign's facts and the calibrated geometry."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..campaign.problem import Problem
+from ..identification.fit import Fit
+from .result import Parameter
+
+
+def geometry(final: Fit) -> tuple[Parameter, ...]:
+    """Corrections of the joint frames with standard deviations."""
+    part = final.columns.geometry_slice
+    std = np.sqrt(np.diag(final.covariance)[part])
+    change = final.state.geometry.ravel()[final.columns.geometry]
+    return tuple(
+        Parameter(name.removeprefix("geometry/"), float(v), float(s), "rad" if name[-2] == "r" else "m")
+        for name, v, s in zip(final.columns.names[part], change, std, strict=True)
+    )
+
+
+def unidentifiable(final: Fit) -> tuple[str, ...]:
+    """Geometry that stays where it was because these data do not show it."""
+    part = final.columns.geometry_slice
+    std = np.sqrt(np.diag(final.covariance)[part]) / final.columns.prior[part]
+    hidden = [
+        name.removeprefix("geometry/")
+        for name, s in zip(final.columns.names[part], std, strict=True)
+        if s > 0.9
+    ]
+    return tuple(hidden)
+
+
+def facts(problem: Problem) -> dict[str, str]:
+    """What was measured, in words."""
+    c = problem.campaign
+    said = {
+        "Poses": str(len(c.q)),
+        "Points": str(int(problem.seen.sum())),
+        "Targets": ", ".join(f"{t.name} (on {t.on})" if t.on != "flange" else t.name for t in c.targets),
+        "Set-ups": ", ".join(name or "one" for name in c.setup_names),
+        "Payloads": ", ".join(
+            f"{name or 'tool only'}: {c.tool_mass + m:g} kg"
+            for i, (name, m) in enumerate(zip(c.payload_names, c.load_mass, strict=True))
+            if (c.payload == i).any()
+        ),
+    }
+    for j, name in enumerate(problem.arm.names):
+        low, high = c.q[:, j].min(), c.q[:, j].max()
+        said[f"Range of {name}"] = (
+            f"{low * 1e3:.0f} … {high * 1e3:.0f} mm"
+            if problem.arm.prismatic[j]
+            else f"{np.degrees(low):.1f} … {np.degrees(high):.1f}°"
+        )
+    if c.temperature is not None and np.isfinite(c.temperature).any():
+        said["Temperature"] = f"{np.nanmin(c.temperature):.1f} … {np.nanmax(c.temperature):.1f} °C"
+    extra = [
+        ("side of approach", c.direction),
+        ("time", c.time),
+        ("motor torque", c.torque),
+        ("read-back joints", c.readback),
+    ]
+    said["Recorded besides"] = ", ".join(name for name, value in extra if value is not None) or "nothing"
+    return said

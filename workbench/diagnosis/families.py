@@ -1,0 +1,137 @@
+"""Families without a name: does the residual depend on a joint, two joints, torque, time, approach?
+
+They give power against causes that are not in the catalogue, and say what an unknown one depends on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from ..identification.fit import Fit
+from ..robot.kinematics import RX, RY, Array
+from .screen import quadratic
+
+
+@dataclass(frozen=True)
+class Family:
+    """Motions (N, D, a), whitened, times functions of the pose (N, b). `variable` for people; `x`: (N,) to
+    plot against; `joint`: the joint that it is about."""
+
+    variable: str
+    unit: str
+    motions: Array
+    functions: Array
+    x: Array
+    joint: int | None = None
+
+    @property
+    def columns(self) -> Array:
+        """(N, D, a·b): every motion with every function."""
+        n_poses, rows = self.motions.shape[:2]
+        product = self.motions[..., None] * self.functions[:, None, None, :]
+        return np.asarray(product).reshape(n_poses, rows, -1)
+
+
+@dataclass(frozen=True)
+class FamilyTest:
+    family: Family
+    statistic: float
+    rank: int
+
+
+def families(fit: Fit) -> Iterator[Family]:
+    """All families that the campaign's columns allow."""
+    problem = fit.model.problem
+    arm, q = problem.arm, problem.q
+    moves = [np.matmul(fit.whitener, fit.line.direct[:, :, [int(k)]]) for k in arm.axial]
+    angle = [np.where(arm.prismatic[j], 3.0, 1.0) * q[:, j] for j in range(arm.n)]
+    moved = [j for j in range(arm.n) if np.ptp(q[:, j]) > 1e-3]
+    for j in moved:
+        waves = np.column_stack([f(k * angle[j]) for k in (1, 2, 3, 4) for f in (np.sin, np.cos)])
+        own = np.column_stack([angle[j], angle[j] ** 2, waves])
+        yield Family(arm.names[j], "rad", moves[j], own, q[:, j], j)
+        slot = 6 * (j + 1)
+        tilt = np.matmul(fit.whitener, fit.line.direct[:, :, slot + RX : slot + RY + 1])
+        yield Family(f"{arm.names[j]} (tilt)", "rad", tilt, waves[:, :4], q[:, j], j)
+    for i in moved:
+        for j in moved:
+            if i != j:
+                si, ci, sj, cj = np.sin(angle[i]), np.cos(angle[i]), np.sin(angle[j]), np.cos(angle[j])
+                mixed = np.column_stack([angle[j], sj, cj, si * sj, si * cj, ci * sj, ci * cj])
+                name = f"{arm.names[i]} with {arm.names[j]}"
+                yield Family(name, "rad", moves[i], mixed, q[:, j], None)
+    yield from _other_families(fit, moves)
+
+
+def _other_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
+    problem = fit.model.problem
+    c, arm = problem.campaign, problem.arm
+    torque = fit.line.prediction.load.local.reshape(len(c.q), -1)[:, arm.axial]
+    for j in range(arm.n):
+        size = np.abs(torque[:, j]).max()
+        if np.ptp(torque[:, j]) > 1e-3 * max(size, 1.0):
+            x = torque[:, j] / size
+            bent = np.column_stack([x, x**2, x**3, np.tanh(10 * x), np.abs(x)])
+            yield Family(f"torque of {arm.names[j]}", "N·m", moves[j], bent, torque[:, j], j)
+    base = np.matmul(fit.whitener, fit.line.direct[:, :, :6])
+    order = np.linspace(-1, 1, len(c.q))
+    if c.time is not None and np.isfinite(c.time).all() and np.ptp(c.time) > 0:
+        order = 2 * (c.time - c.time.min()) / np.ptp(c.time) - 1
+        yield Family("time", "s", base, np.column_stack([order, order**2, order**3]), c.time)
+    else:
+        yield Family("order of measurement", "1", base, np.column_stack([order, order**2]), order)
+    if c.temperature is not None and np.isfinite(c.temperature).all() and np.ptp(c.temperature) > 0:
+        warm = c.temperature - c.temperature.mean()
+        yield Family("temperature", "°C", base, warm[:, None], c.temperature)
+    if c.direction is not None:
+        for j in range(arm.n):
+            if np.ptp(c.direction[:, j]) > 0:
+                side = c.direction[:, j]
+                form = np.column_stack([side, side * np.sin(c.q[:, j]), side * np.cos(c.q[:, j])])
+                yield Family(f"approach of {arm.names[j]}", "1", moves[j], form, side, j)
+    flange = np.matmul(fit.whitener, fit.line.direct[:, :, 6 * (arm.n + 1) :])
+    present = [i for i in range(len(c.payload_names)) if (c.payload == i).any()]
+    if len(present) > 1:
+        which = np.column_stack([(c.payload == i).astype(float) for i in present[1:]])
+        yield Family("payload", "1", flange, which, c.payload.astype(float))
+
+
+def test_families(fit: Fit) -> list[FamilyTest]:
+    """Statistic and rank of every family at a fit."""
+    back: dict[int, tuple[Array, Array, Array]] = {}
+    out = []
+    for family in families(fit):
+        key = id(family.motions)
+        if key not in back:
+            back[key] = _pose_by_pose(fit, family.motions)
+        out.append(FamilyTest(family, *_reduced(family, *back[key])))
+    return out
+
+
+test_families.__test__ = False  # type: ignore[attr-defined]  # not a pytest function
+
+
+def _pose_by_pose(fit: Fit, motions: Array) -> tuple[Array, Array, Array]:
+    """Products of the motions with each other (N, a, a), with the residual (N, a), and their part in the
+    background (a, P, N)."""
+    products = np.matmul(motions.transpose(0, 2, 1), motions)
+    scores = np.matmul(motions.transpose(0, 2, 1), fit.r[..., None])[..., 0]
+    shared = np.matmul((fit.J * fit.columns.prior).transpose(0, 2, 1), motions)
+    flat = shared.transpose(1, 2, 0).reshape(shared.shape[1], -1)
+    solved = solve_triangular(fit.upper, flat, trans="T", check_finite=False)
+    return products, scores, solved.reshape(len(solved), motions.shape[2], -1).transpose(1, 0, 2)
+
+
+def _reduced(family: Family, products: Array, scores: Array, back: Array) -> tuple[float, int]:
+    """The family's statistic and rank, without ever making its columns."""
+    F = family.functions
+    a, b = products.shape[1], F.shape[1]
+    S = np.einsum("nac,ni,nj->aicj", products, F, F, optimize=True).reshape(a * b, a * b)
+    Z = np.concatenate([part @ F for part in back], axis=1)
+    own = np.diag(S).copy()
+    u = (scores[:, :, None] * F[:, None, :]).sum(axis=0).ravel()
+    return quadratic(S - Z.T @ Z, u, np.maximum(own, 1e-12 * own.max() + 1e-300))

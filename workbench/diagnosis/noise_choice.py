@@ -1,0 +1,125 @@
+"""Which noise the tests use: stated, measured from repeats, or, where there is neither, the residual's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import stats
+from scipy.optimize import minimize
+
+from ..campaign.problem import Problem
+from ..identification.fit import Fit
+from ..identification.model import Linearisation
+from ..identification.noise import Covariance, MeasuredNoise, measure_noise, repeat_chi2, stated_noise
+from ..robot.kinematics import Array
+from .result import Noise
+
+ENOUGH = 60  # degrees of freedom from which measured noise stands in for stated noise
+
+
+def provisional(problem: Problem) -> Covariance:
+    """A first guess for the geometry fit where no noise is stated: only its ratios matter."""
+    return Covariance(np.full(problem.seen.shape, 1e-4), np.zeros(problem.arm.n), np.ones(len(problem.q)))
+
+
+def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, list[str]]:
+    """Noise before the residual is seen: stated or measured; else provisional, source "residual"."""
+    axial = line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
+    said = stated_noise(problem)
+    measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
+    notes: list[str] = []
+    if measured is not None and (said is None or measured.dof >= ENOUGH):
+        if said is not None:
+            disagree = _disagree(problem, said, measured, axial)
+            if disagree is None:
+                return said, _figures(said, "stated", axial, measured), notes
+            notes.append(disagree)
+        shots = np.maximum(problem.campaign.shots, 1)
+        found = Covariance(
+            measured.sigma / np.sqrt(shots), measured.joint, np.ones(len(problem.q)), dof=measured.dof
+        )
+        return found, _figures(found, "repeats", axial, measured), notes
+    if said is not None:
+        return said, _figures(said, "stated", axial, measured), notes
+    guess = provisional(problem)
+    return guess, Noise(0.1, "residual"), notes
+
+
+def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial: Array) -> str | None:
+    """A sentence when repeats scatter otherwise than stated (robot's part included)."""
+    chi2, dof = repeat_chi2(problem, said, axial)
+    if 1e-4 < stats.chi2.sf(chi2, dof) < 1 - 1e-4:
+        return None
+    return (
+        f"Repeated poses scatter {measured.total * 1e3:.4f} mm per axis, stated is "
+        f"{measured.total * np.sqrt(dof / max(chi2, 1e-9)) * 1e3:.4f} mm: the measured noise is used."
+    )
+
+
+def _figures(noise: Covariance, source: str, axial: Array, measured: MeasuredNoise | None) -> Noise:
+    sigma = float(np.sqrt(np.mean(noise.sigma**2)))
+    robot = float(np.sqrt(np.mean(((axial * noise.joint) ** 2).sum(axis=2))))
+    words = {"stated": "as stated in the campaign", "repeats": "measured from repeated poses"}[source]
+    sentence = f"{sigma * 1e3:.4f} mm per axis, {words}"
+    if robot > 0:
+        sentence += f"; the robot's own repeatability adds {robot * 1e3:.4f} mm per axis"
+    if measured is not None and source == "stated":
+        sentence += f" (repeats agree: {measured.total * 1e3:.4f} mm)"
+    return Noise(
+        sigma * 1e3,
+        source,  # type: ignore[arg-type]
+        sentence + ".",
+        robot * 1e3 if robot > 0 else None,
+        noise.dof if np.isfinite(noise.dof) else None,
+    )
+
+
+def from_residual(result: Fit) -> tuple[Covariance, Noise]:
+    """Noise from the residual of a fit: one sigma, and, with several targets or a 6-D measurement, a second
+    part (the robot's repeatability; the turning part of the measurement)."""
+    problem, noise = result.model.problem, result.noise
+    if problem.campaign.six_dof:
+        r = result.point_residual[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
+        shift, turn = (float(np.sqrt(np.mean(r[:, part] ** 2))) for part in (slice(0, 3), slice(3, 6)))
+        free = np.sqrt(r.size / max(r.size - result.rank, 1))
+        ratio = noise.turn_ratio * turn / shift
+        new = replace(noise, sigma=noise.sigma * shift * free, turn_ratio=ratio)
+    elif problem.seen.sum(axis=1).max() > 1:
+        new = _two_parts(result)
+    else:
+        rows = problem.seen.sum() * 3
+        rms = float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
+        new = replace(noise, sigma=np.full_like(noise.sigma, rms))
+    sigma = float(np.sqrt(np.mean(new.sigma**2))) * 1e3
+    sentence = (
+        f"No noise was stated and no pose repeated: {sigma:.4f} mm per axis is what the model leaves. "
+        "Whether that is noise cannot be judged; only what depends on something can be found."
+    )
+    return new, Noise(sigma, "residual", sentence)
+
+
+def _two_parts(result: Fit) -> Covariance:
+    """Maximum likelihood of the instrument's variance and the joints' common one from the residual."""
+    problem = result.model.problem
+    mask = np.repeat(problem.seen, 3, axis=1)
+    d = np.nan_to_num(result.residual).reshape(len(mask), -1)
+    turning = np.where(problem.arm.prismatic, 0.0, 1.0)
+    J = np.where(mask[..., None], result.line.direct[:, : mask.shape[1], problem.arm.axial], 0.0) * turning
+    u, s, _ = np.linalg.svd(J, full_matrices=False)
+    projected = np.einsum("nij,ni->nj", u, d)
+    rest = float((d**2).sum() - (projected**2).sum())
+    free = float(mask.sum() - (s > 1e-9 * s.max()).sum())
+    live = s > 1e-9 * s.max()
+    lost = mask.sum() / max(mask.sum() - result.rank, 1)
+
+    def cost(x: Array) -> float:
+        v = np.exp(x[0]) + np.exp(x[1]) * s**2
+        logs = np.sum(np.log(v[live])) + free * x[0]
+        return float(logs + lost * (np.sum((projected**2 / v)[live]) + rest / np.exp(x[0])))
+
+    total = float((d**2).sum() / mask.sum())
+    reach = float(np.mean(s[live] ** 2))
+    x = minimize(cost, np.log([0.5 * total, 0.5 * total / reach]), method="Nelder-Mead").x
+    sigma, joint = float(np.exp(x[0] / 2)), float(np.exp(x[1] / 2))
+    return replace(result.noise, sigma=np.full(problem.seen.shape, sigma), joint=joint * turning)

@@ -1,0 +1,89 @@
+"""What these data could have shown: smallest detectable sizes, and what they cannot show at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+from scipy import optimize, stats
+
+from ..campaign.problem import Problem
+from ..effects.base import Effect, LoadEffect, YieldEffect
+from ..identification.fit import Fit
+from ..robot.kinematics import Array
+from .result import Detectable, NotTestable, Where
+from .screen import FAINT, SURVIVES, screen
+from .search import ALPHA, Selection
+
+POWER = 0.8
+
+
+@cache
+def needed(rank: int, alpha: float) -> float:
+    """Non-centrality at which a χ² test of level alpha finds with the power wanted."""
+    limit = stats.chi2.isf(alpha, rank)
+    return float(optimize.brentq(lambda x: stats.ncx2.sf(limit, rank, x) - POWER, 1e-3, 1e4))
+
+
+def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detectable]:
+    """Smallest size of every cause that would have been found with 80 % power, whatever its phase."""
+    candidates = [e for e in selection.pool.candidates if e not in selection.effects]
+    table = screen(final, candidates, known)
+    scale = 1.0 if known else float(np.sqrt(final.chi2 / max(table.dof, 1.0)))
+    best: dict[tuple[str, Where], Detectable] = {}
+    for k, effect in enumerate(candidates):
+        part = table.parts[k]
+        S, own = table.S[part, part], table.own[part]
+        if own.min() <= FAINT:
+            continue
+        length = np.sqrt(own)
+        values = np.linalg.eigvalsh(S / np.outer(length, length))
+        if values[0] <= SURVIVES:
+            continue
+        info = S / np.outer(table.scale[part], table.scale[part])
+        weakest = float(np.linalg.eigvalsh(info)[0])
+        size = scale * float(np.sqrt(needed(len(values), ALPHA / len(candidates)) / weakest))
+        unit, size = _contract_unit(effect, size)
+        found = Detectable(effect.cause, effect.where, size, unit)
+        if effect.key not in best or size < best[effect.key].size:
+            best[effect.key] = found
+    yield from best.values()
+
+
+def _contract_unit(effect: Effect, size: float) -> tuple[str, float]:
+    """Unit and size as the contract's parameter has it (a first moment becomes a shift)."""
+    mass = getattr(effect, "mass", 0.0)
+    if effect.params[0].unit == "kg·m" and mass:
+        return "m", size / mass
+    return effect.params[0].unit, size
+
+
+def swallowed(selection: Selection, final: Fit, problem: Problem) -> list[NotTestable]:
+    """Candidates without any pattern of their own in these data."""
+    pool = selection.pool
+    visible, hidden = set[tuple[str, Where]](), dict[tuple[str, Where], str]()
+    for k, effect in enumerate(pool.candidates):
+        _, rank = pool.statistic([k])
+        if rank:
+            visible.add(effect.key)
+        elif effect.key not in hidden:
+            hidden[effect.key] = _why(effect, pool.own[pool.parts[k]], problem, final)
+    return [NotTestable(key[0], why, key[1]) for key, why in hidden.items() if key not in visible]
+
+
+def _why(effect: Effect, own: Array, problem: Problem, final: Fit) -> str:
+    if own.max() < 1e-6:
+        if isinstance(effect, YieldEffect) and effect.where.joint:
+            j = problem.joint(effect.where.joint)
+            up = final.line.prediction.where.axes[0, j + 1, 5]
+            g = problem.arm.gravity / max(float(np.linalg.norm(problem.arm.gravity)), 1e-12)
+            if abs(float(up @ g)) > 0.999:
+                return "gravity makes no torque about a vertical axis: pull sideways"
+            return "no load turns this joint in these poses: add a payload with its mass off the axis"
+        if isinstance(effect, LoadEffect):
+            return (
+                "the model has no joint that yields to this load: state stiffness, or measure with two loads"
+            )
+        return "it moves no target in these poses"
+    return "in these poses it looks exactly like a change of geometry, frame or targets"

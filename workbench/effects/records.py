@@ -1,0 +1,144 @@
+"""Effects as text and as records: `--effect` of the command line, `[[effects]]` of a model.toml."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..campaign.problem import Problem
+from ..diagnosis.result import Where
+from ..files.faults import Fault, InputError
+from ..robot.description import EffectRecord
+from ..robot.kinematics import Array
+from . import catalogue
+from .base import Effect
+
+PLACE = ("joint", "other", "link", "payload")
+
+
+def record(effect: Effect, values: Array) -> EffectRecord:
+    """The effect and its fitted values, as model.toml keeps them."""
+    numbers = {p.name: float(v) for p, v in zip(effect.params, values, strict=True)}
+    numbers |= {name: float(getattr(effect, name)) for name in effect.settings}
+    return EffectRecord(cause=effect.cause, variant=effect.variant, values=numbers, **effect.where.keys())
+
+
+def effect_text(effect: Effect, values: Array) -> str:
+    """The effect and its values as one line, which `parse_effect` reads."""
+    item = record(effect, values)
+    pairs = item.model_dump(include={*PLACE, "order", "variant"}, exclude_defaults=True) | item.values
+    return f"{item.cause}:" + ",".join(f"{key}={value}" for key, value in pairs.items())
+
+
+def parse_effect(text: str, problem: Problem) -> tuple[Effect, Array]:
+    """An effect and its values from `cause:joint=...,amplitude=...`, names as in the contract.
+
+    Without any number the effect has its typical size. Raises `InputError`.
+    """
+    cause, _, rest = text.partition(":")
+    strings: dict[str, Any] = {}
+    numbers: dict[str, float] = {}
+    for pair in filter(None, (part.strip() for part in rest.split(","))):
+        key, equals, value = (part.strip() for part in pair.partition("="))
+        if not equals:
+            raise InputError(Fault(text, f"{pair!r} is no key=value", "like joint=joint_2"))
+        if key in (*PLACE, "variant"):
+            strings[key] = value
+            continue
+        try:
+            numbers[key] = float(value)
+        except ValueError:
+            raise InputError(Fault(text, f"{key} is {value!r}, not a number")) from None
+    order = numbers.pop("order", None)
+    return from_record(
+        EffectRecord(cause=cause.strip(), order=order, values=numbers, **strings), problem, text
+    )
+
+
+def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[Effect, Array]:
+    """The effect of a record, and its values (p,). Raises `InputError` when it cannot be."""
+    text = text or f"effect {item.cause}"
+    kinds = catalogue()
+    if item.cause not in kinds:
+        raise InputError(Fault(text, f"no cause {item.cause!r}", f"known: {', '.join(kinds)}"))
+    _check_names(item, problem, text)
+    effect = _place(kinds[item.cause], item, problem, text)
+    known = (*effect.names, *effect.settings)
+    unknown = [name for name in item.values if name not in known]
+    if unknown:
+        raise InputError([Fault(text, f"no parameter {n!r}", f"known: {', '.join(known)}") for n in unknown])
+    settings: dict[str, Any] = {name: item.values[name] for name in effect.settings if name in item.values}
+    effect = replace(effect, **settings)
+    if any(name in effect.names for name in item.values):
+        return effect, effect.given(item.values)
+    return effect, np.array([p.typical for p in effect.params])
+
+
+def stated_effects(problem: Problem) -> list[tuple[Effect, Array]]:
+    """The effects that the robot's own TOML states (a model.toml), as far as they touch this campaign.
+
+    A payload that the campaign does not carry is left out; without temperature the arm is at 20 °C.
+    """
+    carried = problem.campaign.payload_names
+    return [
+        from_record(item, problem, f"{problem.robot.path}: effects")
+        for item in problem.robot.effects
+        if item.payload is None or item.payload in carried
+    ]
+
+
+def _check_names(item: EffectRecord, problem: Problem, text: str) -> None:
+    arm = problem.arm
+    known = {
+        "joint": arm.names,
+        "other": arm.names,
+        "link": arm.links,
+        "payload": problem.campaign.payload_names[1:],
+    }
+    faults = [
+        Fault(text, f"no {key} {getattr(item, key)!r}", f"known: {', '.join(known[key]) or 'none'}")
+        for key in PLACE
+        if getattr(item, key) is not None and getattr(item, key) not in known[key]
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def _place(kind: type[Effect], item: EffectRecord, problem: Problem, text: str) -> Effect:
+    """The effect at the record's place and in its variant."""
+    places = kind.places(problem)
+    where = Where(item.joint, item.other, item.link, item.payload, item.order)
+    for place in places:
+        if _matches(place, where, item.variant):
+            return replace(place, variant=item.variant or place.variant)
+    for place in places:  # any order
+        free = place.ordered and place.where.order is None
+        if free and item.order and not item.variant and replace(place.where, order=item.order) == where:
+            return replace(place, where=where)
+    why = None if places else kind.needs(problem)
+    raise InputError(Fault(text, why or "cannot sit there", "" if why else _possible(places)))
+
+
+def _matches(place: Effect, where: Where, variant: str) -> bool:
+    if variant not in ("", place.variant, place.variant.split(" ")[0]):
+        return False
+    if where.order is None:
+        # the order of a known ratio goes without saying when the variant names it
+        named = bool(variant) if place.ordered else True
+        return replace(place.where, order=None) == where and named
+    same = place.where.order is not None and bool(np.isclose(place.where.order, where.order, rtol=1e-12))
+    return same and replace(place.where, order=None) == replace(where, order=None)
+
+
+def _possible(places: Sequence[Effect]) -> str:
+    said: dict[str, None] = {}
+    for place in places:
+        keys = place.where.keys() | ({"variant": place.variant} if place.variant else {})
+        if place.ordered:
+            keys = {"joint": place.where.joint, "order": "(cycles per joint turn)"}
+        said[",".join(f"{key}={value}" for key, value in keys.items())] = None
+    listed = [text for text in said if text]
+    return f"possible: {'; '.join(listed[:12])}" + (" ..." if len(listed) > 12 else "") if listed else ""

@@ -1,0 +1,120 @@
+"""From text to rows of cells, each with the file's own line number."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Sequence
+
+from .faults import Fault
+from .table_columns import Finding, Layout
+
+SEPARATORS = (",", ";", "\t", "|", " ")
+Numbered = list[tuple[int, str]]
+
+
+def content(text: str, layout: Layout) -> Numbered:
+    """Line number and text of every line that is neither blank (or separators only) nor a comment."""
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    empty, comment = f"{layout.separator} \t", layout.comment
+    return [
+        (number, line)
+        for number, line in enumerate(lines, 1)
+        if line.strip(empty) and not (comment and line.lstrip().startswith(comment))
+    ]
+
+
+def cells(line: str, separator: str) -> list[str]:
+    """The cells of one line; a blank as separator means any run of blanks and tabs.
+
+    Raises `csv.Error` when a quotation mark is not closed.
+    """
+    if '"' in line:
+        if separator == " ":
+            line = line.strip().replace("\t", " ")
+        reader = csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True)
+        return [cell.strip() for cell in next(reader)]
+    if separator == " ":
+        return line.split()
+    return [cell.strip() for cell in line.split(separator)]
+
+
+def split(numbered: Numbered, separator: str, file: str) -> tuple[list[list[str]], list[int], list[Fault]]:
+    """Rows of cells, their line numbers, and the faults of lines that cannot be split."""
+    rows, lines, faults = [], [], []
+    for number, line in numbered:
+        try:
+            rows.append(cells(line, separator))
+            lines.append(number)
+        except csv.Error as error:
+            mend = "close the quotation mark, or take it out"
+            faults.append(Fault(f"{file} line {number}", f"cannot be split: {error}", mend))
+    return rows, lines, faults
+
+
+def usual_width(rows: Sequence[Sequence[str]]) -> int:
+    """The number of cells that most rows have."""
+    widths = [len(row) for row in rows]
+    return max(set(widths), key=widths.count)
+
+
+def wrong_layout(
+    numbered: Numbered,
+    layout: Layout,
+    finding: Finding,
+    find: Callable[[list[str]], Finding],
+    place: str,
+) -> Fault | None:
+    """The one fault behind many: a comment mark, a separator or a missing header not told.
+
+    `finding` is what was found with the layout as told, `find` what would be found in these cells.
+    """
+    line = numbered[0][1]
+    if finding.missing:
+        if mark := re.match(r"\s*(//|#|%|!)", line):
+            return Fault(
+                place, f"starts with {mark[1]!r}", f'if that is a comment, say comment = "{mark[1]}"'
+            )
+        for separator in SEPARATORS:
+            if separator != layout.separator and _fits(line, separator, finding, find):
+                return Fault(
+                    place, f"columns are separated by {_named(separator)}", _say(separator, numbered)
+                )
+    last = _cells_or_none(numbered[-1][1], layout.separator)
+    if layout.separator == " " and (ends := {cell[-1] for cell in last[:-1]} & {",", ";"}):
+        separator = ends.pop()
+        return Fault(place, f"columns are separated by {_named(separator)}", _say(separator, numbered))
+    first = _cells_or_none(line, layout.separator)
+    named = not layout.columns or any(isinstance(where, str) for where in layout.columns.values())
+    if layout.header and (finding.missing or not named) and any(map(_is_number, first)):
+        mend = "add a header, or say header = false and which column is which: columns = { pose_id = 1, ... }"
+        return Fault(place, "holds numbers where the names of the columns should be", mend)
+    return None
+
+
+def _fits(line: str, separator: str, finding: Finding, find: Callable[[list[str]], Finding]) -> bool:
+    other = find(_cells_or_none(line, separator))
+    return len(other.found) > len(finding.found) and len(other.found) > 1
+
+
+def _cells_or_none(line: str, separator: str) -> list[str]:
+    try:
+        return cells(line, separator)
+    except csv.Error:
+        return []
+
+
+def _is_number(cell: str) -> bool:
+    return re.fullmatch(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?", cell) is not None
+
+
+def _named(separator: str) -> str:
+    return {" ": "blanks", "\t": "tabs"}.get(separator, repr(separator))
+
+
+def _say(separator: str, numbered: Numbered) -> str:
+    text = {"\t": "\\t"}.get(separator, separator)
+    comma = separator != "," and any(
+        re.fullmatch(r"[+-]?\d*,\d+", cell) for cell in _cells_or_none(numbered[-1][1], separator)
+    )
+    return f'say separator = "{text}"' + (' and decimal = ","' if comma else "")

@@ -1,0 +1,7 @@
+"""Variable parameters: cells of the workspace with kinematics and stiffness of their own (source 001)."""
+
+from .cell_model import CellModel, Commands, fit_cells
+from .file import load_cells, write_cells
+from .grid import Cells, cells
+
+__all__ = ["CellModel", "Cells", "Commands", "cells", "fit_cells", "load_cells", "write_cells"]

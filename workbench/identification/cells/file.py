@@ -1,0 +1,74 @@
+"""Cells in files: `cells.toml` (box, counts, tool) and a model.toml for each cell beside it."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import tomli_w
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from ...files.faults import Fault, InputError, read_text
+from ...files.whole import put
+from ...robot.description import load_robot, toml_faults
+from ...robot.rigid_plant import arrays
+from ..model_file import write_model
+from .cell_model import CellModel
+from .grid import cells
+
+Vector = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+Count = Annotated[int, Field(ge=1)]
+
+
+class _File(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    schema_: Literal[1] = Field(alias="schema")
+    lower_mm: Vector
+    upper_mm: Vector
+    counts: tuple[Count, Count, Count]
+    tool_mm: Vector
+    models: tuple[str, ...]
+
+
+def write_cells(folder: str | Path, model: CellModel) -> Path:
+    """Writes `cells.toml` and `cell_001.toml` ... into the folder; returns the path of the first.
+
+    The models come in the order of the cells: x slowest, z fastest.
+    """
+    folder, names = Path(folder), [f"cell_{i + 1:03d}.toml" for i in range(len(model.cells))]
+    for name, robot in zip(names, model.robots, strict=True):
+        write_model(folder / name, robot, arrays(robot).geometry, robot.effects)
+    grid = model.cells
+    table = {
+        "schema": 1,
+        "lower_mm": _mm(grid.lower),
+        "upper_mm": _mm(grid.upper),
+        "counts": list(grid.counts),
+        "tool_mm": _mm(model.tool),
+        "models": names,
+    }
+    put(folder / "cells.toml", tomli_w.dumps(table).encode())
+    return folder / "cells.toml"
+
+
+def load_cells(path: str | Path) -> CellModel:
+    """The cells of a `cells.toml`. Raises `InputError` with its faults, or those of a model."""
+    path = Path(path)
+    try:
+        file = _File.model_validate(tomllib.loads(read_text(path)))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
+    except ValidationError as error:
+        raise InputError(toml_faults(path, error)) from None
+    grid = cells(1e-3 * np.array([file.lower_mm, file.upper_mm]), file.counts)
+    if len(file.models) != len(grid):
+        what = f"{len(file.models)} models for {len(grid)} cells"
+        raise InputError(Fault(f"{path}: models", what, "name one per cell, x slowest, z fastest"))
+    robots = tuple(load_robot(path.parent / name) for name in file.models)
+    return CellModel(grid, robots, 1e-3 * np.array(file.tool_mm))
+
+
+def _mm(vector: np.ndarray) -> list[float]:
+    return [round(1e3 * float(x), 9) for x in vector]

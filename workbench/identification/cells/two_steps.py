@@ -1,0 +1,113 @@
+"""Kinematics from poses without load, stiffness from what a load moves: the two steps of source 001.
+
+Its model is d = D(J K⁻¹ Jᵀ) f, eq. (9), f as a force sensor at the flange shows it: the arm's own weight
+is no part of it and stays in the kinematics, eqs. (1)–(4). So here the robot is weightless and without
+compensator, and a payload is a wrench at the flange.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ...campaign import Campaign
+from ...campaign.problem import problem
+from ...effects.joint_compliance import JointCompliance
+from ...effects.records import record
+from ...files.faults import Fault, InputError
+from ...robot.description import GEOMETRY, Robot
+from ...robot.kinematics import Arm, Array
+from ..deflection import places
+from ..fit import Fit, fit
+from ..model import Model, State
+from ..noise import Covariance, required_noise
+
+SURE = 1e3  # how much more than a measured place a computed one counts
+
+
+def external(campaign: Campaign) -> Campaign:
+    """The campaign of a weightless robot: payloads as wrenches at the flange, tool and own weight left out.
+
+    What is external already stays as it is.
+    """
+    robot = campaign.robot
+    where = problem(campaign).rigid
+    weight = campaign.load_mass[campaign.payload, None] * np.array(robot.gravity)
+    lever = (where.R[-1] @ campaign.load_com[campaign.payload][..., None])[..., 0]
+    wrench = campaign.wrench + np.hstack([weight, np.cross(lever, weight)])
+    return replace(
+        campaign,
+        robot=replace(robot, gravity=(0.0, 0.0, 0.0), compensator=None),
+        wrench=wrench,
+        payload=np.zeros_like(campaign.payload),
+        payload_names=("",),
+        load_mass=np.zeros(1),
+        load_com=np.zeros((1, 3)),
+        tool_mass=0.0,
+    )
+
+
+def part(campaign: Campaign, chosen: NDArray[np.bool_]) -> Campaign:
+    """Some poses of a campaign, without what an external load does not ask for."""
+    return replace(
+        campaign.some(np.flatnonzero(chosen)),
+        direction=None,
+        time=None,
+        temperature=None,
+        torque=None,
+        readback=None,
+    )
+
+
+def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]:
+    """The extended robot of a campaign with poses with and without load, and the fit of its stiffness.
+
+    campaign: `external`, its points in the base frame, its targets where they are stated. kinematics=False
+    keeps the robot's own. Raises `InputError` where no pose was measured both with and without load.
+    """
+    robot = campaign.robot
+    empty = np.asarray(~campaign.wrench.any(axis=1))
+    if kinematics:
+        job = problem(part(campaign, empty))
+        model = Model(job)
+        found = fit(model, model.in_base())
+        rows = zip(robot.joint_names, seated(job.arm, found.state)[1:-1].tolist(), strict=True)
+        robot = replace(robot, geometry={name: dict(zip(GEOMETRY, row, strict=True)) for name, row in rows})
+    stiffness = _from_differences(replace(campaign, robot=robot), empty)
+    pairs = zip(stiffness.model.effects, stiffness.state.values, strict=True)
+    return replace(robot, effects=tuple(record(effect, values) for effect, values in pairs)), stiffness
+
+
+def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
+    """The joints' compliances from loaded minus unloaded places, both put where the kinematics has them."""
+    job = problem(campaign)
+    same = job.positions
+    first = {number: i for i, number in reversed(list(enumerate(same))) if empty[i]}
+    pair = np.array([first.get(number, -1) for number in same])
+    used = empty | (pair >= 0)
+    if used.sum() == empty.sum():
+        raise InputError(Fault(campaign.title, "no pose was measured with and without load", "measure both"))
+    rest = places(replace(campaign, wrench=np.zeros_like(campaign.wrench)))
+    moved = rest + np.where(empty[:, None, None], 0.0, campaign.points - campaign.points[pair])
+    job = problem(part(replace(campaign, points=moved), used))
+    noise = required_noise(job)
+    both = Covariance(np.sqrt(2) * noise.sigma, np.sqrt(2) * noise.joint, np.where(empty[used], SURE, 1.0))
+    model = Model(job, tuple(JointCompliance.sites(job)))
+    return fit(model, model.in_base(), both, geometry=False)
+
+
+def seated(arm: Arm, state: State) -> Array:
+    """(S, 6) a state's geometry, with what it gave the instrument's frame put into the first joint.
+
+    For an instrument that is known to stand in the base frame: then the robot stands where it was seen.
+    """
+    geometry = state.geometry.copy()
+    turn = Rotation.from_euler("XYZ", geometry[1, 3:]).as_matrix()
+    R = state.R[0] @ arm.R[1] @ turn
+    p = state.R[0] @ (arm.p[1] + arm.R[1] @ geometry[1, :3]) + state.t[0]
+    geometry[1, :3] = arm.R[1].T @ (p - arm.p[1])
+    geometry[1, 3:] = Rotation.from_matrix(arm.R[1].T @ R).as_euler("XYZ")
+    return geometry

@@ -1,0 +1,288 @@
+"""Prediction of a campaign and its analytic Jacobian, all effects included.
+
+One chain rule for everything. Let d be the motions that do not depend on load, y the motions of the
+slots that yield, Q the wrenches: y = φ(Q(d + y)). Then with H = ∂Q/∂motion and Φ = ∂φ/∂Q,
+
+    dy = (I − Φ H_yy)⁻¹ (Φ (H_yd dd + H_yg dg + dQ) + dφ)
+
+which is the exact compliance derivative (K − ∂τ/∂θ)⁻¹ for axial springs, and every effect is a dd
+(transmission, temperature, drift), a dφ (stiffness, bending, tilt) or a dQ (payload, compensator).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ..campaign.problem import Problem
+from ..effects.base import DirectEffect, Effect, InstrumentEffect, LinearYield, LoadEffect, YieldEffect
+from ..robot.kinematics import Arm, Array, Frames, point_jacobian
+from ..robot.statics import Loads, Wrenches, equilibrium, wrench_jacobian
+from . import drive_torque
+
+
+@dataclass(frozen=True)
+class State:
+    """Everything that a fit changes. K set-ups, T targets, S slots.
+
+    geometry: (S, 6) corrections [m, rad]; R: (K, 3, 3), t: (K, 3) [m] base frame in the instrument's;
+    targets: (K, T, 3) [m] in the frames behind their slots; values: one (p,) per effect of the model.
+    """
+
+    geometry: Array
+    R: Array
+    t: Array
+    targets: Array
+    values: tuple[Array, ...] = ()
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A campaign as a state predicts it.
+
+    base: (N, T, 3) points in the robot's base frame, points: (N, T, 3) in the instrument's [m];
+    motion: (N, S, 6) all slot motions. arm, loads, where, load: what they were computed from.
+    """
+
+    arm: Arm
+    loads: Loads
+    motion: Array
+    where: Frames
+    load: Wrenches
+    base: Array
+    points: Array
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Derivatives of the points (N, T, 3) in the instrument's frame at a state.
+
+    Where drive torques were recorded, n rows for them follow the 3T rows of the points: R = 3T + n; only
+    loads move them. direct: (N, R, 6S) by slot motions, load's answer included; geometry: (N, R, 6S) by
+    corrections G; torque: (N, R, E) by the local wrenches `rows`; answer: (N, E, E) motion of these rows at
+    rest by the change that their wrenches ask for first; frame: (N, R, 6) by shift and turn of the
+    instrument frame about `centre`; target: (N, T, 3, 3) by the targets' places.
+    """
+
+    prediction: Prediction
+    direct: Array
+    geometry: Array
+    torque: Array
+    rows: NDArray[np.int64]
+    answer: Array
+    frame: Array
+    target: Array
+    centre: Array
+
+    def hasten(self, change: Array) -> Array:
+        """Motions (N, S, 6) to where the arm rests, of the change that its wrenches ask for now."""
+        out = change.reshape(len(change), -1).copy()
+        out[:, self.rows] = np.matmul(self.answer, out[:, self.rows, None])[..., 0]
+        return out.reshape(change.shape)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A problem with the effects that act in it: `effects` with the state's values, and `known` ones
+    with values of their own, which no fit changes (those of a model.toml)."""
+
+    problem: Problem
+    effects: tuple[Effect, ...] = ()
+    known: tuple[tuple[Effect, Array], ...] = ()
+
+    def acting(self, state: State) -> list[tuple[Effect, Array]]:
+        """All effects with their values at a state."""
+        return [*self.known, *zip(self.effects, state.values, strict=True)]
+
+    def start(self, R: Array, t: Array, targets: Array) -> State:
+        """State with the robot's own geometry and all effects at zero."""
+        values = tuple(np.zeros(len(effect.params)) for effect in self.effects)
+        return State(self.problem.arm.geometry, R, t, targets, values)
+
+    def in_base(self) -> State:
+        """The same seen by instruments that stand in the base frame, targets where they are stated."""
+        stated, setups = self.problem.stated_targets, len(self.problem.campaign.setup_names)
+        R, t = np.tile(np.eye(3), (setups, 1, 1)), np.zeros((setups, 3))
+        return self.start(R, t, np.tile(stated, (setups, 1, 1)))
+
+    def loaded(self, state: State, near: Linearisation | None = None) -> Prediction:
+        """Loaded poses and points; `near`, at a state that is almost the same, saves time."""
+        problem = self.problem
+        arm, loads = problem.arm.with_geometry(state.geometry), problem.loads
+        n_poses = len(problem.q)
+        direct = np.zeros((n_poses, arm.slots, 6))
+        for effect, values in self.acting(state):
+            if isinstance(effect, DirectEffect):
+                for column, basis in effect.motion(problem).items():
+                    direct.reshape(n_poses, -1)[:, column] += basis @ values
+            elif isinstance(effect, LoadEffect):
+                arm, loads = effect.apply(problem, arm, loads, values)
+
+        linear, bent = self._yielding(arm, state)
+
+        def law(wrench: Array) -> Array:
+            yields = np.matmul(wrench.swapaxes(0, 1), linear.swapaxes(1, 2)).swapaxes(0, 1)
+            for effect, values in bent:
+                yields[:, effect.slot(arm)] += effect.law(arm, wrench[:, effect.slot(arm)], values)[0]
+            return yields
+
+        if near is None:
+            motion, where, load = equilibrium(arm, problem.q, direct, loads, law)
+        else:
+            start = near.prediction.motion
+            motion, where, load = equilibrium(
+                arm, problem.q, direct, loads, law, near=start, hasten=near.hasten
+            )
+        base = self._place(where, state)
+        points = self._see(base, state)
+        return Prediction(arm, loads, motion, where, load, base, points)
+
+    def predict(self, state: State) -> Array:
+        """Points (N, T, 3) [m] as the instrument would see them."""
+        return self.loaded(state).points
+
+    def _place(self, where: Frames, state: State) -> Array:
+        on, setup = self.problem.on, self.problem.campaign.setup
+        if len(state.targets) == 1:
+            return where.points(state.targets[0], on)
+        every = np.stack([where.points(targets, on) for targets in state.targets])
+        return np.asarray(every[setup, np.arange(len(setup))])
+
+    def _see(self, base: Array, state: State) -> Array:
+        setup = self.problem.campaign.setup
+        points = np.einsum("nij,ntj->nti", state.R[setup], base) + state.t[setup][:, None]
+        change = np.zeros_like(points)
+        for effect, values in self.acting(state):
+            if isinstance(effect, InstrumentEffect):
+                change += effect.seen(self.problem, points) @ values
+        return points + change
+
+    def _yielding(self, arm: Arm, state: State) -> tuple[Array, list[tuple[YieldEffect, Array]]]:
+        """What yields in proportion to its wrench, (S, 6, 6), and the effects that yield otherwise."""
+        linear, bent = arm.compliance.copy(), []
+        for effect, values in self.acting(state):
+            if isinstance(effect, LinearYield):
+                linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
+            elif isinstance(effect, YieldEffect):
+                bent.append((effect, values))
+        return linear, bent
+
+    def _slope(self, arm: Arm, wrench: Array, state: State) -> tuple[NDArray[np.int64], Array]:
+        """The components that yield (rows), and their derivative by these wrenches (N, rows, rows)."""
+        linear, bent = self._yielding(arm, state)
+        slope = np.broadcast_to(linear, (len(wrench), *linear.shape))
+        if bent:
+            slope = slope.copy()
+        for effect, values in bent:
+            k = effect.slot(arm)
+            slope[:, k] += effect.law(arm, wrench[:, k], values)[1]
+        some = np.abs(linear) if not bent else np.abs(slope).sum(axis=0)
+        rows = np.flatnonzero(some.sum(axis=2).ravel())
+        slot, component = np.divmod(rows, 6)
+        Phi = slope[:, slot[:, None], component[:, None], component]
+        return rows, np.where(slot[:, None] == slot, Phi, 0.0)
+
+    def linearise(self, state: State, near: Linearisation | None = None) -> Linearisation:
+        """Derivatives at a state; `near` as for `loaded`: saves time, changes nothing."""
+        prediction = self.loaded(state, near)
+        arm, where, load = prediction.arm, prediction.where, prediction.load
+        on, setup = self.problem.on, self.problem.campaign.setup
+        n_poses, n_targets = prediction.base.shape[:2]
+        turn = state.R[setup]
+        J = point_jacobian(where.axes, where.origin, prediction.base, on)
+        G = point_jacobian(where.geometry_axes, where.geometry_origin, prediction.base, on)
+        J, G = (np.matmul(turn[:, None], X).reshape(n_poses, 3 * n_targets, -1) for X in (J, G))
+        rows, Phi = self._slope(arm, load.local, state)
+        torque = np.zeros((n_poses, 3 * n_targets, len(rows)))
+        answer = np.zeros((n_poses, len(rows), len(rows)))
+        if len(rows):
+            args = (arm, where, prediction.loads, load, rows)
+            H = wrench_jacobian(*args, where.axes, where.origin, before_joint=False)
+            H_g = wrench_jacobian(*args, where.geometry_axes, where.geometry_origin, before_joint=True)
+            answer[:] = np.linalg.inv(np.eye(len(rows)) - Phi @ H[:, :, rows])
+            torque = J[:, :, rows] @ (answer @ Phi)
+            J += torque @ H
+            G += torque @ H_g
+        frame, target, centre = self._frame_and_target(state, prediction, turn)
+        J, G, torque, frame = (self._with_drives(X) for X in (J, G, torque, frame))
+        return Linearisation(prediction, J, G, torque, rows, answer, frame, target, centre)
+
+    def _with_drives(self, rows: Array) -> Array:
+        """(N, R, ·): zero rows for the drive torques behind the points' rows."""
+        if not self.problem.drives:
+            return rows
+        return np.concatenate([rows, np.zeros((len(rows), self.problem.drives, rows.shape[2]))], axis=1)
+
+    def _frame_and_target(
+        self, state: State, prediction: Prediction, turn: Array
+    ) -> tuple[Array, Array, Array]:
+        setup = self.problem.campaign.setup
+        n_poses, n_targets = prediction.points.shape[:2]
+        centre = np.stack([prediction.points[setup == k].mean(axis=(0, 1)) for k in range(len(state.R))])
+        arms = prediction.points - centre[setup][:, None]
+        frame = np.zeros((n_poses, n_targets, 3, 6))
+        frame[..., :3] = np.eye(3)
+        frame[..., 3:] = -_skew(arms)
+        target = np.empty((n_poses, n_targets, 3, 3))
+        for i, k in enumerate(self.problem.on):
+            target[:, i] = turn @ prediction.where.R[k]
+        return frame.reshape(n_poses, 3 * n_targets, 6), target, centre
+
+    def drive_residual(self, line: Linearisation, state: State) -> Array:
+        """(N, n) measured torques of the drives that the loads do not explain [N·m, N]."""
+        measured = self.problem.campaign.torque
+        assert measured is not None
+        left = drive_torque.project(self.problem, np.nan_to_num(measured)[..., None])[..., 0]
+        for effect, values in self.acting(state):
+            if isinstance(effect, LoadEffect):
+                left = left - self.effect_jacobian(line, effect, values)[:, -self.problem.drives :] @ values
+        return left
+
+    def effect_jacobian(self, line: Linearisation, effect: Effect, values: Array) -> Array:
+        """(N, R, p) motion of the points (and drive torques) per unit of each parameter of an effect.
+
+        The effect need not be in the model: then this is what adding it would do.
+        """
+        problem, prediction = self.problem, line.prediction
+        n_poses = len(problem.q)
+        if isinstance(effect, DirectEffect):
+            parts = effect.motion(problem).items()
+            return sum(
+                (line.direct[:, :, column, None] * basis[:, None, :] for column, basis in parts),
+                start=np.zeros((n_poses, line.direct.shape[1], len(effect.params))),
+            )
+        if isinstance(effect, YieldEffect):
+            k = effect.slot(prediction.arm)
+            _, _, by_value = effect.law(prediction.arm, prediction.load.local[:, k], values)
+            return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ by_value)
+        if isinstance(effect, LoadEffect):
+            change = effect.wrench(problem, prediction.where, prediction.loads)
+            change = change.reshape(n_poses, -1, change.shape[-1])
+            out = line.torque @ change[:, line.rows]
+            if problem.drives:
+                axial = -change[:, prediction.arm.axial]
+                out[:, -problem.drives :] = drive_torque.project(problem, axial)
+            return np.asarray(out)
+        assert isinstance(effect, InstrumentEffect)
+        seen = effect.seen(problem, prediction.points)
+        return self._with_drives(seen.reshape(n_poses, -1, seen.shape[-1]))
+
+
+def move_frame(state: State, setup: int, centre: Array, change: Array) -> State:
+    """The state with one set-up's frame shifted and turned about `centre` by change (6,)."""
+    turn = Rotation.from_rotvec(change[3:]).as_matrix()
+    R, t = state.R.copy(), state.t.copy()
+    R[setup] = turn @ R[setup]
+    t[setup] = turn @ (t[setup] - centre) + centre + change[:3]
+    return replace(state, R=R, t=t)
+
+
+def _skew(v: Array) -> Array:
+    out = np.zeros((*v.shape, 3))
+    out[..., 0, 1], out[..., 0, 2] = -v[..., 2], v[..., 1]
+    out[..., 1, 0], out[..., 1, 2] = v[..., 2], -v[..., 0]
+    out[..., 2, 0], out[..., 2, 1] = -v[..., 1], v[..., 0]
+    return out

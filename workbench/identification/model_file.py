@@ -1,0 +1,86 @@
+"""The extended robot, `model.toml`: the robot's TOML with corrected geometry and the effects found."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from ..campaign import Campaign
+from ..effects.records import record
+from ..files.tables import number_text
+from ..files.whole import put
+from ..robot.description import GEOMETRY, EffectRecord, LoadData, Robot
+from ..robot.kinematics import Array
+from .fit import Fit
+
+
+def write_model(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
+    """Writes the extended robot. geometry: (S, 6) corrections; effects: all of them."""
+    table: dict[str, Any] = {
+        "schema": 1,
+        "name": robot.name,
+        "title": robot.title,
+        "urdf": os.path.relpath(robot.urdf.resolve(), path.parent.resolve()),
+        "flange": robot.flange,
+        "gravity": list(robot.gravity),
+        "joints": [
+            {"name": joint.name, **_given(joint.data.model_dump(exclude={"name"}))} for joint in robot.joints
+        ],
+    }
+    if robot.compensator is not None:
+        table["compensator"] = _given(robot.compensator.model_dump())
+    if robot.bending_stiffness:
+        table["links"] = [{"name": k, "bending_stiffness": v} for k, v in robot.bending_stiffness.items()]
+    if robot.source:
+        table["source"] = robot.source
+    if robot.tool is not None:
+        table["tool"] = _given(robot.tool.model_dump())
+    if robot.payloads:
+        table["payloads"] = {name: _given(load.model_dump()) for name, load in robot.payloads.items()}
+    table["geometry"] = {
+        name: {key: float(v) for key, v in zip(GEOMETRY, geometry[i + 1], strict=True)}
+        for i, name in enumerate(robot.joint_names)
+        if geometry[i + 1].any()
+    }
+    table["effects"] = [_given(item.model_dump()) for item in effects]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    put(path, tomli_w.dumps(table).encode())
+
+
+def _given(table: dict[str, Any]) -> dict[str, Any]:
+    """Without what is not known, tuples as lists."""
+    return {
+        key: list(value) if isinstance(value, tuple) else value
+        for key, value in table.items()
+        if value is not None and value != {}
+    }
+
+
+def write_fit(path: Path, fit: Fit) -> None:
+    """Writes a fit as the extended robot: what it found, beside what the robot's model had already.
+
+    Tool and payloads are the campaign's: the effects were found under them.
+    """
+    model = fit.model
+    found = [record(e, v) for e, v in zip(model.effects, fit.state.values, strict=True)]
+    robot = loaded(model.problem.robot, model.problem.campaign)
+    write_model(path, robot, fit.state.geometry, [*robot.effects, *found])
+
+
+def loaded(robot: Robot, campaign: Campaign) -> Robot:
+    """The robot with the tool and payloads of a campaign."""
+    loads = [_load(float(mass), com) for mass, com in zip(campaign.load_mass, campaign.load_com, strict=True)]
+    tool = _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0 else None
+    payloads = dict(zip(campaign.payload_names, loads, strict=True))
+    payloads.pop("", None)
+    return replace(robot, tool=tool, payloads=payloads)
+
+
+def _load(mass: float, com: Array) -> LoadData:
+    x, y, z = (float(number_text(1e3 * float(c))) for c in com)
+    return LoadData(mass_kg=mass, com_mm=(x, y, z))

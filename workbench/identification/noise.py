@@ -1,0 +1,194 @@
+"""Noise of a campaign: the instrument's per point, and the robot's repeatability per pose.
+
+A pose's points share the robot's own error: their covariance is  σ² I + J Σ_q J^T  with Σ_q the joints'
+repeatability. Points of one 6-D measurement carry six independent errors, not three each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from ..campaign.problem import Problem
+from ..files.faults import Fault, InputError
+from ..robot.kinematics import Array
+
+
+@dataclass(frozen=True)
+class Covariance:
+    """Noise of the measured points.
+
+    sigma: (N, T) [m] per axis; joint: (n,) [rad or m] one sigma of the joints' repeatability; weight:
+    (N,) factor on each pose (0 leaves it out). dof: degrees of freedom behind the noise (inf: known).
+    turn_ratio: for 6-D measurements, noise of the turning part over that of the shifting part.
+    torque: (n,) one sigma of the drive torques [N·m, N], infinite where they say nothing; None: unused.
+    """
+
+    sigma: Array
+    joint: Array
+    weight: Array
+    dof: float = np.inf
+    turn_ratio: float = 1.0
+    torque: Array | None = None
+
+    def without(self, poses: NDArray[np.bool_]) -> Covariance:
+        """Leaves out the poses marked True."""
+        return replace(self, weight=np.where(poses, 0.0, self.weight))
+
+
+def stated_noise(problem: Problem) -> Covariance | None:
+    """Noise as the campaign and the robot state it; None where the campaign states none."""
+    c = problem.campaign
+    joint = np.array([item.data.repeatability or 0.0 for item in problem.robot.joints])
+    if c.sigma is not None and np.isfinite(c.sigma[problem.seen]).any():
+        sigma = np.sqrt(np.nanmean(np.where(np.isfinite(c.sigma), c.sigma, np.nan)[problem.seen] ** 2))
+        each = np.where(problem.seen, np.sqrt(np.mean(np.nan_to_num(c.sigma, nan=sigma) ** 2, axis=2)), sigma)
+        if c.noise_sigma is None and not np.isfinite(c.sigma[problem.seen]).all():
+            each = np.where(np.isfinite(c.sigma).all(axis=2), each, sigma)
+    elif c.noise_sigma is not None:
+        each = c.noise_sigma / np.sqrt(np.maximum(c.shots, 1))
+    else:
+        return None
+    return Covariance(np.maximum(each, 1e-9), joint, np.ones(len(c.q)))
+
+
+def required_noise(problem: Problem) -> Covariance:
+    """Noise as stated; raises `InputError` where the campaign states none."""
+    noise = stated_noise(problem)
+    if noise is None:
+        raise InputError(Fault(problem.campaign.title, "states no noise", "say sigma_mm under [noise]"))
+    return noise
+
+
+def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Array | None) -> Array:
+    """(N, D, 3T): whitens residuals (N, 3T) of a pose; rows of what was not seen are zero.
+
+    axial: (N, 3T, n) motion of the points per joint motion. turned: (N, T, 3) the points from their
+    centroid, in the instrument's frame, for 6-D measurements (D = 6); None else (D = 3T).
+    """
+    seen = np.repeat(problem.seen, 3, axis=1)
+    n_poses, rows = seen.shape
+    sigma = np.repeat(covariance.sigma, 3, axis=1)
+    if turned is not None:
+        W = _six(problem, covariance, turned)
+    elif not covariance.joint.any():
+        W = np.zeros((n_poses, rows, rows))
+        W[:, np.arange(rows), np.arange(rows)] = np.where(seen, 1 / sigma, 0.0)
+    else:
+        J = np.where(seen[..., None], axial, 0.0) * covariance.joint
+        C = J @ J.transpose(0, 2, 1)
+        C[:, np.arange(rows), np.arange(rows)] += np.where(seen, sigma**2, 1.0)
+        L = np.linalg.cholesky(C)
+        W = np.linalg.inv(L) * seen[:, None, :] * seen[:, :, None]
+    return np.asarray(W * covariance.weight[:, None, None])
+
+
+def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:
+    """Projection on the six motions of a rigid pose, each with its own noise."""
+    n_poses, n_targets = problem.seen.shape
+    A = np.zeros((n_poses, n_targets, 3, 6))
+    A[..., :3] = np.eye(3)
+    for c in range(3):
+        A[..., 3 + c] = np.cross(np.eye(3)[c], turned)
+    Q, R = np.linalg.qr(np.where(problem.seen[..., None, None], A, 0.0).reshape(n_poses, -1, 6))
+    Q = Q * np.sign(np.diagonal(R, axis1=1, axis2=2))[:, None, :]
+    count = problem.seen.sum(axis=1)
+    sigma = np.where(problem.seen, covariance.sigma, 0.0).sum(axis=1) / np.maximum(count, 1)
+    ratio = np.array([1.0] * 3 + [covariance.turn_ratio] * 3)
+    scale = np.sqrt(np.maximum(count, 1))[:, None] * np.maximum(sigma, 1e-12)[:, None] * ratio
+    W = Q.transpose(0, 2, 1) / scale[:, :, None]
+    return np.asarray(np.where((count >= 3)[:, None, None], W, 0.0))
+
+
+def repeat_groups(problem: Problem) -> NDArray[np.int64]:
+    """(N,) number of the group of repeats of each pose (equal command, load, set-up and approach)."""
+    c = problem.campaign
+    parts = [np.round(c.q, 9), c.payload[:, None], np.round(c.wrench, 6), c.setup[:, None]]
+    if c.direction is not None:
+        parts.append(c.direction)
+    _, group = np.unique(np.hstack(parts), axis=0, return_inverse=True)
+    return np.asarray(group.ravel(), dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class MeasuredNoise:
+    """Noise from repeats and shots. sigma [m] per axis and shot, repeat [m] rms of the robot's part
+    per axis, joint: (n,) one sigma per joint; dof of each; total [m] per axis of a repeated point."""
+
+    sigma: float
+    joint: Array
+    repeat: float
+    total: float
+    dof: float
+
+
+def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
+    """Noise from repeated poses and shots; None where there are fewer than 12 degrees of freedom.
+
+    axial: (N, 3T, n) motion of the points per joint motion. Maximum likelihood of two variances: the
+    instrument's σ² and one for the joints (their ratio as the robot's TOML says, else equal).
+    """
+    c = problem.campaign
+    deviation, weight, dof = _within(c.points, repeat_groups(problem))
+    shot_ss, shot_dof = c.shot_scatter
+    if dof < 12:
+        return None
+    kept = weight > 0
+    d = deviation.reshape(len(weight), -1)[kept]
+    ratio = np.array([joint.data.repeatability or 0.0 for joint in problem.robot.joints])
+    ratio = ratio / ratio.max() if ratio.any() else np.where(problem.arm.prismatic, 0.0, 1.0)
+    J = axial[kept] * ratio * np.repeat(problem.seen, 3, axis=1)[kept][..., None]
+    total = max(float(np.sqrt((d**2).sum() / dof)), 1e-9)
+    # deviations from a group's mean of k members have covariance (1 − 1/k) of the noise's
+    share = weight[kept]
+    d = d / np.sqrt(share)[:, None]
+    shots = float(np.median(c.shots[problem.seen])) if problem.seen.any() else 1.0
+    reach = float(np.sqrt((J**2).sum() / max(1, J.shape[0] * J.shape[1])))
+    u, s, _ = np.linalg.svd(J, full_matrices=False)
+    projected = np.einsum("nij,ni->nj", u, d)
+    rest = (d**2).sum(axis=1) - (projected**2).sum(axis=1)
+    free = np.repeat(problem.seen, 3, axis=1)[kept].sum(axis=1) - u.shape[2]
+
+    def cost(x: Array) -> float:
+        v_m, v_q = np.exp(x[0]) / shots, np.exp(x[1])
+        v = v_m + v_q * s**2
+        value = share @ (np.sum(np.log(v) + projected**2 / v, axis=1) + rest / v_m + free * np.log(v_m))
+        if shot_dof > 0:
+            value += shot_dof * np.log(np.exp(x[0])) + shot_ss / np.exp(x[0])
+        return float(value)
+
+    start = np.log([0.5 * total**2 * shots, 0.5 * total**2 / max(reach, 1e-9) ** 2])
+    x = minimize(cost, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-6}).x
+    joint = float(np.exp(x[1] / 2)) * ratio
+    if float(np.exp(x[1] / 2)) * reach < 0.03 * total:
+        joint = np.zeros_like(joint)
+    return MeasuredNoise(
+        float(np.exp(x[0] / 2)), joint, float(np.exp(x[1] / 2)) * reach, total, float(dof + shot_dof)
+    )
+
+
+def repeat_chi2(problem: Problem, covariance: Covariance, axial: Array) -> tuple[float, int]:
+    """Sum of squares of the repeats about their means, whitened by a covariance, and its degrees of
+    freedom; axial as in `measure_noise`."""
+    deviation, _, dof = _within(problem.campaign.points, repeat_groups(problem))
+    W = whitener(problem, covariance, axial, None)
+    return float(((W @ deviation.reshape(len(W), -1, 1)) ** 2).sum()), dof
+
+
+def _within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array, int]:
+    """Deviation (N, T, 3) of each pose's points from their means in the pose's group (0 where not seen),
+    1 − 1/k of the group (0: alone), and the degrees of freedom."""
+    deviation, weight, dof = np.zeros_like(points), np.zeros(len(group)), 0
+    order = np.argsort(group, kind="stable")
+    for members in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
+        if len(members) > 1:
+            seen = np.isfinite(points[members])
+            count = seen.sum(axis=0)
+            mean = np.where(seen, points[members], 0.0).sum(axis=0) / np.maximum(count, 1)
+            deviation[members] = np.where(seen, points[members] - mean, 0.0)
+            weight[members] = 1 - 1 / len(members)
+            dof += int(np.maximum(count - 1, 0).sum())
+    return deviation, weight, dof

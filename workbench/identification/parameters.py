@@ -1,0 +1,111 @@
+"""The numbers that a fit decides: their names, priors and places, and which are free at all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..campaign.problem import Problem
+from ..effects.base import Effect, Param
+from ..robot.kinematics import Array
+from .registration import STATED_TARGET, UNKNOWN_TARGET
+
+GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
+FRAME_PRIOR = 10.0  # m, rad: as good as none
+KEYS = ("tx", "ty", "tz", "rx", "ry", "rz")
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The fitted numbers: their names and prior standard deviations, in blocks.
+
+    First the frames: shift and turn of each set-up. Then `targets`: (setup, target, columns), three
+    columns for one target, or six (shift and turn, target None) for all of a 6-D measurement together.
+    Then geometry: columns 6 · slot + component; then the effects' own parameters.
+    """
+
+    names: tuple[str, ...]
+    prior: Array
+    setups: int
+    targets: tuple[tuple[int, int | None, slice], ...]
+    geometry: NDArray[np.int64]
+    effect: tuple[slice, ...]
+
+    @property
+    def background(self) -> int:
+        """Number of columns before the effects'."""
+        start = self.targets[-1][2].stop if self.targets else 6 * self.setups
+        return int(start) + len(self.geometry)
+
+    @property
+    def geometry_slice(self) -> slice:
+        return slice(self.background - len(self.geometry), self.background)
+
+
+def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequence[int] = True) -> Columns:
+    """The numbers to fit: frames, targets, geometry (all, none, or these columns) and the effects' own."""
+    campaign = problem.campaign
+    names: list[str] = []
+    prior: list[float] = []
+    for setup in campaign.setup_names:
+        names += [f"frame/{setup}/{key}" for key in KEYS]
+        prior += [FRAME_PRIOR] * 6
+    targets: list[tuple[int, int | None, slice]] = []
+    for k, setup in enumerate(campaign.setup_names):
+        for i, label, keys, spread in _free_targets(problem, k):
+            targets.append((k, i, slice(len(names), len(names) + len(keys))))
+            names += [f"target/{setup}/{label}/{key}" for key in keys]
+            prior += spread
+    arm = problem.arm
+    every = range(6, 6 * (arm.n + 1))
+    chosen = (every if geometry else ()) if isinstance(geometry, bool) else geometry
+    which = np.array(chosen, dtype=np.int64)
+    for column in which:
+        slot, component = divmod(int(column), 6)
+        names.append(f"geometry/{arm.names[slot - 1]}/{KEYS[component]}")
+        prior.append(GEOMETRY_PRIOR[component // 3])
+    slices, start = [], len(names)
+    for effect in effects:
+        names += [f"{effect.label}/{p.name}" for p in effect.params]
+        prior += [effect_prior(p) for p in effect.params]
+        slices.append(slice(start, len(names)))
+        start = len(names)
+    return Columns(
+        tuple(names), np.array(prior), len(campaign.setup_names), tuple(targets), which, tuple(slices)
+    )
+
+
+def effect_prior(param: Param) -> float:
+    """Prior standard deviation of an effect's parameter: what physics allows, else a thousand usual sizes.
+
+    Parts of an effect that the data do not show stay where a machine can be (a centre of mass in its link).
+    """
+    allowed = (param.upper - param.lower) / 2
+    return allowed if np.isfinite(allowed) else 1e3 * param.typical
+
+
+def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, tuple[str, ...], list[float]]]:
+    """Targets of a set-up that are fitted: index (None: all as one body), name, keys, priors."""
+    campaign = problem.campaign
+    seen = problem.seen[campaign.setup == setup].any(axis=0)
+    free = [i for i, target in enumerate(campaign.targets) if seen[i] and not target.fixed]
+    stated = [campaign.targets[i].xyz is not None for i in free]
+    if campaign.six_dof and free:
+        spread = [STATED_TARGET] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
+        return [(None, "body", KEYS, spread)]
+    return [
+        (i, campaign.targets[i].name, ("x", "y", "z"), [STATED_TARGET if known else UNKNOWN_TARGET] * 3)
+        for i, known in zip(free, stated, strict=True)
+    ]
+
+
+def body_motion(places: Array) -> Array:
+    """(3T, 6) motion of places (T, 3) by shift and turn of all about their centroid."""
+    arms = places - places.mean(axis=0)
+    out = np.zeros((len(places), 3, 6))
+    out[..., :3] = np.eye(3)
+    out[..., 3:] = np.cross(np.eye(3)[None], arms[:, None]).transpose(0, 2, 1)
+    return out.reshape(-1, 6)

@@ -1,0 +1,215 @@
+"""What is known of a robot, and what further records would add: whitened rows on common parameters.
+
+A record is a pose with its load, its side of approach, its time and temperature. New records stand in a
+set-up of their own, as `diagnose old.toml new.toml` takes them: its frame and targets are fitted anew, and
+geometry and effects are what the records share with those that are there already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...campaign import Campaign
+from ...campaign.planned import TARGETS, planned
+from ...campaign.problem import Problem, problem
+from ...diagnosis.data_faults import clean
+from ...diagnosis.noise_choice import choose, from_residual
+from ...effects.base import Effect
+from ...effects.records import stated_effects
+from ...identification import drive_torque
+from ...identification.fit import Fit, fit, start_state
+from ...identification.model import Model, State
+from ...identification.noise import Covariance
+from ...identification.registration import check_units
+from ...robot.description import Robot, stated_load
+from ...robot.kinematics import Array
+
+ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tracker
+WIDE = 30.0  # prior of an effect's parameter, in its typical sizes: wide, but no arm is made of rubber
+OFTEN = 0.5  # share of the poses that must show a target for a plan to count on it
+
+Acting = tuple[tuple[Effect, Array], ...]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Whitened derivatives (N, D, P) of records by the parameters `names` (P): frames, targets and geometry
+    in units of their priors, effects in typical sizes."""
+
+    names: tuple[str, ...]
+    values: Array
+
+    def on(self, names: Sequence[str]) -> Array:
+        """(N, D, len(names)) the rows by other parameters; those that they do not have move nothing."""
+        out = np.zeros((*self.values.shape[:2], len(names)))
+        column = {name: i for i, name in enumerate(names)}
+        common = [(column[name], i) for i, name in enumerate(self.names) if name in column]
+        to, of = np.array(common).T
+        out[:, :, to] = self.values[:, :, of]
+        return out
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """A robot with its loads and targets, and what was measured of it.
+
+    problem: of the campaign (of one without points where nothing was measured: then `fit` is None);
+    acting: effects with the values that the robot's own TOML states; sigma: (T,) [m] noise per axis,
+    joint: (n,) one sigma of the joints, noise: where that comes from; shown: (T,) the targets that the
+    campaign shows often, which new records show too; places: (T, 3) [m] where these are behind their slots.
+    """
+
+    problem: Problem
+    acting: Acting
+    fit: Fit | None
+    sigma: Array
+    joint: Array
+    turn_ratio: float
+    noise: str
+    shown: NDArray[np.bool_]
+    places: Array
+
+    @property
+    def robot(self) -> Robot:
+        return self.problem.robot
+
+    def records(self, q: Array, payload: NDArray[np.int64]) -> Campaign:
+        """A campaign of N poses q: (N, n) with payloads (N,), without points."""
+        c, n_poses = self.problem.campaign, len(q)
+        targets = tuple(t for t, shown in zip(c.targets, self.shown, strict=True) if shown)
+        return replace(
+            c,
+            title=f"{self.robot.title}, planned",
+            pose_ids=tuple(str(i + 1) for i in range(n_poses)),
+            q=q,
+            payload=payload,
+            wrench=np.zeros((n_poses, 6)),
+            direction=None,
+            time=None,
+            temperature=None,
+            torque=None,
+            readback=None,
+            setup=np.zeros(n_poses, dtype=np.int64),
+            setup_names=("",),
+            targets=targets,
+            points=np.full((n_poses, len(targets), 3), np.nan),
+            shots=np.zeros((n_poses, len(targets)), dtype=np.int64),
+            sigma=None,
+            shot_scatter=(0.0, 0),
+        )
+
+    def measured(self, effects: Acting) -> Rows | None:
+        """Rows of what was measured; None where nothing was."""
+        return None if self.fit is None else _rows(self.fit, effects)
+
+    def new(self, records: Campaign, effects: Acting) -> Rows:
+        """Rows of new records, in a set-up of their own."""
+        sigma = np.tile(self.sigma[self.shown], (len(records.q), 1))
+        noise = Covariance(sigma, self.joint, np.ones(len(records.q)), turn_ratio=self.turn_ratio)
+        return self._derivatives(records, noise, effects)
+
+    def typical(self, records: Campaign, effects: Acting) -> Array:
+        """(D0, P) rows [m] of poses that will have to be right, by the names of `new`: what the targets
+        move when their frame and places are fitted to these very poses. A pose's squared rows are the mean
+        over its targets."""
+        shape = (len(records.q), int(self.shown.sum()))
+        # the six rows of a 6-D measurement are means over the targets already
+        size = 1.0 if records.six_dof else float(np.sqrt(shape[1]))
+        noise = Covariance(np.full(shape, size), np.zeros(self.problem.arm.n), np.ones(shape[0]))
+        rows = self._derivatives(records, noise, effects)
+        flat = rows.values.reshape(-1, len(rows.names))
+        fitted = np.array([name.startswith(("frame/", "target/")) for name in rows.names])
+        Q = _span(flat[:, fitted])
+        return np.where(fitted, 0.0, flat - Q @ (Q.T @ flat))
+
+    def _derivatives(self, records: Campaign, noise: Covariance, effects: Acting) -> Rows:
+        name = "planned"
+        while name in self.problem.campaign.setup_names:
+            name += "+"
+        records = replace(records, setup_names=(name,))
+        whole = replace(self.problem, campaign=records)
+        geometry = self.problem.arm.geometry if self.fit is None else self.fit.state.geometry
+        # seen from the base: where the instrument stands makes no difference
+        state = State(geometry, np.eye(3)[None], np.zeros((1, 3)), self.places[None, self.shown])
+        model = Model(whole, (), self.acting)
+        points = model.predict(state)
+        shots = np.ones(points.shape[:2], dtype=np.int64)
+        whole = replace(whole, campaign=replace(records, points=points, shots=shots))
+        # a fit to its own prediction: only its derivatives are wanted
+        return _rows(fit(replace(model, problem=whole), state, noise, max_iterations=1), effects)
+
+
+def _span(columns: Array) -> Array:
+    """Orthonormal basis of what the columns span."""
+    scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    U, s, _ = np.linalg.svd(scaled, full_matrices=False)
+    return np.asarray(U[:, s > 1e-9 * s[0]])
+
+
+def _rows(result: Fit, effects: Acting) -> Rows:
+    """Rows of a fit's poses by its own parameters and by those of effects besides."""
+    names, blocks = list(result.columns.names), [result.J * result.columns.prior]
+    for effect, values in effects:
+        typical = np.array([p.typical for p in effect.params])
+        names += effect_names(effect)
+        moved = result.model.effect_jacobian(result.line, effect, values) * typical
+        blocks.append(np.matmul(result.whitener, moved))
+    return Rows(tuple(names), np.concatenate(blocks, axis=2))
+
+
+def effect_names(effect: Effect) -> list[str]:
+    """Names of an effect's parameters, its form and order included."""
+    what = f"{effect.cause}({effect.where.keys()}) {effect.variant}"
+    return [f"effect/{what}/{p.name}" for p in effect.params]
+
+
+def information_before(names: Sequence[str]) -> Array:
+    """(P,) what is known of each parameter before anything is measured, in the units of `Rows`."""
+    return np.array([WIDE**-2 if name.startswith("effect/") else 1.0 for name in names])
+
+
+def unmeasured(robot: Robot) -> Knowledge:
+    """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker."""
+    loads = {name: stated_load(load) for name, load in robot.payloads.items()}
+    blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=stated_load(robot.tool))
+    whole = problem(blank)
+    joint = np.array([item.data.repeatability or 0.0 for item in robot.joints])
+    noise = f"{1e3 * ASSUMED_SIGMA:.3f} mm per axis assumed, and the joints' repeatability as stated"
+    sigma = np.full(len(TARGETS), ASSUMED_SIGMA)
+    effects = tuple(stated_effects(whole))
+    shown = np.ones(len(TARGETS), dtype=bool)
+    return Knowledge(whole, effects, None, sigma, joint, 1.0, noise, shown, whole.stated_targets)
+
+
+def measured(campaign: Campaign) -> Knowledge:
+    """A robot with its campaign, geometry fitted and noise chosen as a diagnosis does. Raises InputError
+    where the data are unusable."""
+    whole = problem(campaign)
+    check_units(whole)
+    acting = tuple(stated_effects(whole))
+    start = start_state(whole)
+    covariance, noise, _ = choose(whole, Model(whole, (), acting).linearise(start))
+    cleaned = clean(whole, start, covariance, acting, judged=noise.source != "residual")
+    whole = cleaned.problem
+    result = fit(Model(whole, (), acting), cleaned.fit.state, covariance)
+    if noise.source == "residual":
+        covariance, noise = from_residual(result)
+    if whole.drives:
+        covariance = replace(covariance, torque=drive_torque.noise(whole))
+    if noise.source == "residual" or whole.drives:
+        result = fit(result.model, result.state, covariance)
+    share = whole.seen.mean(axis=0)
+    shown = (share >= min(OFTEN, float(share.max()))) | campaign.six_dof
+    where = [whole.seen[whole.campaign.setup == k].sum(axis=0) for k in range(len(campaign.setup_names))]
+    places = result.state.targets[np.argmax(where, axis=0), np.arange(len(share))]
+    sigma = np.sqrt(np.mean(covariance.sigma**2, axis=0))
+    source = {"stated": "as stated", "repeats": "measured from repeats", "residual": "what geometry leaves"}
+    words = f"{1e3 * float(np.sqrt(np.mean(sigma[shown] ** 2))):.4f} mm per axis, {source[noise.source]}"
+    joint, ratio = covariance.joint, covariance.turn_ratio
+    if joint.any():
+        words += f", joints that repeat to {1e3 * float(joint.max()):.3g} mrad"
+    return Knowledge(whole, acting, result, sigma, joint, ratio, words, shown, places)

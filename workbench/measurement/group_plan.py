@@ -1,0 +1,100 @@
+"""Configurations for a joint's compliance at several angles of it, chosen for a test pose (source 002, (18)).
+
+At each angle a few configurations under a hanging load, and one pulled from the side: gravity makes no torque
+about an upright first axis, so a plan without it leaves that joint's compliance unknown and (18) infinite.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..campaign import Campaign, Target
+from ..campaign.planned import random_poses
+from ..robot.description import Robot
+from ..robot.kinematics import Array
+from .design import criterion, exchange
+from .load_pairs import Load, difference_rows, pairs
+
+
+@dataclass(frozen=True)
+class Rig:
+    """What is measured and how: markers, hanging load, its sideways pull (3,) [N], tool; sigma of a reading
+    [m]; limits: joint → largest angle [rad] either way, where the instrument still sees the tool."""
+
+    targets: Sequence[Target]
+    load: Load
+    sideways: Array
+    tool: Load
+    sigma: float
+    limits: Mapping[str, float]
+
+    def rows(self, robot: Robot, q: Array, pull: Array) -> Array:
+        """(C, 3T, n) whitened rows of loaded minus unloaded, for configurations q: (C, n), pull: (3,) [N]."""
+        plan = pairs(robot, q, self.load, np.tile(pull, (len(q), 1)), self.targets, self.tool)
+        return difference_rows(plan) / (np.sqrt(2) * self.sigma)
+
+    def moved(self, robot: Robot, q: Array, force: Array) -> Array:
+        """(3, n) [m] how the first target moves in a pose q (n,) under a force (3,) [N] at the load's place,
+        per unit of each joint's compliance over the model's."""
+        plan = pairs(robot, q[None], self.load, force[None], self.targets, self.tool)
+        return difference_rows(plan)[0, :3]
+
+
+@dataclass(frozen=True)
+class GroupPlan:
+    """The pairs of all groups. rho0 [m]: eq. (18), summed over the groups; random: (R,) [m] the same of plans
+    drawn at random from the same candidates; hanging: rho0 without any pull from the side."""
+
+    campaign: Campaign
+    rho0: float
+    random: Array
+    hanging: float
+
+
+def group_plan(
+    robot: Robot,
+    joint: str,
+    angles: Array,
+    counts: Sequence[int],
+    rig: Rig,
+    A0: Array,
+    candidates: int,
+    seed: int,
+    randoms: int = 300,
+) -> GroupPlan:
+    """The plan for `counts` configurations at `angles` (M,) of a joint. A0: (3, n) motion of the tool at the
+    test pose under its force, per unit of each compliance [m]."""
+    rng = np.random.default_rng([seed, 0])
+    chosen: list[Array] = []
+    pulls: list[Array] = []
+    squares, random, hanging = 0.0, np.zeros(randoms), 0.0
+    for angle, count in zip(angles, counts, strict=True):
+        q = random_poses(_held(robot, joint, angle, rig), candidates, rng, floor=0.4, clear=0.6)
+        down, aside = rig.rows(robot, q, np.zeros(3)), rig.rows(robot, q, rig.sideways)
+        side = int(np.argmax((aside[:, :, 0] ** 2).sum(axis=1)))
+        best, rho = exchange(down, A0, count - 1, prior=aside[side].T @ aside[side], starts=3, seed=seed)
+        chosen += [*q[best], q[side]]
+        pulls += [np.zeros(3)] * (count - 1) + [rig.sideways]
+        squares += rho**2
+        hanging += criterion(down, A0) ** 2
+        for i in range(randoms):
+            some, one = rng.choice(candidates, count - 1, replace=False), rng.integers(candidates)
+            random[i] += criterion(down[some], A0, aside[one].T @ aside[one]) ** 2
+    title = f"{robot.title}, {len(chosen)} configurations before and after loading"
+    plan = pairs(robot, np.array(chosen), rig.load, np.array(pulls), rig.targets, rig.tool, title)
+    return GroupPlan(plan, float(np.sqrt(squares)), np.sqrt(random), float(np.sqrt(hanging)))
+
+
+def _held(robot: Robot, name: str, angle: float, rig: Rig) -> Robot:
+    """The robot with one joint held at an angle and the others within the rig's limits."""
+    joints = []
+    for joint in robot.joints:
+        most = rig.limits.get(joint.name, np.inf)
+        lower, upper = max(joint.lower, -most), min(joint.upper, most)
+        if joint.name == name:
+            lower, upper = angle - 1e-9, angle + 1e-9
+        joints.append(replace(joint, lower=lower, upper=upper))
+    return replace(robot, joints=tuple(joints))

@@ -1,0 +1,169 @@
+"""Poses measured before and after loading: what the load alone moves, and compliances from it.
+
+Each configuration is a set-up of its own, so the instrument's frame is fitted anew to it: whatever is
+equal before and after (geometry, zeros, dead weight, a compensator's pull) goes into that frame, and only
+loaded minus unloaded speaks. That is the linear estimate k = (Σ BᵀB)⁻¹ Σ Bᵀ Δp of source 002, eqs. (8)–(11),
+with the workbench's own statics for B and iterated about the loaded pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..campaign import Campaign, Target
+from ..campaign.planned import planned
+from ..campaign.problem import Problem, problem
+from ..effects.base import Effect, Param, YieldEffect
+from ..effects.joint_compliance import JointCompliance
+from ..effects.lost_motion import LostMotion
+from ..identification.fit import Fit, fit, start_state
+from ..identification.model import Model
+from ..identification.noise import Covariance
+from ..robot.description import Robot
+from ..robot.kinematics import Arm, Array
+from ..simulation.virtual_campaign import Truth, simulate
+
+Load = tuple[float, Sequence[float]]
+
+
+@dataclass(frozen=True)
+class GroupCompliance(YieldEffect):
+    """A joint's compliance as its model's, plus `relative` of it in the `poses` marked True only.
+
+    Source 002 gives joint 2 a compliance of its own at each of its angles. For fitting: the mask belongs
+    to one campaign.
+    """
+
+    nominal: float = 0.0
+    poses: tuple[bool, ...] = ()
+
+    cause = JointCompliance.cause
+    title = JointCompliance.title
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        return (Param("relative", "1", 0.3, "compliance in this group over the model's, minus one"),)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> list[GroupCompliance]:
+        return []
+
+    @property
+    def label(self) -> str:
+        return f"{super().label}[{self.variant}]"
+
+    def slot(self, arm: Arm) -> int:
+        return self._whole.slot(arm)
+
+    @property
+    def _whole(self) -> JointCompliance:
+        return JointCompliance(self.where, nominal=self.nominal)
+
+    def law(self, arm: Arm, wrench: Array, values: Array) -> tuple[Array, Array, Array]:
+        motion, by_wrench, by_value = self._whole.law(arm, wrench, values)
+        here = np.asarray(self.poses, dtype=float)
+        return motion * here[:, None], by_wrench * here[:, None, None], by_value * here[:, None, None]
+
+
+def pairs(
+    robot: Robot, q: Array, load: Load, pull: Array, targets: Sequence[Target], tool: Load, title: str = ""
+) -> Campaign:
+    """The plan: each of C configurations q: (C, n) before and after loading, its own set-up.
+
+    load: mass [kg] and place [m] on the flange of what hangs there, where `pull` is zero; pull: (C, 3) [N]
+    force at the same place instead, as a cable exerts it, in the base frame. Rows 0..C−1 are before loading.
+    """
+    count = len(q)
+    pulled = [bool(force.any()) for force in pull]
+    plan = planned(
+        robot,
+        np.vstack([q, q]),
+        targets=targets,
+        payloads={"load": load},
+        payload=[""] * count + ["" if by_cable else "load" for by_cable in pulled],
+        tool=tool,
+        setup=[f"P{i + 1}" for i in range(count)] * 2,
+        title=title,
+    )
+    where = problem(plan).rigid
+    lever = where.R[-1][count:] @ np.asarray(load[1])
+    wrench = np.zeros((2 * count, 6))
+    wrench[count:] = np.hstack([pull, np.cross(lever, pull)])
+    return replace(plan, wrench=wrench)
+
+
+def grouped(job: Problem, joint: str, group: Sequence[int]) -> list[Effect]:
+    """One compliance per joint, and for `joint` one per group; group: N numbers of the poses', from 0."""
+    out: list[Effect] = []
+    for whole in JointCompliance.sites(job):
+        if whole.where.joint != joint:
+            out.append(whole)
+            continue
+        for g in sorted(set(group)):
+            mask = tuple(number == g for number in group)
+            out.append(GroupCompliance(whole.where, str(g + 1), whole.nominal, mask))
+    return out
+
+
+def fit_pairs(campaign: Campaign, effects: Callable[[Problem], Sequence[Effect]], sigma: float) -> Fit:
+    """Effects from loaded minus unloaded poses; sigma: noise per axis [m]. Geometry stays as it is."""
+    job = problem(campaign)
+    setups = len(campaign.setup_names)
+    start = start_state(problem(as_one_setup(campaign)))  # the instrument stood still: one start serves all
+    R, t, targets = (np.repeat(part, setups, axis=0) for part in (start.R, start.t, start.targets))
+    start = replace(start, R=R, t=t, targets=targets)
+    noise = Covariance(np.full(job.seen.shape, sigma), np.zeros(job.arm.n), np.ones(len(job.q)))
+    return fit(Model(job, tuple(effects(job))), start, noise, geometry=False)
+
+
+def fit_beside(campaign: Campaign, effect: Effect, sigma: float) -> Fit:
+    """One compliance per joint, and one effect beside them: the last of the fit."""
+    return fit_pairs(campaign, lambda job: [*JointCompliance.sites(job), effect], sigma)
+
+
+def fit_soft_zone(campaign: Campaign, joint: str, sigma: float) -> Fit:
+    """One compliance per joint and a soft zone of `joint`, in the catalogue's width that fits best."""
+    zones = [zone for zone in LostMotion.sites(problem(campaign)) if zone.where.joint == joint]
+    return min((fit_beside(campaign, zone, sigma) for zone in zones), key=lambda found: found.chi2)
+
+
+def measure_pairs(plan: Campaign, truth: Truth, seed: int, instrument: tuple[Array, Array]) -> Campaign:
+    """The pairs of a plan, measured in Drake by an instrument that stands still: R (3, 3), t (3,).
+
+    The robot stands still while it is loaded, so its repeatability is in both readings alike.
+    """
+    half, setups = len(plan.q) // 2, len(plan.setup_names)
+    spread = [joint.data.repeatability or 0.0 for joint in plan.robot.joints]
+    rest = np.random.default_rng([seed, 0]).normal(scale=spread, size=(half, len(spread)))
+    still = replace(truth, repeatability=np.zeros(len(spread)), joints=lambda _: np.tile(rest, (2, 1)))
+    R, t = (np.repeat(part[None], setups, axis=0) for part in instrument)
+    return simulate(plan, still, seed=seed, instrument=(R, t))
+
+
+def as_one_setup(campaign: Campaign) -> Campaign:
+    """The same records read as absolute poses: one instrument frame for all."""
+    return replace(campaign, setup=np.zeros_like(campaign.setup), setup_names=("",))
+
+
+def compliances(found: Fit) -> tuple[Array, Array]:
+    """Fitted compliances (E,) and their standard deviations [rad/(N·m)], in the effects' order."""
+    nominal = np.array([getattr(effect, "nominal", 0.0) for effect in found.model.effects])
+    one = [found.effect_values(i) for i in range(len(nominal))]
+    relative = np.array([values[0] for values, _ in one])
+    std = np.array([np.sqrt(covariance[0, 0]) for _, covariance in one])
+    return nominal * (1 + relative), nominal * std
+
+
+def difference_rows(campaign: Campaign) -> Array:
+    """(C, 3T, n) motion of the targets by the load of C pairs, per unit of each joint's compliance over the
+    model's. The rows A of the source's criteria (14), (17), (18), about the nominal loaded pose."""
+    job = problem(as_one_setup(campaign))
+    model = Model(job)
+    line = model.linearise(model.in_base())
+    parts = [model.effect_jacobian(line, effect, np.zeros(1)) for effect in JointCompliance.sites(job)]
+    rows = np.concatenate(parts, axis=2)
+    half = len(job.q) // 2
+    return np.asarray(rows[half:] - rows[:half])

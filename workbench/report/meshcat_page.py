@@ -1,0 +1,122 @@
+"""A page with a Meshcat scene: the robot at one pose or in motion, the camera, a panel over it.
+
+Drake's Meshcat draws the robot and writes the file; the panel is HTML with a script that goes into it.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..robot.description import Robot
+
+Array = NDArray[np.float64]
+REPORT = Path(__file__).with_name("templates")
+
+
+@contextmanager
+def meshcat_alone() -> Iterator[Any]:
+    """A Meshcat of its own, without a line on the console and without visitors from outside."""
+    from pydrake.geometry import Meshcat, MeshcatParams
+
+    log = logging.getLogger("drake")
+    level = log.level
+    log.setLevel(logging.WARNING)
+    try:
+        yield Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
+    finally:
+        log.setLevel(level)
+
+
+def draw_robot(meshcat: Any, robot: Robot, q: Array, prefix: str, time: Array | None = None) -> Array:
+    """Publish the robot's visuals at joints q (n,), or in motion through q (F, n) at times (F,) [s]; places
+    of its links (L, 3) [m] in the (first) pose."""
+    from pydrake.geometry import MeshcatVisualizer, MeshcatVisualizerParams
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+    from pydrake.systems.framework import DiagramBuilder
+
+    builder: Any = DiagramBuilder()
+    plant, graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+    Parser(plant).AddModels(robot.urdf)
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(robot.base))
+    plant.Finalize()
+    params = MeshcatVisualizerParams(prefix=prefix, delete_on_initialization_event=False)
+    drawn = MeshcatVisualizer.AddToBuilder(builder, graph, meshcat, params)
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    own = plant.GetMyMutableContextFromRoot(context)
+    at = [plant.GetJointByName(joint.name).position_start() for joint in robot.joints]
+
+    def show(joints: Array) -> None:
+        positions = plant.GetPositions(own)
+        positions[at] = joints
+        plant.SetPositions(own, positions)
+        diagram.ForcedPublish(context)
+
+    poses = np.atleast_2d(q)
+    if time is not None:
+        drawn.StartRecording()
+        for joints, instant in zip(poses, time, strict=True):
+            context.SetTime(float(instant))
+            show(joints)
+        drawn.StopRecording()
+        drawn.PublishRecording()
+    context.SetTime(0.0)
+    show(poses[0])
+    links = (robot.base, *robot.links)
+    return np.array(
+        [plant.EvalBodyPoseInWorld(own, plant.GetBodyByName(link)).translation() for link in links]
+    )
+
+
+def look(meshcat: Any, centre: list[float], extent: float, arm: Array) -> None:
+    """The camera, looking at the side of the arm (base to flange); a light ground; no axes."""
+    azimuth = np.arctan2(arm[1], arm[0]) - np.radians(60)
+    ahead = np.array([1.22 * np.cos(azimuth), 1.22 * np.sin(azimuth), 0.43])
+    left = np.array([np.sin(azimuth), -np.cos(azimuth), 0.0])
+    middle = np.array(centre) + 0.12 * extent * left  # room for the panel
+    meshcat.SetCamera(meshcat.PerspectiveCamera(fov=38, near=0.05, far=200))
+    meshcat.SetCameraPose(middle + extent * ahead, middle)
+    for name in ("/Axes", "/Grid"):
+        meshcat.SetProperty(name, "visible", False)
+    meshcat.SetProperty("/Background", "top_color", [0.985, 0.988, 0.992])
+    meshcat.SetProperty("/Background", "bottom_color", [0.86, 0.88, 0.905])
+
+
+def with_panel(html: str, panel: str, data: dict[str, Any], title: str) -> str:
+    """Meshcat's page with a panel of `report/` over it, its data and title put in."""
+    style = (REPORT / "scene.css").read_text(encoding="utf-8")
+    text = (REPORT / panel).read_text(encoding="utf-8")
+    text = f"<style>\n{style}</style>\n" + text.replace("/*DATA*/", _script_json(data))
+    html = html.replace("<title>Drake MeshCat</title>", f"<title>{_plain(title)}</title>")
+    head, end, tail = html.rpartition("</body>")
+    return head + text + end + tail
+
+
+def pack(values: Array) -> str:
+    """(k, 3) as little-endian 32-bit numbers in base64."""
+    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode()
+
+
+def round_factor(value: float) -> float:
+    """To 1, 2 or 5 times a power of ten."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(power * max(step for step in (1, 2, 5) if step <= value / power * 1.001))
+
+
+def _script_json(data: dict[str, Any]) -> str:
+    """JSON that cannot end the script element it stands in."""
+    return json.dumps(data).replace("<", "\\u003c")
+
+
+def _plain(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;")

@@ -1,0 +1,27 @@
+"""The bending of a link, as a compliance at its end."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .kinematics import Array
+
+
+def bending_compliance(length: Array) -> Array:
+    """Compliance (6, 6) for EI = 1 N·m² of a cantilever that ends at a slot.
+
+    `length`: (3,) [m] from the link's root to its end, on the slot's axes (`Arm.span`). Bernoulli: the
+    end moves by F l³/3EI + M l²/2EI and turns by F l²/2EI + M l/EI, across the link only.
+    """
+    reach = float(np.linalg.norm(length))
+    out = np.zeros((6, 6))
+    if reach < 1e-6:
+        return out
+    u = length / reach
+    across = np.eye(3) - np.outer(u, u)
+    U = np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
+    out[:3, :3] = across * reach**3 / 3
+    out[3:, 3:] = across * reach
+    out[3:, :3] = U * reach**2 / 2  # turn by (u × F) l²/2
+    out[:3, 3:] = out[3:, :3].T
+    return out

@@ -1,0 +1,130 @@
+"""From files to files: a path, a model and a truth to a folder with the proof."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...correction import Conditions
+from ...correction.paths import load_path
+from ...files.faults import Fault, InputError
+from ...files.whole import put
+from ...report.numbers import mm
+from ...robot.description import Robot, load_robot
+from ...robot.kinematics import Array
+from .control import Controller
+from .proof import SPEEDS, verify
+from .verification import NAMES, Verification
+
+
+@dataclass(frozen=True, eq=False)
+class Verified:
+    """A verification and the files it wrote."""
+
+    found: Verification
+    files: tuple[Path, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """The numbers."""
+        return self.found.to_json()
+
+    @property
+    def text(self) -> str:
+        """What a user should know, for the terminal."""
+        found = self.found
+        lines = [f"{found.robot.title}, {found.path.title}: {len(found.path)} samples in closed loop"]
+        for series in found.series:
+            lines.append(
+                f"  {f'at {series.speed:.3g} m/s, mm':<31}"
+                + "".join(f"{name:>8}" for name in ("mean", "RMS", "95 %", "max", "R_a", "R_z"))
+            )
+            for name, trial in series.trials.items():
+                f = trial.figures
+                values = (f.mean_mm, f.rms_mm, f.p95_mm, f.max_mm, f.ra_mm, f.rz_mm)
+                lines.append(f"  {NAMES[name]:<31}" + "".join(f"{mm(value):>8}" for value in values))
+        for r in found.repeats:
+            rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"
+            lines.append(
+                f"  {NAMES[r.name]}, {r.count} runs at {r.speed:.3g} m/s: AT {mm(r.at_mm)} mm, RT {rt}"
+            )
+        ratio = found.slow.ratio_to_perfect
+        if ratio is not None:
+            lines.append(f"  {ratio:.2f} times what a perfect model would reach")
+        lines.append(f"  half the step changes the tool by {found.step_change_um:.2g} µm")
+        lines += [f"  note: {note}" for note in found.notes]
+        return "\n".join([*lines, *(str(file) for file in self.files)])
+
+
+def verify_file(
+    path: str | Path,
+    model: str | Path,
+    truth: str | Path | None = None,
+    out: str | Path | None = None,
+    *,
+    conditions: Conditions | None = None,
+    tool: Array | None = None,
+    start: Array | None = None,
+    speeds: Sequence[float] | None = SPEEDS,
+    repeats: int = 10,
+    controller: Controller | None = None,
+    seed: int = 0,
+    workers: int = 1,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Verified:
+    """Reads a path, a model and the truth (default: the model), simulates, and writes the proof.
+
+    Into `out` (None: nowhere): `verify.json`, `verify.html`, `scene.html`. Raises `InputError` with all
+    faults of the files; nothing is written then.
+    """
+    faults: list[Fault] = []
+    robots: list[Robot] = []
+    for file in (model, truth):
+        try:
+            robots.append(load_robot(file) if file is not None else robots[0])
+        except InputError as error:
+            faults += error.faults
+        except IndexError:
+            break
+    try:
+        wanted = load_path(path, robots[0] if robots else None)
+    except InputError as error:
+        faults += error.faults
+    if out is not None and Path(out).exists() and not Path(out).is_dir():
+        faults.append(Fault(str(out), "is a file, not a folder", "name a folder with --out"))
+    if faults:
+        raise InputError(faults)
+    belief, true_robot = robots
+    found = verify(
+        wanted,
+        true_robot,
+        belief,
+        conditions,
+        tool=tool,
+        start=start,
+        speeds=speeds,
+        repeats=repeats,
+        controller=controller,
+        seed=seed,
+        workers=workers,
+        progress=progress,
+    )
+    return Verified(found, write_verification(found, Path(out)) if out is not None else ())
+
+
+def write_verification(found: Verification, folder: Path) -> tuple[Path, ...]:
+    """Writes `verify.json`, `verify.html`, `scene.html`, all made before any is written; their paths."""
+    from .page import page
+    from .scene import scene
+
+    made = {
+        "verify.json": (json.dumps(found.to_json(), indent=2, ensure_ascii=False) + "\n").encode(),
+        "verify.html": page(found).encode(),
+        "scene.html": scene(found).encode(),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, data in made.items():
+        put(folder / name, data)
+    return tuple(folder / name for name in made)

@@ -1,0 +1,204 @@
+"""What the true robot consists of: springs, gear errors, loads, taken from its model along a path.
+
+Every slot that yields does so along a few screws: its compliance C is a sum of λ ξ ξᵀ, so a joint along
+each ξ with a spring of stiffness 1/λ yields by C · wrench. No constraint and no stiff dummy is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...correction.conditions import Conditions, path_campaign
+from ...correction.extended_arm import ExtendedArm, extended_arm
+from ...correction.paths import Path
+from ...effects.base import DirectEffect, Effect, LinearYield, TransmissionEffect, YieldEffect
+from ...robot.description import Robot
+from ...robot.kinematics import RX, Arm, Array
+from ...robot.rigid_plant import arrays, compensator_law
+from ...robot.statics import CompensatorLaw
+
+RIGID = 1e-10  # rad/(N·m), m/N: what a joint without compliance yields, where it needs a joint at all
+TABLE = 8001  # torques at which a law that is not linear is tabulated
+
+
+@dataclass(frozen=True)
+class Screw:
+    """A motion at a slot: turn about `axis` through `point`, and shift by `pitch` per rad; or a pure shift.
+
+    axis: (3,) unit, point: (3,) [m] on the slot's axes; compliance: rad or m per its own torque or force.
+    """
+
+    slot: int
+    axis: Array
+    point: Array
+    pitch: float
+    shift: bool
+    compliance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """Axial yield of a joint: linear with `compliance`, or tabulated (`motion`, `torque`) where it is not."""
+
+    compliance: float
+    motion: Array | None = None
+    torque: Array | None = None
+
+    @property
+    def stiffest(self) -> float:
+        """Largest slope of the torque [N·m/rad, N/m]."""
+        if self.motion is None or self.torque is None:
+            return 1 / self.compliance
+        return float((np.diff(self.torque) / np.diff(self.motion)).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanics:
+    """The true robot on a path of N samples: geometry and masses in `arm`, and what moves.
+
+    screws: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
+    placed: (S, 6) motions that neither load nor the drive makes (temperature, drift), at the path's middle.
+    mass, moment: tool and payload [kg, kg·m, flange frame]; wrench: (N, 6), torque: (N, n) as `Loads` has
+    them. gear: the effects of the transmission with their values. notes: what had to be assumed.
+    """
+
+    robot: Robot
+    arm: Arm
+    screws: tuple[Screw, ...]
+    axial: tuple[Law | None, ...]
+    placed: Array
+    mass: float
+    moment: Array
+    wrench: Array
+    torque: Array
+    compensator: CompensatorLaw | None
+    gear: tuple[tuple[TransmissionEffect, Array], ...]
+    notes: tuple[str, ...]
+
+    def gear_error(self, q: Array, side: Array) -> Array:
+        """(K, n) motion of each joint beyond its drive's, at joints q (K, n) reached from `side` (K, n)."""
+        out = np.zeros_like(q)
+        for effect, values in self.gear:
+            joint = self.arm.names.index(str(effect.where.joint))
+            out[:, joint] += effect.basis(q, side, self.arm.names) @ values
+        return out
+
+
+def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mechanics:
+    """The robot as its model has it, along a path with commanded joints q (N, n)."""
+    arm = arrays(robot)
+    whole = Problem(robot, arm, path_campaign(robot, path, q, conditions), compensator_law(robot, arm))
+    extended = extended_arm(whole)
+    here = extended.at(q, np.zeros_like(q), slice(0, len(q)))
+    loaded, loads = extended.loads(here)
+    linear, bent = _compliance(arm, extended)
+    gear = tuple((e, v) for e, v in extended.effects if isinstance(e, TransmissionEffect))
+    others = tuple((e, v) for e, v in extended.effects if not isinstance(e, TransmissionEffect))
+    placed = replace(extended, effects=others).direct(here)
+    erring = {str(effect.where.joint) for effect, _ in gear}
+    axial, screws = _springs(arm, linear, bent, erring)
+    law = loads.compensator
+    if law is not None:
+        law = replace(law, charge=float(np.mean(law.charge)))
+    return Mechanics(
+        robot,
+        loaded,
+        screws,
+        axial,
+        placed[len(q) // 2],
+        float(loads.mass.mean()),
+        loads.moment.mean(axis=0),
+        loads.wrench,
+        loads.torque,
+        law,
+        gear,
+        (*extended.notes, *_sliding_with_load(others, placed)),
+    )
+
+
+def _sliding_with_load(effects: tuple[tuple[Effect, Array], ...], placed: Array) -> list[str]:
+    """What changes along the path and is held at its middle."""
+    change = float(np.ptp(placed, axis=0).max(initial=0.0))
+    if change < 1e-7:
+        return []
+    names = ", ".join(effect.label for effect, _ in effects if isinstance(effect, DirectEffect))
+    return [f"{names}: held as in the middle of the path (it changes by up to {change * 1e6:.1f} µm or µrad)"]
+
+
+def _compliance(arm: Arm, extended: ExtendedArm) -> tuple[Array, list[tuple[int, Callable[[Array], Array]]]]:
+    """(S, 6, 6) linear compliance, and (slot, axial law) of what is not linear."""
+    linear, bent = arm.compliance.copy(), []
+    for effect, values in extended.effects:
+        if isinstance(effect, LinearYield):
+            linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
+        elif isinstance(effect, YieldEffect):
+            slot = effect.slot(arm)
+            bent.append((slot, _axial_law(effect, arm, int(arm.axial[slot - 1]) % 6, values)))
+    return linear, bent
+
+
+def _axial_law(effect: YieldEffect, arm: Arm, component: int, values: Array) -> Callable[[Array], Array]:
+    def law(torque: Array) -> Array:
+        wrench = np.zeros((len(torque), 6))
+        wrench[:, component] = torque
+        return effect.law(arm, wrench, values)[0][:, component]
+
+    return law
+
+
+def _springs(
+    arm: Arm, linear: Array, bent: list[tuple[int, Callable[[Array], Array]]], erring: set[str]
+) -> tuple[tuple[Law | None, ...], tuple[Screw, ...]]:
+    """The joints' own springs, and the screws for the rest of the compliance."""
+    axial: list[Law | None] = []
+    screws: list[Screw] = []
+    for slot in range(arm.slots):
+        C = linear[slot].copy()
+        if 1 <= slot <= arm.n:
+            k = int(arm.axial[slot - 1]) % 6
+            others = [c for c in range(6) if c != k]
+            coupled = C[k, others] @ np.linalg.pinv(C[np.ix_(others, others)], rcond=1e-9) @ C[others, k]
+            own = max(float(C[k, k] - coupled), 0.0)
+            C[k, k] -= own
+            forms = [form for where, form in bent if where == slot]
+            needed = own > 0 or forms or arm.names[slot - 1] in erring
+            axial.append(_law(max(own, RIGID), forms) if needed else None)
+        screws += _screws(slot, C)
+    return tuple(axial), tuple(screws)
+
+
+def _law(compliance: float, forms: list[Callable[[Array], Array]]) -> Law:
+    """Linear, or a table torque → motion as far as the motion rises with it."""
+    if not forms:
+        return Law(compliance)
+    torque = 1e3 * np.sinh(np.linspace(-7.0, 7.0, TABLE))
+    motion = compliance * torque + sum(form(torque) for form in forms)
+    middle = TABLE // 2
+    rises = np.diff(motion) > 0
+    low = middle - int(np.argmin(np.append(rises[:middle][::-1], False)))
+    high = middle + int(np.argmin(np.append(rises[middle:], False)))
+    return Law(compliance, motion[low : high + 1], torque[low : high + 1])
+
+
+def _screws(slot: int, C: Array) -> list[Screw]:
+    """Principal screws of a compliance (6, 6)."""
+    values, vectors = np.linalg.eigh(C)
+    found = []
+    for value, twist in zip(values, vectors.T, strict=True):
+        if value <= 1e-9 * max(values.max(), 1e-300) or value <= 0:
+            continue
+        shift, turn = twist[:3], twist[3:]
+        angle = float(np.linalg.norm(turn))
+        if angle < 1e-9:
+            found.append(Screw(slot, shift / np.linalg.norm(shift), np.zeros(3), 0.0, True, float(value)))
+            continue
+        axis, along = turn / angle, shift / angle
+        pitch = float(axis @ along)
+        point = np.cross(axis, along)
+        found.append(Screw(slot, axis, point, pitch if abs(pitch) > 1e-9 else 0.0, False, value * angle**2))
+    order = [int(np.argmax(np.abs(screw.axis))) + (0 if screw.shift else RX) for screw in found]
+    return [found[i] for i in np.argsort(order, kind="stable")]

@@ -1,0 +1,120 @@
+"""What is commanded, over time: the path's joints as smooth motion from rest to rest.
+
+Joints run through the samples of the command as a cubic spline. The path's own time is slowed at both ends
+by a quintic ramp, so that the arm starts and ends at rest. As controllers do, a filter over a few
+milliseconds bounds the jerk, where a command steps or turns sharply; its kernel has no second moment, so
+curves are not cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import gaussian_filter1d
+
+from ...robot.kinematics import Array
+
+LEAD = 0.1  # s of rest before the path
+TRAIL = 0.05
+RAMP = 0.5
+FILTER = 0.006  # s
+PERIOD = 2.5e-4  # s: of the tables, half of the finest step
+CROSSING = 5e-6, 0.012  # way [rad, m] and time [s] in which a joint that turns round crosses its play
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Commanded joints at K instants, `period` apart: q, v, a (K, n) [rad, m, s].
+
+    sample_times: (N,) [s] when the path's samples are passed. side: (K, n) side of approach, −1 … 1.
+    """
+
+    period: float
+    q: Array
+    v: Array
+    a: Array
+    side: Array
+    sample_times: Array
+
+    @property
+    def times(self) -> Array:
+        return np.asarray(self.period * np.arange(len(self.q)), float)
+
+    @property
+    def duration(self) -> float:
+        return self.period * (len(self.q) - 1)
+
+
+def motion(time: Array, q: Array, sided: bool = False) -> Motion:
+    """Command from joints q (N, n) at times (N,) of the path. sided: the side of approach matters."""
+    length = float(time[-1] - time[0])
+    ramp = min(RAMP, 0.4 * length)
+    steps = int(np.ceil((LEAD + length + ramp + TRAIL) / (4 * PERIOD)))
+    t = np.asarray(PERIOD * np.arange(4 * steps + 1), float)
+    phase, rate, change = _phase(t - LEAD, length, ramp)
+    spline = CubicSpline(time - time[0], q, bc_type="natural" if len(time) > 2 else "not-a-knot")
+    first, second = spline(phase, 1), spline(phase, 2)
+    place, v = spline(phase), first * rate[:, None]
+    a = second * rate[:, None] ** 2 + first * change[:, None]
+    side = sides(place) if sided else np.zeros_like(place)
+    place, v, a = (_filtered(x, FILTER / PERIOD) for x in (place, v, a))
+    return Motion(PERIOD, place, v, a, side, _instants(time - time[0], length, ramp) + LEAD)
+
+
+def _filtered(x: Array, width: float) -> Array:
+    """x (K, n) through a symmetric filter, `width` in instants, that leaves parabolas as they are."""
+    one = gaussian_filter1d(x, width, axis=0, mode="nearest")
+    return np.asarray(2 * one - gaussian_filter1d(x, np.sqrt(2) * width, axis=0, mode="nearest"))
+
+
+def hold(q: Array, duration: float, side: Array | None = None) -> Motion:
+    """Joints q (n,) commanded for a while, come to from `side` (n,)."""
+    count = 4 * round(duration / (4 * PERIOD)) + 1
+    still = np.zeros((count, len(q)))
+    from_side = still if side is None else still + side
+    return Motion(PERIOD, still + q, still, still, from_side, np.array([duration]))
+
+
+def _phase(t: Array, length: float, ramp: float) -> tuple[Array, Array, Array]:
+    """Path time, its rate and the rate's change at times t from the path's start."""
+    end = length + ramp
+    mirrored = t > end / 2
+    u = np.clip(np.where(mirrored, end - t, t), 0.0, None)
+    x = np.minimum(u / ramp, 1.0)
+    way = ramp * x**4 * (2.5 + x * (x - 3.0)) + np.maximum(u - ramp, 0.0)
+    rate = x**3 * (10.0 + x * (6.0 * x - 15.0))
+    change = 30.0 * x**2 * (1.0 - x) ** 2 / ramp
+    return (
+        np.where(mirrored, length - way, way),
+        rate,
+        np.where(mirrored, -change, change),
+    )
+
+
+def _instants(time: Array, length: float, ramp: float) -> Array:
+    """When the path times (N,) are reached, from the path's start."""
+    fine = np.linspace(0.0, length + ramp, 20001)
+    t = np.interp(time, _phase(fine, length, ramp)[0], fine)
+    for _ in range(3):
+        way, rate, _ = _phase(t, length, ramp)
+        t = t - np.where(rate > 1e-3, (way - time) / np.maximum(rate, 1e-3), 0.0)
+    return t
+
+
+def sides(q: Array) -> Array:
+    """(K, n) side of approach along joints q (K, n), −1 … 1: goes over as `CROSSING` says."""
+    # what is faster than the crossing itself does not count as turning round
+    q = gaussian_filter1d(q, CROSSING[1] / PERIOD, axis=0, mode="nearest")
+    step = np.diff(q, axis=0)
+    keep, sign = np.exp(-np.abs(step) / CROSSING[0]), np.sign(step)
+    out = np.empty_like(q)
+    moving = np.abs(q - q[0]) > 1e-6
+    first = np.argmax(moving, axis=0)
+    side = np.sign(q[first, np.arange(q.shape[1])] - q[0])
+    out[0] = side
+    for k in range(len(step)):
+        side = sign[k] + (side - sign[k]) * keep[k]
+        out[k + 1] = side
+    return np.asarray(gaussian_filter1d(out, CROSSING[1] / 2 / PERIOD, axis=0, mode="nearest"))

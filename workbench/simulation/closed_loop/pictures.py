@@ -1,0 +1,128 @@
+"""Figures of a verification: error along the path, R_a and R_z, spectrum of what is left."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from ...report.drawing import AFTER, BEFORE, MIDDLE, NOISE, Figure, drawing, plain_log
+from ...report.numbers import mm
+from ...robot.kinematics import Array
+from .measures import spectrum
+from .verification import NAMES, Series, Verification
+
+COLOURS = {"uncorrected": BEFORE, "geometry": MIDDLE, "corrected": AFTER, "perfect": NOISE}
+MOST = 1000  # points of a curve
+LEAST = 1e-4  # mm: what a logarithmic axis shows at least
+
+
+def pictures(found: Verification) -> list[Figure]:
+    """All figures, in the page's order."""
+    return [
+        *(_along(series, number) for number, series in enumerate(found.series)),
+        _heights(found),
+        _spectra(found.series[-1]),
+    ]
+
+
+def _along(series: Series, number: int) -> Figure:
+    """Error of each command over time, logarithmic."""
+    before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
+    with drawing(f"along{number}", 2.7) as (axes, svg):
+        for name, trial in series.trials.items():
+            size = np.maximum(1e3 * np.linalg.norm(trial.error, axis=1), LEAST)
+            t, shown = _thinned(series.time, size)
+            style = "--" if name == "perfect" else "-"
+            axes.plot(t, shown, style, color=COLOURS[name], lw=1.4, label=NAMES[name])
+        axes.set_yscale("log")
+        plain_log(axes.yaxis)
+        axes.set(xlabel="time along the path, s", ylabel="3-D error of the tool, mm")
+        low = min(trial.figures.mean_mm for trial in series.trials.values())
+        axes.set_ylim(bottom=max(LEAST, 0.2 * low))
+        axes.set_xlim(0, series.time[-1])
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    return Figure(
+        f"along{number}",
+        f"At {speed_text(series.speed)} the RMS error falls from {mm(before.rms_mm)} to {mm(after.rms_mm)} "
+        f"mm, the largest from {mm(before.max_mm)} to {mm(after.max_mm)} mm",
+        f"Error of the tool along the path at {speed_text(series.speed)}, for each command",
+        svg[0],
+    )
+
+
+def _heights(found: Verification) -> Figure:
+    """R_a and R_z per command at the slowest speed, as source 003 tabulates them."""
+    trials = found.slow.trials
+    names = [name for name in NAMES if name in trials]
+    with drawing("heights", 0.9 + 0.34 * len(names)) as (axes, svg):
+        for row, name in enumerate(names):
+            f = trials[name].figures
+            axes.plot([f.ra_mm, f.rz_mm], [row, row], color=COLOURS[name], lw=2, alpha=0.45)
+            axes.plot(f.ra_mm, row, "o", color=COLOURS[name], ms=7)
+            axes.plot(f.rz_mm, row, "|", color=COLOURS[name], ms=10, mew=2)
+            said = f"{mm(f.ra_mm)}  /  {mm(f.rz_mm)}"
+            place = {"va": "center", "fontweight": "bold", "color": COLOURS[name]}
+            axes.annotate(said, (1.0, row), (6, 0), ("axes fraction", "data"), "offset points", **place)
+        axes.set(yticks=range(len(names)), ylim=(len(names) - 0.5, -0.6), xscale="log")
+        axes.set_yticklabels([NAMES[name] for name in names])
+        axes.grid(axis="y", visible=False)
+        plain_log(axes.xaxis)
+        axes.set_xlabel("error normal to the path's plane, mm: R_a (dot), R_z (bar)")
+    first, last = (trials[name].figures for name in ("uncorrected", "corrected"))
+    return Figure(
+        "heights",
+        f"R_a falls from {mm(first.ra_mm)} to {mm(last.ra_mm)} mm, R_z from {mm(first.rz_mm)} to "
+        f"{mm(last.rz_mm)} mm",
+        "R_a and R_z of each command at the slowest speed",
+        svg[0],
+    )
+
+
+def _spectra(series: Series) -> Figure:
+    """Spectrum of the error across the path, before and after."""
+    with drawing("spectrum", 2.5) as (axes, svg):
+        top = 0.0
+        for name in ("uncorrected", "corrected"):
+            f, amplitude = spectrum(series.time, series.trials[name].across)
+            used = (f > 0) & (f < 100)
+            axes.plot(
+                *_thinned(f[used], np.maximum(1e3 * amplitude[used], 1e-3)),
+                color=COLOURS[name],
+                lw=1.2,
+                label=NAMES[name],
+            )
+            top = max(top, float(amplitude[used].max()))
+        axes.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel="error across the path, µm")
+        axes.set_ylim(max(1e-2, top), 2e3 * top)
+        for axis in (axes.xaxis, axes.yaxis):
+            plain_log(axis)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    lines = series.trials["corrected"].lines
+    said = "nothing stands out of what is left"
+    if lines:
+        named = f", {lines[0].cause}" if lines[0].cause else ""
+        said = (
+            f"the highest line left is {1e3 * lines[0].amplitude_mm:.2g} µm at {lines[0].frequency_hz:.2g} Hz"
+        )
+        said += named
+    return Figure(
+        "spectrum",
+        f"At {speed_text(series.speed)} {said}",
+        "Spectrum of the error across the path, before and after",
+        svg[0],
+    )
+
+
+def speed_text(speed: float) -> str:
+    """A tool speed for people."""
+    return f"{speed:.3g} m/s"
+
+
+def _thinned(x: Array, y: Array) -> tuple[Array, Array]:
+    """At most `MOST` points of a curve, the largest of each stretch."""
+    if len(x) <= MOST:
+        return x, y
+    edges = np.linspace(0, len(x), MOST + 1).astype(int)
+    at = [a + int(np.argmax(y[a:b])) for a, b in pairwise(edges)]
+    return x[at], y[at]

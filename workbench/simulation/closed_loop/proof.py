@@ -1,0 +1,231 @@
+"""`verify`: the true robot runs a path in closed loop, with commands of what is believed of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from ...correction import Compensation, Conditions, compensate, stated_conditions
+from ...correction.paths import Path
+from ...files.faults import Fault, InputError
+from ...robot.description import Robot
+from ...robot.kinematics import Array
+from .control import Controller
+from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
+from .runs import Outcome, Task, World, simulate_all
+from .simulation import STEP
+from .verification import NAMES, Repeats, Series, Trial, Verification
+
+SPEEDS = (0.03, 0.3)  # m/s: as slow as source 003 drew, and ten times as fast
+LONGEST = 60.0  # s that a run may take in the simulated world
+
+
+def verify(
+    path: Path,
+    truth: Robot,
+    belief: Robot,
+    conditions: Conditions | None = None,
+    *,
+    tool: Array | None = None,
+    start: Array | None = None,
+    speeds: Sequence[float] | None = SPEEDS,
+    repeats: int = 10,
+    controller: Controller | None = None,
+    true_conditions: Conditions | None = None,
+    seed: int = 0,
+    workers: int = 1,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Verification:
+    """Runs the path on the true robot, uncorrected and corrected by what is believed.
+
+    truth, belief: robots with the corrections and effects of a model.toml. conditions: loads as the program
+    believes them, `true_conditions` as they are (default: the same). speeds: tool speeds [m/s] to which the
+    path's time is stretched; None: its own. repeats: runs for AT and RT. workers: processes. Raises
+    `InputError`.
+    """
+    _check_call(truth, belief, speeds, repeats)
+    loads = conditions or stated_conditions(belief)
+    world = World(truth, belief, loads, true_conditions or loads, tool, controller or Controller())
+    plans = _Plans(world, path, start, seed)
+    timed, notes = plans.at_speeds(speeds)
+    commands = [plans.commands(p) for p, _ in timed]
+    tasks = [
+        Task(f"{NAMES[name].lower()}, {speed:.3g} m/s", p, q)
+        for (p, speed), variants in zip(timed, commands, strict=True)
+        for name, q in variants.items()
+    ]
+    tasks += _repeated(truth, timed[-1][0], commands[-1], repeats, seed)
+    tasks.append(Task("half the step", timed[-1][0], commands[-1]["corrected"], STEP / 2))
+    done = simulate_all(world, tasks, workers, progress)
+    p = plans.desired[:, :3, 3]
+    orders = _orders(truth, belief)
+    series, place = [], 0
+    for (_, speed), variants in zip(timed, commands, strict=True):
+        outcomes = dict(zip(variants, done[place:], strict=False))
+        place += len(variants)
+        trials = {name: _trial(name, outcome, p, orders) for name, outcome in outcomes.items()}
+        time = outcomes["corrected"].time
+        series.append(Series(speed, time - time[0], trials))
+    accuracy = _accuracy(series[-1], done[place:-1], p)
+    coarse = p + series[-1].trials["corrected"].error
+    return Verification(
+        robot=truth,
+        path=path,
+        X=plans.desired,
+        normal=normal(p),
+        series=tuple(series),
+        repeats=accuracy,
+        step_change_um=float(1e6 * np.linalg.norm(done[-1].tool[:, :3, 3] - coarse, axis=1).max()),
+        expected_mm=plans.expected_mm,
+        notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *done[0].notes])),
+    )
+
+
+def _check_call(truth: Robot, belief: Robot, speeds: Sequence[float] | None, repeats: int) -> None:
+    faults = []
+    if truth.joint_names != belief.joint_names:
+        what = f"has joints {', '.join(truth.joint_names)}; the model has {', '.join(belief.joint_names)}"
+        faults.append(Fault(str(truth.path or truth.name), what, "truth and model have to be the same robot"))
+    elif truth.urdf.name != belief.urdf.name:
+        what = f"is made from {truth.urdf.name}, the model from {belief.urdf.name}"
+        faults.append(Fault(str(truth.path or truth.name), what, "truth and model have to be the same robot"))
+    faults += [
+        Fault("speed", f"is {speed} m/s", "give a number above zero")
+        for speed in speeds or ()
+        if not (np.isfinite(speed) and speed > 0)
+    ]
+    if speeds is not None and not len(speeds):
+        faults.append(Fault("speeds", "none is given", "give one at least"))
+    if repeats < 0:
+        faults.append(Fault("repeats", f"is {repeats}", "give zero or more"))
+    if faults:
+        raise InputError(faults)
+
+
+@dataclass(eq=False)
+class _Plans:
+    """The commands that are run."""
+
+    world: World
+    path: Path
+    start: Array | None
+    seed: int
+
+    def __post_init__(self) -> None:
+        world = self.world
+        self.notes: list[str] = []
+        self.expected_mm = 0.0
+        # geometry and the nominal joints are the same at every speed
+        self.geometry = self._compensate(self.path, world.belief, world.conditions, "geometry")
+        self.desired = self.geometry.X_desired
+
+    def _compensate(self, path: Path, robot: Robot, conditions: Conditions, method: str) -> Compensation:
+        world = self.world
+        return compensate(
+            robot,
+            path,
+            conditions,
+            tool=world.tool,
+            start=self.start,
+            method=method,
+            bandwidth_hz=world.controller.bandwidth_hz,
+            seed=self.seed,
+        )
+
+    def commands(self, path: Path) -> dict[str, Array]:
+        """Joints (N, n) of each variant."""
+        world = self.world
+        everything = self._compensate(path, world.belief, world.conditions, "exact")
+        self.notes += everything.lines()[1:]
+        if not self.expected_mm:
+            self.expected_mm = float(np.sqrt((everything.after_mm**2).mean()))
+        out = {
+            "uncorrected": self.geometry.q_nominal,
+            "geometry": self.geometry.q_command,
+            "corrected": everything.q_command,
+        }
+        if world.truth is not world.belief:
+            best = self._compensate(path, world.truth, world.true_conditions, "exact")
+            out["perfect"] = best.q_command
+        return out
+
+    def at_speeds(self, speeds: Sequence[float] | None) -> tuple[list[tuple[Path, float]], list[str]]:
+        """The path at each tool speed, slowest first: its time stretched, within what a run may last."""
+        p, time = self.desired[:, :3, 3], self.path.time
+        own = float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
+        if own <= 0:
+            place = self.path.file or self.path.title or "path"
+            raise InputError(Fault(place, "the tool does not move", "give a path"))
+        length, found, notes = float(time[-1] - time[0]), {}, []
+        for speed in speeds if speeds is not None else (own,):
+            stretch = min(own / speed, LONGEST / length)
+            if stretch < own / speed:
+                took = f"{speed:g} m/s would take {own / speed * length:.0f} s"
+                notes.append(f"{took}: run at {own / stretch:.3g} m/s instead")
+            found[round(own / stretch, 9)] = replace(
+                self.path, time=time[0] + stretch * (time - time[0])
+            )  # fmt: skip
+        return [(found[speed], speed) for speed in sorted(found)], notes
+
+
+def _repeated(
+    truth: Robot, path: Path, commands: dict[str, Array], count: int, seed: int
+) -> list[Task]:  # fmt: skip
+    """Runs with the joints off by what their repeatability says."""
+    sigma = np.array([joint.data.repeatability or 0.0 for joint in truth.joints])
+    if not sigma.any() or count < 2:
+        return []
+    offsets = sigma * np.random.default_rng([seed, 11]).normal(size=(count, len(sigma)))
+    return [
+        Task(f"{NAMES[name].lower()}, repeat {i} of {count}", path, commands[name], offset=offset)
+        for name in ("uncorrected", "corrected")
+        for i, offset in enumerate(offsets, 1)
+    ]
+
+
+def _accuracy(series: Series, repeated: list[Outcome], p: Array) -> tuple[Repeats, ...]:
+    """AT and RT at the series' speed; RT is unknown without repeated runs."""
+    names, count = ("uncorrected", "corrected"), len(repeated) // 2
+    if not count:
+        single = [path_accuracy([series.trials[name].across])[0] for name in names]
+        return tuple(Repeats(name, 1, series.speed, at, None) for name, at in zip(names, single, strict=True))
+    across = [beside(outcome.tool[:, :3, 3] - p, tangents(p)) for outcome in repeated]
+    return tuple(
+        Repeats(name, count, series.speed, *path_accuracy(across[a:b]))
+        for name, (a, b) in zip(names, pairwise((0, count, 2 * count)), strict=True)
+    )
+
+
+def _trial(name: str, done: Outcome, p: Array, orders: Sequence[tuple[str, int, float]]) -> Trial:
+    error = done.tool[:, :3, 3] - p
+    across = beside(error, tangents(p))
+    return Trial(
+        name,
+        error,
+        across,
+        done.q,
+        done.motor,
+        figures(error, across, error @ normal(p)),
+        main_lines(done.time, across, done.q, orders),
+        done.real_time_factor,
+    )
+
+
+def _orders(truth: Robot, belief: Robot) -> list[tuple[str, int, float]]:
+    """Gear orders that may show: of the joints' ratios, and of the effects of truth and belief."""
+    names = truth.joint_names
+    out = [
+        (f"{joint.name}, {k} per motor turn", j, k * abs(joint.data.gear_ratio))
+        for j, joint in enumerate(truth.joints)
+        if joint.data.gear_ratio
+        for k in (1, 2, 4)
+    ]
+    stated = {(i.joint, i.order) for i in (*truth.effects, *belief.effects) if i.order and i.joint in names}
+    for joint_name, order in sorted(stated):
+        assert joint_name is not None
+        assert order is not None
+        out.append((f"{joint_name}, {order:g} per joint turn", names.index(joint_name), order))
+    return out

@@ -1,0 +1,96 @@
+"""Runs of the closed loop as tasks: one after the other, or several at a time in processes of their own."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...correction import Conditions
+from ...correction.paths import Path
+from ...robot.description import Robot
+from ...robot.kinematics import Array
+from .control import Controller, nominal_mechanics
+from .mechanics import Mechanics, mechanics
+from .motion import motion
+from .simulation import STEP, run
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """What all runs have in common: the true robot, its loads, what is believed of both, the controller."""
+
+    truth: Robot
+    belief: Robot
+    conditions: Conditions
+    true_conditions: Conditions
+    tool: Array | None
+    controller: Controller
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One run: `q` (N, n) commanded along the path; `offset` (n,) of the encoders. said: for progress."""
+
+    said: str
+    path: Path
+    q: Array
+    step: float = STEP
+    offset: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Tool poses (N, 4, 4), joints (N, n) of the rigid twin, servo errors (N, n), at times (N,) [s]."""
+
+    time: Array
+    tool: Array
+    q: Array
+    motor: Array
+    real_time_factor: float
+    notes: tuple[str, ...]
+
+
+def simulate(world: World, task: Task) -> Outcome:
+    """One run."""
+    truth = mechanics(world.truth, task.path, task.q, world.true_conditions)
+    believed = mechanics(world.belief, task.path, task.q, world.conditions)
+    moved = motion(task.path.time, task.q, _sided(truth))
+    done = run(
+        truth,
+        nominal_mechanics(world.belief, believed),
+        moved,
+        tool=world.tool,
+        controller=world.controller,
+        step=task.step,
+        offset=task.offset,
+    )
+    return Outcome(moved.sample_times, done.tool, done.q, done.motor, done.real_time_factor, done.notes)
+
+
+def simulate_all(
+    world: World, tasks: Sequence[Task], workers: int, progress: Callable[[str], None]
+) -> list[Outcome]:
+    """All runs, in the order of the tasks; the same whatever `workers` is."""
+    out = []
+    if workers < 2:
+        for number, task in enumerate(tasks, 1):
+            progress(f"run {number} of {len(tasks)}: {task.said}")
+            out.append(simulate(world, task))
+        return out
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+        waiting = [pool.submit(simulate, world, task) for task in tasks]
+        for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
+            out.append(future.result())
+            progress(f"run {number} of {len(tasks)} done: {task.said}")
+    return out
+
+
+def _sided(truth: Mechanics) -> bool:
+    """Whether a gear's error depends on the side of approach."""
+    q = np.zeros((1, truth.arm.n))
+    one = np.ones_like(q)
+    return bool(truth.gear) and bool((truth.gear_error(q, one) != truth.gear_error(q, -one)).any())

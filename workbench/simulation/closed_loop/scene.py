@@ -1,0 +1,66 @@
+"""The scene: the robot runs the path; desired and real tool paths as tubes, their errors enlarged."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...report.meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, with_panel
+from ...robot.kinematics import Array
+from .verification import Verification
+
+FRAMES = 160
+SHOWN = 1200  # points of a tube
+LARGE = 0.08  # of the path's size: how large the uncorrected error shows
+LONGEST = 20.0  # s that the motion lasts on the screen
+SHORT = {"uncorrected": "Uncorrected", "geometry": "Geometry only", "corrected": "Corrected"}
+COLOURS = {"uncorrected": "#c9622c", "geometry": "#8e98a6", "corrected": "#0f6f9f"}
+
+
+def scene(found: Verification) -> str:
+    """The scene at the slowest speed as one HTML text."""
+    series = found.slow
+    trial = series.trials["corrected"]
+    frames = np.unique(
+        np.searchsorted(series.time, np.linspace(0, series.time[-1], FRAMES)).clip(0, len(series.time) - 1)
+    )
+    pace = min(1.0, LONGEST / float(series.time[-1]))
+    with meshcat_alone() as meshcat:
+        links = draw_robot(meshcat, found.robot, trial.q[frames], "/robot", pace * series.time[frames])
+        data = _data(found, links)
+        look(meshcat, data["centre"], 1.2 * data["extent"], links[-1] - links[0])
+        html: str = meshcat.StaticHtml()
+    return with_panel(html, "path_overlay.html", data, f"{found.robot.title}, {found.path.title}")
+
+
+def _data(found: Verification, links: Array) -> dict[str, Any]:
+    """What the panel draws: the desired path and the errors of each command as packed numbers."""
+    series, p = found.slow, found.X[:, :3, 3]
+    step = max(1, -(-len(p) // SHOWN))
+    size = float(np.linalg.norm(np.ptp(p, axis=0))) or 0.1
+    error = series.trials["uncorrected"].error
+    large = max(float(np.quantile(np.linalg.norm(error, axis=1), 0.95)), 1e-9)
+    seen = np.concatenate([p, links])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    high[2] += 0.15 * float(np.linalg.norm(high - low))  # the elbow's shape stands above its axis
+    return {
+        "path": pack(p[::step]),
+        "commands": [
+            {
+                "name": SHORT[name],
+                "colour": COLOURS[name],
+                "errors": pack(series.trials[name].error[::step]),
+                "rms_mm": series.trials[name].figures.rms_mm,
+            }
+            for name in COLOURS
+        ],
+        "factor": round_factor(LARGE * size / large),
+        "speed": f"{series.speed:.3g} m/s",
+        "size": size,
+        "radius": max(0.0035 * size, 7e-4 * float(np.linalg.norm(high - low))),
+        "extent": float(np.linalg.norm(high - low)),
+        "centre": ((low + high) / 2).tolist(),
+        "middle": p.mean(axis=0).tolist(),
+        "from": (links[-1] - links[0]).tolist(),
+    }

@@ -1,0 +1,256 @@
+"""Measured campaigns from Drake: its kinematics, its torques, its loaded equilibrium, pose by pose.
+
+What the simulated robot is really like stands in a `Truth`: geometry, effects of the catalogue, and
+hooks for forms that the catalogue does not have. The batch model of `model.py` takes no part in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ..campaign import Campaign
+from ..campaign.problem import Problem, problem
+from ..effects.base import DirectEffect, Effect, InstrumentEffect, LinearYield, LoadEffect, YieldEffect
+from ..effects.records import stated_effects
+from ..files.faults import Fault, InputError
+from ..robot.elastic_plant import elastic_twin
+from ..robot.kinematics import Arm, Array
+from ..robot.statics import Law, Loads
+
+Values = tuple[Effect, Array]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What the simulated robot and its instrument are really like. N poses, n joints, S slots, T targets.
+
+    geometry: (S, 6) [m, rad] corrections on top of the robot's own; effects: each with its values (p,).
+    Hooks for other forms, each called with the problem:
+      joints     → (N, n) joint errors [rad, m];
+      motion     → column 6 · slot + component → (N,) motion of frames [m, rad];
+      torque     → (N, n) further axial torques [N·m, N];
+      yields     slot → law, a wrench (6,) on the slot's axes → its motion (6,);
+      seen       points (N, T, 3) in the instrument's frame → the points as the instrument shows them.
+    targets: (T, 3) [m] true places in the frames behind their slots; None: as stated. sigma: noise per
+    axis and shot [m]; repeatability: (n,) one sigma of the joints per standstill; None: as the TOML says.
+    """
+
+    geometry: Array | None = None
+    effects: tuple[Values, ...] = ()
+    joints: Callable[[Problem], Array] | None = None
+    motion: Callable[[Problem], Mapping[int, Array]] | None = None
+    torque: Callable[[Problem], Array] | None = None
+    yields: Mapping[int, Callable[[Array], Array]] = field(default_factory=dict)
+    seen: Callable[[Problem, Array], Array] | None = None
+    targets: Array | None = None
+    sigma: float = 0.0
+    repeatability: Array | None = None
+
+
+def simulate(
+    plan: Campaign,
+    truth: Truth,
+    *,
+    seed: int = 0,
+    shots: int = 1,
+    instrument: tuple[Array, Array] | None = None,
+    state_sigma: bool = True,
+    torque_sigma: float | None = None,
+) -> Campaign:
+    """The plan's poses, measured on the true robot.
+
+    instrument: R (K, 3, 3), t (K, 3) [m] of the base in the instrument's frame per set-up; None: drawn.
+    state_sigma: the campaign says its noise. torque_sigma: adds the torques of the drives, with this
+    noise as a share of each joint's largest torque. The robot's own effects (model.toml) act too.
+    Raises `InputError` when an effect does nothing in these poses.
+    """
+    job = problem(plan)
+    _check_acting(job, truth)
+    truth = replace(truth, effects=(*stated_effects(job), *truth.effects))
+    draw = _Draws(seed)
+    direct = _direct(job, truth) + draw.repeatability(job, truth)
+    base, torque = _settle(job, truth, direct)
+    R, t = instrument if instrument is not None else draw.instrument(job)
+    points = _see(job, truth, np.einsum("nij,ntj->nti", R[plan.setup], base) + t[plan.setup][:, None])
+    shot = points[:, :, None] + draw.noise(points, truth.sigma, shots, plan.six_dof)
+    mean = shot.mean(axis=2)
+    return replace(
+        plan,
+        points=mean,
+        shots=np.full(points.shape[:2], shots, dtype=np.int64),
+        shot_scatter=(float(((shot - mean[:, :, None]) ** 2).sum()), 3 * (shots - 1) * mean[..., 0].size),
+        noise_sigma=truth.sigma if state_sigma and truth.sigma > 0 else plan.noise_sigma,
+        torque=plan.torque if torque_sigma is None else draw.torque(torque, torque_sigma),
+    )
+
+
+def random_geometry(arm: Arm, rng: np.random.Generator, length: float = 5e-4, angle: float = 5e-4) -> Array:
+    """Corrections (S, 6) of the joints' frames with these standard deviations [m, rad]."""
+    geometry = rng.normal(size=(arm.slots, 6)) * ([length] * 3 + [angle] * 3)
+    geometry[[0, -1]] = 0.0
+    return geometry
+
+
+@dataclass(frozen=True)
+class _Draws:
+    """Random parts, each from a stream of its own: more shots do not change the robot."""
+
+    seed: int
+
+    def _rng(self, stream: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, stream])
+
+    def repeatability(self, job: Problem, truth: Truth) -> Array:
+        """(N, S, 6) joint errors of each standstill, common to its targets and shots."""
+        stated = np.array([joint.data.repeatability or 0.0 for joint in job.robot.joints])
+        sigma = stated if truth.repeatability is None else truth.repeatability
+        out = np.zeros((len(job.q), 6 * job.arm.slots))
+        out[:, job.arm.axial] = sigma * self._rng(0).normal(size=job.q.shape)
+        return out.reshape(len(job.q), -1, 6)
+
+    def instrument(self, job: Problem) -> tuple[Array, Array]:
+        """R (K, 3, 3), t (K, 3): on its tripod, 3–5 m away, turned about the vertical as it comes."""
+        rng, count = self._rng(1), len(job.campaign.setup_names)
+        turn, bearing = rng.uniform(-np.pi, np.pi, (2, count))
+        distance, height = rng.uniform(3, 5, count), rng.uniform(-1.5, 0, count)
+        R = Rotation.from_euler("z", turn[:, None]).as_matrix()
+        t = np.stack([distance * np.cos(bearing), distance * np.sin(bearing), height], axis=1)
+        return R, t
+
+    def noise(self, points: Array, sigma: float, shots: int, six_dof: bool) -> Array:
+        """(N, T, shots, 3) noise of the instrument."""
+        n_poses, n_targets, _ = points.shape
+        rng = self._rng(2)
+        if not six_dof:
+            return sigma * rng.normal(size=(n_poses, n_targets, shots, 3))
+        # six independent errors of a rigid pose, as large at the targets as `sigma` says
+        arms = points - points.mean(axis=1, keepdims=True)
+        A = np.zeros((n_poses, n_targets, 3, 6))
+        A[..., :3] = np.eye(3)
+        for c in range(3):
+            A[..., 3 + c] = np.cross(np.eye(3)[c], arms)
+        Q = np.linalg.qr(A.reshape(n_poses, -1, 6))[0]
+        error = np.sqrt(n_targets) * sigma * Q @ rng.normal(size=(n_poses, 6, shots))
+        return error.reshape(n_poses, n_targets, 3, shots).transpose(0, 1, 3, 2)
+
+    def torque(self, torque: Array, share: float) -> Array:
+        """(N, n) torques of the drives with noise."""
+        return torque + share * np.abs(torque).max(axis=0) * self._rng(3).normal(size=torque.shape)
+
+
+def _check_acting(job: Problem, truth: Truth) -> None:
+    """Raises `InputError` for effects that were asked for and do nothing here."""
+    faults = []
+    for effect, values in truth.effects:
+        if not isinstance(effect, DirectEffect) or not values.any():
+            continue
+        if not any(basis.any() for basis in effect.motion(job).values()):
+            why = type(effect).needs(job) or "it needs other poses"
+            faults.append(Fault(effect.label, "does nothing in these poses", why))
+    if faults:
+        raise InputError(faults)
+
+
+def _direct(job: Problem, truth: Truth) -> Array:
+    """(N, S, 6) motions that do not depend on load."""
+    n_poses = len(job.q)
+    out = np.zeros((n_poses, 6 * job.arm.slots))
+    for effect, values in truth.effects:
+        if isinstance(effect, DirectEffect):
+            for column, basis in effect.motion(job).items():
+                out[:, column] += basis @ values
+    if truth.joints is not None:
+        out[:, job.arm.axial] += truth.joints(job)
+    if truth.motion is not None:
+        for column, motion in truth.motion(job).items():
+            out[:, column] += motion
+    return out.reshape(n_poses, -1, 6)
+
+
+def _settle(job: Problem, truth: Truth, direct: Array) -> tuple[Array, Array]:
+    """Targets (N, T, 3) [m] in the base frame and torques of the drives (N, n), from Drake."""
+    arm, loads = job.arm, job.loads
+    geometry = arm.geometry if truth.geometry is None else arm.geometry + truth.geometry
+    for effect, values in truth.effects:
+        if isinstance(effect, LoadEffect):
+            arm, loads = effect.apply(job, arm, loads, values)
+    if truth.torque is not None:
+        loads = replace(loads, torque=loads.torque + truth.torque(job))
+    law, yielding = _law(arm, truth)
+    moving = np.flatnonzero(direct.reshape(len(direct), -1).any(axis=0) | yielding)
+    twin = elastic_twin(job.arm, job.robot, [divmod(int(column), 6) for column in moving])
+    twin.set_geometry(geometry)
+    twin.set_masses(arm)
+    targets = _targets(job, truth)
+    points = np.empty((len(direct), len(job.on), 3))
+    torque = np.empty(job.q.shape)
+    for i in range(len(direct)):
+        one = pose_loads(loads, i)
+        twin.equilibrium(job.q[i], direct[i], one, law)
+        points[i] = twin.points(targets, job.on)
+        torque[i] = -twin.wrenches(one).reshape(-1)[arm.axial]
+    return points, torque
+
+
+def _targets(job: Problem, truth: Truth) -> Array:
+    """True places of the targets (T, 3) in the frames behind their slots."""
+    targets = job.stated_targets if truth.targets is None else truth.targets
+    faults = [
+        Fault(f"target {target.name}", "has no place to simulate", "state its xyz_mm")
+        for target, place in zip(job.campaign.targets, targets, strict=True)
+        if not np.isfinite(place).all()
+    ]
+    if faults:
+        raise InputError(faults)
+    return targets
+
+
+def _law(arm: Arm, truth: Truth) -> tuple[Law, NDArray[np.bool_]]:
+    """What yields: law (1, S, 6) → (1, S, 6), and which of the 6 S columns take part in it."""
+    linear = arm.compliance.copy()
+    bent: list[tuple[int, Callable[[Array], Array]]] = list(truth.yields.items())
+    probe = np.zeros((arm.slots, 6, 6))
+    for effect, values in truth.effects:
+        if isinstance(effect, LinearYield):
+            linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
+        elif isinstance(effect, YieldEffect):
+            bent.append((effect.slot(arm), _bend(effect, arm, values)))
+            probe[effect.slot(arm)] += np.abs(effect.law(arm, np.ones((1, 6)), values)[1][0])
+    probe += np.abs(linear)
+    for slot in truth.yields:
+        probe[slot] = 1.0
+
+    def law(wrench: Array) -> Array:
+        out = np.matmul(linear, wrench[0][..., None])[..., 0]
+        for slot, form in bent:
+            out[slot] += form(wrench[0, slot])
+        return out[None]
+
+    return law, (probe.any(axis=1) | probe.any(axis=2)).ravel()
+
+
+def _bend(effect: YieldEffect, arm: Arm, values: Array) -> Callable[[Array], Array]:
+    return lambda wrench: effect.law(arm, wrench[None], values)[0][0]
+
+
+def pose_loads(loads: Loads, i: int) -> Loads:
+    """The loads of one pose."""
+    law = loads.compensator
+    if law is not None and np.ndim(law.charge):
+        law = replace(law, charge=np.asarray(law.charge)[i : i + 1])
+    here = slice(i, i + 1)
+    return Loads(loads.mass[here], loads.moment[here], loads.wrench[here], loads.torque[here], law)
+
+
+def _see(job: Problem, truth: Truth, points: Array) -> Array:
+    """The points as the instrument shows them, without noise."""
+    out = points.copy()
+    for effect, values in truth.effects:
+        if isinstance(effect, InstrumentEffect):
+            out += effect.seen(job, points) @ values
+    return out if truth.seen is None else truth.seen(job, out)

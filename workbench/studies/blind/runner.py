@@ -1,0 +1,216 @@
+"""Runs many tasks on all cores, keeps each result as it comes, and goes on where a stopped run ended.
+
+A task is a key; `work` turns a key into a result that JSON can hold. Everything random in it comes
+from the key, so the order of tasks and the number of processes change nothing. One SQLite file per
+study holds a row per finished task. A pool that breaks (a worker was killed) is built again; tasks
+that were in it are tried again, each at most `TRIES` times.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+import sys
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from ...files.faults import Fault, InputError
+
+TRIES = 3
+LINE_EVERY = 15.0  # s between progress lines where there is no terminal
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+Work = Callable[[str], Any]
+
+
+@dataclass(frozen=True)
+class Done:
+    """A finished task: its result, or what went wrong (the last lines of the traceback)."""
+
+    key: str
+    result: Any
+    error: str | None
+    seconds: float
+
+
+def spawn_pool(workers: int) -> Executor:
+    """Processes that start fresh."""
+    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+
+
+def run_tasks(
+    work: Work,
+    keys: Sequence[str],
+    store: Path,
+    *,
+    study: Mapping[str, Any],
+    workers: int | None = None,
+    resume: bool = False,
+    label: str = "tasks",
+    pool: Callable[[int], Executor] = spawn_pool,
+) -> dict[str, Done]:
+    """All tasks' results by key, in the order of `keys`.
+
+    study: what the results depend on besides the key (seed, ...): a file of another study is not
+    resumed. Without `resume` the file starts anew. Failed tasks are kept with their error, and tried
+    again by the next run. workers: processes, all cores by default; 1: in this process. Another `pool`
+    (a cluster's executor) may stand in for the processes.
+    """
+    with closing(_open(store, study, resume)) as table:
+        have = _read(table)
+        todo = [key for key in dict.fromkeys(keys) if key not in have or have[key].error is not None]
+        count = max(1, min(workers or os.cpu_count() or 1, len(todo)))
+        with one_thread_each(), _Progress(label, len(keys), len(keys) - len(todo)) as progress:
+            done = _here(work, todo) if count == 1 else _there(work, todo, lambda: pool(count), count)
+            for item in done:
+                _write(table, item)
+                have[item.key] = item
+                progress.step(item)
+    return {key: have[key] for key in keys}
+
+
+def _attempt(work: Work, key: str) -> Done:
+    start = time.perf_counter()
+    try:
+        result, error = work(key), None
+    except Exception:
+        result, error = None, traceback.format_exc(limit=-6)
+    return Done(key, result, error, time.perf_counter() - start)
+
+
+def _here(work: Work, keys: Sequence[str]) -> Iterator[Done]:
+    for key in keys:
+        yield _attempt(work, key)
+
+
+def _there(work: Work, keys: Sequence[str], pool: Callable[[], Executor], workers: int) -> Iterator[Done]:
+    """Results as they come. Few tasks are in the pool at a time, so few are lost when it breaks."""
+    waiting = deque(keys)
+    tries: dict[str, int] = {}
+    while waiting:
+        executor = pool()
+        running: dict[Future[Done], str] = {}
+        try:
+            while waiting or running:
+                # after a breakdown one at a time, so that the task that kills its worker is found
+                room = 1 if any(tries.get(key) for key in waiting) else 2 * workers
+                while waiting and len(running) < room:
+                    running[executor.submit(_attempt, work, waiting[0])] = waiting[0]
+                    waiting.popleft()  # only now: a broken pool takes nothing
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    done = future.result()
+                    del running[future]
+                    yield done
+        except BrokenProcessPool:
+            for future, key in running.items():
+                if future.done() and future.exception() is None:
+                    yield future.result()
+                    continue
+                tries[key] = tries.get(key, 0) + 1
+                if tries[key] < TRIES:
+                    waiting.appendleft(key)
+                else:
+                    yield Done(key, None, f"its worker died {TRIES} times", 0.0)
+        finally:
+            executor.shutdown(wait=False, cancel_futures=True)
+
+
+@contextmanager
+def one_thread_each() -> Iterator[None]:
+    """Processes that start in here use one BLAS thread each."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _open(store: Path, study: Mapping[str, Any], resume: bool) -> sqlite3.Connection:
+    store.parent.mkdir(parents=True, exist_ok=True)
+    table = sqlite3.connect(store)
+    table.execute("PRAGMA journal_mode=WAL")
+    table.execute("CREATE TABLE IF NOT EXISTS study (facts TEXT)")
+    table.execute(
+        "CREATE TABLE IF NOT EXISTS tasks (key TEXT PRIMARY KEY, result TEXT, error TEXT, seconds REAL)"
+    )
+    facts = json.dumps(dict(study), sort_keys=True)
+    was = table.execute("SELECT facts FROM study").fetchone()
+    if resume and was is not None and was[0] != facts:
+        table.close()
+        raise InputError(Fault(str(store), f"holds another study: {was[0]}", "leave out --resume"))
+    if not resume or was is None:
+        table.execute("DELETE FROM tasks")
+        table.execute("DELETE FROM study")
+        table.execute("INSERT INTO study VALUES (?)", (facts,))
+    table.commit()
+    return table
+
+
+def _read(table: sqlite3.Connection) -> dict[str, Done]:
+    rows = table.execute("SELECT key, result, error, seconds FROM tasks")
+    return {key: Done(key, json.loads(result), error, seconds) for key, result, error, seconds in rows}
+
+
+def _write(table: sqlite3.Connection, done: Done) -> None:
+    row = (done.key, json.dumps(done.result), done.error, done.seconds)
+    table.execute("INSERT OR REPLACE INTO tasks VALUES (?, ?, ?, ?)", row)
+    table.commit()
+
+
+@dataclass
+class _Progress:
+    """A bar on a terminal; elsewhere a line now and then, with the time that is left."""
+
+    label: str
+    total: int
+    before: int
+    start: float = field(default_factory=time.monotonic)
+    done: int = 0
+    failed: int = 0
+    said: float = field(default_factory=time.monotonic)
+    bar: Any = None
+
+    def __enter__(self) -> _Progress:
+        if sys.stderr.isatty():
+            from tqdm import tqdm
+
+            self.bar = tqdm(total=self.total, initial=self.before, desc=self.label, unit="task")
+        elif self.before:
+            self._say(f"{self.before} of {self.total} done before")
+        return self
+
+    def step(self, done: Done) -> None:
+        self.done += 1
+        self.failed += done.error is not None
+        if self.bar is not None:
+            self.bar.update()
+            if self.failed:
+                self.bar.set_postfix(failed=self.failed)
+        elif time.monotonic() - self.said > LINE_EVERY:
+            self.said = time.monotonic()
+            each = (self.said - self.start) / self.done
+            left = each * (self.total - self.before - self.done)
+            failed = f", {self.failed} failed" if self.failed else ""
+            at = self.before + self.done
+            self._say(f"{at} of {self.total}{failed}, {each:.1f} s each, {left / 60:.0f} min left")
+
+    def _say(self, text: str) -> None:
+        print(f"… {self.label}: {text}", file=sys.stderr, flush=True)
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.close()

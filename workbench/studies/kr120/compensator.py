@@ -1,0 +1,62 @@
+"""The KR 120's compensator itself: who tells its charge and its gas length?
+
+Loaded minus unloaded is blind to it. Two other witnesses are not: where the unloaded arm stands, and what
+its drives exert. Both know the charge as well as they know what acts like it: joint 2's stiffness, and
+link 2's weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.campaign import Campaign
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.problem import problem
+from workbench.effects.base import Effect
+from workbench.effects.joint_compliance import JointCompliance
+from workbench.effects.link_mass import LinkMass
+from workbench.identification.gravity_compensator.charge import EFFECTS, identify_charge
+from workbench.measurement.group_plan import Rig
+from workbench.measurement.load_pairs import fit_beside
+from workbench.robot.description import Robot
+from workbench.simulation.virtual_campaign import Truth, simulate
+
+GAS, GAS_LENGTH = EFFECTS
+OTHER_CHARGE, OTHER_LENGTH = -0.08, 0.12  # of the model's: what is hidden in this machine
+
+
+def blind_to_charge(campaign: Campaign, lost: float, sigma: float) -> dict[str, float]:
+    """What loaded minus unloaded says of a compensator that has lost a share of its charge."""
+    found = fit_beside(campaign, GAS, sigma)
+    values, covariance = found.effect_values(len(found.model.effects) - 1)
+    half = 1.96 * float(np.sqrt(covariance[0, 0]))
+    return {"lost_charge": lost, "pairs_charge": float(values[0]), "pairs_charge_half": half}
+
+
+def charge_by_witness(
+    robot: Robot, usual: Truth, rig: Rig, drive_noise: float, poses: int, seed: int
+) -> dict[str, float]:
+    """Charge and gas length from unloaded poses, from motor torque, from both: with all else known, beside
+    joint 2's stiffness, beside link 2's centre of mass."""
+    q = random_poses(robot, poses, np.random.default_rng([seed, 2]), floor=0.4, clear=0.6)
+    plan = planned(robot, q, targets=rig.targets, tool=rig.tool)
+    other = (GAS, np.array([OTHER_CHARGE])), (GAS_LENGTH, np.array([OTHER_LENGTH]))
+    measured = simulate(plan, replace(usual, effects=other), seed=seed, torque_sigma=drive_noise)
+    job = problem(plan)
+    masses = [e for e in LinkMass.sites(job) if e.where.link == "link_2" and e.variant == "com"]
+    beside: dict[str, Sequence[Effect]] = {
+        "": (),
+        "_stiffness": JointCompliance.sites(job)[1:2],
+        "_mass": masses,
+    }
+    numbers: dict[str, float] = {"other_charge": OTHER_CHARGE, "other_length": OTHER_LENGTH}
+    for witness in ("points", "torque", "both"):
+        for name, unknown in beside.items():
+            found = identify_charge(measured, witness, drive_noise, unknown)
+            numbers |= {f"{witness}_charge{name}": found.charge, f"{witness}_length{name}": found.length}
+            numbers[f"{witness}_charge{name}_half"] = 1.96 * found.charge_std
+            numbers[f"{witness}_length{name}_half"] = 1.96 * found.length_std
+    return numbers

@@ -1,0 +1,58 @@
+"""Which measurement tells a soft gear of the KR 120 from a changed compensator?
+
+Each machine is diagnosed from the paper's own records, read as absolute poses; from poses under three loads,
+some of which reverse joint 2's torque; and from these with motor torque.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench.campaign import Campaign, write_campaign
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.problem import Problem
+from workbench.diagnosis.run import Outcome, diagnose
+from workbench.measurement.group_plan import Rig
+from workbench.measurement.load_pairs import as_one_setup
+from workbench.robot.description import Robot
+
+WAYS = ("the 31 pairs, read as absolute poses", "poses under three loads", "… with motor torque")
+
+
+def three_loads(robot: Robot, rig: Rig, poses: int, seed: int) -> Campaign:
+    """The plan: random poses with the tool alone, with half the load, with the load."""
+    q = random_poses(robot, poses, np.random.default_rng([seed, 3]), floor=0.4, clear=0.6)
+    mass, place = rig.load
+    loads = {"half": (mass / 2, place), "full": rig.load}
+    return planned(
+        robot,
+        np.tile(q, (3, 1)),
+        targets=rig.targets,
+        payloads=loads,
+        payload=[name for name in ("", *loads) for _ in range(poses)],
+        tool=rig.tool,
+        title=f"{robot.title}, {poses} poses under three loads",
+    )
+
+
+def diagnosed(
+    folder: Path, data: Mapping[str, Campaign], rich: Mapping[str, Campaign], seed: int
+) -> dict[str, dict[str, Outcome]]:
+    """Diagnoses by way and machine. data: its pairs; rich: its poses under three loads, kept in `folder`."""
+    found: dict[str, dict[str, Outcome]] = {way: {} for way in WAYS}
+    for name, full in rich.items():
+        write_campaign(folder / name, full, comments=["simulated in Drake"])
+        campaigns = as_one_setup(data[name]), replace(full, torque=None), full
+        for way, campaign in zip(WAYS, campaigns, strict=True):
+            found[way][name] = diagnose(campaign, seed=seed)
+    return found
+
+
+def reversing(job: Problem) -> dict[str, float]:
+    """In how many of the poses the loads reverse joint 2's torque."""
+    bare, _, full = job.nominal_load.local[:, 2, 5].reshape(3, -1)
+    return {"rich_poses": float(len(bare)), "reversing": float((bare * full < 0).sum())}

@@ -1,0 +1,65 @@
+"""Paths drawn in closed loop with the corrections of several beliefs, beside none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ...correction import Compensation, Conditions, compensate, stated_conditions
+from ...correction.paths import Path
+from ...robot.description import Robot
+from ...robot.kinematics import Array
+from ...simulation.closed_loop.control import Controller
+from ...simulation.closed_loop.runs import Task, World, simulate_all
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A path of N samples as drawn. wanted: (N, 3) [m]; time: (N,) [s]; q: (N, n) uncorrected joints;
+    error: command → (N, 3) [m] tool minus wanted; made: the compensation behind each command."""
+
+    wanted: Array
+    time: Array
+    q: Array
+    error: dict[str, Array]
+    made: dict[str, Compensation]
+
+
+def draw_corrected(
+    truth: Robot,
+    nominal: Robot,
+    paths: Sequence[Path],
+    beliefs: Mapping[str, Robot],
+    start: Array | None = None,
+    conditions: Conditions | None = None,
+    *,
+    workers: int = 1,
+    progress: Callable[[str], None] = lambda _: None,
+) -> list[Drawn]:
+    """Each path on the true robot: uncorrected ("none"), and corrected by each belief, by name.
+
+    nominal: what the controller knows of the arm; start: (n,) joints near the first pose.
+    """
+    loads = conditions or stated_conditions(nominal)
+    world = World(truth, nominal, loads, loads, None, Controller())
+    made = [
+        {name: compensate(robot, path, loads, start=start) for name, robot in beliefs.items()}
+        for path in paths
+    ]
+    commands = []
+    for each in made:
+        any_of_them = next(iter(each.values()))
+        commands.append({"none": any_of_them.q_nominal} | {name: c.q_command for name, c in each.items()})
+    tasks = [
+        Task(f"{name}, {path.title} of {path.time[-1] - path.time[0]:.1f} s", path, q)
+        for path, each in zip(paths, commands, strict=True)
+        for name, q in each.items()
+    ]
+    done = iter(simulate_all(world, tasks, workers, progress))
+    drawn = []
+    for q, corrections in zip(commands, made, strict=True):
+        outcomes = {name: next(done) for name in q}
+        wanted = next(iter(corrections.values())).X_desired[:, :3, 3]
+        error = {name: outcome.tool[:, :3, 3] - wanted for name, outcome in outcomes.items()}
+        drawn.append(Drawn(wanted, outcomes["none"].time, q["none"], error, corrections))
+    return drawn
