@@ -16,12 +16,11 @@ from workbench.diagnosis.result import (
     Finding,
     Noise,
     NotTestable,
-    Parameter,
     PoseErrors,
     Stage,
     TestFigures,
-    Where,
 )
+from workbench.effects.place import Parameter, Where
 from workbench.robot.description import load_robot
 from workbench.robot.rigid_plant import rigid_twin
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.diagnosis.result import Where
 from workbench.effects.backlash import Backlash
 from workbench.effects.base import Effect
 from workbench.effects.bearing_tilt import BearingTilt
@@ -18,6 +17,7 @@ from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.link_bending import LinkBending
 from workbench.effects.lost_motion import LostMotion
 from workbench.effects.payload import Payload
+from workbench.effects.place import Where
 from workbench.effects.records import record
 from workbench.effects.thermal_growth import ThermalGrowth
 from workbench.robot.description import GEOMETRY, Robot, load_robot

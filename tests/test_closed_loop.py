@@ -13,10 +13,10 @@ from workbench.correction.conditions import path_campaign
 from workbench.correction.extended_arm import extended_arm
 from workbench.correction.path_shapes import Run, line, work_frame
 from workbench.correction.paths import Path, write_path
-from workbench.diagnosis.result import Where
 from workbench.effects import catalogue
 from workbench.effects.base import InstrumentEffect
 from workbench.effects.gear_kinematic_error import GearKinematicError
+from workbench.effects.place import Where
 from workbench.effects.records import record
 from workbench.files.faults import InputError
 from workbench.robot.description import load_robot

@@ -15,12 +15,12 @@ from workbench.correction.course import ready
 from workbench.correction.path_shapes import Run, pocket, raster, spiral, work_frame
 from workbench.correction.paths import Path
 from workbench.correction.solve import turning_sides
-from workbench.diagnosis.result import Where
 from workbench.effects.backlash import Backlash
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.gear_ratio import GearRatio
 from workbench.effects.joint_compliance import JointCompliance
+from workbench.effects.place import Where
 from workbench.effects.thermal_growth import ThermalGrowth
 from workbench.files.faults import InputError
 from workbench.robot.description import Robot, load_robot

@@ -14,8 +14,8 @@ from workbench.correction import Conditions, compensate, compensate_file, condit
 from workbench.correction.path_shapes import Run, circle, line, work_frame
 from workbench.correction.paths import Path, write_path
 from workbench.correction.programs import formats, read_program
-from workbench.diagnosis.result import Where
 from workbench.effects.gear_eccentricity import GearEccentricity
+from workbench.effects.place import Where
 from workbench.files.faults import InputError
 from workbench.identification.model_file import write_model
 from workbench.robot.description import Robot, load_robot

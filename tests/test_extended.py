@@ -10,10 +10,10 @@ from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem
 from workbench.correction import compensate, conditions_of, stated_conditions
 from workbench.correction.paths import Path
-from workbench.diagnosis.result import Where
 from workbench.diagnosis.run import diagnose
 from workbench.effects.backlash import Backlash
 from workbench.effects.lost_motion import LostMotion
+from workbench.effects.place import Where
 from workbench.effects.readback_joints import ReadbackJoints
 from workbench.effects.records import parse_effect
 from workbench.files.faults import InputError

@@ -14,8 +14,9 @@ import diagnosis_example as example
 import numpy as np
 import pytest
 
-from workbench.diagnosis.result import Diagnosis, Finding, Parameter
+from workbench.diagnosis.result import Diagnosis, Finding
 from workbench.effects import catalogue
+from workbench.effects.place import Parameter
 from workbench.report import figures, write_all
 from workbench.report.content import content, gather
 from workbench.report.equation import typeset

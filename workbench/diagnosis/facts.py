@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..campaign.problem import Problem
+from ..effects.place import Parameter
 from ..identification.fit import Fit
-from .result import Parameter
 
 
 def geometry(final: Fit) -> tuple[Parameter, ...]:

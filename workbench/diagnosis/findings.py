@@ -12,24 +12,14 @@ from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..effects.gear_kinematic_error import GearKinematicError
+from ..effects.place import Parameter, Where
 from ..identification.fit import Fit, heldout, refit
 from ..robot.kinematics import Array
 from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed
-from .result import (
-    Diagnosis,
-    FaultFound,
-    Finding,
-    Noise,
-    NotTestable,
-    Parameter,
-    PoseErrors,
-    Stage,
-    Verdict,
-    Where,
-)
+from .result import Diagnosis, FaultFound, Finding, Noise, NotTestable, PoseErrors, Stage, Verdict
 from .search import Selection
 from .verdict import (
     MOSTLY,

@@ -10,9 +10,10 @@ from scipy import optimize, stats
 
 from ..campaign.problem import Problem
 from ..effects.base import Effect, LoadEffect, YieldEffect
+from ..effects.place import Where
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
-from .result import Detectable, NotTestable, Where
+from .result import Detectable, NotTestable
 from .screen import FAINT, SURVIVES, screen
 from .search import ALPHA, Selection
 

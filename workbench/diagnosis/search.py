@@ -18,9 +18,9 @@ from ..effects.base import Effect, LoadEffect, Param, YieldEffect
 from ..effects.bearing_tilt import BearingTilt
 from ..effects.gear_kinematic_error import GearKinematicError
 from ..effects.joint_compliance import JointCompliance
+from ..effects.place import Where
 from ..identification.fit import Fit, refit
 from ..robot.kinematics import Array
-from .result import Where
 from .scan import Line, scan
 from .screen import Screen, effective_dof, p_value, screen
 

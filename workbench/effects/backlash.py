@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Where
 from ..robot.kinematics import Array
 from .base import Param, TransmissionEffect
+from .place import Where
 
 
 @dataclass(frozen=True)

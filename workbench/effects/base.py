@@ -16,11 +16,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Parameter, Where
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.statics import Loads
-
-NOWHERE = Where()  # the whole robot
+from .place import NOWHERE, Parameter, Where
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Where
 from ..robot.kinematics import RX, RY, Arm, Array
 from .base import LinearYield, Param
+from .place import Where
 
 
 @dataclass(frozen=True)

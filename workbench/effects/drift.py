@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Parameter
 from ..robot.kinematics import Array
 from .base import DirectEffect, Param
+from .place import Parameter
 
 RATES = ("rate_x", "rate_y", "rate_z")
 TURNS = ("turn_rate_x", "turn_rate_y", "turn_rate_z")

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Parameter, Where
 from ..robot.kinematics import Array
 from .base import SIN_COS, Param, TransmissionEffect, amplitude_phase, sin_cos
+from .place import Parameter, Where
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Where
 from ..robot.kinematics import Array
 from .base import Param, TransmissionEffect
+from .place import Where
 
 
 @dataclass(frozen=True)

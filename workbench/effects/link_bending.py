@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Where
 from ..robot.beam import bending_compliance
 from ..robot.kinematics import Arm, Array
 from .base import LinearYield, Param
+from .place import Where
 
 SHORTEST = 0.05  # m, shorter links are taken as rigid
 

@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Where
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.statics import Loads
 from .base import MassEffect, Param, mass_wrench
+from .place import Where
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Where
 from ..robot.kinematics import RZ, TZ, Arm, Array
 from .base import Param, YieldEffect
+from .place import Where
 
 SOFT = (0.05, 0.15, 0.5)  # width of the soft zone, as shares of the joint's largest torque
 PLAY = 0.02

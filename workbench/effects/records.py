@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..diagnosis.result import Where
 from ..files.faults import Fault, InputError
 from ..robot.description import EffectRecord
 from ..robot.kinematics import Array
 from . import catalogue
 from .base import Effect
+from .place import Where
 
 PLACE = ("joint", "other", "link", "payload")
 

@@ -13,13 +13,13 @@ import numpy as np
 
 from ..campaign import Campaign
 from ..campaign.problem import problem
-from ..diagnosis.result import Where
 from ..diagnosis.scan import spectrum
 from ..effects.base import Effect
 from ..effects.gear_eccentricity import GearEccentricity
 from ..effects.gear_kinematic_error import GearKinematicError
 from ..effects.gear_ratio import GearRatio
 from ..effects.joint_compliance import JointCompliance
+from ..effects.place import Where
 from ..identification.fit import Fit
 from ..identification.restated import restated
 from ..robot.description import Robot

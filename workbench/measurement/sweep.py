@@ -17,12 +17,12 @@ from numpy.typing import ArrayLike
 from ..campaign import Campaign, Target
 from ..campaign.planned import planned
 from ..campaign.problem import Problem, problem
-from ..diagnosis.result import Where
 from ..diagnosis.run import diagnose
 from ..diagnosis.scan import spectrum
 from ..effects.base import Effect
 from ..effects.gear_eccentricity import GearEccentricity
 from ..effects.gear_kinematic_error import GearKinematicError
+from ..effects.place import Where
 from ..effects.records import stated_effects
 from ..identification.fit import Fit, fit, refit
 from ..identification.model import Model

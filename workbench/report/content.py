@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..diagnosis.result import Diagnosis, FaultFound, Finding, Parameter
+from ..diagnosis.result import Diagnosis, FaultFound, Finding
+from ..effects.place import Parameter
 from . import figures
 from .drawing import Figure
 from .equation import typeset

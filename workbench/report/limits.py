@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from ..diagnosis.result import Diagnosis, Where
+from ..diagnosis.result import Diagnosis
+from ..effects.place import Where
 from .numbers import size, words
 
 IMPOSSIBLE = {"rad": 0.1, "m": 0.1, "1": 1.0, "": 1.0, "rad/(N·m)": 1e-3, "1/(N·m²)": 1e-2}

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...campaign.problem import problem
-from ...diagnosis.result import Where
 from ...diagnosis.run import testable
 from ...diagnosis.screen import quadratic, reduce_columns
 from ...effects.base import Effect
+from ...effects.place import Where
 from ...identification.fit import Fit, fit, start_state
 from ...identification.model import Model
 from ...identification.noise import Covariance

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from workbench.campaign import Campaign, Target, write_campaign
-from workbench.diagnosis.result import Diagnosis, Where
+from workbench.diagnosis.result import Diagnosis
 from workbench.diagnosis.run import diagnose
+from workbench.effects.place import Where
 from workbench.identification.deflection import with_compliance
 from workbench.measurement.zeros_and_offsets import SimulatedArm
 from workbench.robot.description import Robot

@@ -1,0 +1,44 @@
+"""Where a cause sits, and a fitted number: what effects, diagnosis and report say alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A fitted number with its standard deviation. `meaning` is one short sentence for people."""
+
+    name: str
+    value: float
+    std: float
+    unit: str
+    meaning: str = ""
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % interval (normal)."""
+        return self.value - 1.96 * self.std, self.value + 1.96 * self.std
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a cause sits; absent keys are None."""
+
+    joint: str | None = None
+    other: str | None = None
+    link: str | None = None
+    payload: str | None = None
+    order: float | None = None
+
+    def keys(self) -> dict[str, Any]:
+        """The keys that are set, in the contract's order."""
+        names = ("joint", "other", "link", "payload", "order")
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
+    def __str__(self) -> str:
+        return ", ".join(str(value) for key, value in self.keys().items() if key != "order")
+
+
+NOWHERE = Where()  # the whole robot
