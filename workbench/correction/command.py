@@ -8,12 +8,12 @@ from typing import Literal
 
 import numpy as np
 
+from ..effects.acting import Shares
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from .conditions import Conditions, stated_conditions
 from .course import Course, ready
-from .extended_arm import Shares, sided
 from .mirror import METHODS
 from .paths import Path
 from .programs import Program
@@ -120,7 +120,7 @@ def compensate(
     """
     _check_call(method, bandwidth_hz)
     course = ready(robot, path, conditions or stated_conditions(robot), tool, start, seed)
-    needs_side = sided(course.extended)
+    needs_side = course.extended.sided
     direction = turning_sides(course.q) if needs_side else None
     before = settle(course, course.q, direction, still=ROUGH)
     speed = speeds(course.q, path.time)
@@ -193,7 +193,7 @@ def _coarse(course: Course, speed: Array, shares: Shares) -> list[str]:
     """Ripples that are commanded, and faster than the path's samples can draw."""
     found = []
     rate = 1 / np.gradient(course.path.time)
-    for i, (effect, _) in enumerate(course.extended.effects):
+    for i, (effect, _) in enumerate(course.extended.acting):
         if effect.where.order is None:
             continue
         joint = course.nominal.names.index(str(effect.where.joint))

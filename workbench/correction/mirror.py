@@ -44,7 +44,7 @@ def geometry(course: Course, rest: Rest, direction: Array | None) -> Command:
     """The corrected lengths, twists and joint zeros only, exactly: what a usual calibration gives."""
     whole = course.extended.whole
     rigid = replace(whole.arm, compliance=np.zeros_like(whole.arm.compliance))
-    only = replace(course, extended=ExtendedArm(replace(whole, arm=rigid), ()))
+    only = replace(course, extended=ExtendedArm(replace(whole, arm=rigid)))
     found = correct(only, rest.q, None, np.zeros_like(rest.sag), {})
     return found.q, found.there
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..effects.base import DirectEffect
+from ..effects.acting import Shares
 from ..robot.kinematics import Array
-from .extended_arm import ExtendedArm, Shares
+from .extended_arm import ExtendedArm
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def followed(frequency_hz: Array, bandwidth_hz: float) -> Array:
 def ripple_shares(arm: ExtendedArm, speed: Array, bandwidth_hz: float) -> dict[int, Array]:
     """Shares (N,) of those effects with an order that the controller cannot follow everywhere."""
     shares = {}
-    for i, (effect, _) in enumerate(arm.effects):
+    for i, (effect, _) in enumerate(arm.acting):
         if effect.where.order is not None and effect.where.joint in arm.arm.names:
             joint = arm.arm.names.index(effect.where.joint)
             share = followed(frequency(effect.where.order, speed[:, joint]), bandwidth_hz)
@@ -65,8 +65,7 @@ def left_out(arm: ExtendedArm, q: Array, speed: Array, shares: Shares, J: Array)
     """What the shares leave at the tool. J: (N, 3, n) [m per rad or m] of the tool's position."""
     found = []
     for i, share in shares.items():
-        effect, values = arm.effects[i]
-        assert isinstance(effect, DirectEffect)
+        effect, values = arm.acting.items[i]
         joint = arm.arm.names.index(str(effect.where.joint))
         motion = effect.motion(arm.at(q, np.zeros_like(q), slice(0, len(q))))
         angle = motion[int(arm.arm.axial[joint])] @ values

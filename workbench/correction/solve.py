@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
+from ..effects.acting import Shares
 from ..robot.kinematics import Array
 from .course import Course
-from .extended_arm import Shares, parts
+from .extended_arm import parts
 from .inverse import limited
 
 TOLERANCE = 1e-10  # m, turns with the tip's length
@@ -63,7 +64,7 @@ def correct(course: Course, q: Array, direction: Array | None, sag: Array, share
 
 def _step(course: Course, problem: Problem, gain: Array, scaled: Array, shares: Shares) -> Array:
     """(K, n) change of the command that takes the error (K, rows) [m] off."""
-    step = np.einsum("kij,kj->ki", gain, scaled) / (1 + course.extended.gear_slope(problem, shares))
+    step = np.einsum("kij,kj->ki", gain, scaled) / (1 + course.extended.acting.ripple_slope(problem, shares))
     return limited(course.nominal, course.tip, step)
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from scipy import optimize, stats
 
 from ..campaign.problem import Problem
-from ..effects.base import Effect, LoadEffect, YieldEffect
+from ..effects.base import Effect
+from ..effects.kinds import LoadEffect, YieldEffect
 from ..effects.place import Where
 from ..identification.fit import Fit
 from ..robot.kinematics import Array

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..campaign import Campaign, join
+from ..campaign import Campaign, drive_torque, join
 from ..campaign.problem import Problem, problem
 from ..effects import catalogue
-from ..effects.base import Effect, LoadEffect
+from ..effects.base import Effect
+from ..effects.kinds import LoadEffect
 from ..effects.records import stated_effects
-from ..identification import drive_torque
 from ..identification.fit import Fit, fit, heldout, refit, start_state
 from ..identification.model import Model
 from ..identification.registration import check_units

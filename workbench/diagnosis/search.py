@@ -14,10 +14,11 @@ from functools import lru_cache
 import numpy as np
 from scipy import stats
 
-from ..effects.base import Effect, LoadEffect, Param, YieldEffect
+from ..effects.base import Effect, Param
 from ..effects.bearing_tilt import BearingTilt
 from ..effects.gear_kinematic_error import GearKinematicError
 from ..effects.joint_compliance import JointCompliance
+from ..effects.kinds import LoadEffect, YieldEffect
 from ..effects.place import Where
 from ..identification.fit import Fit, refit
 from ..robot.kinematics import Array

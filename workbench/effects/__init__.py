@@ -7,6 +7,7 @@ import pkgutil
 from functools import cache
 
 from .base import Effect
+from .place import Where
 
 
 @cache
@@ -14,9 +15,27 @@ def catalogue() -> dict[str, type[Effect]]:
     """Cause id → class, in the order of the files' names."""
     found: dict[str, type[Effect]] = {}
     for module in pkgutil.iter_modules(__path__):
-        if module.name == "base":
-            continue
         for value in vars(importlib.import_module(f"{__name__}.{module.name}")).values():
             if isinstance(value, type) and issubclass(value, Effect) and "cause" in vars(value):
                 found[value.cause] = value
     return found
+
+
+def line(joint: str, order: float) -> Effect:
+    """The effect that carries a line of any `order` [cycles per joint turn] in a joint's error."""
+    (kind,) = (kind for kind in catalogue().values() if kind.ordered)
+    return kind(Where(joint=joint, order=order))
+
+
+def separation(cause: str, rival: str) -> str | None:
+    """The measurement that tells two causes apart, in words, whichever of the two says it; None: unknown."""
+    kinds = catalogue()
+    said = [kinds[a].separate.get(b) for a, b in ((cause, rival), (rival, cause)) if a in kinds]
+    return next(filter(None, said), None)
+
+
+def rivals(cause: str) -> tuple[str, ...]:
+    """Causes that are easily taken for this one, its own first, then those that say so themselves."""
+    kinds = catalogue()
+    others = [other for other, kind in kinds.items() if cause in kind.separate]
+    return tuple(dict.fromkeys([*kinds[cause].separate, *others]))

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param, TransmissionEffect
+from .base import Depends, Param
+from .kinds import TransmissionEffect
 from .place import Where
 
 
@@ -27,6 +28,7 @@ class Backlash(TransmissionEffect):
 
     cause: ClassVar[str] = "backlash"
     title: ClassVar[str] = "Backlash and friction wind-up"
+    depends: ClassVar[Depends] = frozenset({"side"})
     equation: ClassVar[str] = 'Delta q = -h thin sgn(dot(q)_"last")'
     separate: ClassVar[dict[str, str]] = {
         "lost_motion": "a pose from both sides under the same load: lost motion does not see the side",

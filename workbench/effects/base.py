@@ -1,9 +1,15 @@
-"""What an effect is: a small motion of frames, a yield under load, a change of load, or of what is seen.
+"""What an effect is: one cause at one place, and what the rest of the program may ask of it.
 
-An effect is one file with one class. It derives from one of the four kinds below, says where it can
-sit (`sites`), what data it needs (`needs`), and its equation. Prediction and Jacobian for all
-effects are made from that by `model.py`; Drake's side by `simulate.py` (statics) and by the closed
-loop.
+On the way from a command to a measured point an effect acts at one of these (`acts`):
+
+    transmission   commanded joint → joint angle without load
+    load           what pulls on the arm
+    yielding       what gives way under the loads
+    geometry       where the frames are, without load
+    instrument     how the points are seen
+
+`kinds.py` has one base class for each. Everything else that other rooms decide by is data of the effect:
+what it depends on, whether it is smooth, always there, along its joint's own axis. Nobody asks for names.
 """
 
 from __future__ import annotations
@@ -11,14 +17,20 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
-from ..robot.statics import Loads
+from ..robot.statics import Loads, Wrenches
+from .drawn import Drawn
 from .place import NOWHERE, Parameter, Where
+
+Acts = Literal["transmission", "load", "yielding", "geometry", "instrument"]
+Depends = frozenset[str]  # of "joints", "load", "side", "time", "temperature", "torque", "readback", "points"
+NOTHING: Depends = frozenset()
 
 
 @dataclass(frozen=True)
@@ -33,15 +45,47 @@ class Param:
     upper: float = np.inf
 
 
+class Rest(Protocol):
+    """The arm at rest under its loads: its frames, loads, wrenches and points (N, T, 3) [m]."""
+
+    @property
+    def arm(self) -> Arm: ...
+    @property
+    def where(self) -> Frames: ...
+    @property
+    def loads(self) -> Loads: ...
+    @property
+    def load(self) -> Wrenches: ...
+    @property
+    def points(self) -> Array: ...
+
+
+class Slopes(Protocol):
+    """Derivatives of what is observed, R rows a pose, at rest: direct (N, R, 6 S) by slot motions, torque
+    (N, R, E) by the local wrenches `rows`."""
+
+    @property
+    def prediction(self) -> Rest: ...
+    @property
+    def direct(self) -> Array: ...
+    @property
+    def torque(self) -> Array: ...
+    @property
+    def rows(self) -> NDArray[np.int64]: ...
+
+
 @dataclass(frozen=True)
 class Effect(ABC):
     """One cause at one place.
 
-    cause: id of the contract. title: for people. equation: typst mathematics. separate: rival cause →
-    the measurement that tells it apart (in words). variant: forms of the same cause share cause and
-    place and differ in this; they are never each other's rivals. settings: names of the fields that
-    are numbers but not fitted (a time constant, say); they are kept with the values in model.toml.
-    ordered: `where` needs an order. together: the variants are parts of one law that may be off at once.
+    cause: id of the cause. title: for people. equation: typst mathematics. separate: rival cause → the
+    measurement that tells it apart (in words; `separation` reads both sides). variant: forms of the same
+    cause share cause and place and differ in this; they are never each other's rivals. settings: names of
+    the fields that are numbers but not fitted (a time constant, say); they are kept with the values in
+    model.toml. ordered: `where` needs an order. together: the variants are parts of one law that may be off
+    at once. depends: what any form of it depends on (one form: `uses`). smooth: a smooth function of its
+    joint's angle, so that several of them can draw any such function. always: every machine has it, whether
+    its model states it or not. drake: the parts of Drake that carry it in a simulated campaign.
     """
 
     where: Where = NOWHERE
@@ -54,11 +98,32 @@ class Effect(ABC):
     settings: ClassVar[tuple[str, ...]] = ()
     ordered: ClassVar[bool] = False
     together: ClassVar[bool] = False
+    acts: ClassVar[Acts]
+    depends: ClassVar[Depends]
+    smooth: ClassVar[bool] = False
+    always: ClassVar[bool] = False
+    axial: ClassVar[bool] = False  # moves its joint along the joint's own axis, and nothing else
+    drake: ClassVar[tuple[str, ...]] = ()
 
     @property
     @abstractmethod
     def params(self) -> tuple[Param, ...]:
         """The fitted parameters, in the order of `values`."""
+
+    @property
+    def uses(self) -> Depends:
+        """What this form depends on."""
+        return self.depends
+
+    @property
+    def searched(self) -> bool:
+        """Whether the place was found by a search in the same data (a gear line of unknown order)."""
+        return False
+
+    @property
+    def stated(self) -> bool:
+        """Whether the robot's model has a number for it, from which this one differs."""
+        return False
 
     def finer(self) -> Sequence[Effect]:
         """The same effect with other settings, to choose from once it is accepted."""
@@ -79,13 +144,41 @@ class Effect(ABC):
         """Every place where it can sit, whether this campaign would show it or not."""
         return cls.sites(problem)
 
+    # ------------------------------------------------ what it does, N poses, S slots, p parameters
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        """Column 6 · slot + component → (N, p) motion without load [m, rad] per unit of each parameter."""
+        return {}
+
+    def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
+        """Arm and loads with the effect in them."""
+        return arm, loads
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        """(N, T, 3, p) change of the points (N, T, 3) [m] in the instrument's frame per unit."""
+        return np.zeros((*points.shape, len(self.params)))
+
+    @abstractmethod
+    def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
+        """(N, R, p) change of what is observed per unit of each parameter."""
+
+    @abstractmethod
+    def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
+        """The effect over what it depends on."""
+
+    # ------------------------------------------------------------------ how it is said
+
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
-        """The parameters as the contract names them, from the fitted ones (p,), (p, p)."""
+        """The parameters as people know them, from the fitted ones (p,), (p, p)."""
         std = np.sqrt(np.diag(covariance))
         return tuple(
             Parameter(p.name, float(v), float(s), p.unit, p.meaning)
             for p, v, s in zip(self.params, values, std, strict=True)
         )
+
+    def reported_size(self, size: float) -> tuple[float, str]:
+        """A size of the first parameter [its unit], and its unit, as `report` has them."""
+        return size, self.params[0].unit
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -109,143 +202,3 @@ class Effect(ABC):
     def label(self) -> str:
         where = str(self.where)
         return f"{self.cause}({where})" if where else self.cause
-
-
-class DirectEffect(Effect):
-    """A motion of frames that does not depend on load and is linear in its parameters."""
-
-    @abstractmethod
-    def motion(self, problem: Problem) -> Mapping[int, Array]:
-        """Column 6 · slot + component → (N, p) motion [m, rad] per unit of each parameter."""
-
-
-class TransmissionEffect(DirectEffect):
-    """Commanded joint → joint angle without load, of the joint `where.joint`."""
-
-    @abstractmethod
-    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
-        """(N, p) joint motion [rad, m] per unit of each parameter, for joints q: (N, n)."""
-
-    def motion(self, problem: Problem) -> Mapping[int, Array]:
-        column = int(problem.arm.axial[problem.joint(self.where.joint)])
-        return {column: self.basis(problem.q, problem.campaign.direction, problem.arm.names)}
-
-
-class YieldEffect(Effect):
-    """A slot that yields under its own wrench."""
-
-    @abstractmethod
-    def slot(self, arm: Arm) -> int:
-        """Number of the slot that yields."""
-
-    @abstractmethod
-    def law(self, arm: Arm, wrench: Array, values: Array) -> tuple[Array, Array, Array]:
-        """Motion (N, 6), its derivative by the wrench (N, 6, 6) and by the parameters (N, 6, p).
-
-        wrench: (N, 6) [N, N·m] at the slot, on its own axes.
-        """
-
-
-class LinearYield(YieldEffect):
-    """A yield with one parameter: motion = value · C · wrench."""
-
-    @abstractmethod
-    def compliance(self, arm: Arm) -> Array:
-        """(6, 6) compliance of the slot per unit of the parameter."""
-
-    def law(self, arm: Arm, wrench: Array, values: Array) -> tuple[Array, Array, Array]:
-        C = self.compliance(arm)
-        unit = wrench @ C.T
-        by_wrench = np.broadcast_to(values[0] * C, (len(wrench), 6, 6))
-        return values[0] * unit, by_wrench, unit[:, :, None]
-
-
-class LoadEffect(Effect):
-    """A change of what pulls on the arm."""
-
-    @abstractmethod
-    def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
-        """Arm and loads with the effect in them."""
-
-    @abstractmethod
-    def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
-        """(N, S, 6, p) change of the local wrenches per unit of each parameter."""
-
-
-@dataclass(frozen=True)
-class MassEffect(LoadEffect):
-    """Mass (`variant` "mass") or centre of mass ("com") of a body differs from its `mass` [kg] and place.
-
-    A centre of mass is fitted as first moment [kg·m], which is linear, and reported as a shift. reference:
-    whose numbers they differ from, in words.
-    """
-
-    mass: float = 0.0
-
-    reference: ClassVar[str]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        if self.variant == "mass":
-            return ("mass",)
-        return tuple(f"{kind}_{axis}" for kind in ("com", "moment") for axis in "xyz")
-
-    def given(self, numbers: Mapping[str, float]) -> Array:
-        if self.variant == "mass":
-            return super().given(numbers)
-        return np.array([numbers.get(f"moment_{a}", self.mass * numbers.get(f"com_{a}", 0.0)) for a in "xyz"])
-
-    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
-        std = np.sqrt(np.diag(covariance))
-        if self.variant == "mass":
-            return (Parameter("mass", float(values[0]), float(std[0]), "kg", f"over {self.reference} mass"),)
-        return tuple(
-            Parameter(
-                f"com_{axis}", float(v / self.mass), float(s / self.mass), "m", f"over {self.reference} place"
-            )
-            for axis, v, s in zip("xyz", values, std, strict=True)
-        )
-
-
-class InstrumentEffect(Effect):
-    """How the points are seen; linear in its parameters."""
-
-    @abstractmethod
-    def seen(self, problem: Problem, points: Array) -> Array:
-        """(N, T, 3, p) change of the points (N, T, 3) [m] in the instrument's frame."""
-
-
-def mass_wrench(problem: Problem, where: Frames, slot: int, mass: Array, moment: Array) -> Array:
-    """Local wrenches (N, S, 6) of a mass (N,) with first moment (N, 3) carried behind `slot`."""
-    arm = problem.arm
-    at = mass[:, None] * where.p[slot] + np.einsum("nij,nj->ni", where.R[slot], moment)
-    first = at[:, None] - mass[:, None, None] * where.origin
-    force = np.broadcast_to((mass[:, None] * arm.gravity)[:, None], first.shape)
-    torque = np.cross(first, arm.gravity)
-    out = np.zeros((len(mass), arm.slots, 6))
-    out[..., :3] = np.einsum("nsci,nsi->nsc", where.axes[:, :, :3], force)
-    out[..., 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, :, 3:], torque)
-    out[:, slot + 1 :] = 0.0
-    return out
-
-
-SIN_COS = ("amplitude", "phase", "sin", "cos")
-
-
-def sin_cos(numbers: Mapping[str, float]) -> Array:
-    """(a, b) of  a sin x + b cos x  from numbers by name: sin and cos, or amplitude and phase."""
-    amplitude, phase = numbers.get("amplitude", 0.0), numbers.get("phase", 0.0)
-    a, b = amplitude * np.cos(phase), amplitude * np.sin(phase)
-    return np.array([numbers.get("sin", a), numbers.get("cos", b)])
-
-
-def amplitude_phase(values: Array, covariance: Array) -> tuple[tuple[float, float], tuple[float, float]]:
-    """(amplitude, std) and (phase, std) of  a sin x + b cos x = A sin(x + φ), from (a, b)."""
-    a, b = values
-    amplitude = float(np.hypot(a, b))
-    if amplitude == 0:
-        return (0.0, float(np.sqrt(covariance.trace() / 2))), (0.0, np.pi)
-    along = np.array([a, b]) / amplitude
-    across = np.array([-b, a]) / amplitude**2
-    std = float(np.sqrt(along @ covariance @ along)), float(np.sqrt(across @ covariance @ across))
-    return (amplitude, std[0]), (float(np.arctan2(b, a)), std[1])

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
-from .base import LinearYield, Param
+from .base import Param
+from .kinds import LinearYield
 from .place import Where
 
 
@@ -26,6 +27,7 @@ class BearingTilt(LinearYield):
 
     cause: ClassVar[str] = "bearing_tilt"
     title: ClassVar[str] = "A joint's bearing tilts"
+    always: ClassVar[bool] = True
     equation: ClassVar[str] = "phi_perp = c thin M_perp"
     separate: ClassVar[dict[str, str]] = {
         "bearing_tilt": "a target on the link between the two joints",
@@ -39,6 +41,10 @@ class BearingTilt(LinearYield):
     def params(self) -> tuple[Param, ...]:
         meaning = "tilt per moment, over the model's" if self.nominal else "tilt per moment"
         return (Param("compliance", "rad/(N·m)", 2e-8, meaning, lower=-self.nominal),)
+
+    @property
+    def stated(self) -> bool:
+        return self.nominal > 0
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[BearingTilt]:

@@ -10,7 +10,9 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import DirectEffect, Param
+from .base import Depends, Param, Rest
+from .drawn import Drawn
+from .kinds import DirectEffect
 from .place import Parameter
 
 RATES = ("rate_x", "rate_y", "rate_z")
@@ -30,6 +32,8 @@ class Drift(DirectEffect):
 
     cause: ClassVar[str] = "drift"
     title: ClassVar[str] = "Base or instrument drifts"
+    depends: ClassVar[Depends] = frozenset({"time"})
+    drake: ClassVar[tuple[str, ...]] = ("PrismaticJoint", "RevoluteJoint")
     equation: ClassVar[str] = 'Delta X_"base" = v thin (t - t_0)'
     settings: ClassVar[tuple[str, ...]] = ("start",)
     separate: ClassVar[dict[str, str]] = {
@@ -65,6 +69,13 @@ class Drift(DirectEffect):
             return {}
         since = (problem.time - self.start)[:, None]
         return {c: since * unit for c, unit in enumerate(np.eye(len(self.params)))}
+
+    def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
+        since = np.zeros(len(problem.q)) if problem.time is None else problem.time - self.start
+        turns = "turn" in self.variant
+        moved = since * float(np.linalg.norm(values))  # with a turn: at one metre from the base's origin
+        name = "motion of the base" + (" at 1 m" if turns else "")
+        return Drawn(since / 60, "time", "min", moved, name, "m")
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         v = values[:3]

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
-from .base import LinearYield, Param
+from .base import Param
+from .kinds import LinearYield
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,9 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import SIN_COS, Param, TransmissionEffect, amplitude_phase, sin_cos
+from .base import Param
+from .harmonics import SIN_COS, amplitude_phase, sin_cos
+from .kinds import TransmissionEffect
 from .place import Parameter, Where
 
 
@@ -23,6 +25,7 @@ class GearEccentricity(TransmissionEffect):
 
     cause: ClassVar[str] = "gear_eccentricity"
     title: ClassVar[str] = "Gear eccentricity"
+    smooth: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = A sin(k q + phi), quad k in {1, 2}"
     separate: ClassVar[dict[str, str]] = {
         "gear_ratio": "sweep the joint over more than half a turn",

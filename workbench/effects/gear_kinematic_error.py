@@ -10,7 +10,9 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import SIN_COS, Param, TransmissionEffect, amplitude_phase, sin_cos
+from .base import Param
+from .harmonics import SIN_COS, amplitude_phase, sin_cos
+from .kinds import TransmissionEffect
 from .place import Parameter, Where
 
 

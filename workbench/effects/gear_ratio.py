@@ -8,7 +8,8 @@ from typing import ClassVar
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param, TransmissionEffect
+from .base import Param
+from .kinds import TransmissionEffect
 from .place import Where
 
 
@@ -22,6 +23,7 @@ class GearRatio(TransmissionEffect):
 
     cause: ClassVar[str] = "gear_ratio"
     title: ClassVar[str] = "Reduction ratio is wrong"
+    smooth: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = epsilon thin q"
     separate: ClassVar[dict[str, str]] = {
         "hose_torque": "repeat some poses with the hose pack taken off: on poses alone the two are the same",

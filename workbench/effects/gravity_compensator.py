@@ -11,7 +11,9 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.statics import Loads
-from .base import LoadEffect, Param
+from .base import Depends, Param, Rest
+from .drawn import Drawn
+from .kinds import LoadEffect
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,7 @@ class GravityCompensator(LoadEffect):
     cause: ClassVar[str] = "gravity_compensator"
     title: ClassVar[str] = "Gravity compensator differs from the model"
     together: ClassVar[bool] = True
+    depends: ClassVar[Depends] = frozenset({"joints", "temperature"})
     equation: ClassVar[str] = "Delta tau = -Delta F(s) thin (dif s) / (dif q_2)"
     separate: ClassVar[dict[str, str]] = {
         "gear_eccentricity": "record the motor torque of joint 2 (3 % is enough)",
@@ -50,6 +53,10 @@ class GravityCompensator(LoadEffect):
             return (Param("coefficient", "1/K", 3e-3, "relative change of the pressure per K over 20 °C"),)
         what = "gas charge (absolute pressure)" if self.kind == "gas" else "spring rate"
         return (Param("relative", "1", 0.1, f"{what} over the model's, minus one", lower=-1.0),)
+
+    @property
+    def uses(self) -> Depends:
+        return self.depends if self.variant == "temperature" else frozenset({"joints"})
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
@@ -100,6 +107,10 @@ class GravityCompensator(LoadEffect):
         )
         out[:, between, 3:, 0] = np.einsum("nsci,nsi->nsc", axes[:, :, 3:], torque[:, between])
         return out
+
+    def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
+        j, torque = self.joint_torque(problem, rest, values)
+        return self.drawn_over_joint(problem, j, torque)
 
     def sentence(self, values: Array) -> str:
         if self.variant == "preload":

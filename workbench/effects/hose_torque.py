@@ -11,7 +11,9 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.statics import Loads
-from .base import LoadEffect, Param
+from .base import Param, Rest
+from .drawn import Drawn
+from .kinds import LoadEffect
 from .place import Where
 from .wrist_coupling import wrist
 
@@ -60,6 +62,10 @@ class HoseTorque(LoadEffect):
         out = np.zeros((len(problem.q), 6 * problem.arm.slots, 1))
         out[:, problem.arm.axial[j], 0] = -problem.q[:, j]
         return out.reshape(len(problem.q), problem.arm.slots, 6, 1)
+
+    def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
+        j = problem.joint(self.where.joint)
+        return self.drawn_over_joint(problem, j, -values[0] * problem.q[:, j])
 
     def sentence(self, values: Array) -> str:
         return f"The hose pack pulls {self.where.joint} back with {values[0]:.1f} N·m per rad."

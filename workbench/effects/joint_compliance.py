@@ -9,13 +9,14 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..robot.kinematics import RZ, TZ, Arm, Array
-from .base import LinearYield, Param
+from ..robot.kinematics import Arm, Array
+from .base import Param
+from .kinds import AxialYield, LinearYield
 from .place import Where
 
 
 @dataclass(frozen=True)
-class JointCompliance(LinearYield):
+class JointCompliance(AxialYield, LinearYield):
     """Δq = c₀ · relative · τ, with c₀ = 1/K of the model; Δq = c · τ where the model is rigid.
 
     τ is the joint's torque from gravity, payload, wrench and compensator. Source 001, eqs. (5), (9).
@@ -27,6 +28,7 @@ class JointCompliance(LinearYield):
 
     cause: ClassVar[str] = "joint_compliance"
     title: ClassVar[str] = "Joint stiffness differs from the model"
+    always: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = c_0 thin r thin tau"
     separate: ClassVar[dict[str, str]] = {
         "payload": "weigh the payload, or add a third load",
@@ -45,6 +47,10 @@ class JointCompliance(LinearYield):
         unit = "m/N" if self.sliding else "rad/(N·m)"
         return (Param("compliance", unit, 1e-6, "compliance of the joint", lower=0.0),)
 
+    @property
+    def stated(self) -> bool:
+        return self.nominal > 0
+
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[JointCompliance]:
         return [
@@ -52,11 +58,8 @@ class JointCompliance(LinearYield):
             for joint in problem.robot.joints
         ]
 
-    def slot(self, arm: Arm) -> int:
-        return arm.names.index(str(self.where.joint)) + 1
-
     def compliance(self, arm: Arm) -> Array:
-        axial = TZ if arm.prismatic[self.slot(arm) - 1] else RZ
+        (axial,) = self.components(arm)
         out = np.zeros((6, 6))
         out[axial, axial] = self.nominal or 1.0
         return out

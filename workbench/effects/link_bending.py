@@ -11,7 +11,8 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.beam import bending_compliance
 from ..robot.kinematics import Arm, Array
-from .base import LinearYield, Param
+from .base import Param
+from .kinds import LinearYield
 from .place import Where
 
 SHORTEST = 0.05  # m, shorter links are taken as rigid
@@ -32,6 +33,8 @@ class LinkBending(LinearYield):
 
     cause: ClassVar[str] = "link_bending"
     title: ClassVar[str] = "A link bends"
+    load_name: ClassVar[str] = "bending load F l³/3 + M l²/2"
+    load_unit: ClassVar[str] = "N·m³"
     equation: ClassVar[str] = "w = (F l^3 \\/ 3 + M l^2 \\/ 2) \\/ E I"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "a target in the middle of the link, or loads in two directions",
@@ -46,6 +49,10 @@ class LinkBending(LinearYield):
     def params(self) -> tuple[Param, ...]:
         meaning = "1/EI of the link, over the model's" if self.nominal else "1/EI of the link"
         return (Param("compliance", "1/(N·m²)", 2e-8, meaning, lower=-self.nominal),)
+
+    @property
+    def stated(self) -> bool:
+        return self.nominal > 0
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[LinkBending]:

@@ -11,7 +11,8 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.statics import Loads
-from .base import MassEffect, Param, mass_wrench
+from .base import Param
+from .masses import MassEffect, mass_wrench
 from .place import Where
 
 

@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..robot.kinematics import RZ, TZ, Arm, Array
-from .base import Param, YieldEffect
+from ..robot.kinematics import Arm, Array
+from .base import Param
+from .kinds import AxialYield
 from .place import Where
 
 SOFT = (0.05, 0.15, 0.5)  # width of the soft zone, as shares of the joint's largest torque
@@ -18,7 +19,7 @@ PLAY = 0.02
 
 
 @dataclass(frozen=True)
-class LostMotion(YieldEffect):
+class LostMotion(AxialYield):
     """Δq beyond τ/K, odd in the joint's torque τ [N·m], by `variant`:
 
     soft   Δq = a tanh(τ/t₀): the gear yields a [rad] more until its teeth carry at t₀ `torque`
@@ -83,11 +84,8 @@ class LostMotion(YieldEffect):
             return ()
         return [replace(self, torque=float(self.torque * x)) for x in np.geomspace(0.4, 2.5, 15)]
 
-    def slot(self, arm: Arm) -> int:
-        return arm.names.index(str(self.where.joint)) + 1
-
     def law(self, arm: Arm, wrench: Array, values: Array) -> tuple[Array, Array, Array]:
-        axial = TZ if arm.prismatic[self.slot(arm) - 1] else RZ
+        (axial,) = self.components(arm)
         x = wrench[:, axial] / self.torque
         if self.variant == "cubic":
             form, slope = x**3, 3 * x**2

@@ -10,7 +10,9 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import DirectEffect, Param
+from .base import Acts, Depends, Param, Rest
+from .drawn import Drawn
+from .kinds import DirectEffect
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,9 @@ class ReadbackJoints(DirectEffect):
 
     cause: ClassVar[str] = "readback_joints"
     title: ClassVar[str] = "Read-back joints"
+    acts: ClassVar[Acts] = "transmission"
+    depends: ClassVar[Depends] = frozenset({"readback"})
+    drake: ClassVar[tuple[str, ...]] = ("RevoluteJoint", "PrismaticJoint")
     equation: ClassVar[str] = "Delta q = w thin (r - q)"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "wait longer before each reading; the same pose with another payload",
@@ -52,6 +57,12 @@ class ReadbackJoints(DirectEffect):
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         difference = _difference(problem)
         return {int(c): difference[:, j : j + 1] for j, c in enumerate(problem.arm.axial)}
+
+    def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
+        apart = np.linalg.norm(_difference(problem), axis=1)
+        return Drawn(
+            apart, "read back minus commanded", "rad", values[0] * apart, "error of the joints", "rad"
+        )
 
     def sentence(self, values: Array) -> str:
         if values[0] > 0.5:

@@ -8,9 +8,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..campaign.problem import Problem
+from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
 from ..robot.kinematics import Array
-from .base import DirectEffect, Param
+from .base import Depends, Param, Rest
+from .drawn import Drawn
+from .kinds import DirectEffect
 
 WARM_UP = (0.15, 0.4, 1.0)  # time constants that are tried, as shares of the campaign's duration
 
@@ -29,6 +31,8 @@ class ThermalGrowth(DirectEffect):
 
     cause: ClassVar[str] = "thermal_growth"
     title: ClassVar[str] = "Links grow with temperature"
+    depends: ClassVar[Depends] = frozenset({"temperature", "time"})
+    drake: ClassVar[tuple[str, ...]] = ("PrismaticJoint",)
     equation: ClassVar[str] = "Delta p = alpha thin (T - T_0) thin p"
     settings: ClassVar[tuple[str, ...]] = ("start", "constant")
     separate: ClassVar[dict[str, str]] = {
@@ -44,6 +48,10 @@ class ThermalGrowth(DirectEffect):
         return (
             Param("coefficient", "1/K", 1e-5, "relative growth of the links per K", lower=0.0, upper=1e-4),
         )
+
+    @property
+    def uses(self) -> Depends:
+        return frozenset({"time" if self.variant.startswith("warmup") else "temperature"})
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
@@ -87,6 +95,15 @@ class ThermalGrowth(DirectEffect):
             for c in range(3)
             if abs(span[slot, c]) > 1e-9
         }
+
+    def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
+        warmth = self._warmth(problem)
+        growth = np.zeros(len(problem.q)) if warmth is None else values[0] * warmth
+        name = "growth of one metre"
+        if "time" in self.uses and problem.time is not None:
+            return Drawn((problem.time - self.start) / 60, "time", "min", growth, name, "m")
+        warm = np.zeros(len(growth)) if problem.warmth is None else problem.warmth
+        return Drawn(warm + REFERENCE_TEMPERATURE, "temperature", "°C", growth, name, "m")
 
     def sentence(self, values: Array) -> str:
         if self.variant.startswith("warmup"):

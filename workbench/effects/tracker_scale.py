@@ -6,9 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import InstrumentEffect, Param
+from .base import Param, Rest
+from .drawn import Drawn
+from .kinds import InstrumentEffect
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,10 @@ class TrackerScale(InstrumentEffect):
 
     def seen(self, problem: Problem, points: Array) -> Array:
         return points[..., None]
+
+    def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
+        away = np.linalg.norm(np.nanmean(rest.points, axis=1), axis=1)
+        return Drawn(away, "distance from the instrument", "m", values[0] * away, "error of distance", "m")
 
     def sentence(self, values: Array) -> str:
         return f"The instrument's scale is off by {values[0] * 1e6:.1f} ppm."

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param, TransmissionEffect
+from .base import Param
+from .kinds import TransmissionEffect
 from .place import Where
 
 

@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from ..campaign import drive_torque
 from ..campaign.problem import Problem
-from ..effects.base import DirectEffect, Effect, InstrumentEffect, LinearYield, LoadEffect, YieldEffect
+from ..effects.acting import Acting
+from ..effects.base import Effect
 from ..robot.kinematics import Arm, Array, Frames, point_jacobian
 from ..robot.statics import Loads, Wrenches, equilibrium, wrench_jacobian
-from . import drive_torque
 
 
 @dataclass(frozen=True)
@@ -93,9 +94,9 @@ class Model:
     effects: tuple[Effect, ...] = ()
     known: tuple[tuple[Effect, Array], ...] = ()
 
-    def acting(self, state: State) -> list[tuple[Effect, Array]]:
+    def acting(self, state: State) -> Acting:
         """All effects with their values at a state."""
-        return [*self.known, *zip(self.effects, state.values, strict=True)]
+        return Acting((*self.known, *zip(self.effects, state.values, strict=True)))
 
     def start(self, R: Array, t: Array, targets: Array) -> State:
         """State with the robot's own geometry and all effects at zero."""
@@ -110,25 +111,10 @@ class Model:
 
     def loaded(self, state: State, near: Linearisation | None = None) -> Prediction:
         """Loaded poses and points; `near`, at a state that is almost the same, saves time."""
-        problem = self.problem
-        arm, loads = problem.arm.with_geometry(state.geometry), problem.loads
-        n_poses = len(problem.q)
-        direct = np.zeros((n_poses, arm.slots, 6))
-        for effect, values in self.acting(state):
-            if isinstance(effect, DirectEffect):
-                for column, basis in effect.motion(problem).items():
-                    direct.reshape(n_poses, -1)[:, column] += basis @ values
-            elif isinstance(effect, LoadEffect):
-                arm, loads = effect.apply(problem, arm, loads, values)
-
-        linear, bent = self._yielding(arm, state)
-
-        def law(wrench: Array) -> Array:
-            yields = np.matmul(wrench.swapaxes(0, 1), linear.swapaxes(1, 2)).swapaxes(0, 1)
-            for effect, values in bent:
-                yields[:, effect.slot(arm)] += effect.law(arm, wrench[:, effect.slot(arm)], values)[0]
-            return yields
-
+        problem, acting = self.problem, self.acting(state)
+        direct = acting.direct(problem)
+        arm, loads = acting.loads(problem, problem.arm.with_geometry(state.geometry))
+        law = acting.yielding(arm).motion
         if near is None:
             motion, where, load = equilibrium(arm, problem.q, direct, loads, law)
         else:
@@ -137,7 +123,7 @@ class Model:
                 arm, problem.q, direct, loads, law, near=start, hasten=near.hasten
             )
         base = self._place(where, state)
-        points = self._see(base, state)
+        points = acting.seen(problem, self._see(base, state))
         return Prediction(arm, loads, motion, where, load, base, points)
 
     def predict(self, state: State) -> Array:
@@ -153,37 +139,7 @@ class Model:
 
     def _see(self, base: Array, state: State) -> Array:
         setup = self.problem.campaign.setup
-        points = np.einsum("nij,ntj->nti", state.R[setup], base) + state.t[setup][:, None]
-        change = np.zeros_like(points)
-        for effect, values in self.acting(state):
-            if isinstance(effect, InstrumentEffect):
-                change += effect.seen(self.problem, points) @ values
-        return points + change
-
-    def _yielding(self, arm: Arm, state: State) -> tuple[Array, list[tuple[YieldEffect, Array]]]:
-        """What yields in proportion to its wrench, (S, 6, 6), and the effects that yield otherwise."""
-        linear, bent = arm.compliance.copy(), []
-        for effect, values in self.acting(state):
-            if isinstance(effect, LinearYield):
-                linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
-            elif isinstance(effect, YieldEffect):
-                bent.append((effect, values))
-        return linear, bent
-
-    def _slope(self, arm: Arm, wrench: Array, state: State) -> tuple[NDArray[np.int64], Array]:
-        """The components that yield (rows), and their derivative by these wrenches (N, rows, rows)."""
-        linear, bent = self._yielding(arm, state)
-        slope = np.broadcast_to(linear, (len(wrench), *linear.shape))
-        if bent:
-            slope = slope.copy()
-        for effect, values in bent:
-            k = effect.slot(arm)
-            slope[:, k] += effect.law(arm, wrench[:, k], values)[1]
-        some = np.abs(linear) if not bent else np.abs(slope).sum(axis=0)
-        rows = np.flatnonzero(some.sum(axis=2).ravel())
-        slot, component = np.divmod(rows, 6)
-        Phi = slope[:, slot[:, None], component[:, None], component]
-        return rows, np.where(slot[:, None] == slot, Phi, 0.0)
+        return np.einsum("nij,ntj->nti", state.R[setup], base) + state.t[setup][:, None]
 
     def linearise(self, state: State, near: Linearisation | None = None) -> Linearisation:
         """Derivatives at a state; `near` as for `loaded`: saves time, changes nothing."""
@@ -195,7 +151,7 @@ class Model:
         J = point_jacobian(where.axes, where.origin, prediction.base, on)
         G = point_jacobian(where.geometry_axes, where.geometry_origin, prediction.base, on)
         J, G = (np.matmul(turn[:, None], X).reshape(n_poses, 3 * n_targets, -1) for X in (J, G))
-        rows, Phi = self._slope(arm, load.local, state)
+        rows, Phi = self.acting(state).yielding(arm).slope(load.local)
         torque = np.zeros((n_poses, 3 * n_targets, len(rows)))
         answer = np.zeros((n_poses, len(rows), len(rows)))
         if len(rows):
@@ -236,9 +192,8 @@ class Model:
         measured = self.problem.campaign.torque
         assert measured is not None
         left = drive_torque.project(self.problem, np.nan_to_num(measured)[..., None])[..., 0]
-        for effect, values in self.acting(state):
-            if isinstance(effect, LoadEffect):
-                left = left - self.effect_jacobian(line, effect, values)[:, -self.problem.drives :] @ values
+        for effect, values in self.acting(state).those(lambda effect: effect.acts == "load"):
+            left = left - self.effect_jacobian(line, effect, values)[:, -self.problem.drives :] @ values
         return left
 
     def effect_jacobian(self, line: Linearisation, effect: Effect, values: Array) -> Array:
@@ -246,29 +201,7 @@ class Model:
 
         The effect need not be in the model: then this is what adding it would do.
         """
-        problem, prediction = self.problem, line.prediction
-        n_poses = len(problem.q)
-        if isinstance(effect, DirectEffect):
-            parts = effect.motion(problem).items()
-            return sum(
-                (line.direct[:, :, column, None] * basis[:, None, :] for column, basis in parts),
-                start=np.zeros((n_poses, line.direct.shape[1], len(effect.params))),
-            )
-        if isinstance(effect, YieldEffect):
-            k = effect.slot(prediction.arm)
-            _, _, by_value = effect.law(prediction.arm, prediction.load.local[:, k], values)
-            return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ by_value)
-        if isinstance(effect, LoadEffect):
-            change = effect.wrench(problem, prediction.where, prediction.loads)
-            change = change.reshape(n_poses, -1, change.shape[-1])
-            out = line.torque @ change[:, line.rows]
-            if problem.drives:
-                axial = -change[:, prediction.arm.axial]
-                out[:, -problem.drives :] = drive_torque.project(problem, axial)
-            return np.asarray(out)
-        assert isinstance(effect, InstrumentEffect)
-        seen = effect.seen(problem, prediction.points)
-        return self._with_drives(seen.reshape(n_poses, -1, seen.shape[-1]))
+        return effect.jacobian(self.problem, line, values)
 
 
 def move_frame(state: State, setup: int, centre: Array, change: Array) -> State:

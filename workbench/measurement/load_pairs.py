@@ -16,8 +16,9 @@ import numpy as np
 from ..campaign import Campaign, Target
 from ..campaign.planned import planned
 from ..campaign.problem import Problem, problem
-from ..effects.base import Effect, Param, YieldEffect
+from ..effects.base import Effect, Param
 from ..effects.joint_compliance import JointCompliance
+from ..effects.kinds import AxialYield
 from ..effects.lost_motion import LostMotion
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model
@@ -30,7 +31,7 @@ Load = tuple[float, Sequence[float]]
 
 
 @dataclass(frozen=True)
-class GroupCompliance(YieldEffect):
+class GroupCompliance(AxialYield):
     """A joint's compliance as its model's, plus `relative` of it in the `poses` marked True only.
 
     Source 002 gives joint 2 a compliance of its own at each of its angles. For fitting: the mask belongs
@@ -54,9 +55,6 @@ class GroupCompliance(YieldEffect):
     @property
     def label(self) -> str:
         return f"{super().label}[{self.variant}]"
-
-    def slot(self, arm: Arm) -> int:
-        return self._whole.slot(arm)
 
     @property
     def _whole(self) -> JointCompliance:

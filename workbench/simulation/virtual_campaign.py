@@ -10,17 +10,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..campaign import Campaign
 from ..campaign.problem import Problem, problem
-from ..effects.base import DirectEffect, Effect, InstrumentEffect, LinearYield, LoadEffect, YieldEffect
+from ..effects.acting import Acting
+from ..effects.base import Effect
 from ..effects.records import stated_effects
 from ..files.faults import Fault, InputError
 from ..robot.elastic_plant import elastic_twin
 from ..robot.kinematics import Arm, Array
-from ..robot.statics import Law, Loads
+from ..robot.statics import Loads
 
 Values = tuple[Effect, Array]
 
@@ -50,6 +50,10 @@ class Truth:
     targets: Array | None = None
     sigma: float = 0.0
     repeatability: Array | None = None
+
+    @property
+    def acting(self) -> Acting:
+        return Acting(self.effects)
 
 
 def simulate(
@@ -147,7 +151,7 @@ def _check_acting(job: Problem, truth: Truth) -> None:
     """Raises `InputError` for effects that were asked for and do nothing here."""
     faults = []
     for effect, values in truth.effects:
-        if not isinstance(effect, DirectEffect) or not values.any():
+        if effect.acts not in ("transmission", "geometry") or not values.any():
             continue
         if not any(basis.any() for basis in effect.motion(job).values()):
             why = type(effect).needs(job) or "it needs other poses"
@@ -159,11 +163,7 @@ def _check_acting(job: Problem, truth: Truth) -> None:
 def _direct(job: Problem, truth: Truth) -> Array:
     """(N, S, 6) motions that do not depend on load."""
     n_poses = len(job.q)
-    out = np.zeros((n_poses, 6 * job.arm.slots))
-    for effect, values in truth.effects:
-        if isinstance(effect, DirectEffect):
-            for column, basis in effect.motion(job).items():
-                out[:, column] += basis @ values
+    out = truth.acting.direct(job).reshape(n_poses, -1)
     if truth.joints is not None:
         out[:, job.arm.axial] += truth.joints(job)
     if truth.motion is not None:
@@ -174,15 +174,22 @@ def _direct(job: Problem, truth: Truth) -> Array:
 
 def _settle(job: Problem, truth: Truth, direct: Array) -> tuple[Array, Array]:
     """Targets (N, T, 3) [m] in the base frame and torques of the drives (N, n), from Drake."""
-    arm, loads = job.arm, job.loads
-    geometry = arm.geometry if truth.geometry is None else arm.geometry + truth.geometry
-    for effect, values in truth.effects:
-        if isinstance(effect, LoadEffect):
-            arm, loads = effect.apply(job, arm, loads, values)
+    geometry = job.arm.geometry if truth.geometry is None else job.arm.geometry + truth.geometry
+    arm, loads = truth.acting.loads(job, job.arm)
     if truth.torque is not None:
         loads = replace(loads, torque=loads.torque + truth.torque(job))
-    law, yielding = _law(arm, truth)
-    moving = np.flatnonzero(direct.reshape(len(direct), -1).any(axis=0) | yielding)
+    yielding = truth.acting.yielding(arm)
+    columns = yielding.columns
+    for slot in truth.yields:
+        columns[6 * slot : 6 * slot + 6] = True
+    moving = np.flatnonzero(direct.reshape(len(direct), -1).any(axis=0) | columns)
+
+    def law(wrench: Array) -> Array:
+        out = yielding.motion(wrench)
+        for slot, form in truth.yields.items():
+            out[0, slot] += form(wrench[0, slot])
+        return out
+
     twin = elastic_twin(job.arm, job.robot, [divmod(int(column), 6) for column in moving])
     twin.set_geometry(geometry)
     twin.set_masses(arm)
@@ -210,34 +217,6 @@ def _targets(job: Problem, truth: Truth) -> Array:
     return targets
 
 
-def _law(arm: Arm, truth: Truth) -> tuple[Law, NDArray[np.bool_]]:
-    """What yields: law (1, S, 6) → (1, S, 6), and which of the 6 S columns take part in it."""
-    linear = arm.compliance.copy()
-    bent: list[tuple[int, Callable[[Array], Array]]] = list(truth.yields.items())
-    probe = np.zeros((arm.slots, 6, 6))
-    for effect, values in truth.effects:
-        if isinstance(effect, LinearYield):
-            linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
-        elif isinstance(effect, YieldEffect):
-            bent.append((effect.slot(arm), _bend(effect, arm, values)))
-            probe[effect.slot(arm)] += np.abs(effect.law(arm, np.ones((1, 6)), values)[1][0])
-    probe += np.abs(linear)
-    for slot in truth.yields:
-        probe[slot] = 1.0
-
-    def law(wrench: Array) -> Array:
-        out = np.matmul(linear, wrench[0][..., None])[..., 0]
-        for slot, form in bent:
-            out[slot] += form(wrench[0, slot])
-        return out[None]
-
-    return law, (probe.any(axis=1) | probe.any(axis=2)).ravel()
-
-
-def _bend(effect: YieldEffect, arm: Arm, values: Array) -> Callable[[Array], Array]:
-    return lambda wrench: effect.law(arm, wrench[None], values)[0][0]
-
-
 def pose_loads(loads: Loads, i: int) -> Loads:
     """The loads of one pose."""
     law = loads.compensator
@@ -249,8 +228,5 @@ def pose_loads(loads: Loads, i: int) -> Loads:
 
 def _see(job: Problem, truth: Truth, points: Array) -> Array:
     """The points as the instrument shows them, without noise."""
-    out = points.copy()
-    for effect, values in truth.effects:
-        if isinstance(effect, InstrumentEffect):
-            out += effect.seen(job, points) @ values
+    out = truth.acting.seen(job, points)
     return out if truth.seen is None else truth.seen(job, out)

@@ -8,13 +8,12 @@ from typing import Literal
 
 import numpy as np
 
-from ...campaign import Campaign
+from ...campaign import Campaign, drive_torque
 from ...campaign.problem import problem
 from ...effects.base import Effect
 from ...effects.gravity_compensator import GravityCompensator
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
-from .. import drive_torque
 from ..fit import Fit, fit
 from ..model import Model
 from ..noise import required_noise

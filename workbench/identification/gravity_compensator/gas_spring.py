@@ -17,8 +17,9 @@ from typing import ClassVar
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...effects.base import LoadEffect, Param
+from ...effects.base import Param
 from ...effects.gravity_compensator import GravityCompensator
+from ...effects.kinds import LoadEffect
 from ...robot.kinematics import Arm, Array, Frames
 from ...robot.statics import CompensatorLaw, Loads
 

@@ -13,14 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...campaign import Campaign
+from ...campaign import Campaign, drive_torque
 from ...campaign.planned import TARGETS, planned
 from ...campaign.problem import Problem, problem
 from ...diagnosis.data_faults import clean
 from ...diagnosis.noise_choice import choose, from_residual
 from ...effects.base import Effect
 from ...effects.records import stated_effects
-from ...identification import drive_torque
 from ...identification.fit import Fit, fit, start_state
 from ...identification.model import Model, State
 from ...identification.noise import Covariance

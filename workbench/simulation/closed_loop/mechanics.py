@@ -13,9 +13,11 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...correction.conditions import Conditions, path_campaign
-from ...correction.extended_arm import ExtendedArm, extended_arm
+from ...correction.extended_arm import extended_arm
 from ...correction.paths import Path
-from ...effects.base import DirectEffect, Effect, LinearYield, TransmissionEffect, YieldEffect
+from ...effects.acting import Acting, Yielding
+from ...effects.acting import Law as Law6
+from ...effects.base import Effect
 from ...robot.description import Robot
 from ...robot.kinematics import RX, Arm, Array
 from ...robot.rigid_plant import arrays, compensator_law
@@ -63,7 +65,7 @@ class Mechanics:
     screws: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
     placed: (S, 6) motions that neither load nor the drive makes (temperature, drift), at the path's middle.
     mass, moment: tool and payload [kg, kg·m, flange frame]; wrench: (N, 6), torque: (N, n) as `Loads` has
-    them. gear: the effects of the transmission with their values. notes: what had to be assumed.
+    them. gear: the effects of the transmission. notes: what had to be assumed.
     """
 
     robot: Robot
@@ -76,16 +78,17 @@ class Mechanics:
     wrench: Array
     torque: Array
     compensator: CompensatorLaw | None
-    gear: tuple[tuple[TransmissionEffect, Array], ...]
+    gear: Acting
     notes: tuple[str, ...]
 
     def gear_error(self, q: Array, side: Array) -> Array:
         """(K, n) motion of each joint beyond its drive's, at joints q (K, n) reached from `side` (K, n)."""
-        out = np.zeros_like(q)
-        for effect, values in self.gear:
-            joint = self.arm.names.index(str(effect.where.joint))
-            out[:, joint] += effect.basis(q, side, self.arm.names) @ values
-        return out
+        return self.gear.gear_error(q, side, self.arm.names)
+
+    @property
+    def sided(self) -> bool:
+        """Whether a gear's error depends on the side of approach."""
+        return any("side" in effect.uses for effect, _ in self.gear)
 
 
 def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mechanics:
@@ -95,12 +98,11 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
     extended = extended_arm(whole)
     here = extended.at(q, np.zeros_like(q), slice(0, len(q)))
     loaded, loads = extended.loads(here)
-    linear, bent = _compliance(arm, extended)
-    gear = tuple((e, v) for e, v in extended.effects if isinstance(e, TransmissionEffect))
-    others = tuple((e, v) for e, v in extended.effects if not isinstance(e, TransmissionEffect))
-    placed = replace(extended, effects=others).direct(here)
+    gear = extended.acting.those(_of_a_gear)
+    others = extended.acting.those(lambda effect: not _of_a_gear(effect))
+    placed = others.direct(here)
     erring = {str(effect.where.joint) for effect, _ in gear}
-    axial, screws = _springs(arm, linear, bent, erring)
+    axial, screws = _springs(arm, extended.acting.yielding(arm), erring)
     law = loads.compensator
     if law is not None:
         law = replace(law, charge=float(np.mean(law.charge)))
@@ -120,51 +122,46 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
     )
 
 
-def _sliding_with_load(effects: tuple[tuple[Effect, Array], ...], placed: Array) -> list[str]:
+def _of_a_gear(effect: Effect) -> bool:
+    """Whether it is an error of one joint's drive train, which the loop simulates as such."""
+    return effect.acts == "transmission" and effect.axial
+
+
+def _sliding_with_load(acting: Acting, placed: Array) -> list[str]:
     """What changes along the path and is held at its middle."""
     change = float(np.ptp(placed, axis=0).max(initial=0.0))
     if change < 1e-7:
         return []
-    names = ", ".join(effect.label for effect, _ in effects if isinstance(effect, DirectEffect))
+    names = ", ".join(e.label for e, _ in acting if e.acts in ("transmission", "geometry"))
     return [f"{names}: held as in the middle of the path (it changes by up to {change * 1e6:.1f} µm or µrad)"]
 
 
-def _compliance(arm: Arm, extended: ExtendedArm) -> tuple[Array, list[tuple[int, Callable[[Array], Array]]]]:
-    """(S, 6, 6) linear compliance, and (slot, axial law) of what is not linear."""
-    linear, bent = arm.compliance.copy(), []
-    for effect, values in extended.effects:
-        if isinstance(effect, LinearYield):
-            linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
-        elif isinstance(effect, YieldEffect):
-            slot = effect.slot(arm)
-            bent.append((slot, _axial_law(effect, arm, int(arm.axial[slot - 1]) % 6, values)))
-    return linear, bent
+def _along_axis(law: Law6, component: int) -> Callable[[Array], Array]:
+    """A slot's law for a torque (K,) about (or a force along) one of its axes."""
 
-
-def _axial_law(effect: YieldEffect, arm: Arm, component: int, values: Array) -> Callable[[Array], Array]:
-    def law(torque: Array) -> Array:
+    def axial(torque: Array) -> Array:
         wrench = np.zeros((len(torque), 6))
         wrench[:, component] = torque
-        return effect.law(arm, wrench, values)[0][:, component]
+        return law(wrench)[0][:, component]
 
-    return law
+    return axial
 
 
 def _springs(
-    arm: Arm, linear: Array, bent: list[tuple[int, Callable[[Array], Array]]], erring: set[str]
+    arm: Arm, yielding: Yielding, erring: set[str]
 ) -> tuple[tuple[Law | None, ...], tuple[Screw, ...]]:
     """The joints' own springs, and the screws for the rest of the compliance."""
     axial: list[Law | None] = []
     screws: list[Screw] = []
     for slot in range(arm.slots):
-        C = linear[slot].copy()
+        C = yielding.linear[slot].copy()
         if 1 <= slot <= arm.n:
             k = int(arm.axial[slot - 1]) % 6
             others = [c for c in range(6) if c != k]
             coupled = C[k, others] @ np.linalg.pinv(C[np.ix_(others, others)], rcond=1e-9) @ C[others, k]
             own = max(float(C[k, k] - coupled), 0.0)
             C[k, k] -= own
-            forms = [form for where, form in bent if where == slot]
+            forms = [_along_axis(law, k) for where, _, law in yielding.bent if where == slot]
             needed = own > 0 or forms or arm.names[slot - 1] in erring
             axial.append(_law(max(own, RIGID), forms) if needed else None)
         screws += _screws(slot, C)

@@ -7,14 +7,12 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...correction import Conditions
 from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from .control import Controller, nominal_mechanics
-from .mechanics import Mechanics, mechanics
+from .mechanics import mechanics
 from .motion import motion
 from .simulation import STEP, run
 
@@ -58,7 +56,7 @@ def simulate(world: World, task: Task) -> Outcome:
     """One run."""
     truth = mechanics(world.truth, task.path, task.q, world.true_conditions)
     believed = mechanics(world.belief, task.path, task.q, world.conditions)
-    moved = motion(task.path.time, task.q, _sided(truth))
+    moved = motion(task.path.time, task.q, truth.sided)
     done = run(
         truth,
         nominal_mechanics(world.belief, believed),
@@ -87,10 +85,3 @@ def simulate_all(
             out.append(future.result())
             progress(f"run {number} of {len(tasks)} done: {task.said}")
     return out
-
-
-def _sided(truth: Mechanics) -> bool:
-    """Whether a gear's error depends on the side of approach."""
-    q = np.zeros((1, truth.arm.n))
-    one = np.ones_like(q)
-    return bool(truth.gear) and bool((truth.gear_error(q, one) != truth.gear_error(q, -one)).any())

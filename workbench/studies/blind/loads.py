@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...effects.base import LinearYield
 from ...effects.bearing_tilt import BearingTilt
 from ...effects.foundation import Foundation
 from ...effects.gravity_compensator import GravityCompensator
 from ...effects.hose_torque import HoseTorque
 from ...effects.joint_compliance import JointCompliance
+from ...effects.kinds import LinearYield
 from ...effects.link_bending import LinkBending
 from ...effects.link_mass import LinkMass
 from ...effects.lost_motion import LostMotion

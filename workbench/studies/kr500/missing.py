@@ -12,8 +12,9 @@ from ...campaign import Campaign
 from ...campaign.problem import problem
 from ...diagnosis.run import Outcome
 from ...effects import catalogue
-from ...effects.base import Effect, YieldEffect
+from ...effects.base import Effect
 from ...effects.joint_compliance import JointCompliance
+from ...effects.kinds import YieldEffect
 from ...effects.records import record
 from ...identification.cells.two_steps import seated
 from ...identification.model import Model

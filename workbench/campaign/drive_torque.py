@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..campaign.problem import Problem
 from ..robot.kinematics import Array
+from .problem import Problem
 
 SHOWS = 0.5  # share of a joint's torque that the model must explain for the column to be believed
 

@@ -1,0 +1,135 @@
+"""Effects at work: the one place where effects with their values are applied to a robot.
+
+Prediction, virtual campaigns, correction and the closed loop all ask here what moves, what pulls, what
+yields and what the instrument makes of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..campaign.problem import Problem
+from ..robot.kinematics import Arm, Array
+from ..robot.statics import Loads
+from .base import Effect
+from .kinds import LinearYield, TransmissionEffect, YieldEffect
+
+Shares = Mapping[int, Array]
+WHOLE: Shares = {}
+NUDGE = 1e-6  # rad, m: step of a slope along the joints
+Law = Callable[[Array], tuple[Array, Array]]  # wrench (N, 6) → motion (N, 6), its derivative (N, 6, 6)
+
+
+@dataclass(frozen=True, eq=False)
+class Yielding:
+    """What yields: linear (S, 6, 6) compliances, and laws of slots that are not linear, each with the
+    components that take part."""
+
+    linear: Array
+    bent: tuple[tuple[int, tuple[int, ...], Law], ...] = ()
+
+    def motion(self, wrench: Array) -> Array:
+        """Motions (N, S, 6) [m, rad] under local wrenches (N, S, 6) [N, N·m]."""
+        out = np.matmul(wrench.swapaxes(0, 1), self.linear.swapaxes(1, 2)).swapaxes(0, 1)
+        for slot, _, law in self.bent:
+            out[:, slot] += law(wrench[:, slot])[0]
+        return out
+
+    @property
+    def columns(self) -> NDArray[np.bool_]:
+        """(6 S,) which components of motion yield at all."""
+        some: NDArray[np.bool_] = np.asarray(self.linear.any(axis=1) | self.linear.any(axis=2))
+        for slot, components, _ in self.bent:
+            some[slot, list(components)] = True
+        return some.ravel()
+
+    def slope(self, wrench: Array) -> tuple[NDArray[np.int64], Array]:
+        """The components that yield (E), and their derivative by these wrenches (N, E, E)."""
+        rows = np.flatnonzero(self.columns)
+        slot, component = np.divmod(rows, 6)
+        slope = np.broadcast_to(self.linear, (len(wrench), *self.linear.shape))
+        if self.bent:
+            slope = slope.copy()
+        for k, _, law in self.bent:
+            slope[:, k] += law(wrench[:, k])[1]
+        Phi = slope[:, slot[:, None], component[:, None], component]
+        return rows, np.where(slot[:, None] == slot, Phi, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Acting:
+    """Effects, each with its values (p,), in N poses of a robot with n joints and S slots."""
+
+    items: tuple[tuple[Effect, Array], ...] = ()
+
+    def __iter__(self) -> Iterator[tuple[Effect, Array]]:
+        return iter(self.items)
+
+    def __len__(self) -> int:
+        return len(self.items)
+
+    def those(self, keep: Callable[[Effect], bool]) -> Acting:
+        """Only some of the effects."""
+        return Acting(tuple((effect, values) for effect, values in self.items if keep(effect)))
+
+    def direct(self, problem: Problem, shares: Shares = WHOLE) -> Array:
+        """(N, S, 6) motions that do not depend on load; `shares` (N,) of some effects, by their number."""
+        out = np.zeros((len(problem.q), 6 * problem.arm.slots))
+        for i, (effect, values) in enumerate(self.items):
+            for column, basis in effect.motion(problem).items():
+                moved = basis @ values
+                out[:, column] += shares[i] * moved if i in shares else moved
+        return out.reshape(len(out), -1, 6)
+
+    def loads(self, problem: Problem, arm: Arm) -> tuple[Arm, Loads]:
+        """Arm and loads with the effects that change what pulls."""
+        loads = problem.loads
+        for effect, values in self.items:
+            arm, loads = effect.apply(problem, arm, loads, values)
+        return arm, loads
+
+    def yielding(self, arm: Arm) -> Yielding:
+        """What yields, the arm's own compliance included."""
+        linear, bent = arm.compliance.copy(), []
+        for effect, values in self.items:
+            if isinstance(effect, LinearYield):
+                linear[effect.slot(arm)] += values[0] * effect.compliance(arm)
+            elif isinstance(effect, YieldEffect):
+                bent.append((effect.slot(arm), effect.components(arm), _law(effect, arm, values)))
+        return Yielding(linear, tuple(bent))
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        """The points (N, T, 3) [m] as the instrument shows them."""
+        change = np.zeros_like(points)
+        for effect, values in self.items:
+            if effect.acts == "instrument":
+                change += effect.seen(problem, points) @ values
+        return points + change
+
+    def gear_error(self, q: Array, side: Array | None, joints: tuple[str, ...]) -> Array:
+        """(K, n) motion of each joint beyond its drive's, at joints q (K, n) reached from `side` (K, n)."""
+        out = np.zeros_like(q)
+        for effect, values in self.items:
+            if isinstance(effect, TransmissionEffect):
+                out[:, joints.index(str(effect.where.joint))] += effect.basis(q, side, joints) @ values
+        return out
+
+    def ripple_slope(self, problem: Problem, shares: Shares = WHOLE) -> Array:
+        """(N, n) further motion of each joint per commanded motion, of the effects with an order."""
+        ripple = [(i, *item) for i, item in enumerate(self.items) if item[0].where.order is not None]
+        slope, joints = np.zeros(problem.q.shape), problem.arm.names
+        side = problem.campaign.direction
+        for i, effect, values in ripple:
+            one = Acting(((effect, values),))
+            ahead = one.gear_error(problem.q + NUDGE, side, joints)
+            change = (ahead - one.gear_error(problem.q, side, joints)) / NUDGE
+            slope += shares[i][:, None] * change if i in shares else change
+        return slope
+
+
+def _law(effect: YieldEffect, arm: Arm, values: Array) -> Law:
+    return lambda wrench: effect.law(arm, wrench, values)[:2]

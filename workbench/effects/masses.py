@@ -1,0 +1,67 @@
+"""A mass or centre of mass that differs from what is stated: base of payload and link mass."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..campaign.problem import Problem
+from ..robot.kinematics import Array, Frames
+from .kinds import LoadEffect
+from .place import Parameter
+
+
+@dataclass(frozen=True)
+class MassEffect(LoadEffect):
+    """Mass (`variant` "mass") or centre of mass ("com") of a body differs from its `mass` [kg] and place.
+
+    A centre of mass is fitted as first moment [kg·m], which is linear, and reported as a shift. reference:
+    whose numbers they differ from, in words.
+    """
+
+    mass: float = 0.0
+
+    reference: ClassVar[str]
+    drake: ClassVar[tuple[str, ...]] = ("RigidBody", "SpatialInertia")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        if self.variant == "mass":
+            return ("mass",)
+        return tuple(f"{kind}_{axis}" for kind in ("com", "moment") for axis in "xyz")
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        if self.variant == "mass":
+            return super().given(numbers)
+        return np.array([numbers.get(f"moment_{a}", self.mass * numbers.get(f"com_{a}", 0.0)) for a in "xyz"])
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        std = np.sqrt(np.diag(covariance))
+        if self.variant == "mass":
+            return (Parameter("mass", float(values[0]), float(std[0]), "kg", f"over {self.reference} mass"),)
+        return tuple(
+            Parameter(
+                f"com_{axis}", float(v / self.mass), float(s / self.mass), "m", f"over {self.reference} place"
+            )
+            for axis, v, s in zip("xyz", values, std, strict=True)
+        )
+
+    def reported_size(self, size: float) -> tuple[float, str]:
+        return (size / self.mass, "m") if self.variant == "com" and self.mass else (size, self.params[0].unit)
+
+
+def mass_wrench(problem: Problem, where: Frames, slot: int, mass: Array, moment: Array) -> Array:
+    """Local wrenches (N, S, 6) of a mass (N,) with first moment (N, 3) carried behind `slot`."""
+    arm = problem.arm
+    at = mass[:, None] * where.p[slot] + np.einsum("nij,nj->ni", where.R[slot], moment)
+    first = at[:, None] - mass[:, None, None] * where.origin
+    force = np.broadcast_to((mass[:, None] * arm.gravity)[:, None], first.shape)
+    torque = np.cross(first, arm.gravity)
+    out = np.zeros((len(mass), arm.slots, 6))
+    out[..., :3] = np.einsum("nsci,nsi->nsc", where.axes[:, :, :3], force)
+    out[..., 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, :, 3:], torque)
+    out[:, slot + 1 :] = 0.0
+    return out
