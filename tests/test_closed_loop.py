@@ -101,7 +101,7 @@ def test_statics_are_the_arms(name, robot):
     ext = extended_arm(whole)
     here = ext.at(path.q, np.stack([side, side]), slice(0, 2))
     arm, pull = ext.loads(here)
-    _, where, _ = equilibrium(arm, path.q, ext.direct(here), pull, lambda wrench: ext.sag(arm, wrench))
+    _, where, _ = equilibrium(arm, path.q, ext.direct(here), pull, ext.acting.yielding(arm).motion)
     truth = mechanics(robot, path, path.q, loads)
     moved = hold(path.q[0], 1.8 if name == "kr500" else 1.0, side)
     swings = name == "longlink" or any(effect.variant == "cubic" for effect in robot.effects)

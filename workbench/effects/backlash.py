@@ -21,7 +21,7 @@ class Backlash(TransmissionEffect):
 
     The joint lags behind its motor: it stops short of the command on the side that it comes from. h is
     half of the reversal error, in rad (m for a sliding joint): half the play, and the wind-up τ_c/K of
-    the joint under its own friction. Drake: a map with state, or a shift of the commanded joint.
+    the joint under its own friction.
     """
 
     sliding: bool = False

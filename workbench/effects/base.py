@@ -85,7 +85,8 @@ class Effect(ABC):
     model.toml. ordered: `where` needs an order. together: the variants are parts of one law that may be off
     at once. depends: what any form of it depends on (one form: `uses`). smooth: a smooth function of its
     joint's angle, so that several of them can draw any such function. always: every machine has it, whether
-    its model states it or not. drake: the parts of Drake that carry it in a simulated campaign.
+    its model states it or not. axial: it moves its joint along the joint's own axis, and nothing else.
+    in_drake: how a campaign simulated in Drake has it.
     """
 
     where: Where = NOWHERE
@@ -102,8 +103,8 @@ class Effect(ABC):
     depends: ClassVar[Depends]
     smooth: ClassVar[bool] = False
     always: ClassVar[bool] = False
-    axial: ClassVar[bool] = False  # moves its joint along the joint's own axis, and nothing else
-    drake: ClassVar[tuple[str, ...]] = ()
+    axial: ClassVar[bool] = False
+    in_drake: ClassVar[str]
 
     @property
     @abstractmethod

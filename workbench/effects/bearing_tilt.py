@@ -19,8 +19,8 @@ from .place import Where
 class BearingTilt(LinearYield):
     """φ = c M for both axes across the joint's own, M the overturning moment [N·m].
 
-    The parameter c [rad/(N·m)] comes on top of the TOML's tilt stiffness. Catalogue no. 13; source 004,
-    TX = d₁/(d₁ + d₂) T_x. Drake: two revolute joints across the axis, with springs.
+    The parameter c [rad/(N·m)] comes on top of the TOML's tilt stiffness. Liu et al. share the moment
+    between two bearings, TX = d₁/(d₁ + d₂) T_x.
     """
 
     nominal: float = 0.0

@@ -25,7 +25,6 @@ class Drift(DirectEffect):
     it by w (t − t₀) about its origin as well, w in rad/s.
 
     An instrument that moves the other way looks the same. t₀ is the campaign's first instant `start`.
-    Catalogue no. 15. Drake: motion of the base frame.
     """
 
     start: float = 0.0
@@ -33,7 +32,6 @@ class Drift(DirectEffect):
     cause: ClassVar[str] = "drift"
     title: ClassVar[str] = "Base or instrument drifts"
     depends: ClassVar[Depends] = frozenset({"time"})
-    drake: ClassVar[tuple[str, ...]] = ("PrismaticJoint", "RevoluteJoint")
     equation: ClassVar[str] = 'Delta X_"base" = v thin (t - t_0)'
     settings: ClassVar[tuple[str, ...]] = ("start",)
     separate: ClassVar[dict[str, str]] = {

@@ -18,8 +18,7 @@ from .kinds import LinearYield
 class Foundation(LinearYield):
     """φ = c M about both axes of the floor, M the overturning moment at the base's origin [N·m].
 
-    c in rad/(N·m): pedestal, anchors, floor. Catalogue no. 16. Drake: two revolute joints with springs
-    between world and base.
+    c in rad/(N·m): pedestal, anchors, floor.
     """
 
     cause: ClassVar[str] = "foundation"

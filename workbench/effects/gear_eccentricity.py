@@ -20,7 +20,7 @@ from .place import Parameter, Where
 class GearEccentricity(TransmissionEffect):
     """Δq = a sin(k q) + b cos(k q), k = 1 or 2 cycles per joint turn (`variant`).
 
-    Run-out of the output gear or of an encoder on the output. Drake: a map on the commanded joint.
+    Run-out of the output gear or of an encoder on the output.
     """
 
     cause: ClassVar[str] = "gear_eccentricity"

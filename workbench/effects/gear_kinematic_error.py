@@ -21,8 +21,8 @@ class GearKinematicError(TransmissionEffect):
     """Δq = a sin(k q) + b cos(k q), k = `where.order` cycles per joint turn, q in rad, a and b in rad.
 
     A harmonic drive errs 2 times per motor turn (k = 2 × ratio), with weaker parts at 1 and 4 times;
-    motor-side run-out once. Source 003, section on gear errors. `variant` is the number of cycles per
-    motor turn; any other order has none. Drake: a map on the commanded joint.
+    motor-side run-out once (Olabi et al. 2012). `variant` is the number of cycles per motor turn; any other
+    order has none.
     """
 
     cause: ClassVar[str] = "gear_kinematic_error"

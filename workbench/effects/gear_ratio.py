@@ -17,8 +17,7 @@ from .place import Where
 class GearRatio(TransmissionEffect):
     """Δq = ε q: the joint turns (or slides) by 1 + ε of what the controller believes.
 
-    ε is dimensionless, q counts from the joint's zero. Source 003, eq. (3): q_err = q_in/N − q_out.
-    Drake: a map on the commanded joint.
+    ε is dimensionless, q counts from the joint's zero. Olabi et al. 2012, eq. (3): q_err = q_in/N − q_out.
     """
 
     cause: ClassVar[str] = "gear_ratio"

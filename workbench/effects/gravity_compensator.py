@@ -24,14 +24,14 @@ class GravityCompensator(LoadEffect):
     preload      ΔF = constant [N]: a spring's length, or friction that always stands on one side
     temperature  ΔF = c (T − 20 °C) A p (l/(l − Δs))^n: a sealed gas has c = 1/293 per K
 
-    Source 002, eqs. (2)–(6), in physical form (absolute pressure). Drake: generalised force −F s′ of
-    a system beside the plant; a spring may be a LinearSpringDamper.
+    Klimchik et al. 2017, eqs. (2)–(6), in physical form (absolute pressure).
     """
 
     kind: str = "gas"
 
     cause: ClassVar[str] = "gravity_compensator"
     title: ClassVar[str] = "Gravity compensator differs from the model"
+    in_drake: ClassVar[str] = "the force between its pivots, as generalised forces by Drake's Jacobians"
     together: ClassVar[bool] = True
     depends: ClassVar[Depends] = frozenset({"joints", "temperature"})
     equation: ClassVar[str] = "Delta tau = -Delta F(s) thin (dif s) / (dif q_2)"

@@ -22,8 +22,8 @@ from .wrist_coupling import wrist
 class HoseTorque(LoadEffect):
     """τ = −k q on the joint: hoses and cables act as a spring about the joint's zero.
 
-    k in N·m/rad; q is the commanded joint. Catalogue no. 20. It shows through the joint's compliance,
-    and so is the twin of a gear ratio error on poses alone. Drake: RevoluteSpring beside the joint.
+    k in N·m/rad; q is the commanded joint. It shows through the joint's compliance, and so is the
+    twin of a gear ratio error on poses alone.
     """
 
     cause: ClassVar[str] = "hose_torque"

@@ -19,8 +19,8 @@ from .place import Where
 class JointCompliance(AxialYield, LinearYield):
     """Δq = c₀ · relative · τ, with c₀ = 1/K of the model; Δq = c · τ where the model is rigid.
 
-    τ is the joint's torque from gravity, payload, wrench and compensator. Source 001, eqs. (5), (9).
-    Drake: the stiffness of the joint's RevoluteSpring, a parameter of the Context.
+    τ is the joint's torque from gravity, payload, wrench and compensator. Jiao et al. 2020,
+    eqs. (5), (9).
     """
 
     nominal: float = 0.0

@@ -22,6 +22,7 @@ class DirectEffect(Effect):
     """A motion of frames that does not depend on load and is linear in its parameters."""
 
     acts: ClassVar[Acts] = "geometry"
+    in_drake: ClassVar[str] = "a joint for each component that moves, set to the motion"
 
     @abstractmethod
     def motion(self, problem: Problem) -> Mapping[int, Array]:
@@ -40,7 +41,7 @@ class TransmissionEffect(DirectEffect):
     acts: ClassVar[Acts] = "transmission"
     depends: ClassVar[Depends] = frozenset({"joints"})
     axial: ClassVar[bool] = True
-    drake: ClassVar[tuple[str, ...]] = ("RevoluteJoint", "PrismaticJoint")  # the joint is set further
+    in_drake: ClassVar[str] = "a joint beside the commanded one, set to the error"
 
     @abstractmethod
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
@@ -80,7 +81,9 @@ class YieldEffect(Effect):
 
     acts: ClassVar[Acts] = "yielding"
     depends: ClassVar[Depends] = frozenset({"load"})
-    drake: ClassVar[tuple[str, ...]] = ("RevoluteJoint", "PrismaticJoint")  # where the slot gives way
+    in_drake: ClassVar[str] = (
+        "a joint for each component that gives way, moved to where Drake's generalised forces balance the law"
+    )
 
     @abstractmethod
     def slot(self, arm: Arm) -> int:
@@ -167,6 +170,7 @@ class LoadEffect(Effect):
     """A change of what pulls on the arm."""
 
     acts: ClassVar[Acts] = "load"
+    in_drake: ClassVar[str] = "a torque beside Drake's own on the joint's spring"
     depends: ClassVar[Depends] = frozenset({"joints"})
 
     @abstractmethod
@@ -217,6 +221,7 @@ class InstrumentEffect(Effect):
     """How the points are seen; linear in its parameters."""
 
     acts: ClassVar[Acts] = "instrument"
+    in_drake: ClassVar[str] = "nothing: the measured points change"
     depends: ClassVar[Depends] = frozenset({"points"})
 
     @abstractmethod

@@ -25,8 +25,7 @@ class LinkBending(LinearYield):
     w = (F l³/3 + M l²/2)/EI,  turn = (F l²/2 + M l)/EI, both across the link.
 
     The parameter is 1/EI [1/(N·m²)], over the model's where the TOML states a bending stiffness. The
-    link's own weight counts at its joints only. Source 004, eqs. (15)–(20). Drake: motions of the
-    frame at the link's end; N revolute segments for the closed loop.
+    link's own weight counts at its joints only. Liu et al., eqs. (15)–(20).
     """
 
     nominal: float = 0.0

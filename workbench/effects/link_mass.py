@@ -21,7 +21,7 @@ class LinkMass(MassEffect):
     """Gravity of the link acts with m + Δm at c (`variant` "mass"), or with m at c + Δc ("com").
 
     The fitted centre-of-mass parameters are first moments m Δc [kg·m] on the URDF link's axes, so that
-    both are linear. Catalogue no. 11. Drake: mass and centre of mass of the body, in the Context.
+    both are linear.
     """
 
     cause: ClassVar[str] = "link_mass"

@@ -27,8 +27,7 @@ class LostMotion(AxialYield):
     cubic  Δq = a (τ/t₀)³, a at the largest torque t₀; a < 0: the gear hardens
 
     The sites' t₀ are shares of the largest nominal torque in the campaign; one that is accepted is moved to
-    where the data want it. (Source 002, whose varying
-    stiffness this explains; catalogue no. 8.) Drake: force element or two-stage spring.
+    where the data want it.
     """
 
     torque: float = 1.0

@@ -25,7 +25,7 @@ class MassEffect(LoadEffect):
     mass: float = 0.0
 
     reference: ClassVar[str]
-    drake: ClassVar[tuple[str, ...]] = ("RigidBody", "SpatialInertia")
+    in_drake: ClassVar[str] = "mass and centre of mass of the body, in the Context"
 
     @property
     def names(self) -> tuple[str, ...]:

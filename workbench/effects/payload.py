@@ -21,7 +21,6 @@ class Payload(MassEffect):
     """Gravity of the payload acts with m + Δm at c (`variant` "mass"), or with m at c + Δc ("com").
 
     The fitted centre-of-mass parameters are first moments m Δc, so that both are linear.
-    Drake: mass and centre of mass of the payload's body, parameters of the Context.
     """
 
     com: tuple[float, float, float] = (0.0, 0.0, 0.0)

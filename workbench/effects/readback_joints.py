@@ -20,15 +20,13 @@ class ReadbackJoints(DirectEffect):
     """Δq = w (r − q) of every joint, r read back, q commanded; w = 1: the arm is where r says,
     w = 0: where the command says. An empty cell of r counts as the command.
 
-    Static error of the servo (P-gain, dead band), or an encoder that reads wrongly; catalogue no. 21.
-    Drake: commanded joints.
+    Static error of the servo (P-gain, dead band), or an encoder that reads wrongly.
     """
 
     cause: ClassVar[str] = "readback_joints"
     title: ClassVar[str] = "Read-back joints"
     acts: ClassVar[Acts] = "transmission"
     depends: ClassVar[Depends] = frozenset({"readback"})
-    drake: ClassVar[tuple[str, ...]] = ("RevoluteJoint", "PrismaticJoint")
     equation: ClassVar[str] = "Delta q = w thin (r - q)"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "wait longer before each reading; the same pose with another payload",

@@ -23,7 +23,7 @@ class ThermalGrowth(DirectEffect):
 
     Without thermometer, `variant` "warmup": Δp = a (1 − exp(−(t − t₀)/t_c)) p, a the growth at the end;
     t₀ `start` and t_c `constant` in s. What a sliding joint travels is measured by its own scale and
-    does not grow. Uniform growth of the whole arm; catalogue no. 14. Drake: motions of the frames.
+    does not grow. Uniform growth of the whole arm.
     """
 
     start: float = 0.0
@@ -32,7 +32,6 @@ class ThermalGrowth(DirectEffect):
     cause: ClassVar[str] = "thermal_growth"
     title: ClassVar[str] = "Links grow with temperature"
     depends: ClassVar[Depends] = frozenset({"temperature", "time"})
-    drake: ClassVar[tuple[str, ...]] = ("PrismaticJoint",)
     equation: ClassVar[str] = "Delta p = alpha thin (T - T_0) thin p"
     settings: ClassVar[tuple[str, ...]] = ("start", "constant")
     separate: ClassVar[dict[str, str]] = {

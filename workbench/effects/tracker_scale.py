@@ -19,8 +19,8 @@ from .kinds import InstrumentEffect
 class TrackerScale(InstrumentEffect):
     """Δx = s x for points x in the instrument's frame, s dimensionless (1e-6 = 1 ppm).
 
-    Refraction makes 1 ppm per K and 0.27 ppm per hPa; catalogue no. 23. Without a known distance in the
-    data, link lengths take it up exactly. Drake: none, the measurement is scaled.
+    Refraction makes 1 ppm per K and 0.27 ppm per hPa. Without a known distance in the data, link lengths
+    take it up exactly.
     """
 
     cause: ClassVar[str] = "tracker_scale"

@@ -25,7 +25,7 @@ class WristCoupling(TransmissionEffect):
     """Δq_joint = c q_other: what the controller's coupling matrix of the wrist gears leaves over.
 
     c is dimensionless. Wrist motors sit in the forearm and drive through concentric shafts, so that
-    one joint drags the next (Stäubli RX: C[6, 5] = −1). Drake: a map on the commanded joints.
+    one joint drags the next (Stäubli RX: C[6, 5] = −1).
     """
 
     cause: ClassVar[str] = "wrist_coupling"

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..campaign.planned import planned
 from ..campaign.problem import Problem, problem
-from ..effects import catalogue
+from ..effects import catalogue, rivals, separation
 from ..effects.base import Effect
 from ..files.whole import put
 from ..robot.description import load_robot
@@ -40,9 +40,10 @@ def causes_page() -> str:
         parts += [f"## {cause}", f"{kind.title}. Sits at: {place}.", f"```\n{inspect.getdoc(kind)}\n```"]
         if (why := _lacks(kind, bare)) != "–":
             parts.append(f"Not testable if {why}.")
+        parts.append(f"In a simulated campaign: {kind.in_drake}.")
         told = [
-            f"- from {'another place' if rival == cause else f'`{rival}`'}: {what}"
-            for rival, what in kind.separate.items()
+            f"- from {'another place' if rival == cause else f'`{rival}`'}: {separation(cause, rival)}"
+            for rival in rivals(cause)
         ]
         parts.append("\n".join(["Told apart", *told]))
     return "\n\n".join(parts) + "\n"
@@ -86,7 +87,7 @@ def _lacks(kind: type[Effect], campaigns: tuple[Problem, ...]) -> str:
 
 
 def _alike(kind: type[Effect]) -> str:
-    return ", ".join(f"`{rival}`" for rival in kind.separate if rival != kind.cause)
+    return ", ".join(f"`{rival}`" for rival in rivals(kind.cause) if rival != kind.cause)
 
 
 if __name__ == "__main__":
