@@ -14,8 +14,8 @@ from workbench.correction.extended_arm import extended_arm
 from workbench.correction.path_shapes import Run, line, work_frame
 from workbench.correction.paths import Path, write_path
 from workbench.effects import catalogue
-from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.gear_kinematic_error import GearKinematicError
+from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.place import Where
 from workbench.effects.records import record
 from workbench.files.faults import InputError
