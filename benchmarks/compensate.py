@@ -18,8 +18,9 @@ from workbench.correction.course import Course, ready
 from workbench.correction.path_shapes import Run, spiral, work_frame
 from workbench.correction.paths import Path
 from workbench.correction.solve import settle
-from workbench.robot.description import EffectRecord, Robot, load_robot
+from workbench.robot.description import Robot, load_robot
 from workbench.robot.kinematics import Array
+from workbench.robot.schema import EffectRecord
 
 POINTS = 10_000
 POSES = 10  # that SciPy solves

@@ -19,9 +19,10 @@ from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.place import Where
 from workbench.effects.records import record
 from workbench.files.faults import InputError
+from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
-from workbench.robot.rigid_plant import arrays, compensator_law
-from workbench.robot.statics import equilibrium
+from workbench.robot.equilibrium import equilibrium
+from workbench.robot.rigid_plant import arrays
 from workbench.simulation.closed_loop import Controller, verify, verify_file
 from workbench.simulation.closed_loop.control import drives, nominal_mechanics
 from workbench.simulation.closed_loop.forces import Forces

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
-from ..robot.statics import Loads
+from ..robot.loads import Loads
 from .place import NOWHERE, Parameter, Where
 
 

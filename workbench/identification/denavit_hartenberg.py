@@ -12,9 +12,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..robot.description import GEOMETRY, Robot
+from ..robot.description import Robot
 from ..robot.kinematics import RZ, TZ, Arm, Array, frames
 from ..robot.rigid_plant import arrays
+from ..robot.schema import GEOMETRY
 from .fit import Fit
 
 

@@ -19,8 +19,10 @@ from scipy.spatial.transform import Rotation
 
 from ..campaign.problem import Problem
 from ..effects.base import DirectEffect, Effect, InstrumentEffect, LinearYield, LoadEffect, YieldEffect
+from ..robot.equilibrium import equilibrium
 from ..robot.kinematics import Arm, Array, Frames, point_jacobian
-from ..robot.statics import Loads, Wrenches, equilibrium, wrench_jacobian
+from ..robot.loads import Loads, Wrenches
+from ..robot.wrench_jacobian import wrench_jacobian
 from . import drive_torque
 
 

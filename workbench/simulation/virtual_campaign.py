@@ -19,8 +19,9 @@ from ..effects.base import DirectEffect, Effect, InstrumentEffect, LinearYield, 
 from ..effects.records import stated_effects
 from ..files.faults import Fault, InputError
 from ..robot.elastic_plant import elastic_twin
+from ..robot.equilibrium import Law
 from ..robot.kinematics import Arm, Array
-from ..robot.statics import Law, Loads
+from ..robot.loads import Loads
 
 Values = tuple[Effect, Array]
 

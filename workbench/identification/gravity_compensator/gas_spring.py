@@ -19,8 +19,9 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...effects.base import LoadEffect, Param
 from ...effects.gravity_compensator import GravityCompensator
+from ...robot.compensator import CompensatorLaw
 from ...robot.kinematics import Arm, Array, Frames
-from ...robot.statics import CompensatorLaw, Loads
+from ...robot.loads import Loads
 
 
 @dataclass(frozen=True)
