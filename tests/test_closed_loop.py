@@ -171,7 +171,7 @@ def test_gear_and_spring_have_one_potential():
     truth = replace(truth, compensator=None)
     drive = drives(truth, moved.q[0], Controller())
     built = machine(truth, drive.rotor)
-    j, k = 1, len(moved.q) // 2
+    j, k = truth.arm.names.index("joint_2"), len(moved.q) // 2
     at, e = built.springs[built.own[j]], 3e-4
     felt = []
     for reaction in (True, False):
