@@ -7,11 +7,10 @@ multiples of a matrix product of 1000 × 1000 measured in the same run: for a bu
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from timing import shortest
 
 from workbench.campaign import Target
 from workbench.campaign.planned import planned, random_poses
@@ -22,18 +21,8 @@ from workbench.identification.model import Model, State
 from workbench.identification.noise import Covariance
 from workbench.robot.description import load_robot
 
-POSES = 1000
+LOADED_POSES = 1000
 LOADED_MS, STEP_MS = 50.0, 30.0  # targets on an idle core
-
-
-def best(job: Callable[[], object], runs: int = 15) -> float:
-    """The shortest of some runs [ms]."""
-    times = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        job()
-        times.append(time.perf_counter() - start)
-    return 1e3 * min(times)
 
 
 def loaded_model() -> tuple[Model, State]:
@@ -42,10 +31,10 @@ def loaded_model() -> tuple[Model, State]:
     rng = np.random.default_rng(0)
     plan = planned(
         robot,
-        random_poses(robot, POSES, rng),
+        random_poses(robot, LOADED_POSES, rng),
         targets=(Target("T1", (0.15, 0.0, 0.05), fixed=True),),
         payloads={"heavy": (250.0, (0.1, 0.0, 0.2))},
-        payload=["heavy"] * POSES,
+        payload=["heavy"] * LOADED_POSES,
     )
     job = problem(plan)
     model = Model(job, tuple(JointCompliance.sites(job)))
@@ -53,23 +42,23 @@ def loaded_model() -> tuple[Model, State]:
     geometry = 3e-4 * rng.normal(size=state.geometry.shape)
     geometry[[0, -1]] = 0.0
     true = replace(state, geometry=geometry, values=tuple(0.2 * rng.normal(size=(6, 1))))
-    points = model.predict(true) + 3e-5 * rng.normal(size=(POSES, 1, 3))
+    points = model.predict(true) + 3e-5 * rng.normal(size=(LOADED_POSES, 1, 3))
     measured = replace(job, campaign=replace(plan, points=points))
     return replace(model, problem=measured), state
 
 
 def main() -> None:
     model, state = loaded_model()
-    noise = Covariance(np.full((POSES, 1), 3e-5), np.zeros(6), np.ones(POSES))
+    noise = Covariance(np.full((LOADED_POSES, 1), 3e-5), np.zeros(6), np.ones(LOADED_POSES))
     result = fit(model, state, noise)
     square = np.random.default_rng(0).normal(size=(1000, 1000))
-    product = best(lambda: square @ square)
-    whole = best(lambda: fit(model, state, noise), 8)
+    product = 1e3 * shortest(lambda: square @ square, 15)
+    whole = 1e3 * shortest(lambda: fit(model, state, noise), 8)
     rows = [
-        ("1000 loaded poses", best(lambda: model.loaded(state)), LOADED_MS),
+        (f"{LOADED_POSES} loaded poses", 1e3 * shortest(lambda: model.loaded(state), 15), LOADED_MS),
         (
             "derivatives by every motion of every frame",
-            best(lambda: model.linearise(state, result.line)),
+            1e3 * shortest(lambda: model.linearise(state, result.line), 15),
             None,
         ),
         (f"Gauss–Newton step, {len(result.columns.names)} numbers", whole / result.iterations, STEP_MS),

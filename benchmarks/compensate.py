@@ -6,27 +6,27 @@ a plain matrix product.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import least_squares
+from timing import shortest
 
 from workbench.correction import Conditions, compensate
 from workbench.correction.course import Course, ready
 from workbench.correction.path_shapes import Run, spiral, work_frame
 from workbench.correction.paths import Path
 from workbench.correction.solve import settle
-from workbench.robot.description import EffectRecord, Robot, load_robot
+from workbench.robot.description import Robot, load_robot
 from workbench.robot.kinematics import Array
+from workbench.robot.schema import EffectRecord
 
 POINTS = 10_000
-POSES = 10  # that SciPy solves
+SOLVED_BY_SCIPY = 10  # poses
 HEAVY = Conditions("heavy", 250.0, (0.15, 0.0, 0.05), temperature=28.0)
-TOOL = np.eye(4)
-TOOL[:3, 3] = [0.1, 0.02, 0.25]
-EFFECTS = (
+X_FT = np.eye(4)
+X_FT[:3, 3] = [0.1, 0.02, 0.25]
+TWELVE_EFFECTS = (
     EffectRecord(cause="joint_compliance", joint="joint_3", values={"relative": 0.4}),
     EffectRecord(
         cause="gear_kinematic_error", joint="joint_4", order=200.0, values={"sin": 2e-4, "cos": 6e-5}
@@ -42,16 +42,6 @@ EFFECTS = (
     EffectRecord(cause="payload", payload="heavy", variant="mass", values={"mass": 9.0}),
     EffectRecord(cause="thermal_growth", values={"coefficient": 1.15e-5}),
 )
-
-
-def wall(job: Callable[[], object], repeats: int = 5) -> float:
-    """The shortest of some runs [s]."""
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        job()
-        times.append(time.perf_counter() - start)
-    return min(times)
 
 
 def pose_by_pose(course: Course, direction: Array | None) -> Array:
@@ -70,21 +60,21 @@ def pose_by_pose(course: Course, direction: Array | None) -> Array:
 
 
 def main() -> None:
-    robot: Robot = replace(load_robot("kr500"), effects=EFFECTS)
+    robot: Robot = replace(load_robot("kr500"), effects=TWELVE_EFFECTS)
     whole = spiral(Run(work_frame([1.8, 0.2, 0.8]), speed=0.03, acceleration=0.1, period=0.003043))
     assert whole.X is not None
     path = Path(whole.time[:POINTS], X=whole.X[:POINTS])
-    done = compensate(robot, path, HEAVY, tool=TOOL)
-    batch = wall(lambda: compensate(robot, path, HEAVY, tool=TOOL))
-    given = wall(lambda: compensate(robot, path, HEAVY, tool=TOOL, start=done.q_nominal[0]))
-    some = np.linspace(0, POINTS - 1, POSES).astype(int)
+    done = compensate(robot, path, HEAVY, tool=X_FT)
+    batch = shortest(lambda: compensate(robot, path, HEAVY, tool=X_FT))
+    given = shortest(lambda: compensate(robot, path, HEAVY, tool=X_FT, start=done.q_nominal[0]))
+    some = np.linspace(0, POINTS - 1, SOLVED_BY_SCIPY).astype(int)
     few = Path(path.time[some], X=path.X[some]) if path.X is not None else path
-    course = ready(robot, few, HEAVY, TOOL, done.q_nominal[0])
+    course = ready(robot, few, HEAVY, X_FT, done.q_nominal[0])
     sides = None if done.direction is None else done.direction[some]
-    single = wall(lambda: pose_by_pose(course, sides), 1) / POSES
+    single = shortest(lambda: pose_by_pose(course, sides), 1) / SOLVED_BY_SCIPY
     apart = np.abs(pose_by_pose(course, sides) - done.q_command[some]).max()
     square = np.random.default_rng(0).normal(size=(1000, 1000))
-    product = wall(lambda: square @ square)
+    product = shortest(lambda: square @ square)
     print(f"{len(path)} samples, error {done.before_mm.mean():.3f} -> {done.after_mm.max():.1e} mm")
     print(f"batch            {batch:6.3f} s, {1e6 * batch / POINTS:.0f} us a sample, {done.rounds} rounds")
     print(f"batch, start given {given:4.3f} s")

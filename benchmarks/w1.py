@@ -32,11 +32,11 @@ from workbench.robot.description import Robot, load_robot
 from workbench.robot.kinematics import Array
 from workbench.robot.rigid_plant import rigid_twin
 
-A = np.array([0.5, 1.3, -0.055, 0.0, 0.0, 0.0])
-ALPHA = np.radians([-90.0, 0.0, 90.0, -90.0, 90.0, 0.0])
-D = np.array([1.045, 0.0, 0.0, -1.025, 0.0, -0.29])
-SPREAD = np.radians([120.0, 40.0, 60.0, 150.0, 100.0, 150.0])
-MIDDLE = np.radians([0.0, -60.0, 60.0, 0.0, 60.0, 0.0])
+DH_A = np.array([0.5, 1.3, -0.055, 0.0, 0.0, 0.0])
+DH_ALPHA = np.radians([-90.0, 0.0, 90.0, -90.0, 90.0, 0.0])
+DH_D = np.array([1.045, 0.0, 0.0, -1.025, 0.0, -0.29])
+SPREAD_Q = np.radians([120.0, 40.0, 60.0, 150.0, 100.0, 150.0])
+MIDDLE_Q = np.radians([0.0, -60.0, 60.0, 0.0, 60.0, 0.0])
 LENGTH, ANGLE, SIGMA = 5e-4, np.radians(0.02), 3e-5
 FIT, JUDGE = 200, 200
 SCIPY_RUNS = 3
@@ -53,15 +53,15 @@ class Table:
     beta: Array
 
 
-NOMINAL = Table(np.zeros(6), D, A, ALPHA, np.zeros(6))
+NOMINAL = Table(np.zeros(6), DH_D, DH_A, DH_ALPHA, np.zeros(6))
 
 
 def drawn(rng: np.random.Generator, twist: bool) -> Table:
     """The true arm."""
     error = rng.normal(size=(4, 6))
     beta = np.array([0, ANGLE * rng.normal(), 0, 0, 0, 0]) if twist else np.zeros(6)
-    theta, alpha = ANGLE * error[0], ALPHA + ANGLE * error[3]
-    return Table(theta, D + LENGTH * error[1], A + LENGTH * error[2], alpha, beta)
+    theta, alpha = ANGLE * error[0], DH_ALPHA + ANGLE * error[3]
+    return Table(theta, DH_D + LENGTH * error[1], DH_A + LENGTH * error[2], alpha, beta)
 
 
 def write_robot(folder: Path, table: Table) -> Path:
@@ -102,7 +102,7 @@ def measure(nominal: Robot, folder: Path, seed: int, twist: bool) -> tuple[Probl
     """The campaign to fit, with noise, and the one to judge by, without."""
     rng = np.random.default_rng([seed, int(twist)])
     true = load_robot(write_robot(folder, drawn(rng, twist)))
-    q = MIDDLE + SPREAD * rng.uniform(-1, 1, (FIT + JUDGE, 6))
+    q = MIDDLE_Q + SPREAD_Q * rng.uniform(-1, 1, (FIT + JUDGE, 6))
     targets = np.array([[0.12, 0, 0.1], [-0.06, 0.1, 0.12], [-0.06, -0.1, 0.15]]) + rng.normal(
         0, 0.01, (3, 3)
     )

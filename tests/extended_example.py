@@ -20,7 +20,8 @@ from workbench.effects.payload import Payload
 from workbench.effects.place import Where
 from workbench.effects.records import record
 from workbench.effects.thermal_growth import ThermalGrowth
-from workbench.robot.description import GEOMETRY, Robot, load_robot
+from workbench.robot.description import Robot, load_robot
+from workbench.robot.schema import GEOMETRY
 
 Values = tuple[Effect, list[float]]
 

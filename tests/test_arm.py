@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 
 from workbench.robot.beam import bending_compliance
+from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
+from workbench.robot.equilibrium import equilibrium
 from workbench.robot.kinematics import frames, point_jacobian
-from workbench.robot.rigid_plant import arrays, compensator_law, rigid_twin
-from workbench.robot.statics import Loads, equilibrium, wrench_jacobian, wrenches
+from workbench.robot.loads import Loads, wrenches
+from workbench.robot.rigid_plant import arrays, rigid_twin
+from workbench.robot.wrench_jacobian import wrench_jacobian
 from workbench.simulation.random_robot import write_random_robot
 
 KINDS = ["6R", "7R", "PRRR"]

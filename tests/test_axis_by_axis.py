@@ -11,7 +11,8 @@ import pytest
 from workbench.campaign import Target
 from workbench.identification.restated import restated, stored
 from workbench.measurement.axis_by_axis import POINTER, LocalStiffness, identify, levels, local_plan
-from workbench.robot.description import EffectRecord, Robot, load_robot
+from workbench.robot.description import Robot, load_robot
+from workbench.robot.schema import EffectRecord
 from workbench.simulation.virtual_campaign import Truth, simulate
 
 FLAT = np.deg2rad([0, 0, 90, 0, 0, 0])

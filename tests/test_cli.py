@@ -13,7 +13,8 @@ from workbench.campaign import load_campaign
 from workbench.cli.main import main
 from workbench.effects import catalogue
 from workbench.identification.model_file import write_model
-from workbench.robot.description import GEOMETRY, load_robot
+from workbench.robot.description import load_robot
+from workbench.robot.schema import GEOMETRY
 
 EFFECTS = [
     "--effect", "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.6",

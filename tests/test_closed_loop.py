@@ -19,9 +19,10 @@ from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.place import Where
 from workbench.effects.records import record
 from workbench.files.faults import InputError
+from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
-from workbench.robot.rigid_plant import arrays, compensator_law
-from workbench.robot.statics import equilibrium
+from workbench.robot.equilibrium import equilibrium
+from workbench.robot.rigid_plant import arrays
 from workbench.simulation.closed_loop import Controller, verify, verify_file
 from workbench.simulation.closed_loop.control import drives, nominal_mechanics
 from workbench.simulation.closed_loop.forces import Forces
@@ -170,7 +171,7 @@ def test_gear_and_spring_have_one_potential():
     truth = replace(truth, compensator=None)
     drive = drives(truth, moved.q[0], Controller())
     built = machine(truth, drive.rotor)
-    j, k = 1, len(moved.q) // 2
+    j, k = truth.arm.names.index("joint_2"), len(moved.q) // 2
     at, e = built.springs[built.own[j]], 3e-4
     felt = []
     for reaction in (True, False):

@@ -21,7 +21,8 @@ from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.model_file import write_fit, write_model
 from workbench.identification.noise import Covariance
-from workbench.robot.description import LoadData, load_robot
+from workbench.robot.description import load_robot
+from workbench.robot.schema import LoadData
 from workbench.simulation.virtual_campaign import Truth, simulate
 
 LOADS = {"heavy": (250.0, (0.15, 0.0, 0.0712345)), "light": (80.5, (0.0, 0.01, 0.1))}

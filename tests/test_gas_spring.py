@@ -89,7 +89,7 @@ def test_a_spring_that_made_the_compliances_is_found_again(job: Problem) -> None
 def test_gas_length_moves_the_torque_as_its_derivative_says(job: Problem) -> None:
     def local(x: float) -> np.ndarray:
         arm, loads = LENGTH.apply(job, job.arm, job.loads, np.array([x]))
-        from workbench.robot.statics import wrenches
+        from workbench.robot.loads import wrenches
 
         return wrenches(arm, job.rigid, loads).local
 

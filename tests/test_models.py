@@ -15,7 +15,8 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import JointIndex
 from pydrake.systems.framework import DiagramBuilder
 
-from workbench.robot.description import list_robots, load_robot
+from workbench.robot.description import load_robot
+from workbench.robot.find import list_robots
 
 MODELS = Path(__file__).resolve().parents[1] / "models"
 sys.path.insert(0, str(MODELS))

@@ -11,10 +11,11 @@ from workbench.campaign.problem import problem
 from workbench.effects.records import parse_effect
 from workbench.files.faults import InputError
 from workbench.identification.registration import register
-from workbench.robot.description import list_robots, load_robot
+from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
+from workbench.robot.find import list_robots
+from workbench.robot.loads import Loads
 from workbench.robot.rigid_plant import arrays, rigid_twin
-from workbench.robot.statics import Loads
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
 STILL = np.zeros(6)

@@ -13,8 +13,9 @@ from workbench.campaign.problem import Problem
 from workbench.correction.path_shapes import Run, circle, work_frame
 from workbench.identification.restated import restated
 from workbench.measurement.sweep import GearLine, gear_lines, gear_of, joint_error, shaft, sweep
-from workbench.robot.description import EffectRecord, load_robot
+from workbench.robot.description import load_robot
 from workbench.robot.kinematics import Array
+from workbench.robot.schema import EffectRecord
 from workbench.simulation.virtual_campaign import Truth, simulate
 from workbench.studies.rx170.causes import one_cause_each, standing_error
 from workbench.studies.rx170.heights import heights, least_mean

@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from .measurement.design import plan as plan
     from .report.outcome import write_outcome as write_outcome
     from .robot.description import Robot as Robot
-    from .robot.description import list_robots as list_robots
     from .robot.description import load_robot as load_robot
+    from .robot.find import list_robots as list_robots
     from .simulation.closed_loop.proof import verify as verify
     from .simulation.virtual_campaign import Truth as Truth
     from .simulation.virtual_campaign import random_geometry as random_geometry
@@ -71,7 +71,8 @@ _MODULES = {
     "campaign.problem": "Problem problem",
     "effects.records": "parse_effect",
     "report.outcome": "write_outcome",
-    "robot.description": "Robot list_robots load_robot",
+    "robot.description": "Robot load_robot",
+    "robot.find": "list_robots",
     "simulation.virtual_campaign": "Truth random_geometry simulate",
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from workbench.robot.schema import STANDARD_GRAVITY
+
 from .design import Design, Mass
 from .kinematics import Array, pose, rotation_x, rotation_y, rotation_z
 from .mesh import Shape, gltf
@@ -95,7 +97,7 @@ def toml_text(design: Design) -> str:
         "title": design.title,
         "urdf": f"{design.name}.urdf",
         "flange": "flange",
-        "gravity": [0.0, 0.0, -9.80665],
+        "gravity": [0.0, 0.0, -STANDARD_GRAVITY],
     }
     lines += _table(fields)
     for i, name in enumerate(design.joint_names):

@@ -13,6 +13,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from workbench.robot.rotations import skew
+
 Array = NDArray[np.float64]
 Row = tuple[float, float, float, float]
 
@@ -124,8 +126,7 @@ def _displacement(axis: Axis, value: float) -> Array:
     if axis.kind == "prismatic":
         X[:3, 3] = value * axis.direction
         return X
-    x, y, z = axis.direction
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    K = skew(axis.direction)
     X[:3, :3] += np.sin(value) * K + (1 - np.cos(value)) * K @ K
     X[:3, 3] = axis.point - X[:3, :3] @ axis.point
     return X

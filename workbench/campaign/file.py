@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ..files.faults import Fault, InputError, read_text
 from ..files.tables import Column, Layout, suggest
-from ..robot.description import LoadData, Robot, toml_faults
+from ..robot.description import Robot
+from ..robot.schema import LoadData, toml_faults
 
 Name = Annotated[str, Field(min_length=1)]
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..files.faults import Fault, InputError
 from ..files.tables import Table, read_table, suggest
-from ..robot.description import Robot, find_robot, list_robots, load_robot
+from ..robot.description import Robot, load_robot
+from ..robot.find import find_robot, list_robots
 from .check import check_points, check_poses, check_targets, doubts
 from .data import Array, Campaign, IntArray, Target
 from .file import CampaignFile, point_columns, pose_columns, read_campaign_file

@@ -8,9 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..robot.compensator import CompensatorLaw
 from ..robot.description import Robot
 from ..robot.kinematics import Arm, Array, Frames, frames
-from ..robot.statics import CompensatorLaw, Loads, Wrenches, wrenches
+from ..robot.loads import Loads, Wrenches, wrenches
 from . import Campaign
 
 REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
@@ -101,7 +102,8 @@ def filled(column: Array | None, reference: float) -> Array | None:
 
 def problem(campaign: Campaign) -> Problem:
     """The campaign with its robot's arrays (reads Drake once)."""
-    from ..robot.rigid_plant import arrays, compensator_law
+    from ..robot.compensator import compensator_law
+    from ..robot.rigid_plant import arrays
 
     arm = arrays(campaign.robot)
     return Problem(campaign.robot, arm, campaign, compensator_law(campaign.robot, arm))

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..files.tables import number_text, write_table, write_text
-from ..robot.description import Joint, Robot, list_robots
+from ..robot.description import Joint, Robot
+from ..robot.find import list_robots
 from .data import Array, Campaign
 
 Rows = list[list[str]]

@@ -260,7 +260,8 @@ def _robots(commands: Commands) -> None:
     parser.add_argument("--json", action="store_true")
 
     def run(arguments: argparse.Namespace) -> int:
-        from ..robot.description import list_robots, load_robot
+        from ..robot.description import load_robot
+        from ..robot.find import list_robots
 
         robots = [load_robot(path) for path in list_robots()]
         if arguments.json:

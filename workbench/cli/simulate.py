@@ -18,8 +18,9 @@ from ..campaign.problem import filled, problem
 from ..effects.records import effect_text, parse_effect
 from ..files.faults import Fault, InputError
 from ..files.tables import Layout, read_table
-from ..robot.description import Robot, load_robot, stated_load
+from ..robot.description import Robot, load_robot
 from ..robot.kinematics import Array
+from ..robot.schema import stated_load
 from ..simulation.virtual_campaign import Truth, random_geometry, simulate
 
 Load = tuple[float, tuple[float, float, float]]

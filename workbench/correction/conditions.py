@@ -10,8 +10,9 @@ import numpy as np
 from ..campaign import Campaign
 from ..campaign.planned import planned
 from ..files.faults import Fault, InputError
-from ..robot.description import LoadData, Robot
+from ..robot.description import Robot
 from ..robot.kinematics import Array
+from ..robot.schema import LoadData
 from .paths import Path
 
 NO_LOAD = LoadData(mass_kg=0.0)

@@ -8,9 +8,10 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..files.faults import InputError
+from ..robot.compensator import compensator_law
 from ..robot.description import Robot
 from ..robot.kinematics import Arm, Array, frames
-from ..robot.rigid_plant import arrays, compensator_law
+from ..robot.rigid_plant import arrays
 from .check import check_path, reach
 from .conditions import Conditions, path_campaign
 from .extended_arm import ExtendedArm, extended_arm, parts

@@ -13,7 +13,7 @@ from ..effects import catalogue
 from ..effects.acting import WHOLE, Acting, Shares
 from ..effects.records import from_record
 from ..robot.kinematics import Arm, Array, Frames, frames
-from ..robot.statics import Loads, Wrenches, wrenches
+from ..robot.loads import Loads, Wrenches, wrenches
 
 PART = 1000  # samples at a time: the arrays of one part stay in the cache
 FEW = 32  # samples that are enough to place an effect

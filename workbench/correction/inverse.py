@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ..robot.kinematics import Arm, Array, Frames, cross, frames
-from ..robot.rotations import pose
+from ..robot.kinematics import Arm, Array, Frames, frames
+from ..robot.rotations import cross, pose
 
 DAMPING = 1e-4  # of a joint motion, relative to the arm's length: only felt at a singularity
 STEP = 0.3  # rad, or of the arm's length: the longest step of any joint

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array
-from ..robot.statics import Loads
+from ..robot.loads import Loads
 from .base import Effect
 from .kinds import LinearYield, TransmissionEffect, YieldEffect
 

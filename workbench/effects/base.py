@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
-from ..robot.statics import Loads, Wrenches
+from ..robot.loads import Loads, Wrenches
 from .drawn import Drawn
 from .place import NOWHERE, Parameter, Where
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
-from ..robot.statics import Loads
+from ..robot.loads import Loads
 from .base import Depends, Param, Rest
 from .drawn import Drawn
 from .kinds import LoadEffect

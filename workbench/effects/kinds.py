@@ -11,7 +11,7 @@ import numpy as np
 from ..campaign import drive_torque
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RZ, TZ, Arm, Array, Frames
-from ..robot.statics import Loads
+from ..robot.loads import Loads
 from .base import Acts, Depends, Effect, Rest, Slopes
 from .drawn import Drawn
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
-from ..robot.statics import Loads
+from ..robot.loads import Loads
 from .base import Param
 from .masses import MassEffect, mass_wrench
 from .place import Where

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
-from ..robot.description import EffectRecord
 from ..robot.kinematics import Array
+from ..robot.schema import EffectRecord
 from . import catalogue
 from .base import Effect
 from .place import Where

@@ -2,7 +2,7 @@
 
 A row is (θ, α, a, d) [rad, rad, m, m], link i being  Rz(θᵢ + qᵢ) Tz(dᵢ) Tx(aᵢ) Rx(αᵢ): θ and d sit at joint
 i's own axis, a and α behind it, where joint i + 1 begins. The workbench corrects an arm by one small frame
-change per joint (`arm.py`); `corrections` says which ones turn one table into another.
+change per joint (`robot.kinematics`); `corrections` says which ones turn one table into another.
 """
 
 from __future__ import annotations
@@ -10,11 +10,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from ..robot.description import GEOMETRY, Robot
-from ..robot.kinematics import RZ, TZ, Arm, Array, frames
+from ..robot.description import Robot
+from ..robot.kinematics import RX, RZ, TZ, Arm, Array, frames
 from ..robot.rigid_plant import arrays
+from ..robot.rotations import pose, screw, xyz_angles
+from ..robot.schema import GEOMETRY
 from .fit import Fit
 
 
@@ -23,7 +24,7 @@ def chain(rows: Array, q: Array) -> Array:
     rows, q = np.asarray(rows, dtype=np.float64), np.asarray(q, dtype=np.float64)
     out = np.tile(np.eye(4), (len(q), len(rows) + 1, 1, 1))
     for i, (theta, alpha, a, d) in enumerate(rows):
-        out[:, i + 1] = out[:, i] @ _screw("z", theta + q[:, i], d) @ _screw("x", alpha, a)
+        out[:, i + 1] = out[:, i] @ screw("z", theta + q[:, i], d) @ screw("x", alpha, a)
     return out
 
 
@@ -40,9 +41,9 @@ def corrections(arm: Arm, nominal: Array, practical: Array) -> tuple[Array, Arra
     for i in range(arm.n):
         X = _behind(nominal[i - 1], practical[i - 1], turned[i]) if i else np.eye(4)
         theta, _, _, d = practical[i] - nominal[i]
-        X = X @ _screw("z", theta, d)
-        out[i + 1, :3] = X[:3, 3]
-        out[i + 1, 3:] = Rotation.from_matrix(X[:3, :3]).as_euler("XYZ")
+        X = X @ screw("z", theta, d)
+        out[i + 1, :RX] = X[:3, 3]
+        out[i + 1, RX:] = xyz_angles(X[None, :3, :3])[0]
     return out, _behind(nominal[-1], practical[-1], turned[-1])
 
 
@@ -78,9 +79,7 @@ def fitted_rows(found: Fit, rows: Array) -> tuple[Array, Array]:
 def _turned(arm: Arm, nominal: Array) -> Array:
     """(n + 1, 4, 4) pose of each slot (of the joints, then the flange) in its DH frame, joints at zero."""
     here = frames(replace(arm, geometry=np.zeros_like(arm.geometry)), np.zeros((1, arm.n)))
-    slots = np.tile(np.eye(4), (arm.n + 1, 1, 1))
-    slots[:, :3, :3], slots[:, :3, 3] = here.R[1:, 0], here.p[1:, 0]
-    out = np.linalg.inv(chain(nominal, np.zeros((1, arm.n)))[0]) @ slots
+    out = np.linalg.inv(chain(nominal, np.zeros((1, arm.n)))[0]) @ pose(here.p[1:, 0], here.R[1:, 0])
     off = np.abs(out[:-1, :3, 2] - [0, 0, 1]).max(axis=1) + np.abs(out[:-1, :2, 3]).max(axis=1)
     if off.max() > 1e-6:
         first = arm.names[int(np.argmax(off > 1e-6))]
@@ -90,14 +89,5 @@ def _turned(arm: Arm, nominal: Array) -> Array:
 
 def _behind(nominal: Array, practical: Array, turned: Array) -> Array:
     """(4, 4) change of a frame behind a row's a and α, on the axes of the slot that stands there."""
-    before, after = _screw("x", nominal[1], nominal[2]), _screw("x", practical[1], practical[2])
+    before, after = screw("x", nominal[1], nominal[2]), screw("x", practical[1], practical[2])
     return np.asarray(np.linalg.inv(turned) @ np.linalg.inv(before) @ after @ turned)
-
-
-def _screw(axis: str, angle: Array | float, shift: float) -> Array:
-    """(..., 4, 4) turn by `angle` (...) about an axis and shift along it."""
-    turn = Rotation.from_euler(axis, np.reshape(angle, (-1, 1))).as_matrix()
-    out = np.tile(np.eye(4), (len(turn), 1, 1))
-    out[:, :3, :3] = turn
-    out[:, "xyz".index(axis), 3] = shift
-    return out if np.ndim(angle) else out[0]

@@ -21,8 +21,10 @@ from ..campaign import drive_torque
 from ..campaign.problem import Problem
 from ..effects.acting import Acting
 from ..effects.base import Effect
+from ..robot.equilibrium import equilibrium
 from ..robot.kinematics import Arm, Array, Frames, point_jacobian
-from ..robot.statics import Loads, Wrenches, equilibrium, wrench_jacobian
+from ..robot.loads import Loads, Wrenches
+from ..robot.wrench_jacobian import wrench_jacobian
 
 
 @dataclass(frozen=True)

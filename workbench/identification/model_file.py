@@ -14,8 +14,9 @@ from ..campaign import Campaign
 from ..effects.records import record
 from ..files.tables import number_text
 from ..files.whole import put
-from ..robot.description import GEOMETRY, EffectRecord, LoadData, Robot
+from ..robot.description import Robot
 from ..robot.kinematics import Array
+from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
 
 

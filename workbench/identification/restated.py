@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..robot.description import EffectRecord, Robot, load_robot
+from ..robot.description import Robot, load_robot
+from ..robot.schema import EffectRecord
 from .model_file import write_model
 
 

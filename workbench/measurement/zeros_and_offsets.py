@@ -24,8 +24,9 @@ from ..identification.denavit_hartenberg import axial_columns, corrections, with
 from ..identification.fit import Fit, fit
 from ..identification.model import Model
 from ..identification.noise import required_noise
-from ..robot.description import EffectRecord, Robot
+from ..robot.description import Robot
 from ..robot.kinematics import Array
+from ..robot.schema import EffectRecord
 from ..simulation.virtual_campaign import Truth, simulate
 
 FRAME = 0.01  # noise of a mark on the base over that of the ball: measured often, it gives the frame

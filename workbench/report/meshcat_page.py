@@ -40,26 +40,24 @@ def draw_robot(meshcat: Any, robot: Robot, q: Array, prefix: str, time: Array | 
     """Publish the robot's visuals at joints q (n,), or in motion through q (F, n) at times (F,) [s]; places
     of its links (L, 3) [m] in the (first) pose."""
     from pydrake.geometry import MeshcatVisualizer, MeshcatVisualizerParams
-    from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
     from pydrake.systems.framework import DiagramBuilder
 
+    from ..robot.plants import parsed
+    from ..robot.rigid_plant import Twin
+
     builder: Any = DiagramBuilder()
     plant, graph = AddMultibodyPlantSceneGraph(builder, 0.0)
-    Parser(plant).AddModels(robot.urdf)
-    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(robot.base))
-    plant.Finalize()
+    parsed(robot, plant)
     params = MeshcatVisualizerParams(prefix=prefix, delete_on_initialization_event=False)
     drawn = MeshcatVisualizer.AddToBuilder(builder, graph, meshcat, params)
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
     own = plant.GetMyMutableContextFromRoot(context)
-    at = [plant.GetJointByName(joint.name).position_start() for joint in robot.joints]
+    twin = Twin(robot, plant, own)
 
     def show(joints: Array) -> None:
-        positions = plant.GetPositions(own)
-        positions[at] = joints
-        plant.SetPositions(own, positions)
+        twin.set_positions(joints)
         diagram.ForcedPublish(context)
 
     poses = np.atleast_2d(q)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .kinematics import Array
+from .rotations import skew
 
 
 def bending_compliance(length: Array) -> Array:
@@ -19,9 +20,8 @@ def bending_compliance(length: Array) -> Array:
         return out
     u = length / reach
     across = np.eye(3) - np.outer(u, u)
-    U = np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
     out[:3, :3] = across * reach**3 / 3
     out[3:, 3:] = across * reach
-    out[3:, :3] = U * reach**2 / 2  # turn by (u × F) l²/2
+    out[3:, :3] = skew(u) * reach**2 / 2  # turn by (u × F) l²/2
     out[:3, 3:] = out[3:, :3].T
     return out

@@ -1,8 +1,8 @@
 """The elastic twin: the robot in Drake with everything that yields.
 
-At every slot it has a FixedOffsetFrame for the geometric correction and small joints for what moves
-there; at every joint also a motor joint, a motor body without mass but with rotor inertia, and a
-spring joint. Everything that calibration changes (frame poses, masses, stiffness) lives in the Context.
+At every slot it has a frame for the geometric correction and small joints for what moves there; at every
+joint also a motor joint with the rotor's inertia, and a spring joint with its spring. Everything that
+calibration changes (frame poses, masses, stiffness) lives in the Context.
 """
 
 from __future__ import annotations
@@ -14,37 +14,43 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import (
-    FixedOffsetFrame,
-    Frame,
-    JacobianWrtVariable,
-    RigidBody,
-    SpatialInertia,
-)
+from pydrake.multibody.tree import Frame, JacobianWrtVariable
 from pydrake.systems.framework import Context
 
-from .description import GEOMETRY, Robot
+from .description import Robot
+from .equilibrium import Law
 from .kinematics import Arm, Array
-from .plant_parts import Builder, link_inertia, slot_pose, spatial_inertia
-from .statics import Law, Loads
+from .loads import Loads
+from .plant_parts import (
+    add_rotor,
+    add_spring,
+    axial_joint,
+    component_joint,
+    link_inertia,
+    point_inertia,
+    slot_pose,
+)
+from .plants import Grown, grown
+from .schema import GEOMETRY
 
 
 @dataclass(frozen=True, eq=False)
 class ElasticTwin:
-    """The elastic twin. `yielding` maps (slot, component) to the joint that moves there.
+    """The elastic twin. `yielding` maps (slot, component) to the joint that moves there; `motors`: names of
+    the motor joints, base to flange.
 
-    `motors`: names of the motor joints; `geometry_frames`: names of the frames that carry the geometric
-    corrections; `links`: names of the bodies behind the slots. Masses, frame poses and stiffness are
-    parameters of `context`. All joints have one degree of freedom.
+    Masses, frame poses and stiffness are parameters of `context`. All joints have one degree of freedom.
     """
 
     arm: Arm
-    plant: MultibodyPlant
+    grown: Grown
     context: Context
     yielding: dict[tuple[int, int], str]
     motors: tuple[str, ...]
-    geometry_frames: tuple[str, ...]
-    links: tuple[str, ...]
+
+    @property
+    def plant(self) -> MultibodyPlant:
+        return self.grown.plant
 
     @cached_property
     def columns(self) -> NDArray[np.int64]:
@@ -63,30 +69,21 @@ class ElasticTwin:
     def _at(self, joints: tuple[str, ...]) -> NDArray[np.int64]:
         return np.array([self.plant.GetJointByName(name).position_start() for name in joints])
 
-    @cached_property
-    def _bodies(self) -> list[RigidBody]:
-        """The bodies behind the slots, and the payload."""
-        return [self.plant.GetBodyByName(name) for name in (*self.links, "payload")]
-
     def set_geometry(self, geometry: Array) -> None:
-        """Writes the corrections G: (S, 6) into the Context."""
-        for i, name in enumerate(self.geometry_frames):
-            X = slot_pose(self.arm, i + 1, geometry[i + 1])
-            frame = self.plant.GetFrameByName(name)
-            assert isinstance(frame, FixedOffsetFrame)
-            frame.SetPoseInParentFrame(self.context, X)
+        """Writes the corrections G of the joints: (S, 6) into the Context."""
+        for slot in range(1, self.arm.n + 1):
+            X = slot_pose(self.arm, slot, geometry[slot])
+            self.grown.corrected[slot].SetPoseInParentFrame(self.context, X)
 
     def set_masses(self, arm: Arm) -> None:
-        """Writes the links' masses and centres of mass into the Context."""
+        """Writes the masses and centres of mass of base and links into the Context."""
         for slot in range(arm.n + 1):
-            self._bodies[slot].SetSpatialInertiaInBodyFrame(self.context, link_inertia(arm, slot))
+            inertia = link_inertia(arm, slot)
+            self.grown.bodies[slot].SetSpatialInertiaInBodyFrame(self.context, inertia)
 
     def set_payload(self, mass: float, moment: Array) -> None:
         """Mass [kg] and mass times centre of mass (3,) [kg·m] of tool and payload, flange frame."""
-        com = moment / mass if mass > 0 else np.zeros(3)
-        point = np.eye(3) * (com @ com) - np.outer(com, com)
-        inertia = spatial_inertia(mass, com, point) if mass > 0 else SpatialInertia.Zero()
-        self._bodies[-1].SetSpatialInertiaInBodyFrame(self.context, inertia)
+        self.grown.bodies[-1].SetSpatialInertiaInBodyFrame(self.context, point_inertia(mass, moment))
 
     def equilibrium(self, q: Array, direct: Array, loads: Loads, law: Law) -> Array:
         """Drake's loaded equilibrium of one pose: slot motions (S, 6). The plant stays in it.
@@ -135,10 +132,10 @@ class ElasticTwin:
         plant, context, world = self.plant, self.context, self.plant.world_frame()
         torque = np.zeros(plant.num_velocities())
         if loads.wrench.any():
-            J = self._jacobian(self._bodies[-2].body_frame(), np.zeros(3))
+            J = self._jacobian(self.grown.slots[-1], np.zeros(3))
             torque += J.T @ np.concatenate([loads.wrench[0, 3:], loads.wrench[0, :3]])
         if (law := loads.compensator) is not None:
-            body, moving = self._bodies[law.body].body_frame(), self._bodies[law.arm].body_frame()
+            body, moving = self.grown.slots[law.body], self.grown.slots[law.arm]
             b = plant.CalcPointsPositions(context, body, law.body_pivot, world)[:, 0]
             a = plant.CalcPointsPositions(context, moving, law.arm_pivot, world)[:, 0]
             s = float(np.linalg.norm(b - a))
@@ -158,7 +155,7 @@ class ElasticTwin:
     def points(self, targets: Array, on: Sequence[int]) -> Array:
         """Places of targets (T, 3) behind slots `on` at the present pose: (T, 3) [m]."""
         plant, context, world = self.plant, self.context, self.plant.world_frame()
-        frames = [self._bodies[k].body_frame() for k in on]
+        frames = [self.grown.slots[k] for k in on]
         return np.array(
             [
                 plant.CalcPointsPositions(context, frame, target, world)[:, 0]
@@ -176,17 +173,29 @@ def elastic_twin(arm: Arm, robot: Robot, yielding: Sequence[tuple[int, int]] | N
     """
     if yielding is None:
         yielding = [(slot, c) for slot in range(arm.slots) for c in range(6)]
-    plant = MultibodyPlant(0.0)
-    plant.mutable_gravity_field().set_gravity_vector(arm.gravity)
-    builder = Builder(plant, arm, robot, set(yielding))
-    builder.build()
-    plant.Finalize()
-    return ElasticTwin(
-        arm,
-        plant,
-        plant.CreateDefaultContext(),
-        builder.yielding,
-        tuple(builder.motors),
-        tuple(builder.geometry_frames),
-        tuple(builder.links),
-    )
+    wanted, motors = set(yielding), []
+    joints: dict[tuple[int, int], str] = {}
+
+    def moving(plant: MultibodyPlant, slot: int, frame: Frame) -> Frame:
+        """Small joints, then motor and spring."""
+        name = arm.slot_names[slot]
+        axial = int(arm.axial[slot - 1]) % 6 if 1 <= slot <= arm.n else None
+        for component, key in enumerate(GEOMETRY):
+            if component != axial and (slot, component) in wanted:
+                free = component_joint(plant, f"{name}_{key}", frame, component)
+                joints[slot, component] = free.name()
+                frame = free.child_body().body_frame()
+        if axial is None:
+            return frame
+        data = robot.joint(name).data
+        motor = axial_joint(plant, arm, slot, f"{name}_motor", frame)
+        add_rotor(plant, motor, data.rotor_inertia, data.gear_ratio or 1.0)
+        motors.append(motor.name())
+        spring = axial_joint(plant, arm, slot, f"{name}_spring", motor.child_body().body_frame())
+        if data.stiffness is not None:
+            add_spring(plant, spring, data.stiffness)
+        joints[slot, axial] = spring.name()
+        return spring.child_body().body_frame()
+
+    twin = grown(arm, moving)
+    return ElasticTwin(arm, twin, twin.plant.CreateDefaultContext(), joints, tuple(motors))

@@ -1,20 +1,28 @@
 """The arm as arrays: kinematics of thousands of poses at a time, and the derivative of a point
 with respect to every small motion of every frame.
 
-The arrays come from a Drake Context (`plant.arrays`), once. Frames are renumbered as *slots*:
+X_AB is the pose of frame B in frame A, p_AoBo_A the way from A's origin to B's on the axes of A, as Drake
+writes them. W is the world, which the robot's base is welded to. The arrays come from the Context of the
+rigid twin (`rigid_plant.arrays`), once.
+
+A *slot* is a place of the chain where something may move, from W to the flange:
 
     slot 0        the base            (foundation, drift)
-    slot 1 .. n   the joints          (slot i sits between link i-1 and link i, its z along the axis)
-    slot n+1      the flange          (bending of the last link, tool)
+    slot 1 .. n   the joints          (slot k sits between links k - 1 and k, its z along the axis)
+    slot n + 1    the flange          (bending of the last link, tool)
 
-At each slot the chain is   X_parent · X_slot · G(geometry) · T(motion) · joint(q), with
+Behind slot k comes frame L_k, of the link that it carries (L_0 base, L_n+1 flange, L_-1 the world):
 
+    X_WL(k) = X_WL(k-1) · X_LS(k) · G(k) · T(k) · J(k)
+
+    X_LS   nominal pose of the slot in the link before it
     G = Trans(tx, ty, tz) Rx Ry Rz        constant: what calibration corrects
     T = Trans(tx, ty, tz) Rx Ry Rz        per pose: transmission, load, temperature
-    joint = Rz(q), or Trans(0, 0, q) for a sliding joint (then T's tz comes after its rotations).
+    J = Rz(q), or Trans(0, 0, q) for a sliding joint (then T's tz comes after its rotations).
 
-The six components of a motion are numbered tx ty tz rx ry rz; the axial one is rz (revolute)
-or tz (prismatic). Link frames here are the URDF's, turned so that z is the joint's axis.
+The six components of a motion are numbered tx ty tz rx ry rz (`TX` ... `RZ`); the axial one is rz (revolute)
+or tz (prismatic). A column 6 · slot + component names one motion of the arm. L_k is the URDF's link frame,
+turned so that z is the joint's axis (`Arm.R_link`).
 """
 
 from __future__ import annotations
@@ -34,12 +42,11 @@ TX, TY, TZ, RX, RY, RZ = range(6)
 class Arm:
     """Arrays of a serial arm with n joints and S = n + 2 slots.
 
-    prismatic: (n,) bool. R: (S, 3, 3), p: (S, 3) [m] nominal pose of each slot in its parent link.
+    prismatic: (n,) bool. R: (S, 3, 3), p: (S, 3) [m] nominal pose X_LS of each slot in its parent link.
     geometry: (S, 6) [m, rad] corrections G; only the rows of joints are used.
     mass: (n + 1,) [kg] and moment: (n + 1, 3) [kg·m] = mass times centre of mass, of the base and
-    the links, in the link frames of this module; inertia: (n + 1, 3, 3) [kg·m²] about the frame's
-    origin. R_link: (S, 3, 3) turns these link frames into
-    the URDF's (identity for base and flange). gravity: (3,) [m/s²].
+    the links, in their frames L; inertia: (n + 1, 3, 3) [kg·m²] about the frame's origin. R_link:
+    (S, 3, 3) rotation of the URDF's link frame in L (identity for base and flange). gravity: (3,) [m/s²].
     compliance: (S, 6, 6) [rad/(N·m), m/N] yield of each slot under its own wrench.
     """
 
@@ -66,6 +73,11 @@ class Arm:
         return self.n + 2
 
     @property
+    def slot_names(self) -> tuple[str, ...]:
+        """(S,) "base", the joints' names, "flange"."""
+        return ("base", *self.names, "flange")
+
+    @property
     def axial(self) -> NDArray[np.int64]:
         """(n,) column 6 · slot + component of each joint's own motion."""
         return 6 * np.arange(1, self.n + 1) + np.where(self.prismatic, TZ, RZ)
@@ -74,6 +86,10 @@ class Arm:
     def span(self) -> Array:
         """(S, 3) [m] from the parent link's frame to each slot, on the slot's axes (nominal)."""
         return np.einsum("sji,sj->si", self.R, self.p)
+
+    def slot_of_joint(self, joint: str) -> int:
+        """Slot at which a joint moves. Raises ValueError when there is none of that name."""
+        return 1 + self.names.index(joint)
 
     def slot_of_link(self, link: str) -> int:
         """Slot behind which a link moves: 0 base, i link of joint i, n + 1 "flange"."""
@@ -90,9 +106,9 @@ class Arm:
 
 @dataclass(frozen=True)
 class Frames:
-    """Where everything is, in the base frame, for N poses.
+    """Where everything is, in the world, for N poses.
 
-    R, p: (S, N, 3, 3), (S, N, 3) [m] link frames (slot n + 1: the flange).
+    R, p: (S, N, 3, 3), (S, N, 3) [m] of X_WL (slot n + 1: the flange).
     axes: (N, S, 6, 3) unit axes of the motions T; origin: (N, S, 3) [m] where their rotations pivot.
     """
 
@@ -124,9 +140,7 @@ class Frames:
 
     def points(self, targets: Array, on: Sequence[int]) -> Array:
         """Places of targets: (T, 3) in the frames behind slots `on` → (N, T, 3) [m]."""
-        return np.stack(
-            [self.p[k] + self.R[k] @ targets[i] for i, k in enumerate(on)], axis=1
-        )  # fmt: skip
+        return np.stack([self.p[k] + self.R[k] @ targets[i] for i, k in enumerate(on)], axis=1)
 
     def turned(self, targets: Array, on: Sequence[int]) -> Array:
         """The targets' lever arms without the frame's origin: (N, T, 3) [m]."""
@@ -224,13 +238,3 @@ def point_jacobian(axes: Array, origin: Array, points: Array, on: Sequence[int])
             out[:, i, c, : k + 1, :3] = along[c][:, : k + 1]
             out[:, i, c, : k + 1, 3:] = about[a][:, : k + 1] * arms[b] - about[b][:, : k + 1] * arms[a]
     return out.reshape(n_poses, points.shape[1], 3, 6 * slots)
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Cross product over the last axis with broadcasting (three times as fast as NumPy's)."""
-    a, b = np.broadcast_arrays(a, b)
-    out = np.empty(a.shape)
-    out[..., 0] = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
-    out[..., 1] = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
-    out[..., 2] = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return out

@@ -1,4 +1,7 @@
-"""The parts of the elastic twin in Drake: frames, small joints, motors, springs, bodies."""
+"""The parts that Drake plants are made of: poses of slots, inertias, joints that yield, drives, springs.
+
+A joint comes with a body without mass behind it; the next part sits on that body's frame.
+"""
 
 from __future__ import annotations
 
@@ -8,90 +11,44 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import (
     FixedOffsetFrame,
     Frame,
+    Joint,
     PrismaticJoint,
+    PrismaticSpring,
     RevoluteJoint,
     RevoluteSpring,
+    ScrewJoint,
     SpatialInertia,
     UnitInertia,
 )
 
-from .description import GEOMETRY, Robot
-from .kinematics import RZ, TZ, Arm, Array
+from .kinematics import RX, RY, RZ, Arm, Array
 
 
-class Builder:
-    """Adds bodies and joints slot by slot."""
+def motion_transform(motion: Array) -> RigidTransform:
+    """Trans(tx, ty, tz) Rx Ry Rz of one slot's motion or correction (6,)."""
+    R = RotationMatrix.MakeXRotation(motion[RX]) @ RotationMatrix.MakeYRotation(motion[RY])
+    return RigidTransform(R @ RotationMatrix.MakeZRotation(motion[RZ]), motion[:RX])
 
-    def __init__(self, plant: MultibodyPlant, arm: Arm, robot: Robot, wanted: set[tuple[int, int]]) -> None:
-        self.plant, self.arm, self.robot, self.wanted = plant, arm, robot, wanted
-        self.yielding: dict[tuple[int, int], str] = {}
-        self.motors: list[str] = []
-        self.geometry_frames: list[str] = []
-        self.links: list[str] = []
 
-    def build(self) -> None:
-        parent: Frame = self.plant.world_frame()
-        for slot in range(self.arm.slots):
-            parent = self._slot(slot, parent)
-        payload = self.plant.AddRigidBody("payload", SpatialInertia.Zero())
-        self.plant.WeldFrames(parent, payload.body_frame())
-
-    def _slot(self, slot: int, parent: Frame) -> Frame:
-        """Frame of correction, small joints, motor and spring, body; returns the body's frame."""
-        plant, arm = self.plant, self.arm
-        joint = 1 <= slot <= arm.n
-        name = arm.names[slot - 1] if joint else ("base" if slot == 0 else "flange")
-        axial = None if not joint else TZ if arm.prismatic[slot - 1] else RZ
-        corrected = FixedOffsetFrame(f"{name}_geometry", parent, slot_pose(arm, slot, arm.geometry[slot]))
-        frame: Frame = plant.AddFrame(corrected)
-        for component in range(6):
-            if component != axial and (slot, component) in self.wanted:
-                frame = self._free(slot, component, f"{name}_{GEOMETRY[component]}", frame)
-        if axial is not None:
-            self.geometry_frames.append(f"{name}_geometry")
-            frame = self._motor(slot, axial, name, frame)
-            frame = self._free(slot, axial, f"{name}_spring", frame)
-            self._spring(slot, name)
-        self.links.append(f"{name}_end")
-        link = plant.AddRigidBody(f"{name}_end", link_inertia(arm, slot))
-        plant.WeldFrames(frame, link.body_frame())
-        return link.body_frame()
-
-    def _free(self, slot: int, component: int, name: str, frame: Frame) -> Frame:
-        """A joint that yields."""
-        body = self.plant.AddRigidBody(f"{name}_body", SpatialInertia.Zero())
-        self._joint(name, frame, body.body_frame(), component)
-        self.yielding[(slot, component)] = name
-        return body.body_frame()
-
-    def _motor(self, slot: int, axial: int, name: str, frame: Frame) -> Frame:
-        motor = self.plant.AddRigidBody(f"{name}_motor_body", SpatialInertia.Zero())
-        self._joint(f"{name}_motor", frame, motor.body_frame(), axial)
-        self.motors.append(f"{name}_motor")
-        actuator = self.plant.AddJointActuator(f"{name}_actuator", self.plant.GetJointByName(f"{name}_motor"))
-        data = self.robot.joints[slot - 1].data
-        actuator.set_default_rotor_inertia(data.rotor_inertia)
-        actuator.set_default_gear_ratio(data.gear_ratio or 1.0)
-        return motor.body_frame()
-
-    def _spring(self, slot: int, name: str) -> None:
-        joint = self.plant.GetJointByName(f"{name}_spring")
-        stiffness = self.robot.joints[slot - 1].data.stiffness
-        if stiffness is not None and isinstance(joint, RevoluteJoint):
-            self.plant.AddForceElement(RevoluteSpring(joint, 0.0, stiffness))
-
-    def _joint(self, name: str, parent: Frame, child: Frame, component: int) -> None:
-        axis = np.eye(3)[component % 3]
-        kind = PrismaticJoint if component < 3 else RevoluteJoint
-        self.plant.AddJoint(kind(name, parent, child, axis))
+def slot_pose(arm: Arm, slot: int, correction: Array) -> RigidTransform:
+    """Pose of a slot in its parent link with the correction G (6,)."""
+    return RigidTransform(RotationMatrix(arm.R[slot]), arm.p[slot]) @ motion_transform(correction)
 
 
 def link_inertia(arm: Arm, slot: int) -> SpatialInertia:
-    """Of the link behind a slot, about its frame's origin (zero for the flange)."""
-    mass = arm.mass[slot] if slot <= arm.n else 0.0
+    """Of the link behind a slot, about the origin of its URDF frame and on its axes."""
+    mass, R = arm.mass[slot], arm.R_link[slot].T
     if mass <= 0:
         return SpatialInertia.Zero()
-    return spatial_inertia(mass, arm.moment[slot] / mass, arm.inertia[slot] / mass)
+    return spatial_inertia(mass, R @ arm.moment[slot] / mass, R @ arm.inertia[slot] @ R.T / mass)
+
+
+def point_inertia(mass: float, moment: Array) -> SpatialInertia:
+    """Of tool and payload as one point: mass [kg], mass times its place (3,) [kg·m]."""
+    if mass <= 0:
+        return SpatialInertia.Zero()
+    com = moment / mass
+    return spatial_inertia(mass, com, np.eye(3) * (com @ com) - np.outer(com, com))
 
 
 def spatial_inertia(mass: float, com: Array, unit: Array) -> SpatialInertia:
@@ -104,8 +61,47 @@ def spatial_inertia(mass: float, com: Array, unit: Array) -> SpatialInertia:
     )
 
 
-def slot_pose(arm: Arm, slot: int, correction: Array) -> RigidTransform:
-    """Pose of a slot in its parent link with correction G = Trans Rx Ry Rz."""
-    R = RotationMatrix.MakeXRotation(correction[3]) @ RotationMatrix.MakeYRotation(correction[4])
-    G = RigidTransform(R @ RotationMatrix.MakeZRotation(correction[5]), correction[:3])
-    return RigidTransform(RotationMatrix(arm.R[slot]), arm.p[slot]) @ G
+def component_joint(plant: MultibodyPlant, name: str, frame: Frame, component: int) -> Joint:
+    """A joint along one component of a slot's motion."""
+    kind = PrismaticJoint if component < RX else RevoluteJoint
+    body = plant.AddRigidBody(f"{name}_body", SpatialInertia.Zero())
+    return plant.AddJoint(kind(name, frame, body.body_frame(), np.eye(3)[component % 3]))
+
+
+def axial_joint(plant: MultibodyPlant, arm: Arm, slot: int, name: str, frame: Frame) -> Joint:
+    """A joint along the slot's own axis: of the robot's joint, its motor, or its spring."""
+    return component_joint(plant, name, frame, int(arm.axial[slot - 1]) % 6)
+
+
+def screw_joint(
+    plant: MultibodyPlant, name: str, frame: Frame, axis: Array, point: Array, pitch: float | None
+) -> Joint:
+    """A joint that turns about `axis` (3,) through `point` (3,) [m] and shifts by `pitch` [m/rad] with it;
+    pitch None: that shifts only."""
+    body = plant.AddRigidBody(f"{name}_body", SpatialInertia.Zero())
+    X = RigidTransform(point)
+    on_parent = plant.AddFrame(FixedOffsetFrame(f"{name}_parent", frame, X))
+    on_child = plant.AddFrame(FixedOffsetFrame(f"{name}_child", body.body_frame(), X))
+    joint: Joint
+    if pitch is None:
+        joint = PrismaticJoint(name, on_parent, on_child, axis)
+    elif pitch:
+        joint = ScrewJoint(name, on_parent, on_child, axis, 2 * np.pi * pitch, 0.0)
+    else:
+        joint = RevoluteJoint(name, on_parent, on_child, axis)
+    return plant.AddJoint(joint)
+
+
+def add_rotor(plant: MultibodyPlant, joint: Joint, inertia: float, gear_ratio: float = 1.0) -> None:
+    """Gives a joint's own motion the inertia of a rotor [kg·m² on the rotor's side]."""
+    actuator = plant.AddJointActuator(f"{joint.name()}_rotor", joint)
+    actuator.set_default_rotor_inertia(inertia)
+    actuator.set_default_gear_ratio(gear_ratio)
+
+
+def add_spring(plant: MultibodyPlant, joint: Joint, stiffness: float) -> None:
+    """A spring across a joint, slack at zero [N·m/rad, N/m]."""
+    if isinstance(joint, RevoluteJoint):
+        plant.AddForceElement(RevoluteSpring(joint, 0.0, stiffness))
+    elif isinstance(joint, PrismaticJoint):
+        plant.AddForceElement(PrismaticSpring(joint, 0.0, stiffness))

@@ -1,16 +1,12 @@
-"""The robot in Drake: the rigid twin, which is the user's URDF as Drake parses it, and the arrays that
-`arm.py` works on. The elastic twin is in `elastic.py`.
-"""
+"""The rigid twin, which is the user's URDF as Drake parses it, and the arrays that are taken from it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.math import RigidTransform
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import (
     BodyIndex,
@@ -23,9 +19,11 @@ from pydrake.multibody.tree import (
 from pydrake.systems.framework import Context
 
 from .beam import bending_compliance
-from .description import GEOMETRY, Robot
+from .description import Robot
 from .kinematics import RX, RY, RZ, TZ, Arm, Array
-from .statics import CompensatorLaw
+from .plants import parsed
+from .rotations import turn_z_to
+from .schema import GEOMETRY
 
 
 @dataclass(frozen=True)
@@ -44,19 +42,9 @@ class Twin:
 
 
 def rigid_twin(robot: Robot) -> Twin:
-    """The robot's URDF in Drake, base welded to the world, gravity as the TOML says."""
-    plant = MultibodyPlant(0.0)
-    parse_urdf(plant, robot.urdf)
-    plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
-    base = plant.GetBodyByName(robot.base)
-    plant.WeldFrames(plant.world_frame(), base.body_frame())
-    plant.Finalize()
+    """The rigid twin, as its URDF has it (not corrected by `[geometry]`)."""
+    plant = parsed(robot)
     return Twin(robot, plant, plant.CreateDefaultContext())
-
-
-def parse_urdf(plant: MultibodyPlant, urdf: Path) -> None:
-    """Adds the URDF's model to a plant."""
-    Parser(plant).AddModels(str(urdf))
 
 
 def arrays(robot: Robot, twin: Twin | None = None) -> Arm:
@@ -70,7 +58,7 @@ def arrays(robot: Robot, twin: Twin | None = None) -> Arm:
     chain = [plant.GetBodyByName(robot.base)]
     for i, joint in enumerate(robot.joints, start=1):
         moving = plant.GetJointByName(joint.name)
-        R_JL = _turn_z_to(_axis(moving))
+        R_JL = turn_z_to(_axis(moving))
         X_PJ = moving.frame_on_parent().CalcPose(context, chain[-1].body_frame())
         X_JC = moving.frame_on_child().GetFixedPoseInBodyFrame().inverse()
         R[i] = R_link[i - 1] @ X_PJ.rotation().matrix() @ R_JL
@@ -117,15 +105,6 @@ def _axis(joint: object) -> Array:
     raise TypeError(f"{joint!r} is neither revolute nor prismatic")
 
 
-def _turn_z_to(axis: Array) -> Array:
-    """Smallest rotation that takes z to `axis` (a half turn about x for −z)."""
-    if axis[2] < -1 + 1e-12:
-        return np.diag([1.0, -1.0, -1.0])
-    v = np.cross([0.0, 0.0, 1.0], axis)
-    V = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    return np.eye(3) + V + V @ V / (1 + axis[2])
-
-
 def _inertias(plant: MultibodyPlant, context: Context, chain: list[RigidBody]) -> list[SpatialInertia]:
     """Spatial inertia of each link with all that hangs on it outside the chain, in its URDF frame."""
     inboard = {}
@@ -168,18 +147,3 @@ def _compliance(robot: Robot, prismatic: NDArray[np.bool_], span: Array) -> Arra
         if link in robot.bending_stiffness:
             compliance[i] += bending_compliance(span[i]) / robot.bending_stiffness[link]
     return compliance
-
-
-def compensator_law(robot: Robot, arm: Arm) -> CompensatorLaw | None:
-    """The TOML's compensator in the arm's frames."""
-    data = robot.compensator
-    if data is None:
-        return None
-    body, moving = arm.slot_of_link(data.body), arm.slot_of_link(data.arm)
-    return CompensatorLaw(
-        data,
-        body,
-        moving,
-        arm.R_link[body] @ np.array(data.body_pivot),
-        arm.R_link[moving] @ np.array(data.arm_pivot),
-    )

@@ -20,7 +20,7 @@ from ..effects.records import stated_effects
 from ..files.faults import Fault, InputError
 from ..robot.elastic_plant import elastic_twin
 from ..robot.kinematics import Arm, Array
-from ..robot.statics import Loads
+from ..robot.loads import Loads
 
 Values = tuple[Effect, Array]
 

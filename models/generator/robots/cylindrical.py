@@ -1,4 +1,4 @@
-"""The cylindrical robot of paper 000: one revolute and two prismatic joints."""
+"""The cylindrical robot of a homework on calibration (2020): one revolute and two prismatic joints."""
 
 import numpy as np
 
@@ -38,10 +38,10 @@ CYLINDRICAL = Design(
     base_mass=Mass(80, (0, 0, -40), box=(500, 500, 80)),
     joint_data={"stiffness": (1.0e6, 2.0e6, 0.5e6)},
     source={
-        "kinematics": "paper 000; l1 = l2 = 0.5 m assumed (not given)",
-        "limits": "range: paper 000, Table 1; velocity and effort: assumed",
+        "kinematics": "homework on calibration (2020); l1 = l2 = 0.5 m assumed (not given)",
+        "limits": "range: homework on calibration (2020), Table 1; velocity and effort: assumed",
         "masses": "assumed",
-        "stiffness": "paper 000, Table 1 (its unit for joint_1 read as N·m/rad)",
+        "stiffness": "homework on calibration (2020), Table 1 (its unit for joint_1 read as N·m/rad)",
         "visuals": "own shapes drawn from the kinematics",
     },
     look=cylindrical,

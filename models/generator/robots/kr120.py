@@ -5,6 +5,7 @@ from ..kinematics import Table, chain_along, pose, rotation_y
 from ..looks.arms import Sizes
 from ..looks.heavy import heavy
 from ..looks.paints import ORANGE
+from .kr210 import gas_spring
 
 # Arm level and forwards at q = 0, as in the controller, which turns A1, A4 and A6 the other way round.
 KINEMATICS = chain_along(
@@ -99,28 +100,15 @@ KR120 = Design(
         "damping": (1.0e3, 1.0e3, 6.0e2, 3.0e2, 1.0e2, 1.0e2),
         "repeatability": (3e-6, 3e-6, 3e-6, 9e-6, 9e-6, 9e-6),
     },
-    # Fixed pivot behind and below joint 2, moving pivot above it: the KR 210 R2700's own figures.
-    compensator={
-        "kind": "gas",
-        "joint": "joint_2",
-        "body": "link_1",
-        "arm": "link_2",
-        "body_pivot": (-0.45, 0.0, -0.067),
-        "arm_pivot": (-0.01, 0.0, 0.200),
-        "piston_area": 2.0e-3,
-        "precharge": 100e5,
-        "gas_length": 0.89,
-        "reference": 0.6026,
-        "exponent": 1.0,
-    },
+    compensator=gas_spring(joint_2_ahead=0.35),
     source={
         "kinematics": "public URDF of the KR 120 R2500 pro (ROS-Industrial), controller signs and zeros; "
         "flange x down, z out as the controller has it",
         "limits": "range and velocity: the same public URDF; effort: assumed",
         "masses": "links 1..5: public MATLAB model of the KR 210 R2700, which shares column and upper "
         "arm; link 6 and base: assumed",
-        "stiffness": "paper 002, Table I, one over the compliance; joint_2: mean of its six values "
-        "(0.318e-6)",
+        "stiffness": "Klimchik et al. (2017), Table I, one over the compliance; joint_2: mean of its six "
+        "values (0.318e-6)",
         "gear_ratio": "assumed; joint_4: near the published 188.85 of the KR 120 R3900",
         "rotor_inertia": "assumed",
         "damping": "assumed",

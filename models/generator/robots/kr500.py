@@ -5,6 +5,7 @@ from ..kinematics import Table, chain_of
 from ..looks.arms import Sizes
 from ..looks.heavy import heavy
 from ..looks.paints import ORANGE
+from .kr210 import gas_spring
 
 KINEMATICS = Table(
     "modified",
@@ -47,22 +48,6 @@ LINKS = [
     Mass(7, (0, 0, -27), [[0.018, 0, 0], [0, 0.018, 0], [0, 0, 0.034]]),
 ]
 
-# KR 210 R2700: fixed pivot 800 mm behind and 67 mm below joint 2, moving pivot 200 mm from it.
-# The link frames have x forward and z up at q = 0; joint 2 is 500 mm in front of joint 1.
-COMPENSATOR = {
-    "kind": "gas",
-    "joint": "joint_2",
-    "body": "link_1",
-    "arm": "link_2",
-    "body_pivot": (-0.30, 0.0, -0.067),
-    "arm_pivot": (-0.01, 0.0, 0.200),
-    "piston_area": 2.0e-3,
-    "precharge": 100e5,
-    "gas_length": 0.89,
-    "reference": 0.6026,
-    "exponent": 1.0,
-}
-
 LOOK = Sizes(
     paint=ORANGE,
     foot=540,
@@ -104,14 +89,14 @@ KR500 = Design(
         "damping": (1.9e3, 1.4e3, 0.6e3, 1.9e3, 1.4e3, 1.4e3),
         "repeatability": (4e-6, 4e-6, 4e-6, 12e-6, 12e-6, 12e-6),
     },
-    compensator=COMPENSATOR,
+    compensator=gas_spring(joint_2_ahead=0.5),
     source={
         "kinematics": "public modified DH table of the KR 500 R2830 (robot kinematics catalogue), its "
         "signs and zeros; a KUKA controller counts A1, A4 and A6 the other way",
         "limits": "range: public MATLAB model of the KR 500; velocity: recalled from the data sheet, "
         "unverified; effort: assumed",
         "masses": "links 1..6: public MATLAB model of the KR 500, from its standard DH frames; base: assumed",
-        "stiffness": "paper 001, equation (19)",
+        "stiffness": "“Variable Parameters Stiffness Identification and Modeling” (KR 500), equation (19)",
         "damping": "public MATLAB model of the KR 500, modal test",
         "gear_ratio": "assumed (KUKA publishes none; range of robots of this size)",
         "rotor_inertia": "assumed",

@@ -1,4 +1,4 @@
-"""The seven-joint arm with long links of paper 004."""
+"""The seven-joint arm with long links of Liu, Song, Li, Pan, Yu (long-link flexible manipulators)."""
 
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
@@ -60,14 +60,14 @@ LONGLINK = Design(
         "link_7": 0.71e6,
     },
     source={
-        "kinematics": "paper 004, Table II (standard DH); base frame at the height of joint 2",
+        "kinematics": "Liu et al., Table II (standard DH); base frame at the height of joint 2",
         "limits": "assumed",
         "masses": "assumed: 35 kg at the base to 5 kg at the hand, centres of mass and inertias (cuboids) "
         "too",
         "stiffness": "assumed: 2e5 to 5e4 N·m/rad",
         "tilt_stiffness": "assumed: five times the axial stiffness",
         "repeatability": "assumed",
-        "bending_stiffness": "paper 004, Table I, read as EI; implausibly stiff, the links bend by "
+        "bending_stiffness": "Liu et al., Table I, read as EI; implausibly stiff, the links bend by "
         "micrometres",
         "visuals": "own shapes drawn from the kinematics",
     },

@@ -86,13 +86,14 @@ RX170 = Design(
         "joint 2",
         "limits": "range of joints 1..5: public table; joint 6, velocity and effort: assumed",
         "masses": "assumed: 400 kg moving, centres of mass and inertias (cuboids) from the shape",
-        "stiffness": "paper 003, Table I",
+        "stiffness": "Olabi et al. (2012), Table I",
         "gear_ratio": "assumed: helical stage (1.4 at joint_2) and harmonic-type stage (100 at joint_2)",
         "rotor_inertia": "assumed",
         "damping": "assumed",
         "repeatability": "assumed",
         "compensator": "assumed: sized so that joint 2 keeps 150 to 300 N·m of the gravity torque at the "
-        "ends of the sweep of paper 003 (50 degrees either way, forearm in line with the upper arm)",
+        "ends of the sweep of Olabi et al. (2012) (50 degrees either way, forearm in line with the upper "
+        "arm)",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

@@ -12,8 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ...files.faults import Fault, InputError, read_text
 from ...files.whole import put
-from ...robot.description import load_robot, toml_faults
+from ...robot.description import load_robot
 from ...robot.rigid_plant import arrays
+from ...robot.schema import toml_faults
 from ..model_file import write_model
 from .cell_model import CellModel
 from .grid import cells

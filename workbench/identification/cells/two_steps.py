@@ -18,8 +18,9 @@ from ...campaign.problem import problem
 from ...effects.joint_compliance import JointCompliance
 from ...effects.records import record
 from ...files.faults import Fault, InputError
-from ...robot.description import GEOMETRY, Robot
+from ...robot.description import Robot
 from ...robot.kinematics import Arm, Array
+from ...robot.schema import GEOMETRY
 from ..deflection import places
 from ..fit import Fit, fit
 from ..model import Model, State

@@ -20,8 +20,9 @@ from ...campaign.problem import Problem
 from ...effects.base import Param
 from ...effects.gravity_compensator import GravityCompensator
 from ...effects.kinds import LoadEffect
+from ...robot.compensator import CompensatorLaw
 from ...robot.kinematics import Arm, Array, Frames
-from ...robot.statics import CompensatorLaw, Loads
+from ...robot.loads import Loads
 
 
 @dataclass(frozen=True)

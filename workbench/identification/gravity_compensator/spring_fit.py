@@ -8,8 +8,8 @@ from itertools import permutations
 import numpy as np
 from scipy import stats
 
+from ...robot.compensator import ATMOSPHERE
 from ...robot.kinematics import Array
-from ...robot.statics import ATMOSPHERE
 from .gas_spring import Linkage
 
 

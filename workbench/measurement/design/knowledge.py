@@ -24,8 +24,9 @@ from ...identification.fit import Fit, fit, start_state
 from ...identification.model import Model, State
 from ...identification.noise import Covariance
 from ...identification.registration import check_units
-from ...robot.description import Robot, stated_load
+from ...robot.description import Robot
 from ...robot.kinematics import Array
+from ...robot.schema import stated_load
 
 ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tracker
 WIDE = 30.0  # prior of an effect's parameter, in its typical sizes: wide, but no arm is made of rubber

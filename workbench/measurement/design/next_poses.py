@@ -14,7 +14,8 @@ from ...arguments import load_all
 from ...campaign import Campaign, write_campaign
 from ...files.faults import Fault, InputError, read_text
 from ...files.whole import put
-from ...robot.description import Robot, list_robots, load_robot
+from ...robot.description import Robot, load_robot
+from ...robot.find import list_robots
 from .accuracy import AccuracyPlan, plan_accuracy
 from .candidates import payload_counts
 from .knowledge import measured, unmeasured

@@ -15,15 +15,17 @@ import numpy as np
 from pydrake.multibody.tree import MultibodyForces
 from scipy.ndimage import gaussian_filter1d
 
+from ...robot.compensator import compensator_law
 from ...robot.description import Robot
 from ...robot.kinematics import Array, frames
-from ...robot.statics import Loads, wrenches
+from ...robot.loads import Loads, wrenches
+from ...robot.rigid_plant import arrays
+from ...robot.schema import STANDARD_GRAVITY
 from .machine import machine, rigid_machine, slowest_mode
 from .mechanics import Mechanics
 from .motion import Motion
 
-GRAVITY = 9.81
-COARSE = 0.004  # s between the instants at which the nominal robot's torques are computed
+FEED_FORWARD_PERIOD = 0.004  # s between the instants at which the nominal robot's torques are computed
 MOST_FRICTION = 300.0  # 1/s: slope of friction over the drive's inertia that a step of 1 ms bears
 
 
@@ -72,7 +74,7 @@ def drives(mechanics: Mechanics, q: Array, controller: Controller) -> Drives:
         names = ", ".join(n for n, value in zip(arm.names, stated, strict=True) if not value)
         notes.append(f"{names}: drive's inertia not stated, taken as half of the arm's that it moves")
     # friction of a hundredth of what the arm would weigh, stretched out
-    scale = GRAVITY * np.where(arm.prismatic, mass, np.sqrt(inertia * mass))
+    scale = STANDARD_GRAVITY * np.where(arm.prismatic, mass, np.sqrt(inertia * mass))
     coulomb = 0.01 * scale
     notes.append(
         "friction assumed: 1 % of the weight of the stretched arm, as Coulomb and, at 1 rad/s, viscous"
@@ -118,7 +120,7 @@ def _felt(mechanics: Mechanics, q: Array) -> tuple[Array, Array]:
 
 def feed_forward(nominal: Mechanics, motion: Motion, controller: Controller, drive: Drives) -> Array:
     """(K, n) torques that the nominal robot needs for the motion."""
-    stride = max(1, round(COARSE / motion.period))
+    stride = max(1, round(FEED_FORWARD_PERIOD / motion.period))
     slow = gaussian_filter1d(
         motion.q, 1 / (2 * np.pi * controller.bandwidth_hz) / motion.period, axis=0, mode="nearest"
     )
@@ -162,8 +164,6 @@ def _inertial(nominal: Mechanics, q: Array, v: Array, a: Array) -> Array:
 
 def nominal_mechanics(robot: Robot, truth: Mechanics) -> Mechanics:
     """What the controller believes: the URDF, rigid, with the stated loads."""
-    from ...robot.rigid_plant import arrays, compensator_law
-
     arm = arrays(robot)
     plain = arm.with_geometry(np.zeros_like(arm.geometry))
     return replace(truth, robot=robot, arm=plain, compensator=compensator_law(robot, arm), gear=(), screws=())

@@ -131,11 +131,11 @@ class Forces(LeafSystem):
 
     def at_points(self, positions: Array, k: int) -> Array:
         """Generalised forces of compensator and process force."""
-        plant, context, links = self.machine.plant, self.scratch, self.machine.links
+        plant, context, slots = self.machine.plant, self.scratch, self.machine.grown.slots
         plant.SetPositions(context, positions)
         force = np.zeros(plant.num_velocities())
         if (law := self.mechanics.compensator) is not None:
-            body, moving = links[law.body].body_frame(), links[law.arm].body_frame()
+            body, moving = slots[law.body], slots[law.arm]
             X = plant.CalcRelativeTransform(context, body, moving).GetAsMatrix34()
             way = law.body_pivot - X[:, :3] @ law.arm_pivot - X[:, 3]
             s = math.sqrt(way @ way)

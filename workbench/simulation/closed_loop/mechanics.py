@@ -18,10 +18,10 @@ from ...correction.paths import Path
 from ...effects.acting import Acting, Yielding
 from ...effects.acting import Law as Law6
 from ...effects.base import Effect
+from ...robot.compensator import CompensatorLaw, compensator_law
 from ...robot.description import Robot
 from ...robot.kinematics import RX, Arm, Array
-from ...robot.rigid_plant import arrays, compensator_law
-from ...robot.statics import CompensatorLaw
+from ...robot.rigid_plant import arrays
 
 RIGID = 1e-10  # rad/(N·m), m/N: what a joint without compliance yields, where it needs a joint at all
 TABLE = 8001  # torques at which a law that is not linear is tabulated

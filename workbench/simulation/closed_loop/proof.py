@@ -16,7 +16,7 @@ from ...robot.kinematics import Array
 from .control import Controller
 from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
 from .runs import Outcome, Task, World, simulate_all
-from .simulation import STEP
+from .simulation import INTEGRATION_STEP
 from .verification import NAMES, Repeats, Series, Trial, Verification
 
 SPEEDS = (0.03, 0.3)  # m/s: as slow as source 003 drew, and ten times as fast
@@ -58,7 +58,7 @@ def verify(
         for name, q in variants.items()
     ]
     tasks += _repeated(truth, timed[-1][0], commands[-1], repeats, seed)
-    tasks.append(Task("half the step", timed[-1][0], commands[-1]["corrected"], STEP / 2))
+    tasks.append(Task("half the step", timed[-1][0], commands[-1]["corrected"], INTEGRATION_STEP / 2))
     done = simulate_all(world, tasks, workers, progress)
     p = plans.desired[:, :3, 3]
     orders = _orders(truth, belief)

@@ -14,7 +14,7 @@ from ...robot.kinematics import Array
 from .control import Controller, nominal_mechanics
 from .mechanics import mechanics
 from .motion import motion
-from .simulation import STEP, run
+from .simulation import INTEGRATION_STEP, run
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class Task:
     said: str
     path: Path
     q: Array
-    step: float = STEP
+    step: float = INTEGRATION_STEP
     offset: Array | None = None
 
 

@@ -17,7 +17,7 @@ from .machine import Machine, machine
 from .mechanics import Mechanics
 from .motion import Motion
 
-STEP = 1e-3  # s
+INTEGRATION_STEP = 1e-3  # s
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ def run(
     *,
     tool: Array | None = None,
     controller: Controller | None = None,
-    step: float = STEP,
+    step: float = INTEGRATION_STEP,
     at_rest: bool = True,
     reaction: bool = True,
     offset: Array | None = None,

@@ -25,8 +25,9 @@ from workbench.measurement.separation import separate
 from workbench.measurement.sweep import gear_of, sweep
 from workbench.report.story import Item, tell
 from workbench.report.study import Study
-from workbench.robot.description import EffectRecord, Robot, load_robot
+from workbench.robot.description import Robot, load_robot
 from workbench.robot.kinematics import Array
+from workbench.robot.schema import EffectRecord
 from workbench.simulation.virtual_campaign import Truth, simulate
 from workbench.studies.rx170 import figures as told
 from workbench.studies.rx170.spiral import ELBOW_UP, draw_spirals, printed_numbers, spiral_numbers

@@ -1,0 +1,23 @@
+"""The gas spring of the KUKA KR 210 R2700, which stands in for those of its larger and smaller relatives."""
+
+from typing import Any
+
+
+def gas_spring(joint_2_ahead: float) -> dict[str, Any]:
+    """Fixed pivot 800 mm behind and 67 mm below joint 2, moving pivot 200 mm from it.
+
+    joint_2_ahead: [m] of joint 1. The link frames have x forward and z up at q = 0.
+    """
+    return {
+        "kind": "gas",
+        "joint": "joint_2",
+        "body": "link_1",
+        "arm": "link_2",
+        "body_pivot": (round(joint_2_ahead - 0.800, 3), 0.0, -0.067),
+        "arm_pivot": (-0.01, 0.0, 0.200),
+        "piston_area": 2.0e-3,
+        "precharge": 100e5,
+        "gas_length": 0.89,
+        "reference": 0.6026,
+        "exponent": 1.0,
+    }

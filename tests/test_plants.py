@@ -1,0 +1,105 @@
+"""All Drake plants of a robot have the same links, in the same places, with the same masses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.multibody.tree import MultibodyForces
+
+from workbench.correction import Conditions
+from workbench.correction.paths import Path
+from workbench.report.meshcat_page import draw_robot, meshcat_alone
+from workbench.robot.description import load_robot
+from workbench.robot.elastic_plant import elastic_twin
+from workbench.robot.loads import Loads
+from workbench.robot.plants import rigid
+from workbench.robot.rigid_plant import arrays, rigid_twin
+from workbench.simulation.closed_loop.machine import machine
+from workbench.simulation.closed_loop.mechanics import mechanics
+from workbench.simulation.random_robot import write_random_robot
+
+KINDS = ["6R", "7R", "PRRR", "kr500", "cylindrical", "ma1400-left"]
+
+
+def some_robot(folder, kind):
+    return load_robot(write_random_robot(folder, 5, kind) if kind[-1] == "R" else kind)
+
+
+def drives_alone(grown, names):
+    """A Context in which only these joints have moved, to 0.1, 0.2, ... in their order."""
+    context = grown.plant.CreateDefaultContext()
+    positions = np.zeros(grown.plant.num_positions())
+    for i, name in enumerate(names):
+        positions[grown.plant.GetJointByName(name).position_start()] = 0.1 * (i + 1)
+    grown.plant.SetPositions(context, positions)
+    return context
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_all_plants_have_the_links_of_the_urdf(tmp_path, kind):
+    robot = some_robot(tmp_path, kind)
+    arm, twin = arrays(robot), rigid_twin(robot)
+    q = 0.1 * np.arange(1, arm.n + 1)
+    twin.set_positions(q)
+    flange = twin.plant.GetFrameByName(robot.flange).CalcPoseInWorld(twin.context)
+    still = Path(np.array([0.0, 1.0]), q=np.tile(q, (2, 1)))
+    true = mechanics(robot, still, still.q, Conditions())
+    motors = [f"{name}_motor" for name in robot.joint_names]
+    plants = {
+        "rigid": (rigid(arm), robot.joint_names),
+        "elastic": (elastic_twin(arm, robot).grown, motors),
+        "closed loop": (machine(true, np.ones(arm.n)).grown, motors),
+    }
+    for grown, joints in plants.values():
+        context = drives_alone(grown, joints)
+        for name in (robot.base, *robot.links):
+            body, parsed = grown.plant.GetBodyByName(name), twin.plant.GetBodyByName(name)
+            X = body.EvalPoseInWorld(context)
+            assert X.IsNearlyEqualTo(parsed.EvalPoseInWorld(twin.context), 1e-12)
+            inertia = body.default_spatial_inertia()
+            assert inertia.get_mass() == pytest.approx(parsed.default_mass(), rel=1e-12)
+            M, M_parsed = (i.CopyToFullMatrix6() for i in (inertia, parsed.default_spatial_inertia()))
+            assert np.abs(M - M_parsed).max() <= 1e-12 * max(np.abs(M_parsed).max(), 1.0)
+        assert grown.slots[-1].CalcPoseInWorld(context).IsNearlyEqualTo(flange, 1e-12)
+        others = {body.name() for body in grown.bodies} - {robot.base, *robot.links}
+        assert others == {"tool and payload"}
+        mass = grown.plant.CalcTotalMass(context)
+        assert mass == pytest.approx(twin.plant.CalcTotalMass(twin.context), rel=1e-12)
+
+
+def test_the_picture_shows_the_rigid_twin():
+    robot, q = load_robot("kr500"), np.array([0.3, -1.0, 1.2, 0.4, 0.7, 0.2])
+    twin = rigid_twin(robot)
+    twin.set_positions(q)
+    with meshcat_alone() as meshcat:
+        drawn = draw_robot(meshcat, robot, q, "robot")
+    places = [
+        twin.plant.GetBodyByName(name).EvalPoseInWorld(twin.context).translation()
+        for name in (robot.base, *robot.links)
+    ]
+    np.testing.assert_allclose(drawn, places, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["6R", "PRRR"])
+def test_springs_hold_the_elastic_twin(tmp_path, kind):
+    """Where the arm rests by its compliance, Drake's springs and gravity leave no torque."""
+    robot = some_robot(tmp_path, kind)
+    arm = arrays(robot)
+    arm = replace(arm, geometry=1e-3 * np.ones_like(arm.geometry))
+    twin = elastic_twin(arm, robot)
+    zero = np.zeros((1, 6))
+    loads = Loads(np.array([20.0]), np.array([[1.0, 2.0, 3.0]]), zero, np.zeros((1, arm.n)))
+    twin.equilibrium(
+        0.4 * np.ones(arm.n),
+        np.zeros((arm.slots, 6)),
+        loads,
+        lambda wrench: np.einsum("sij,nsj->nsi", arm.compliance, wrench),
+    )
+    forces = MultibodyForces(twin.plant)
+    twin.plant.CalcForceElementsContribution(twin.context, forces)
+    weight = twin.plant.CalcGravityGeneralizedForces(twin.context)
+    for slot, name in enumerate(robot.joint_names, start=1):
+        place = twin.plant.GetJointByName(twin.yielding[slot, arm.axial[slot - 1] % 6]).velocity_start()
+        sprung = forces.generalized_forces()[place]
+        assert abs(weight[place]) > 1e-3 or name == "joint_1"
+        assert sprung == pytest.approx(-weight[place], abs=1e-9 * np.abs(weight).max())

@@ -1,0 +1,97 @@
+"""Drake plants of a robot: every plant of the workbench is built here.
+
+`parsed` is the URDF as Drake reads it: the rigid twin, and the picture. `grown` has the same links, with the
+same names, frames and masses, from the arrays that were taken from the parsed plant; between each slot and
+its link it lets the caller put what moves there (`plant_parts`): a joint, a motor and a spring, screws. So
+corrected lengths, changed masses and whatever yields come into one chain, and nothing is said twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import FixedOffsetFrame, Frame, RigidBody, SpatialInertia
+
+from .description import Robot
+from .kinematics import Arm, Array
+from .plant_parts import axial_joint, link_inertia, motion_transform, slot_pose
+
+Moving = Callable[[MultibodyPlant, int, Frame], Frame]
+
+
+def parsed(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPlant:
+    """The robot's URDF in Drake, base welded to the world, gravity as the TOML says; finalised.
+
+    plant: an empty one that is part of a diagram already.
+    """
+    plant = MultibodyPlant(0.0) if plant is None else plant
+    Parser(plant).AddModels(str(robot.urdf))
+    plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
+    plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(robot.base).body_frame())
+    plant.Finalize()
+    return plant
+
+
+@dataclass(frozen=True, eq=False)
+class Grown:
+    """A plant that was built from an arm's arrays.
+
+    bodies: base, links (named and placed as in the URDF), then "tool and payload" at the
+    flange.
+    slots: (S,) frames L behind the slots, as `kinematics` has them. corrected: (S,) frames at the slots with
+    their corrections G, in the frame behind the slot before.
+    """
+
+    plant: MultibodyPlant
+    bodies: tuple[RigidBody, ...]
+    slots: tuple[Frame, ...]
+    corrected: tuple[FixedOffsetFrame, ...]
+
+
+def grown(
+    arm: Arm, moving: Moving, payload: SpatialInertia | None = None, placed: Array | None = None
+) -> Grown:
+    """Builds an arm slot by slot; finalised.
+
+    moving: adds what moves at a slot, on the frame given, and returns the frame that carries the link.
+    payload: inertia of tool and payload in the flange's frame. placed: (S, 6) motions that stay as they are.
+    """
+    plant = MultibodyPlant(0.0)
+    plant.mutable_gravity_field().set_gravity_vector(arm.gravity)
+    bodies: list[RigidBody] = []
+    slots: list[Frame] = []
+    corrected: list[FixedOffsetFrame] = []
+    parent: Frame = plant.world_frame()
+    for slot, name in enumerate(arm.slot_names):
+        X = slot_pose(arm, slot, arm.geometry[slot])
+        if placed is not None:
+            X = X @ motion_transform(placed[slot])
+        frame = plant.AddFrame(FixedOffsetFrame(f"{name}_geometry", parent, X))
+        carrying = moving(plant, slot, frame)
+        link = arm.links[slot] if slot <= arm.n else "tool and payload"
+        inertia = link_inertia(arm, slot) if slot <= arm.n else payload or SpatialInertia.Zero()
+        body = plant.AddRigidBody(link, inertia)
+        X_BL = RigidTransform(RotationMatrix(arm.R_link[slot].T))
+        parent = plant.AddFrame(FixedOffsetFrame(f"{link}_slot", body.body_frame(), X_BL))
+        plant.WeldFrames(carrying, parent)
+        bodies.append(body)
+        slots.append(parent)
+        corrected.append(frame)
+    plant.Finalize()
+    return Grown(plant, tuple(bodies), tuple(slots), tuple(corrected))
+
+
+def rigid(arm: Arm, payload: SpatialInertia | None = None) -> Grown:
+    """The arm with its joints alone, each under its own name."""
+
+    def moving(plant: MultibodyPlant, slot: int, frame: Frame) -> Frame:
+        if not 1 <= slot <= arm.n:
+            return frame
+        return axial_joint(plant, arm, slot, arm.names[slot - 1], frame).child_body().body_frame()
+
+    return grown(arm, moving, payload)
