@@ -59,6 +59,15 @@ class Column:
             return self.name
         return " or ".join(f"{self.name}_{unit}" for dim in self.dimensions for unit in USUAL[dim])
 
+    @property
+    def written(self) -> tuple[str, Unit]:
+        """The name that we write, and the unit that it states: q1_deg, degrees."""
+        return next(
+            iter(
+                self.spellings({unit: UNITS[unit] for dim in self.dimensions for unit in USUAL[dim]}).items()
+            )
+        )
+
 
 @dataclass(frozen=True)
 class Found:
