@@ -14,6 +14,7 @@ from ...files.faults import Fault
 from .base import FINEST_BLEND, STILL, Array, Program, legs_of
 
 FARTHEST = 100.0  # m: no robot reaches so far; millimetres were given as metres
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"  # as most programs write one
 HALF_MM, HALF_DEG = 0.5e-3, np.radians(0.5)
 
 

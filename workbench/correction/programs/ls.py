@@ -23,10 +23,10 @@ from .track import Track
 BETWEEN = ",\t"
 MOST_LINES = 9999
 LONGEST_LEG = 32.0  # s, a leg's time in msec; beyond it in tenths of seconds
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
-FIELD = re.compile(rf"\b(X|Y|Z|W|P|R|J\d|E\d)\s*=\s*({NUMBER})")
-PACE, ENDING = rf"(?:({NUMBER})\s*(%|[a-z/]+))?", r"(FINE|CNT\s*\d+)?"
-MOVE = re.compile(rf"^\s*\d*\s*:\s*([JLCA])\s+(PR?)\[(\d+)[^\]]*\]\s*{PACE}\s*{ENDING}", re.I)
+LS_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
+LS_FIELD = re.compile(rf"\b(X|Y|Z|W|P|R|J\d|E\d)\s*=\s*({LS_NUMBER})")
+PACE, ENDING = rf"(?:({LS_NUMBER})\s*(%|[a-z/]+))?", r"(FINE|CNT\s*\d+)?"
+LS_MOVE = re.compile(rf"^\s*\d*\s*:\s*([JLCA])\s+(PR?)\[(\d+)[^\]]*\]\s*{PACE}\s*{ENDING}", re.I)
 METRES = {"mm/sec": 1e-3, "cm/min": 1e-2 / 60, "inch/min": 0.0254 / 60}
 SECONDS = {"sec": 1.0, "msec": 1e-3}
 
@@ -137,9 +137,9 @@ class Ls(Format):
         blocks = re.findall(r"P\[(\d+)[^\]]*\]\s*\{(.*?)\}\s*;", rest, re.S)
         positions = {number: block.split("GP2")[0] for number, block in blocks}
         for number, line in enumerate(motions.splitlines(), 1):
-            if match := re.match(rf"^\s*\d*\s*:\s*WAIT\s+({NUMBER})\s*\(?sec", line, re.I):
+            if match := re.match(rf"^\s*\d*\s*:\s*WAIT\s+({LS_NUMBER})\s*\(?sec", line, re.I):
                 track.wait(float(match[1]))
-            elif match := MOVE.match(line):
+            elif match := LS_MOVE.match(line):
                 self._read_move(track, number, match, positions)
         return track.program()
 
@@ -154,7 +154,7 @@ class Ls(Format):
             )
             track.fault(line, what, "give the path as L P[..] with positions in the file")
             return
-        fields = {name: float(value) for name, value in FIELD.findall(block)}
+        fields = {name: float(value) for name, value in LS_FIELD.findall(block)}
         rails = tuple(1e-3 * fields[f"E{i}"] for i in (1, 2, 3) if f"E{i}" in fields)
         value, unit = float(pace) if pace else np.nan, (unit or "").lower()
         if "J1" in fields:
@@ -207,6 +207,3 @@ def _pace(legs: Legs, i: int) -> str:
 
 def _wait(seconds: float) -> str:
     return f"  WAIT {max(seconds, 0.01):6.2f}(sec)"
-
-
-FORMAT = Ls()

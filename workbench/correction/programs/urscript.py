@@ -16,25 +16,25 @@ import numpy as np
 from ...files.faults import Fault
 from ...robot import rotations
 from .base import Array, Program, legs_of
-from .format import Format
+from .format import NUMBER, Format
 from .track import Track
 
 DIGITS = 8
 ACCELERATION = 1.2  # m/s², the manual's default
 JOINT_ACCELERATION = 1.4  # rad/s², the manual's default
-FULL_JOINT_SPEED = np.pi  # rad/s
+UR_FULL_JOINT_SPEED = np.pi  # rad/s
 LONGEST_STEP = 0.2  # s between points that are streamed
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-MOVE = re.compile(
+UR_MOVE = re.compile(
     r"\b(movel|movej|movep|movec|servoj|servoc)\s*\(\s*(?:get_inverse_kin\s*\(\s*)?(p?)\[([^\]]*)\](.*)"
 )
-WORDS = """and break continue def elif else end enter_critical exit_critical False for global halt if in join
+UR_WORDS = """
+and break continue def elif else end enter_critical exit_critical False for global halt if in join
 kill local mod not or pass return run sec sync thread True while xor movej movel movep movec servoj sleep"""
 
 
 class UrScript(Format):
     name, title, extension, newline = "urscript", "URScript", ".script", "\n"
-    reserved = frozenset(WORDS.split())
+    reserved = frozenset(UR_WORDS.split())
     many_lines = 5000
 
     def __init__(self, stream: bool = False) -> None:
@@ -67,7 +67,7 @@ class UrScript(Format):
         return {f"{program.name}{self.extension}": "\n".join([*lines, "end", ""])}
 
     def _joint_move(self, program: Program, i: int) -> str:
-        speed = f"a={JOINT_ACCELERATION}, v={FULL_JOINT_SPEED * program.share:.4f}"
+        speed = f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.4f}"
         return f"movej([{_numbers(program.arm[i])}], {speed})"
 
     def _joints(self, program: Program) -> list[str]:
@@ -87,7 +87,7 @@ class UrScript(Format):
             pace = f"t={legs.duration[i]:.4f}" if timed else f"v={legs.speed[i]:.7f}"
             corner = f", r={legs.blend[i]:.6f}" if legs.blend[i] > 0 else ""
             if i == 0 and not by_joints:
-                speed = f"a={JOINT_ACCELERATION}, v={FULL_JOINT_SPEED * program.share:.4f}"
+                speed = f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.4f}"
                 lines.append(f"movej({_pose(X[i])}, {speed})")
             elif self.stream and i > 0:
                 lines.append(f"servoj(get_inverse_kin({_pose(X[i])}), t={max(legs.duration[i], 0.002):.4f})")
@@ -109,7 +109,7 @@ class UrScript(Format):
                 track.tool = _read_pose([float(word) for word in match[1].split(",")])
             elif match := re.search(rf"\bsleep\s*\(\s*({NUMBER})", line):
                 track.wait(float(match[1]))
-            elif match := MOVE.search(line):
+            elif match := UR_MOVE.search(line):
                 self._read_move(track, number, match)
             elif re.search(r"\b(move[jlpc]|servo[jc])\s*\(", line):
                 track.fault(
@@ -128,7 +128,7 @@ class UrScript(Format):
             return
         said = {name: float(value) for name, value in re.findall(rf"\b([avtr])\s*=\s*({NUMBER})", rest)}
         if not pose:
-            track.joints(tuple(numbers), share=said.get("v", np.nan) / FULL_JOINT_SPEED)
+            track.joints(tuple(numbers), share=said.get("v", np.nan) / UR_FULL_JOINT_SPEED)
             return
         straight = kind != "movej"
         track.pose(
@@ -149,6 +149,3 @@ def _pose(X: Array) -> str:
 
 def _read_pose(numbers: list[float]) -> Array:
     return rotations.pose(np.array([numbers[:3]]), rotations.from_vectors(np.array([numbers[3:]])))[0]
-
-
-FORMAT = UrScript()

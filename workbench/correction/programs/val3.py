@@ -25,7 +25,8 @@ SPACE = "http://www.staubli.com/robotics/VAL3"  # names of the XML vocabularies,
 XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
 HEAD = '<?xml version="1.0" encoding="utf-8"?>'
 FREE = 99999.0  # mm/s, deg/s: does not limit
-WORDS = """abs accel and begin blend bnot bor bxor call case default delay do else elseif end endfor endif
+VAL3_WORDS = """
+abs accel and begin blend bnot bor bxor call case default delay do else elseif end endfor endif
 endswitch endwhile false for if mod movec movej movel next not or return start step stop switch then to
 true until waitendmove while xor"""
 Row = dict[str, str]
@@ -35,7 +36,7 @@ class Val3(Format):
     name, title, extension = "val3", "Stäubli VAL 3", ".pjx"
     mm_digits = 4
     longest_name = 15
-    reserved = frozenset(WORDS.split())
+    reserved = frozenset(VAL3_WORDS.split())
     most_points = 9999
     named_as_file = True
 
@@ -242,6 +243,3 @@ def _read_frame(row: Row) -> Array:
     angles = np.radians([[float(row.get(key, "0")) for key in ("rx", "ry", "rz")]])
     place = 1e-3 * np.array([[float(row.get(key, "0")) for key in "xyz"]])
     return rotations.pose(place, rotations.from_xyz(angles))[0]
-
-
-FORMAT = Val3()
