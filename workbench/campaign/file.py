@@ -118,7 +118,7 @@ def _keys(place: list[str]) -> list[str]:
     return sorted(field.alias or name for name, field in fields.items())
 
 
-WRENCH = tuple(
+WRENCH_COLUMNS = tuple(
     Column(f"{kind}{axis}", (dimension,), mend="write 0 where there is none")
     for kind, dimension in (("f", "force"), ("m", "torque"))
     for axis in "xyz"
@@ -144,7 +144,7 @@ def pose_columns(robot: Robot) -> list[Column]:
         Column("setup", text=True, blank=True),
         Column("t", ("time",), blank=True),
         Column("temp", ("temperature",), blank=True),
-        *WRENCH,
+        *WRENCH_COLUMNS,
     ]
     for index, joint in enumerate(robot.joints, 1):
         position = joint_column(f"q{index}", joint, required=True, mend="a pose needs all its joints")

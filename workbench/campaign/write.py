@@ -14,7 +14,7 @@ from ..files.toml import toml_text
 from ..files.whole import put_all
 from ..robot.description import Robot, list_robots
 from .data import Array, Campaign
-from .file import WRENCH, pose_columns
+from .file import WRENCH_COLUMNS, pose_columns
 
 Rows = list[list[str]]
 
@@ -115,7 +115,7 @@ def _pose_cells(campaign: Campaign) -> dict[str, Sequence[str]]:
     if np.any(campaign.payload > 0):
         cells["payload"] = [campaign.payload_names[index] for index in campaign.payload]
     if np.any(campaign.wrench != 0.0):
-        add([column.name for column in WRENCH], campaign.wrench)
+        add([column.name for column in WRENCH_COLUMNS], campaign.wrench)
     add(per_joint("dir"), campaign.direction)
     add(["t"], None if campaign.time is None else campaign.time[:, None])
     add(["temp"], None if campaign.temperature is None else campaign.temperature[:, None])

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ..campaign.file import WRENCH, joint_column
+from ..campaign.file import WRENCH_COLUMNS, joint_column
 from ..files.faults import Fault
 from ..files.tables import Column, Table, number_text
 from ..robot.description import Robot
@@ -28,7 +28,7 @@ def path_columns(robot: Robot | None) -> list[Column]:
         joints = [Column(f"q{index}", ("angle", "length")) for index in range(1, MOST_JOINTS + 1)]
     else:
         joints = [joint_column(f"q{index}", joint) for index, joint in enumerate(robot.joints, 1)]
-    return [TIME, *POSITION, *QUATERNION, *ABC, *WRENCH, TEMPERATURE, DWELL, *joints]
+    return [TIME, *POSITION, *QUATERNION, *ABC, *WRENCH_COLUMNS, TEMPERATURE, DWELL, *joints]
 
 
 def names(*columns: Column) -> list[str]:

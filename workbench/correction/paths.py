@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..campaign.file import WRENCH
+from ..campaign.file import WRENCH_COLUMNS
 from ..files.faults import InputError
 from ..files.tables import Column, Layout, Table, column_cells, parse_table, read_table, table_text
 from ..files.whole import put
@@ -113,10 +113,10 @@ def _tool_poses(table: Table) -> Array:
 
 def _wrench(table: Table) -> Array | None:
     """(N, 6), what is not given zero; None where nothing is given."""
-    if not any(name in table.numbers for name in names(*WRENCH)):
+    if not any(name in table.numbers for name in names(*WRENCH_COLUMNS)):
         return None
     nothing = np.zeros(len(table))
-    return np.stack([table.numbers.get(name, nothing) for name in names(*WRENCH)], axis=1)
+    return np.stack([table.numbers.get(name, nothing) for name in names(*WRENCH_COLUMNS)], axis=1)
 
 
 def write_path(
@@ -148,7 +148,7 @@ def path_text(
         else:
             columns += zip(QUATERNION, quaternions(R).T, strict=True)
     if path.wrench is not None:
-        columns += zip(WRENCH, path.wrench.T, strict=True)
+        columns += zip(WRENCH_COLUMNS, path.wrench.T, strict=True)
     columns += [(TEMPERATURE, path.temperature)] if path.temperature is not None else []
     columns += [(DWELL, path.dwell)] if path.dwell is not None else []
     cells = dict(column_cells(column, values, PATH_DIGITS) for column, values in columns)

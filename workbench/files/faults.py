@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-SHOWN = 10  # faults of one kind that are listed one by one; the rest is counted
+FAULTS_SHOWN = 10  # faults of one kind that are listed one by one; the rest is counted
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class InputError(ValueError):
 
 def counted(faults: Sequence[Fault]) -> list[Fault]:
     """Many faults of one kind: the first ones in full, the rest counted at the place of the last."""
-    rest = len(faults) - SHOWN
+    rest = len(faults) - FAULTS_SHOWN
     if rest <= 1:
         return list(faults)
-    return [*faults[:SHOWN], Fault(faults[-1].place, f"and {rest} more like this up to here")]
+    return [*faults[:FAULTS_SHOWN], Fault(faults[-1].place, f"and {rest} more like this up to here")]
 
 
 def read_text(path: Path) -> str:

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from .table_columns import Column
 from .whole import put
 
-DIGITS = 12  # significant ones: far below what an instrument sees, and short numbers stay short
+TABLE_DIGITS = 12  # significant ones: far below what an instrument sees, and short numbers stay short
 
 
-def number_text(value: float, digits: int = DIGITS) -> str:
+def number_text(value: float, digits: int = TABLE_DIGITS) -> str:
     """A number as it goes into a table: significant digits, "" for NaN."""
     if value != value:
         return ""
@@ -24,7 +24,9 @@ def number_text(value: float, digits: int = DIGITS) -> str:
     return "0" if text == "-0" else text
 
 
-def column_cells(column: Column, values: NDArray[np.float64], digits: int = DIGITS) -> tuple[str, list[str]]:
+def column_cells(
+    column: Column, values: NDArray[np.float64], digits: int = TABLE_DIGITS
+) -> tuple[str, list[str]]:
     """Name and cells of a column in its usual unit. values: (n_rows,) [SI]."""
     name, unit = column.written
     scaled = (values - unit.offset) * (1.0 / unit.factor)

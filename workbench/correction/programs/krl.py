@@ -18,7 +18,7 @@ from ...files.faults import Fault
 from ...robot import rotations
 from .base import Array, Program, legs_of
 from .format import NUMBER, Format
-from .track import Track
+from .motions import Motions
 
 MOST_BYTES = 8_000_000  # the controller's program memory as users report it (KSS 8.3)
 SURELY_FITS = 20_000  # points, whatever is said of each
@@ -124,25 +124,25 @@ class Krl(Format):
             for line in text.splitlines():
                 if match := KRL_DECLARED.match(line.strip()):
                     declared[match[1].upper()] = match[2]
-        reader = _Reader(Track(source), declared)
+        reader = _Reader(Motions(source), declared)
         for number, line in enumerate(files[source].splitlines(), 1):
             reader.line(number, line.split(";")[0].strip())
-        return reader.track.program()
+        return reader.motions.program()
 
 
 class _Reader:
     """Goes through a .src line by line, with the settings that hold at the line."""
 
-    def __init__(self, track: Track, declared: dict[str, str]) -> None:
-        self.track, self.declared = track, declared
+    def __init__(self, motions: Motions, declared: dict[str, str]) -> None:
+        self.motions, self.declared = motions, declared
         self.set: dict[str, float] = {}
 
     def line(self, number: int, text: str) -> None:
         upper = text.upper()
         if match := re.match(r"(?:GLOBAL\s+)?DEF\s+(\w+)", text, re.I):
-            self.track.name = self.track.name or match[1]
+            self.motions.name = self.motions.name or match[1]
         elif match := re.match(rf"WAIT\s+SEC\s+({NUMBER})", upper):
-            self.track.wait(float(match[1]))
+            self.motions.wait(float(match[1]))
         elif match := re.match(rf"BAS\s*\(\s*#(?:CP_PARAMS|VEL_CP)\s*,\s*({NUMBER})", upper):
             self.set["$VEL.CP"] = float(match[1])
         elif match := re.match(rf"(\$(?:VEL|APO)[.\w]*(?:\[1\])?)\s*=\s*({NUMBER})", upper):
@@ -152,16 +152,16 @@ class _Reader:
         elif match := KRL_MOVE.match(text):
             self._move(number, match)
         elif re.match(r"S?(CIRC|LIN_REL|PTP_REL)\b", upper):
-            self.track.fault(number, f"{upper.split()[0]} cannot be read", "give the path as LIN points")
+            self.motions.fault(number, f"{upper.split()[0]} cannot be read", "give the path as LIN points")
 
     def _frame(self, number: int, upper: str) -> None:
         name, _, value = (part.strip() for part in upper.partition("="))
         if value.startswith("{"):
             frame = self._pose(dict(KRL_FIELD.findall(value)))
             if name == "$TOOL":
-                self.track.tool = frame
+                self.motions.tool = frame
             elif not np.allclose(frame, np.eye(4), atol=1e-12):
-                self.track.fault(number, "$BASE is not the robot's base", "export the path in $WORLD")
+                self.motions.fault(number, "$BASE is not the robot's base", "export the path in $WORLD")
 
     def _pose(self, fields: Mapping[str, str]) -> Array:
         x, y, z, a, b, c = (float(fields.get(name, 0.0)) for name in "XYZABC")
@@ -177,10 +177,10 @@ class _Reader:
         rails = tuple(float(fields[f"E{i}"]) * 1e-3 for i in range(1, 7) if f"E{i}" in fields)
         if "A1" in fields:
             arm = tuple(np.radians(float(fields.get(f"A{i}", 0.0))) for i in range(1, 7))
-            self.track.joints(arm, rails, self.set.get("$VEL_AXIS[1]", np.nan) / 100)
+            self.motions.joints(arm, rails, self.set.get("$VEL_AXIS[1]", np.nan) / 100)
         elif {"X", "Y", "Z", "A", "B", "C"} <= fields.keys():
             straight = "PTP" not in match[1].upper()
-            self.track.pose(
+            self.motions.pose(
                 self._pose(fields),
                 rails,
                 self.set.get("$VEL.CP", np.nan) if straight else np.nan,
@@ -193,4 +193,4 @@ class _Reader:
                 if inline is None
                 else "no whole position (X Y Z A B C or A1..A6)"
             )
-            self.track.fault(number, what, "give the .dat as well" if inline is None else "")
+            self.motions.fault(number, what, "give the .dat as well" if inline is None else "")
