@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -103,7 +104,7 @@ def test_what_is_written_is_loaded(tmp_path_factory: pytest.TempPathFactory, dat
     campaign = data.draw(campaigns(folder))
     path = write_campaign(folder / "out", campaign, comments=["made up"])
     assert path.read_text(encoding="utf-8").startswith("# made up\nschema = 1\n")
-    assert 'robot  = "../robot/tiny.toml"' in path.read_text(encoding="utf-8")
+    assert 'robot = "../robot/tiny.toml"' in path.read_text(encoding="utf-8")
     assert_same(campaign, load_campaign(path))
 
 
@@ -131,5 +132,29 @@ def test_robots_that_come_along_are_written_by_name(tmp_path: Path) -> None:
         pytest.skip("no model ur5")
     campaign = load_campaign(write_example(tmp_path))
     path = write_campaign(tmp_path / "out", replace(campaign, robot=robot, q=np.zeros((3, 6))))
-    assert 'robot  = "ur5"\n' in path.read_text()
+    assert 'robot = "ur5"\n' in path.read_text()
     assert load_campaign(path).robot.name == "ur5"
+
+
+def test_a_campaign_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = load_campaign(write_example(tmp_path))
+    folder = write_campaign(tmp_path / "out", campaign).parent
+    before = {file: file.read_bytes() for file in folder.iterdir()}
+    real = os.replace
+
+    def failing(source: Path, target: Path) -> None:
+        if target.name == "campaign.toml":
+            raise OSError(28, "No space left on device")
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", failing)
+    with pytest.raises(OSError, match="No space left"):
+        write_campaign(folder, replace(campaign, q=campaign.q + 0.1))
+    assert {file: file.read_bytes() for file in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize("text", ['quoted "so"', "a\\b", "tab\t, line\n, bell\x07, delete\x7f", "größer ∆"])
+def test_any_text_is_legal_toml(tmp_path: Path, text: str) -> None:
+    campaign = load_campaign(write_example(tmp_path))
+    path = write_campaign(tmp_path / "out", replace(campaign, title=text), comments=["two\nlines"])
+    assert load_campaign(path).title == text

@@ -193,6 +193,18 @@ def test_from_file_to_program_and_back(tmp_path: FilePath, kr500: Robot, format:
         assert np.abs(again - done.q_command).max() < 1e-6
 
 
+def test_a_dwell_of_the_path_is_in_the_program(tmp_path: FilePath, kr500: Robot) -> None:
+    few = replace(
+        CIRCLE, time=10.0 * np.arange(len(CIRCLE)), dwell=np.where(np.arange(len(CIRCLE)) == 3, 2.5, 0.0)
+    )
+    write_path(tmp_path / "ring.csv", few)
+    model = model_file(tmp_path, kr500)
+    (written,) = compensate_file(tmp_path / "ring.csv", model, "krl", tmp_path / "RING.src").files
+    assert written.read_text().count("WAIT SEC 2.500") == 1
+    assert few.dwell is not None
+    np.testing.assert_allclose(read_program(written, "krl").dwell, few.dwell)
+
+
 def test_joints_in_joints_out_for_seven(tmp_path: FilePath) -> None:
     robot = load_robot(write_random_robot(tmp_path, 4, "7R"))
     q = np.linspace([0.2, 0.6, 0.1, 0.9, -0.3, 0.7, 0.2], [0.5, 0.4, 0.3, 1.1, -0.1, 0.8, 0.0], 20)

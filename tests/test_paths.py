@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from workbench.correction.paths import Path, load_path, write_path
+from workbench.correction.programs import Program, read_program, write_program
 from workbench.files.faults import InputError
 from workbench.robot.description import Robot, load_robot
+from workbench.robot.rotations import angle_between, pose
 
 JOINTS = "t_s,q1_deg,q2_rad,q3_mm\n"
 QUATERNIONS = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"
@@ -66,6 +68,85 @@ def test_tool_poses_by_kuka_angles(tmp_path: FilePath) -> None:
     ]
     np.testing.assert_allclose(path.X[0, :3, :3], (turns[0] * turns[1] * turns[2]).as_matrix(), atol=1e-15)
     np.testing.assert_allclose(path.X[1, :3, :3], [[1, 0, 0], [0, 0, -1], [0, 1, 0]], atol=1e-15)
+
+
+BOTH = pytest.mark.parametrize("program", [False, True], ids=["load_path", "read_program"])
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("text", "q", "time"),
+    [
+        ("t_s,q1_mrad,q2_um\n0,500,1e5\n1,250,0\n", [[0.5, 0.1], [0.25, 0.0]], [0.0, 1.0]),
+        ("t_ms,q1_rad,q2_in\n500,0.5,10\n1500,0.25,0\n", [[0.5, 0.254], [0.25, 0.0]], [0.5, 1.5]),
+        ("t_s,q1_rad,q2_m,remark,\n0,.5,.1,start,\n1,.25,0,,\n", [[0.5, 0.1], [0.25, 0.0]], [0.0, 1.0]),
+        ('\ufefft_s,q1_rad,q2_m\r0,"0.5",.1\r\r1,.25,0\r', [[0.5, 0.1], [0.25, 0.0]], [0.0, 1.0]),
+    ],
+    ids=["mrad", "t_ms", "extra columns", "line ends and quotes"],
+)
+def test_one_set_of_rules_for_paths_and_programs(
+    tmp_path: FilePath, program: bool, text: str, q: list[list[float]], time: list[float]
+) -> None:
+    file = write(tmp_path, text)
+    path = read_program(file, "csv") if program else load_path(file)
+    assert path.q is not None
+    assert path.time is not None
+    np.testing.assert_allclose(path.q, q, rtol=1e-15)
+    np.testing.assert_allclose(path.time, time, rtol=1e-15)
+    assert path.sliding == (False, True)
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("t_s,q1_deg\n0,1\n1,-9_0\n", "line 3: q1_deg is '-9_0', not a number"),
+        ("t_s,q1_deg\n0,1\n0,2\n", "line 3: t_s is 0 s, after 0 s; time has to rise from line to line"),
+        ("t_s,q1_deg,q3_deg\n0,1,2\n1,1,2\n", "path.csv: no column q2; a path needs all joints"),
+        ("t_s,q1_deg,q1_rad\n0,1,2\n1,1,2\n", "line 1: both q1_deg and q1_rad; keep one of them"),
+        ("t_s,q1_kN\n0,1\n1,2\n", "line 1: column 'q1_kN': 'kN' is not a unit of it; name it q1_deg"),
+        ("t_s,q1_deg,dwel_s\n0,1,0\n1,2,0\n", "column 'dwel_s' is not known; did you mean 'dwell_s'?"),
+        (QUATERNIONS + "0,1,2,3,1.005,0,0,0\n1,1,2,3,1,0,0,0\n", "line 2: qw qx qy qz has length 1.005"),
+    ],
+)
+def test_one_set_of_faults_for_paths_and_programs(
+    tmp_path: FilePath, program: bool, text: str, told: str
+) -> None:
+    file = write(tmp_path, text)
+    with pytest.raises(InputError) as caught:
+        read_program(file, "csv") if program else load_path(file)
+    assert told in str(caught.value)
+
+
+def test_a_program_is_written_as_the_path_is(tmp_path: FilePath, robot: Robot) -> None:
+    path = load_path(write(tmp_path, "t_s,q1_deg,q2_rad,q3_mm,dwell_s\n0,90,0.5,100,0\n3,45,1,0,1\n"), robot)
+    assert path.dwell is not None
+    assert "dwell_s" in path.warnings[0]
+    write_path(tmp_path / "one.csv", path, robot)
+    program = Program(
+        "other", q=path.q, time=path.time, dwell=path.dwell, kind="joints", sliding=path.sliding
+    )
+    write_program(program, "csv", tmp_path / "other.csv")
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
+    assert read_program(tmp_path / "one.csv", "csv").dwell.tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("kind", ["joints", "quaternion", "abc"])
+def test_angles_keep_a_picoradian(tmp_path: FilePath, kind: str) -> None:
+    rng = np.random.default_rng(0)
+    R = Rotation.random(500, rng=rng).as_matrix()
+    q = rng.uniform(-2 * np.pi, 2 * np.pi, (500, 6))
+    X = pose(rng.uniform(-3, 3, (500, 3)), R)
+    joints = kind == "joints"
+    path = Path(np.arange(500.0), q=q if joints else None, X=None if joints else X)
+    write_path(tmp_path / "path.csv", path, orientation="abc" if kind == "abc" else "quaternion")
+    again = load_path(tmp_path / "path.csv")
+    if joints:
+        assert again.q is not None
+        assert np.abs(again.q - q).max() < 1e-12
+    else:
+        assert again.X is not None
+        assert angle_between(R, again.X[:, :3, :3]).max() < 1e-12
 
 
 def test_wrench_temperature_and_what_is_not_used(tmp_path: FilePath) -> None:

@@ -236,7 +236,7 @@ def test_csv_with_kuka_angles_and_with_joints() -> None:
     assert program.X is not None
     assert program.X[1, 0, 3] == pytest.approx(1.1)
     assert program.X[0, :3, 2] == pytest.approx([1, 0, 0], abs=1e-12)
-    joints = find_format("csv").read({"path.csv": "t_s,q1_mm,q2_deg,q10_rad\n0,500,90,1\n"})
+    joints = find_format("csv").read({"path.csv": "t_s,q3_rad,q1_mm,q2_deg\n0,1,500,90\n"})
     assert joints.q == pytest.approx(np.array([[0.5, np.pi / 2, 1.0]]))
     assert joints.sliding == (True, False, False)
 
@@ -248,16 +248,17 @@ def test_csv_with_kuka_angles_and_with_joints() -> None:
             "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,1,2,n/a,1,0,0,0\n",
             "path.csv line 2: z_mm is 'n/a', not a number",
         ),
-        ("t_s,q1_deg\n0,1\n1,nan\n", "path.csv line 3: q1_deg is 'nan', not a number"),
-        ("t_s,q1_deg\n0,1\n1,2\n0.5,3\n", "path.csv line 4: time runs back"),
-        ("t_s;q1_deg\n0;1\n", "path.csv line 1: columns are separated by ';'; use commas"),
-        ("t_s,q1_deg,q1_deg\n0,1,1\n", "names a column twice"),
-        ("t_s,q1_deg\n0,1,2\n", "path.csv line 2: has 3 cells, the header 2"),
-        ("t_s,q1_grad\n0,1\n", "column 'q1_grad' has no known unit"),
-        ("q1_deg\n1\n", "has no column t_s"),
-        ("t_s,x_mm,y_mm\n0,1,2\n", "neither joints nor whole tool poses"),
-        ("t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,1,2,3,0,0,0,0\n", "quaternion has not length 1"),
-        ("", "has no points"),
+        ("t_s,q1_deg\n0,1\n1,nan\n", "path.csv line 3: q1_deg is 'nan', not a finite number"),
+        ("t_s,q1_deg\n0,1\n1,2\n0.5,3\n", "path.csv line 4: t_s is 0.5 s, after 1 s; time has to rise"),
+        ("t_s;q1_deg\n0;1\n", "path.csv line 1: columns are separated by ';'; say separator"),
+        ("t_s,q1_deg,q1_deg\n0,1,1\n", "path.csv line 1: column 'q1_deg' twice, columns 2 and 3"),
+        ("t_s,q1_deg\n0,1,2\n", "path.csv line 2: has 3 columns, not 2"),
+        ("t_s,q1_grad\n0,1\n", "column 'q1_grad': 'grad' is not a unit of it; name it q1_deg or q1_rad"),
+        ("q1_deg\n1\n", "path.csv line 1: no column t_s"),
+        ("t_s,x_mm,y_mm\n0,1,2\n", "path.csv: no column z_mm; a tool pose needs place and orientation"),
+        ("t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,1,2,3,0,0,0,0\n", "path.csv line 2: qw qx qy qz has length 0"),
+        ("t_s,q1_deg,dwell_s\n0,1,-2\n", "path.csv line 2: dwell_s is negative; write 0"),
+        ("", "path.csv: is empty"),
     ],
 )
 def test_faulty_tables(text: str, what: str) -> None:

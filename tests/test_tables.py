@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from pathlib import Path
 
@@ -12,7 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from workbench.files.tables import Column, Layout, Table, number_text, read_table, write_table, write_text
+from workbench.files.tables import (
+    Column,
+    Layout,
+    Table,
+    column_cells,
+    number_text,
+    read_table,
+    write_table,
+)
 
 WANTED = [
     Column("pose_id", text=True, required=True),
@@ -351,19 +358,19 @@ def test_hundred_thousand_rows_in_less_than_a_second(tmp_path: Path) -> None:
     assert not table.faults
 
 
-def test_files_are_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "new" / "file.txt"
-    write_text(path, "ä\n")
-    assert path.read_bytes() == "ä\n".encode()
-
-    def fail(*_: object) -> None:
-        raise OSError("disk full")
-
-    monkeypatch.setattr(os, "replace", fail)
-    with pytest.raises(OSError, match="disk full"):
-        write_text(path, "lost")
-    assert path.read_text(encoding="utf-8") == "ä\n"
-    assert [item.name for item in path.parent.iterdir()] == ["file.txt"]
+@pytest.mark.parametrize(
+    ("column", "values", "name", "cells"),
+    [
+        (Column("x", ("length",)), [0.1, -0.0, 1e-9], "x_mm", ["100", "0", "1e-06"]),
+        (Column("q1", ("angle", "length")), [np.pi / 2, np.nan], "q1_deg", ["90", ""]),
+        (Column("tau1", ("torque",)), [1 / 3], "tau1_Nm", ["0.333333333333"]),
+        (Column("dir1"), [-1.0, 0.0, 1.0], "dir1", ["-1", "0", "1"]),
+    ],
+)
+def test_columns_are_written_in_their_usual_unit(
+    column: Column, values: list[float], name: str, cells: list[str]
+) -> None:
+    assert column_cells(column, np.array(values)) == (name, cells)
 
 
 NAMES = st.text(

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..files.faults import Fault
-from ..files.tables import SHOWN, Table, suggest
+from ..files.tables import FAULTS_SHOWN, Table, suggest
 from ..robot.description import Robot
 from .file import CampaignFile
 
@@ -70,12 +70,12 @@ def _check_unique(table: Table) -> None:
         lines.setdefault(name, []).append(line)
     repeated = {name: places for name, places in lines.items() if name and len(places) > 1}
     mend = "every row is a pose with a name of its own"
-    for name in list(repeated)[:SHOWN]:
+    for name in list(repeated)[:FAULTS_SHOWN]:
         often = "twice" if len(repeated[name]) == 2 else f"{len(repeated[name])} times"
         what = f"pose_id {name!r} {often}, lines {_and(repeated[name])}"
         table.faults.append(Fault(str(table.path), what, mend))
-    if len(repeated) > SHOWN:
-        what = f"{len(repeated) - SHOWN} more pose_ids several times"
+    if len(repeated) > FAULTS_SHOWN:
+        what = f"{len(repeated) - FAULTS_SHOWN} more pose_ids several times"
         table.faults.append(Fault(str(table.path), what, mend))
 
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, cast
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from ..files.faults import Fault, InputError, read_text
+from ..files.faults import Fault, InputError
 from ..files.tables import Column, Layout, suggest
-from ..robot.description import Robot
+from ..files.toml import read_toml
+from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
 
 Name = Annotated[str, Field(min_length=1)]
@@ -59,10 +59,7 @@ class CampaignFile(_Section):
 
 def read_campaign_file(path: Path) -> CampaignFile:
     """Parse and check `campaign.toml`; `InputError` with all its faults."""
-    try:
-        content = tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
+    content = read_toml(path)
     try:
         file = CampaignFile.model_validate(content)
     except ValidationError as error:
@@ -122,6 +119,24 @@ def _keys(place: list[str]) -> list[str]:
     return sorted(field.alias or name for name, field in fields.items())
 
 
+WRENCH_COLUMNS = tuple(
+    Column(f"{kind}{axis}", (dimension,), mend="write 0 where there is none")
+    for kind, dimension in (("f", "force"), ("m", "torque"))
+    for axis in "xyz"
+)
+
+
+def joint_column(
+    name: str, joint: Joint, required: bool = False, blank: bool = False, mend: str = ""
+) -> Column:
+    """A column of a joint's positions."""
+    slides = joint.kind == "prismatic"
+    dimension, moves = ("length", "slides") if slides else ("angle", "turns")
+    return Column(
+        name, (dimension,), required=required, blank=blank, subject=f"{joint.name} {moves}", mend=mend
+    )
+
+
 def pose_columns(robot: Robot) -> list[Column]:
     """The columns of `poses.csv` for this robot."""
     columns = [
@@ -130,19 +145,15 @@ def pose_columns(robot: Robot) -> list[Column]:
         Column("setup", text=True, blank=True),
         Column("t", ("time",), blank=True),
         Column("temp", ("temperature",), blank=True),
+        *WRENCH_COLUMNS,
     ]
-    columns += [Column(f"f{axis}", ("force",), mend="write 0 where there is none") for axis in "xyz"]
-    columns += [Column(f"m{axis}", ("torque",), mend="write 0 where there is none") for axis in "xyz"]
     for index, joint in enumerate(robot.joints, 1):
-        slides = joint.kind == "prismatic"
-        dimension = ("length",) if slides else ("angle",)
-        subject = f"{joint.name} {'slides' if slides else 'turns'}"
+        position = joint_column(f"q{index}", joint, required=True, mend="a pose needs all its joints")
+        pull = ("force",) if joint.kind == "prismatic" else ("torque",)
         columns += [
-            Column(
-                f"q{index}", dimension, required=True, subject=subject, mend="a pose needs all its joints"
-            ),
-            Column(f"r{index}", dimension, blank=True, subject=subject),
-            Column(f"tau{index}", ("force",) if slides else ("torque",), blank=True, subject=subject),
+            position,
+            joint_column(f"r{index}", joint, blank=True),
+            Column(f"tau{index}", pull, blank=True, subject=position.subject),
             Column(f"dir{index}", mend="write -1, 0 or 1 (0: none or not known)"),
         ]
     return columns

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..files.tables import number_text, write_table, write_text
-from ..robot.description import Joint, Robot
+from ..files.tables import column_cells, number_text, table_text
+from ..files.toml import toml_text
+from ..files.whole import put_all
+from ..robot.description import Robot
 from ..robot.find import list_robots
 from .data import Array, Campaign
+from .file import WRENCH_COLUMNS, pose_columns
 
 Rows = list[list[str]]
 
@@ -24,45 +27,64 @@ def write_campaign(
 
     shots: (N, T, S, 3) single shots [m], NaN where there is none, written instead of the means.
     Without them a mean of several shots is written with its own sigma, as far as that is known.
-    `comments` go on top of the TOML. Each file is written whole or not at all, the TOML last.
+    `comments` go on top of the TOML. All three files are written, or none.
     """
     folder = Path(folder)
-    write_table(folder / "poses.csv", *_poses(campaign))
-    write_table(folder / "points.csv", *_points(campaign, shots))
     path = folder / "campaign.toml"
-    write_text(path, "\n".join([*(f"# {line}" for line in comments), *_toml(folder, campaign)]) + "\n")
+    put_all(
+        {
+            folder / "poses.csv": poses_text(campaign),
+            folder / "points.csv": table_text(*_points(campaign, shots)),
+            path: toml_text(_campaign_table(folder, campaign), comments),
+        }
+    )
     return path
 
 
-def _toml(folder: Path, campaign: Campaign) -> Iterable[str]:
-    yield "schema = 1"
-    yield f"title  = {_quoted(campaign.title)}"
-    yield f"robot  = {_quoted(_robot_name(folder, campaign.robot))}"
-    yield from ("[poses]", 'file = "poses.csv"', "[points]", 'file = "points.csv"')
-    for target in campaign.targets:
-        yield f"[targets.{_quoted(target.name)}]"
-        if target.xyz is not None:
-            yield f"xyz_mm = {_vector(target.xyz)}"
-        if target.on != "flange":
-            yield f"on = {_quoted(target.on)}"
-        if target.fixed:
-            yield "fixed = true"
-    if campaign.noise_sigma is not None or campaign.six_dof:
-        yield "[noise]"
-        if campaign.noise_sigma is not None:
-            yield f"sigma_mm = {_number(1e3 * campaign.noise_sigma)}"
-        if campaign.six_dof:
-            yield "pose = true"
-    if campaign.tool_mass > 0.0:
-        yield from ("[tool]", *_load(campaign.tool_mass, campaign.tool_com))
-    for name, mass, com in list(
-        zip(campaign.payload_names, campaign.load_mass, campaign.load_com, strict=True)
-    )[1:]:
-        yield from (f"[payloads.{_quoted(name)}]", *_load(mass, com))
+def poses_text(campaign: Campaign) -> str:
+    """The text of `poses.csv`; columns that say nothing are left out."""
+    columns = _pose_cells(campaign)
+    return table_text(list(columns), zip(*columns.values(), strict=True))
 
 
-def _load(mass: float, com: Iterable[float]) -> list[str]:
-    return [f"mass_kg = {_number(mass)}", f"com_mm = {_vector(com)}"]
+def _campaign_table(folder: Path, campaign: Campaign) -> dict[str, Any]:
+    """The content of `campaign.toml`; what is as by default is left out."""
+    loads = zip(campaign.payload_names, campaign.load_mass, campaign.load_com, strict=True)
+    table: dict[str, Any] = {
+        "schema": 1,
+        "title": campaign.title,
+        "robot": _robot_name(folder, campaign.robot),
+        "poses": {"file": "poses.csv"},
+        "points": {"file": "points.csv"},
+        "targets": {
+            target.name: {
+                **({} if target.xyz is None else {"xyz_mm": _mm(target.xyz)}),
+                **({} if target.on == "flange" else {"on": target.on}),
+                **({"fixed": True} if target.fixed else {}),
+            }
+            for target in campaign.targets
+        },
+        "noise": {
+            **({} if campaign.noise_sigma is None else {"sigma_mm": _rounded(1e3 * campaign.noise_sigma)}),
+            **({"pose": True} if campaign.six_dof else {}),
+        },
+        "tool": _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0.0 else {},
+        "payloads": {name: _load(mass, com) for name, mass, com in list(loads)[1:]},
+    }
+    return {key: value for key, value in table.items() if value != {}}
+
+
+def _load(mass: float, com: Iterable[float]) -> dict[str, Any]:
+    return {"mass_kg": _rounded(mass), "com_mm": _mm(com)}
+
+
+def _mm(metres: Iterable[float]) -> list[float]:
+    return [_rounded(1e3 * float(value)) for value in metres]
+
+
+def _rounded(value: float) -> float:
+    """As many digits as a table has."""
+    return float(number_text(float(value)))
 
 
 def _robot_name(folder: Path, robot: Robot) -> str:
@@ -75,61 +97,34 @@ def _robot_name(folder: Path, robot: Robot) -> str:
     return Path(os.path.relpath(path, folder.resolve())).as_posix()
 
 
-def _quoted(text: str) -> str:
-    """A TOML string: JSON's, but for the one control character that JSON leaves as it is."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+def _pose_cells(campaign: Campaign) -> dict[str, Sequence[str]]:
+    """Columns of `poses.csv` by their names in the file."""
+    known = {column.name: column for column in pose_columns(campaign.robot)}
+    cells: dict[str, Sequence[str]] = {"pose_id": campaign.pose_ids}
 
+    def add(names: Iterable[str], values: Array | None) -> None:
+        """values: (N, n) [SI], a column each."""
+        if values is not None:
+            cells.update(
+                column_cells(known[name], column) for name, column in zip(names, values.T, strict=True)
+            )
 
-def _number(value: float) -> str:
-    text = number_text(value)
-    return text if any(mark in text for mark in ".en") else f"{text}.0"
+    def per_joint(stem: str) -> list[str]:
+        return [f"{stem}{index + 1}" for index in range(len(campaign.robot.joints))]
 
-
-def _vector(metres: Iterable[float]) -> str:
-    return "[" + ", ".join(_number(1e3 * float(value)) for value in metres) + "]"
-
-
-def _joint_unit(joint: Joint) -> tuple[str, float]:
-    """Suffix and factor of a joint's columns."""
-    return ("mm", 1e3) if joint.kind == "prismatic" else ("deg", 180.0 / np.pi)
-
-
-def _poses(campaign: Campaign) -> tuple[list[str], Rows]:
-    """Header and rows of `poses.csv`; columns that say nothing are left out."""
-    columns: dict[str, Sequence[str]] = {"pose_id": campaign.pose_ids}
-    joints = campaign.robot.joints
-    units = [_joint_unit(joint) for joint in joints]
-
-    def per_joint(stem: str, values: Array | None) -> None:
-        for index, (suffix, factor) in enumerate(units if values is not None else []):
-            assert values is not None
-            columns[f"{stem}{index + 1}_{suffix}"] = _texts(values[:, index] * factor)
-
-    per_joint("q", campaign.q)
+    add(per_joint("q"), campaign.q)
     if np.any(campaign.payload > 0):
-        columns["payload"] = [campaign.payload_names[index] for index in campaign.payload]
+        cells["payload"] = [campaign.payload_names[index] for index in campaign.payload]
     if np.any(campaign.wrench != 0.0):
-        for index, name in enumerate(("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")):
-            columns[name] = _texts(campaign.wrench[:, index])
-    if campaign.direction is not None:
-        for index in range(len(joints)):
-            columns[f"dir{index + 1}"] = _texts(campaign.direction[:, index])
-    if campaign.time is not None:
-        columns["t_s"] = _texts(campaign.time)
-    if campaign.temperature is not None:
-        columns["temp_degC"] = _texts(campaign.temperature)
-    if campaign.torque is not None:
-        for index, joint in enumerate(joints):
-            unit = "N" if joint.kind == "prismatic" else "Nm"
-            columns[f"tau{index + 1}_{unit}"] = _texts(campaign.torque[:, index])
+        add([column.name for column in WRENCH_COLUMNS], campaign.wrench)
+    add(per_joint("dir"), campaign.direction)
+    add(["t"], None if campaign.time is None else campaign.time[:, None])
+    add(["temp"], None if campaign.temperature is None else campaign.temperature[:, None])
+    add(per_joint("tau"), campaign.torque)
     if any(campaign.setup_names):
-        columns["setup"] = [campaign.setup_names[index] for index in campaign.setup]
-    per_joint("r", campaign.readback)
-    return list(columns), [list(row) for row in zip(*columns.values(), strict=True)]
-
-
-def _texts(values: Array) -> list[str]:
-    return [number_text(value) for value in values.tolist()]
+        cells["setup"] = [campaign.setup_names[index] for index in campaign.setup]
+    add(per_joint("r"), campaign.readback)
+    return cells
 
 
 def _points(campaign: Campaign, shots: Array | None) -> tuple[list[str], Rows]:

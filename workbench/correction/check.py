@@ -7,8 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files.faults import Fault, InputError
-from ..files.table_read import SHOWN
+from ..files.faults import Fault, InputError, counted
 from ..robot.description import Robot
 from ..robot.kinematics import Arm, Array
 from .paths import Path
@@ -18,14 +17,7 @@ INDEX = NDArray[np.int64]
 
 def sample_faults(path: Path, rows: Iterable[int], whats: Iterable[str], mend: str) -> list[Fault]:
     """One fault per sample, at its line of the path's file: the first ones in full, the rest counted."""
-    pairs = list(zip(rows, whats, strict=True))
-    faults = [Fault(path.place(row), what, mend) for row, what in pairs[:SHOWN]]
-    rest = pairs[SHOWN:]
-    if len(rest) == 1:
-        return [*faults, Fault(path.place(rest[0][0]), rest[0][1], mend)]
-    if rest:
-        faults.append(Fault(path.place(rest[-1][0]), f"and {len(rest)} more like this up to here"))
-    return faults
+    return counted([Fault(path.place(row), what, mend) for row, what in zip(rows, whats, strict=True)])
 
 
 def check_path(robot: Robot, arm: Arm, path: Path, X_FT: Array) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pathlib
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -88,5 +88,7 @@ def compensate_file(
     # a table of joints says more than one of poses: the redundancy of seven joints, rails, few joints
     as_joints = chosen.name == "csv" and (wanted.q is not None or len(robot.joints) != 6)
     program = done.program(name, "joints" if as_joints else "poses")
+    if wanted.dwell is not None:
+        program = replace(program, dwell=wanted.dwell)
     files = write_program(program, chosen, place)
     return Written(done, tuple(files), rounding_effect(program, chosen, done.forward))

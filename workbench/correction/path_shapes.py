@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from ..files.faults import Fault, InputError
+from ..robot.kinematics import Array
 from ..robot.rotations import pose
 from .paths import Path
 
-Array = NDArray[np.float64]
 Piece = tuple[float, Callable[[Array], Array]]  # length [m], and distances (K,) → points (K, 2) [m] in W
 DOWN = np.diag([1.0, -1.0, -1.0])  # the tool's z into the plane, its x along the plane's x
 
@@ -132,7 +132,7 @@ def _run(title: str, pieces: Sequence[Piece], run: Run) -> Path:
 
 
 def _duration(length: float, run: Run) -> float:
-    """Of one piece: at constant speed, or from rest to rest."""
+    """[s] of one piece: at constant speed, or from rest to rest."""
     if run.acceleration is None:
         return length / run.speed
     ramp = run.speed**2 / run.acceleration  # both ramps together
@@ -142,7 +142,7 @@ def _duration(length: float, run: Run) -> float:
 
 
 def _distance(time: Array, length: float, duration: float, run: Run) -> Array:
-    """Way [m] along a piece at times (K,) from its start: ramp, constant speed, ramp."""
+    """Distance [m] along a piece at times (K,) from its start: a trapezoidal velocity profile."""
     if run.acceleration is None:
         return np.minimum(run.speed * time, length)
     half = np.minimum(time, duration - time)

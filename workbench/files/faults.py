@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+FAULTS_SHOWN = 10  # faults of one kind that are listed one by one; the rest is counted
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -29,6 +31,14 @@ class InputError(ValueError):
     def __init__(self, faults: Sequence[Fault] | Fault) -> None:
         self.faults: tuple[Fault, ...] = (faults,) if isinstance(faults, Fault) else tuple(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+def counted(faults: Sequence[Fault]) -> list[Fault]:
+    """Many faults of one kind: the first ones in full, the rest counted at the place of the last."""
+    rest = len(faults) - FAULTS_SHOWN
+    if rest <= 1:
+        return list(faults)
+    return [*faults[:FAULTS_SHOWN], Fault(faults[-1].place, f"and {rest} more like this up to here")]
 
 
 def read_text(path: Path) -> str:

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from .faults import Fault
-from .table_units import PLAIN, UNITS, USUAL, Unit
+from .table_units import NO_UNIT, UNITS, USUAL, Unit
 
 
 class Layout(BaseModel):
@@ -47,7 +47,7 @@ class Column:
     def spellings(self, units: Mapping[str, Unit] = UNITS) -> dict[str, Unit]:
         """The names that the column may have in a file, with the unit that each states."""
         if not self.dimensions:
-            return {self.name: PLAIN}
+            return {self.name: NO_UNIT}
         return {
             f"{self.name}_{key}": unit for key, unit in units.items() if unit.dimension in self.dimensions
         }
@@ -58,6 +58,15 @@ class Column:
         if not self.dimensions:
             return self.name
         return " or ".join(f"{self.name}_{unit}" for dim in self.dimensions for unit in USUAL[dim])
+
+    @property
+    def written(self) -> tuple[str, Unit]:
+        """The name that we write, and the unit that it states: q1_deg, degrees."""
+        return next(
+            iter(
+                self.spellings({unit: UNITS[unit] for dim in self.dimensions for unit in USUAL[dim]}).items()
+            )
+        )
 
 
 @dataclass(frozen=True)

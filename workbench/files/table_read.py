@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .faults import Fault, InputError, read_text
+from .faults import Fault, InputError, counted, read_text
 from .table_columns import Column, Finding, Found, Layout, find_columns
 from .table_rows import content, split, usual_width, wrong_layout
+from .table_units import Unit
 
 Array = NDArray[np.float64]
-SHOWN = 10  # faults of one kind in one column that are listed line by line; the rest is counted
 
 
 def _no_lines() -> NDArray[np.int64]:
@@ -27,8 +27,8 @@ class Table:
     """One table as read. Columns are addressed by their name without unit ("q1", "pose_id").
 
     lines: (n_rows,) the file's own line of each row; numbers: (n_rows,) each, SI, NaN where the
-    cell is empty or wrong; labels: what messages call a column; unused: names in a header of our own
-    layout that nobody wants.
+    cell is empty or wrong; labels: what messages call a column; units: the file's own; unused: names in
+    a header of our own layout that nobody wants.
     """
 
     path: Path
@@ -36,6 +36,7 @@ class Table:
     numbers: dict[str, Array] = field(default_factory=dict)
     texts: dict[str, list[str]] = field(default_factory=dict)
     labels: dict[str, str] = field(default_factory=dict)
+    units: dict[str, Unit] = field(default_factory=dict)
     unused: list[str] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
 
@@ -54,13 +55,8 @@ class Table:
 
 def line_faults(path: Path, lines: Iterable[int], whats: Iterable[str], mends: Iterable[str]) -> list[Fault]:
     """One fault per line: the first ones in full, the rest counted."""
-    faults = [
-        Fault(f"{path} line {line}", what, mend) for line, what, mend in zip(lines, whats, mends, strict=True)
-    ]
-    rest = faults[SHOWN:]
-    if len(rest) > 1:
-        return [*faults[:SHOWN], Fault(rest[-1].place, f"and {len(rest)} more like this up to here")]
-    return faults
+    told = zip(lines, whats, mends, strict=True)
+    return counted([Fault(f"{path} line {line}", what, mend) for line, what, mend in told])
 
 
 def read_table(path: Path, layout: Layout, wanted: Sequence[Column], place: str = "") -> Table:
@@ -68,12 +64,16 @@ def read_table(path: Path, layout: Layout, wanted: Sequence[Column], place: str 
 
     `place` says where the layout stands, for messages about it ("campaign.toml: points").
     """
-    table = Table(path)
     try:
         text = read_text(path)
     except InputError as error:
-        table.faults += error.faults
-        return table
+        return Table(path, faults=list(error.faults))
+    return parse_table(text, path, layout, wanted, place)
+
+
+def parse_table(text: str, path: Path, layout: Layout, wanted: Sequence[Column], place: str = "") -> Table:
+    """The table in a text; `path` is what its faults call it. See `read_table`."""
+    table = Table(path)
     numbered = content(text, layout)
     rows, lines, table.faults = split(numbered, layout.separator, str(path))
     if not rows or lines[0] != numbered[0][0]:
@@ -135,7 +135,7 @@ def _rectangular(table: Table, rows: list[list[str]], lines: list[int], width: i
 
 def _read_column(table: Table, found: Found, cells: Sequence[str], layout: Layout) -> None:
     column = found.column
-    table.labels[column.name] = found.label
+    table.labels[column.name], table.units[column.name] = found.label, found.unit
     if column.text:
         table.texts[column.name] = list(cells)
         wrong = [] if column.blank else [row for row, cell in enumerate(cells) if not cell]

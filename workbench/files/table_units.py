@@ -15,7 +15,7 @@ class Unit:
     offset: float = 0.0
 
 
-PLAIN = Unit("", 1.0)
+NO_UNIT = Unit("", 1.0)
 UNITS = {
     "mm": Unit("length", 1e-3),
     "m": Unit("length", 1.0),

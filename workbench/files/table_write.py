@@ -1,38 +1,47 @@
-"""Write files whole or not at all: to a temporary file beside, then renamed."""
+"""Text tables in our own layout: comma, point, a header."""
 
 from __future__ import annotations
 
 import csv
 import io
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file (UTF-8, \\n) whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with temporary.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+from .table_columns import Column
+from .whole import put
+
+TABLE_DIGITS = 12  # significant ones: far below what an instrument sees, and short numbers stay short
 
 
-def number_text(value: float) -> str:
-    """A number as it goes into a table: 12 digits, "" for NaN."""
+def number_text(value: float, digits: int = TABLE_DIGITS) -> str:
+    """A number as it goes into a table: significant digits, "" for NaN."""
     if value != value:
         return ""
-    text = f"{value:.12g}"
+    text = f"{value:.{digits}g}"
     return "0" if text == "-0" else text
 
 
-def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Write a table in our own layout (comma, point, a header), whole or not at all."""
+def column_cells(
+    column: Column, values: NDArray[np.float64], digits: int = TABLE_DIGITS
+) -> tuple[str, list[str]]:
+    """Name and cells of a column in its usual unit. values: (n_rows,) [SI]."""
+    name, unit = column.written
+    scaled = (values - unit.offset) * (1.0 / unit.factor)
+    return name, [number_text(value, digits) for value in scaled.tolist()]
+
+
+def table_text(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """The text of a table."""
     buffer = io.StringIO(newline="")
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(header)
     writer.writerows(rows)
-    write_text(path, buffer.getvalue())
+    return buffer.getvalue()
+
+
+def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Write a table, whole or not at all."""
+    put(path, table_text(header, rows))

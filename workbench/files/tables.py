@@ -1,19 +1,22 @@
 """Delimited text tables with units in the column names: read with all faults at once, written whole."""
 
+from .faults import FAULTS_SHOWN
 from .table_columns import Column, Layout, suggest
-from .table_read import SHOWN, Table, read_table
+from .table_read import Table, parse_table, read_table
 from .table_units import UNITS
-from .table_write import number_text, write_table, write_text
+from .table_write import column_cells, number_text, table_text, write_table
 
 __all__ = [
-    "SHOWN",
+    "FAULTS_SHOWN",
     "UNITS",
     "Column",
     "Layout",
     "Table",
+    "column_cells",
     "number_text",
+    "parse_table",
     "read_table",
     "suggest",
+    "table_text",
     "write_table",
-    "write_text",
 ]

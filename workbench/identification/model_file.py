@@ -8,11 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import tomli_w
-
 from ..campaign import Campaign
 from ..effects.records import record
 from ..files.tables import number_text
+from ..files.toml import toml_text
 from ..files.whole import put
 from ..robot.description import Robot
 from ..robot.kinematics import Array
@@ -21,7 +20,12 @@ from .fit import Fit
 
 
 def write_model(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
-    """Writes the extended robot. geometry: (S, 6) corrections; effects: all of them."""
+    """Writes the extended robot; see `model_text`."""
+    put(path, model_text(path, robot, geometry, effects))
+
+
+def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> str:
+    """The extended robot as it is to stand at `path`. geometry: (S, 6) corrections; effects: all of them."""
     table: dict[str, Any] = {
         "schema": 1,
         "name": robot.name,
@@ -49,8 +53,7 @@ def write_model(path: Path, robot: Robot, geometry: Array, effects: Sequence[Eff
         if geometry[i + 1].any()
     }
     table["effects"] = [_given(item.model_dump()) for item in effects]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    put(path, tomli_w.dumps(table).encode())
+    return toml_text(table)
 
 
 def _given(table: dict[str, Any]) -> dict[str, Any]:

@@ -6,6 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files.toml import toml_text
+from ..files.whole import put_all
+
 # joint origin directions (parent frame) and axes of a usual arm; lengths are drawn
 _ARMS = {
     "6R": ("zyyxyx", ("z", "xz", "z", "zx", "x", "x")),
@@ -29,10 +32,7 @@ def write_random_robot(folder: Path, seed: int, kind: str = "6R", elastic: bool 
         f'<?xml version="1.0"?>\n<robot name="{name}">',
         _link("base_link", 100.0 * size, (0, 0, 0.1), size),
     ]
-    toml = [
-        'schema = 1', f'name = "{name}"', f'title = "Random {kind} arm, seed {seed}"',
-        f'urdf = "{name}.urdf"', 'flange = "flange"',
-    ]  # fmt: skip
+    joints = []
     for i in range(n):
         shrink = 0.75**i
         origin = np.zeros(3)
@@ -48,19 +48,26 @@ def write_random_robot(folder: Path, seed: int, kind: str = "6R", elastic: bool 
         parts.append(_joint(f"joint_{i + 1}", joint, i, origin, turn, axis, limit))
         parts.append(_link(f"link_{i + 1}", mass, com, size * shrink))
         stiffness = (2e7 if sliding else 5e6 * size**2 * shrink**3) * rng.uniform(0.7, 1.4)
-        toml += ["", "[[joints]]", f'name = "joint_{i + 1}"']
-        if elastic:
-            toml.append(f"stiffness = {stiffness:.4e}")
-        if not sliding:
-            toml.append(f"gear_ratio = {rng.integers(60, 180)}.0")
+        joints.append(
+            {"name": f"joint_{i + 1}"}
+            | ({"stiffness": float(f"{stiffness:.4e}")} if elastic else {})
+            | ({} if sliding else {"gear_ratio": float(rng.integers(60, 180))})
+        )
     parts.append(
         f'<joint name="flange_joint" type="fixed"><parent link="link_{n}"/><child link="flange"/>'
         f'<origin xyz="{0.12 * size:.4f} 0 0.02" rpy="0 0 0"/></joint><link name="flange"/></robot>'
     )
-    toml += ["", "[source]", 'everything = "assumed: drawn at random"', ""]
-    (folder / f"{name}.urdf").write_text("\n".join(parts), encoding="utf-8")
+    table = {
+        "schema": 1,
+        "name": name,
+        "title": f"Random {kind} arm, seed {seed}",
+        "urdf": f"{name}.urdf",
+        "flange": "flange",
+        "joints": joints,
+        "source": {"everything": "assumed: drawn at random"},
+    }
     path = folder / f"{name}.toml"
-    path.write_text("\n".join(toml), encoding="utf-8")
+    put_all({folder / f"{name}.urdf": "\n".join(parts), path: toml_text(table)})
     return path
 
 

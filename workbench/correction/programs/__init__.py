@@ -28,9 +28,10 @@ __all__ = [
 
 @cache
 def formats() -> dict[str, Format]:
-    """Every format by name: the modules of this folder that define `FORMAT`."""
-    modules = [import_module(f"{__name__}.{module.name}") for module in iter_modules(__path__)]
-    found = [module.FORMAT for module in modules if hasattr(module, "FORMAT")]
+    """Every format by name: the classes of format in the modules of this folder."""
+    for module in iter_modules(__path__):
+        import_module(f"{__name__}.{module.name}")
+    found = [kind() for kind in Format.__subclasses__()]
     return {format.name: format for format in sorted(found, key=lambda format: format.name)}
 
 

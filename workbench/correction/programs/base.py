@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...robot import rotations
+from ...robot.kinematics import Array
 
-Array = NDArray[np.float64]
-STILL = 1e-6  # m and rad: a shorter leg is a standstill; most formats write no finer
+STANDSTILL = 1e-6  # m and rad: a shorter leg is a standstill; most formats write no finer
 SHARE_OF_LEG = 0.4  # a corner is rounded over less than half of the shorter leg (RAPID, UR: their limit)
 FINEST_BLEND = 1e-5  # m: controllers take hundredths of a millimetre
 
@@ -83,7 +83,7 @@ class Program:
         """(N,) tool speed on the leg to each point [m/s], from time; the first leg goes as the second."""
         legs = legs_of(self)
         with np.errstate(divide="ignore", invalid="ignore"):
-            speed = np.where(legs.distance < STILL, 0.0, legs.distance / legs.duration)
+            speed = np.where(legs.distance < STANDSTILL, 0.0, legs.distance / legs.duration)
         if self.count > 1:
             speed[0] = speed[1]
         return np.asarray(speed)
@@ -123,13 +123,13 @@ def legs_of(program: Program) -> Legs:
     duration = np.full(n, np.nan)
     if program.time is not None:
         duration = np.concatenate([[0.0], np.diff(program.time) - program.dwell[:-1]])
-    still = (distance < STILL) & (angle < STILL)
-    turning = (distance < STILL) & ~still
+    still = (distance < STANDSTILL) & (angle < STANDSTILL)
+    turning = (distance < STANDSTILL) & ~still
     pause = program.dwell.copy()
     pause[:-1] += np.where(still[1:] & (duration[1:] > 0), duration[1:], 0.0)
     duration = np.where(still & (duration > 0), 0.0, duration)
     with np.errstate(divide="ignore", invalid="ignore"):
-        speed = _carried(np.where(distance < STILL, np.nan, distance / duration))
+        speed = _carried(np.where(distance < STANDSTILL, np.nan, distance / duration))
         turn = np.where(turning, angle / duration, np.nan)
     return Legs(distance, angle, duration, speed, turn, turning, pause, _blends(program, distance, pause))
 

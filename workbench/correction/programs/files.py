@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ...files.faults import Fault, InputError, read_text
+from ...files.whole import put_all
 from ...robot import rotations
 from .base import Array, Program
 from .format import Format
@@ -79,7 +78,7 @@ def write_program(program: Program, format: Format, out: Path) -> list[Path]:
         log.warning("%s: %s", out, warning)
     files = _places(format.write(program), format, out)
     try:
-        _write_all({path: content.replace("\n", format.newline) for path, content in files.items()})
+        put_all({path: content.replace("\n", format.newline) for path, content in files.items()})
     except OSError as error:
         raise InputError(
             Fault(str(out), error.strerror or "cannot be written", "check the folder")
@@ -96,33 +95,6 @@ def _places(files: Mapping[str, str], format: Format, out: Path) -> dict[Path, s
     if out.suffix.lower() != format.extension:
         return {out / name: text for name, text in files.items()}
     return {out.parent / name: text for name, text in files.items()}
-
-
-def _write_all(files: Mapping[Path, str]) -> None:
-    """Every file beside its place first, then all into place; what stood there comes back on a failure."""
-    fresh: dict[Path, Path] = {}
-    kept: dict[Path, bytes | None] = {}
-    try:
-        for path, text in files.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-            fresh[path] = Path(name)
-            with os.fdopen(handle, "wb") as stream:
-                stream.write(text.encode())
-            os.chmod(name, 0o644)
-        for path, source in fresh.items():
-            kept[path] = path.read_bytes() if path.exists() else None
-            os.replace(source, path)
-    except BaseException:
-        for path, old in kept.items():
-            if old is None:
-                path.unlink(missing_ok=True)
-            elif not path.is_dir():
-                path.write_bytes(old)
-        raise
-    finally:
-        for source in fresh.values():
-            source.unlink(missing_ok=True)
 
 
 def read_program(path: Path, format: Format) -> Program:

@@ -11,9 +11,10 @@ from typing import ClassVar
 import numpy as np
 
 from ...files.faults import Fault
-from .base import FINEST_BLEND, STILL, Array, Program, legs_of
+from .base import FINEST_BLEND, STANDSTILL, Array, Program, legs_of
 
 FARTHEST = 100.0  # m: no robot reaches so far; millimetres were given as metres
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"  # as most programs write one
 HALF_MM, HALF_DEG = 0.5e-3, np.radians(0.5)
 
 
@@ -165,7 +166,10 @@ def _check_time(program: Program, place: str) -> list[Fault]:
         return [Fault(place, "has no time, so no speed", "give t_s")]
     legs = legs_of(program)
     late = np.flatnonzero(legs.duration[1:] < 0) + 1
-    jump = np.flatnonzero((legs.duration[1:] == 0) & (np.maximum(legs.distance, legs.angle) > STILL)[1:]) + 1
+    jump = (
+        np.flatnonzero((legs.duration[1:] == 0) & (np.maximum(legs.distance, legs.angle) > STANDSTILL)[1:])
+        + 1
+    )
     return [
         Fault(f"{place} point {i + 1}", "time runs back (dwell counted)", "order the points by time")
         for i in late

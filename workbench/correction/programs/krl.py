@@ -17,20 +17,20 @@ import numpy as np
 from ...files.faults import Fault
 from ...robot import rotations
 from .base import Array, Program, legs_of
-from .format import Format
-from .track import Track
+from .format import NUMBER, Format
+from .motions import Motions
 
 MOST_BYTES = 8_000_000  # the controller's program memory as users report it (KSS 8.3)
 SURELY_FITS = 20_000  # points, whatever is said of each
 SLOWEST = 1e-3  # m/s, least value of $VEL.CP
-STEP = 1e-3  # a change of speed below one part in a thousand is not worth a line
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-FIELD = re.compile(rf"\b([A-Z]\d?)\s+({NUMBER})")
-MOVE = re.compile(r"^(S?PTP|S?LIN|SPL)\s*(?:\{(.*?)\}|(\$?\w+))\s*(C_\w+)?", re.I)
-DECLARED = re.compile(
+KRL_STEP = 1e-3  # a change of speed below one part in a thousand is not worth a line
+KRL_FIELD = re.compile(rf"\b([A-Z]\d?)\s+({NUMBER})")
+KRL_MOVE = re.compile(r"^(S?PTP|S?LIN|SPL)\s*(?:\{(.*?)\}|(\$?\w+))\s*(C_\w+)?", re.I)
+KRL_DECLARED = re.compile(
     r"^(?:DECL\s+)?(?:GLOBAL\s+)?(?:E[36]?POS|POS|FRAME|E6AXIS|AXIS)\s+(\w+)\s*=\s*\{(.*)\}", re.I
 )
-WORDS = """AND B_AND B_EXOR B_NOT B_OR BOOL BRAKE CASE CHANNEL CHAR CIRC CIRC_REL CONFIRM CONST CONTINUE DECL
+KRL_WORDS = """
+AND B_AND B_EXOR B_NOT B_OR BOOL BRAKE CASE CHANNEL CHAR CIRC CIRC_REL CONFIRM CONST CONTINUE DECL
 DEF DEFAULT DEFDAT DEFFCT DELAY DISTANCE DO ELSE END ENDDAT ENDFCT ENDFOR ENDIF ENDLOOP ENDSPLINE
 ENDSWITCH ENDWHILE ENUM EXIT EXOR EXT FALSE FOR FRAME GLOBAL GOTO HALT IF IMPORT INT INTERRUPT IS LIN
 LIN_REL LOOP NOT OR POS PRIO PTP PTP_REL PUBLIC REAL REPEAT RESUME RETURN SIGNAL SPL SPLINE STRUC SWITCH
@@ -40,7 +40,7 @@ THEN TO TRIGGER TRUE UNTIL WAIT WHEN WHILE"""
 class Krl(Format):
     name, title, extension = "krl", "KUKA KRL", ".src"
     longest_name = 24
-    reserved = frozenset(WORDS.split())
+    reserved = frozenset(KRL_WORDS.split())
     most_rails = 6
     many_lines = 5000
     fastest = 2.0
@@ -105,11 +105,11 @@ class Krl(Format):
         speed, turn = 0.0, 200.0
         for i in range(program.count):
             wanted = max(legs.speed[i], SLOWEST) if np.isfinite(legs.speed[i]) else speed or 0.1
-            if abs(wanted - speed) > STEP * wanted:
+            if abs(wanted - speed) > KRL_STEP * wanted:
                 speed = wanted
                 lines.append(f"$VEL.CP={speed:.6f}")
             wanted = np.degrees(legs.turn[i]) if legs.turning[i] else 200.0
-            if abs(wanted - turn) > STEP * wanted:
+            if abs(wanted - turn) > KRL_STEP * wanted:
                 turn = wanted
                 lines += [f"$VEL.ORI1={turn:.5f}", f"$VEL.ORI2={turn:.5f}"]
             move = "LIN" if i or by_joints else "PTP"
@@ -122,46 +122,46 @@ class Krl(Format):
         declared: dict[str, str] = {}
         for text in files.values():
             for line in text.splitlines():
-                if match := DECLARED.match(line.strip()):
+                if match := KRL_DECLARED.match(line.strip()):
                     declared[match[1].upper()] = match[2]
-        reader = _Reader(Track(source), declared)
+        reader = _Reader(Motions(source), declared)
         for number, line in enumerate(files[source].splitlines(), 1):
             reader.line(number, line.split(";")[0].strip())
-        return reader.track.program()
+        return reader.motions.program()
 
 
 class _Reader:
     """Goes through a .src line by line, with the settings that hold at the line."""
 
-    def __init__(self, track: Track, declared: dict[str, str]) -> None:
-        self.track, self.declared = track, declared
+    def __init__(self, motions: Motions, declared: dict[str, str]) -> None:
+        self.motions, self.declared = motions, declared
         self.set: dict[str, float] = {}
 
     def line(self, number: int, text: str) -> None:
         upper = text.upper()
         if match := re.match(r"(?:GLOBAL\s+)?DEF\s+(\w+)", text, re.I):
-            self.track.name = self.track.name or match[1]
+            self.motions.name = self.motions.name or match[1]
         elif match := re.match(rf"WAIT\s+SEC\s+({NUMBER})", upper):
-            self.track.wait(float(match[1]))
+            self.motions.wait(float(match[1]))
         elif match := re.match(rf"BAS\s*\(\s*#(?:CP_PARAMS|VEL_CP)\s*,\s*({NUMBER})", upper):
             self.set["$VEL.CP"] = float(match[1])
         elif match := re.match(rf"(\$(?:VEL|APO)[.\w]*(?:\[1\])?)\s*=\s*({NUMBER})", upper):
             self.set[match[1]] = float(match[2])
         elif upper.startswith(("$TOOL", "$BASE")):
             self._frame(number, upper)
-        elif match := MOVE.match(text):
+        elif match := KRL_MOVE.match(text):
             self._move(number, match)
         elif re.match(r"S?(CIRC|LIN_REL|PTP_REL)\b", upper):
-            self.track.fault(number, f"{upper.split()[0]} cannot be read", "give the path as LIN points")
+            self.motions.fault(number, f"{upper.split()[0]} cannot be read", "give the path as LIN points")
 
     def _frame(self, number: int, upper: str) -> None:
         name, _, value = (part.strip() for part in upper.partition("="))
         if value.startswith("{"):
-            frame = self._pose(dict(FIELD.findall(value)))
+            frame = self._pose(dict(KRL_FIELD.findall(value)))
             if name == "$TOOL":
-                self.track.tool = frame
+                self.motions.tool = frame
             elif not np.allclose(frame, np.eye(4), atol=1e-12):
-                self.track.fault(number, "$BASE is not the robot's base", "export the path in $WORLD")
+                self.motions.fault(number, "$BASE is not the robot's base", "export the path in $WORLD")
 
     def _pose(self, fields: Mapping[str, str]) -> Array:
         x, y, z, a, b, c = (float(fields.get(name, 0.0)) for name in "XYZABC")
@@ -173,14 +173,14 @@ class _Reader:
         if inline is None and name.upper() in ("$AXIS_ACT", "$POS_ACT", "XHOME", "HOME"):
             return
         text = inline if inline is not None else self.declared.get(name.upper())
-        fields = dict(FIELD.findall((text or "").upper()))
+        fields = dict(KRL_FIELD.findall((text or "").upper()))
         rails = tuple(float(fields[f"E{i}"]) * 1e-3 for i in range(1, 7) if f"E{i}" in fields)
         if "A1" in fields:
             arm = tuple(np.radians(float(fields.get(f"A{i}", 0.0))) for i in range(1, 7))
-            self.track.joints(arm, rails, self.set.get("$VEL_AXIS[1]", np.nan) / 100)
+            self.motions.joints(arm, rails, self.set.get("$VEL_AXIS[1]", np.nan) / 100)
         elif {"X", "Y", "Z", "A", "B", "C"} <= fields.keys():
             straight = "PTP" not in match[1].upper()
-            self.track.pose(
+            self.motions.pose(
                 self._pose(fields),
                 rails,
                 self.set.get("$VEL.CP", np.nan) if straight else np.nan,
@@ -193,7 +193,4 @@ class _Reader:
                 if inline is None
                 else "no whole position (X Y Z A B C or A1..A6)"
             )
-            self.track.fault(number, what, "give the .dat as well" if inline is None else "")
-
-
-FORMAT = Krl()
+            self.motions.fault(number, what, "give the .dat as well" if inline is None else "")

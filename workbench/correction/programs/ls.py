@@ -18,15 +18,15 @@ from ...files.faults import Fault
 from ...robot import rotations
 from .base import Array, Legs, Program, legs_of
 from .format import Format
-from .track import Track
+from .motions import Motions
 
 BETWEEN = ",\t"
 MOST_LINES = 9999
 LONGEST_LEG = 32.0  # s, a leg's time in msec; beyond it in tenths of seconds
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
-FIELD = re.compile(rf"\b(X|Y|Z|W|P|R|J\d|E\d)\s*=\s*({NUMBER})")
-PACE, ENDING = rf"(?:({NUMBER})\s*(%|[a-z/]+))?", r"(FINE|CNT\s*\d+)?"
-MOVE = re.compile(rf"^\s*\d*\s*:\s*([JLCA])\s+(PR?)\[(\d+)[^\]]*\]\s*{PACE}\s*{ENDING}", re.I)
+LS_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
+LS_FIELD = re.compile(rf"\b(X|Y|Z|W|P|R|J\d|E\d)\s*=\s*({LS_NUMBER})")
+LS_PACE, LS_ENDING = rf"(?:({LS_NUMBER})\s*(%|[a-z/]+))?", r"(FINE|CNT\s*\d+)?"
+LS_MOVE = re.compile(rf"^\s*\d*\s*:\s*([JLCA])\s+(PR?)\[(\d+)[^\]]*\]\s*{LS_PACE}\s*{LS_ENDING}", re.I)
 METRES = {"mm/sec": 1e-3, "cm/min": 1e-2 / 60, "inch/min": 0.0254 / 60}
 SECONDS = {"sec": 1.0, "msec": 1e-3}
 
@@ -130,20 +130,22 @@ class Ls(Format):
 
     def read(self, files: Mapping[str, str]) -> Program:
         place, text = next(iter(files.items()))
-        track = Track(place)
+        motions = Motions(place)
         if match := re.search(r"^/PROG\s+(\w+)", text, re.M):
-            track.name = match[1]
-        motions, _, rest = text.partition("/POS")
+            motions.name = match[1]
+        instructions, _, rest = text.partition("/POS")
         blocks = re.findall(r"P\[(\d+)[^\]]*\]\s*\{(.*?)\}\s*;", rest, re.S)
         positions = {number: block.split("GP2")[0] for number, block in blocks}
-        for number, line in enumerate(motions.splitlines(), 1):
-            if match := re.match(rf"^\s*\d*\s*:\s*WAIT\s+({NUMBER})\s*\(?sec", line, re.I):
-                track.wait(float(match[1]))
-            elif match := MOVE.match(line):
-                self._read_move(track, number, match, positions)
-        return track.program()
+        for number, line in enumerate(instructions.splitlines(), 1):
+            if match := re.match(rf"^\s*\d*\s*:\s*WAIT\s+({LS_NUMBER})\s*\(?sec", line, re.I):
+                motions.wait(float(match[1]))
+            elif match := LS_MOVE.match(line):
+                self._read_move(motions, number, match, positions)
+        return motions.program()
 
-    def _read_move(self, track: Track, line: int, match: re.Match[str], positions: Mapping[str, str]) -> None:
+    def _read_move(
+        self, motions: Motions, line: int, match: re.Match[str], positions: Mapping[str, str]
+    ) -> None:
         kind, register, index, pace, unit, ending = match.groups()
         block = positions.get(index)
         if kind.upper() in "CA" or register.upper() == "PR" or block is None:
@@ -152,31 +154,31 @@ class Ls(Format):
                 + (" has no position" if block is None else "")
                 + " cannot be read"
             )
-            track.fault(line, what, "give the path as L P[..] with positions in the file")
+            motions.fault(line, what, "give the path as L P[..] with positions in the file")
             return
-        fields = {name: float(value) for name, value in FIELD.findall(block)}
+        fields = {name: float(value) for name, value in LS_FIELD.findall(block)}
         rails = tuple(1e-3 * fields[f"E{i}"] for i in (1, 2, 3) if f"E{i}" in fields)
         value, unit = float(pace) if pace else np.nan, (unit or "").lower()
         if "J1" in fields:
             arm = np.radians([fields.get(f"J{i}", 0.0) for i in range(1, 7)])
             arm[2] += arm[1] if self.coupled else 0.0
-            track.joints(tuple(arm), rails, value / 100 if unit == "%" else np.nan)
+            motions.joints(tuple(arm), rails, value / 100 if unit == "%" else np.nan)
         elif {"X", "Y", "Z", "W", "P", "R"} <= fields.keys():
-            self._read_pose(track, line, fields, block, rails, value, unit, (ending or "FINE").upper())
+            self._read_pose(motions, line, fields, block, rails, value, unit, (ending or "FINE").upper())
         else:
-            track.fault(line, f"P[{index}] is no whole position (X Y Z W P R or J1..J6)")
+            motions.fault(line, f"P[{index}] is no whole position (X Y Z W P R or J1..J6)")
 
     def _read_pose(
-        self, track: Track, line: int, fields: Mapping[str, float], block: str,
+        self, motions: Motions, line: int, fields: Mapping[str, float], block: str,
         rails: tuple[float, ...], value: float, unit: str, ending: str,
     ) -> None:  # fmt: skip
         if (match := re.search(r"UF\s*:\s*(\d+)", block)) and int(match[1]) != self.frame:
-            track.fault(
+            motions.fault(
                 line, f"UFRAME {match[1]} is not frame {self.frame}", "export the path in the robot's base"
             )
         turn = rotations.from_zyx(np.radians([[fields[name] for name in "RPW"]]))
         X = rotations.pose(1e-3 * np.array([[fields[name] for name in "XYZ"]]), turn)[0]
-        track.pose(
+        motions.pose(
             X,
             rails,
             speed=value * METRES.get(unit, np.nan),
@@ -207,6 +209,3 @@ def _pace(legs: Legs, i: int) -> str:
 
 def _wait(seconds: float) -> str:
     return f"  WAIT {max(seconds, 0.01):6.2f}(sec)"
-
-
-FORMAT = Ls()

@@ -17,15 +17,16 @@ import numpy as np
 from ...robot import rotations
 from .base import Array, Program, legs_of
 from .format import Format
-from .track import Track
+from .motions import Motions
 
-FULL_JOINT_SPEED = 1000.0  # mm/s at the tool that counts as full speed of a joint move
+RAPID_FULL_JOINT_SPEED = 1000.0  # mm/s at the tool that counts as full speed of a joint move
 NO_AXIS = "9E+09"
-MOVE = re.compile(r"(MoveL|MoveJ|MoveAbsJ|MoveC|MoveLDO|MoveJDO)\s*(.*)", re.I | re.S)
-DECLARED = re.compile(
+RAPID_MOVE = re.compile(r"(MoveL|MoveJ|MoveAbsJ|MoveC|MoveLDO|MoveJDO)\s*(.*)", re.I | re.S)
+RAPID_DECLARED = re.compile(
     r"(?:robtarget|jointtarget|tooldata|speeddata|zonedata)\s+(\w+)\s*:=\s*(\[.*\])", re.I | re.S
 )
-WORDS = """ALIAS AND BACKWARD CASE CONNECT CONST DEFAULT DIV DO ELSE ELSEIF ENDFOR ENDFUNC ENDIF ENDMODULE
+RAPID_WORDS = """
+ALIAS AND BACKWARD CASE CONNECT CONST DEFAULT DIV DO ELSE ELSEIF ENDFOR ENDFUNC ENDIF ENDMODULE
 ENDPROC ENDRECORD ENDTEST ENDTRAP ENDWHILE ERROR EXIT FALSE FOR FROM FUNC GOTO IF INOUT LOCAL MOD MODULE
 NOSTEPIN NOT NOVIEW OR PERS PROC RAISE READONLY RECORD RETRY RETURN STEP SYSMODULE TASK TEST THEN TO TRAP
 TRUE TRYNEXT UNDO VAR VIEWONLY WHILE WITH XOR"""
@@ -36,7 +37,7 @@ class Rapid(Format):
     mm_digits = 4
     quaternion_digits = 8
     longest_name = 32
-    reserved = frozenset(WORDS.split())
+    reserved = frozenset(RAPID_WORDS.split())
     most_rails = 6
     many_lines = 20_000
     fastest = 7.0
@@ -89,7 +90,9 @@ class Rapid(Format):
         return "tool0" if (program.tool == np.eye(4)).all() else "tProgram"
 
     def _joints(self, program: Program) -> tuple[list[str], list[str]]:
-        speed = f"v100\\V:={FULL_JOINT_SPEED * program.share:.1f},fine,{self._tool(program)}\\WObj:=wobj0;"
+        speed = (
+            f"v100\\V:={RAPID_FULL_JOINT_SPEED * program.share:.1f},fine,{self._tool(program)}\\WObj:=wobj0;"
+        )
         data, moves = [], []
         for i, (arm, rails, dwell) in enumerate(
             zip(program.arm, program.rails, program.dwell, strict=True), 1
@@ -104,7 +107,7 @@ class Rapid(Format):
         assert X is not None
         quaternion, tool = rotations.quaternions(X[:, :3, :3]), f"{self._tool(program)}\\WObj:=wobj0;"
         by_joints = arm.shape[1] == 6
-        start = f"v100\\V:={FULL_JOINT_SPEED * program.share:.1f},fine,{tool}"
+        start = f"v100\\V:={RAPID_FULL_JOINT_SPEED * program.share:.1f},fine,{tool}"
         data, moves = [], [f"MoveAbsJ {self._axes(arm[0], rails[0])}\\NoEOffs,{start}"] if by_joints else []
         for i in range(program.count):
             quarters = [
@@ -123,60 +126,60 @@ class Rapid(Format):
 
     def read(self, files: Mapping[str, str]) -> Program:
         place, text = next(iter(files.items()))
-        reader, start = _Reader(Track(place)), 1
+        reader, start = _Reader(Motions(place)), 1
         code = "\n".join(line.split("!")[0] for line in text.splitlines())
         if match := re.search(r"^\s*MODULE\s+(\w+)", code, re.I | re.M):
-            reader.track.name = match[1]
+            reader.motions.name = match[1]
         for statement in code.split(";"):
             line = start + statement[: len(statement) - len(statement.lstrip())].count("\n")
             start += statement.count("\n")
-            if match := DECLARED.search(statement):
+            if match := RAPID_DECLARED.search(statement):
                 reader.declared[match[1].lower()] = match[2]
             elif match := re.search(r"WaitTime(?:\s*\\InPos\s*,)?\s*([\d.]+)", statement, re.I):
-                reader.track.wait(float(match[1]))
-            elif match := MOVE.search(statement):
+                reader.motions.wait(float(match[1]))
+            elif match := RAPID_MOVE.search(statement):
                 reader.move(line + statement[: match.start()].lstrip().count("\n"), match[1], match[2])
-        return reader.track.program()
+        return reader.motions.program()
 
 
 class _Reader:
     """Reads one statement at a time, with the targets and tools declared so far."""
 
-    def __init__(self, track: Track) -> None:
-        self.track = track
+    def __init__(self, motions: Motions) -> None:
+        self.motions = motions
         self.declared: dict[str, str] = {}
 
     def move(self, line: int, kind: str, text: str) -> None:
         """Target, speed, zone and tool are separated by the commas outside of brackets."""
         parts = [part.strip() for part in re.split(r",(?![^\[]*\])", _flat(text))]
         if kind.lower() not in ("movel", "movej", "moveabsj") or len(parts) < 4:
-            self.track.fault(line, f"{kind} cannot be read", "give the path as MoveL points")
+            self.motions.fault(line, f"{kind} cannot be read", "give the path as MoveL points")
             return
         target = self._numbers(parts[0])
         if target is None:
-            self.track.fault(line, f"no target {parts[0]!r} declared", "declare it in this module")
+            self.motions.fault(line, f"no target {parts[0]!r} declared", "declare it in this module")
         elif kind.lower() == "moveabsj":
             arm, rails = target[:6], [value for value in target[6:] if value < 8e9]
-            share = self._speed(parts[1]) / FULL_JOINT_SPEED
-            self.track.joints(tuple(np.radians(arm)), tuple(1e-3 * np.array(rails)), share)
+            share = self._speed(parts[1]) / RAPID_FULL_JOINT_SPEED
+            self.motions.joints(tuple(np.radians(arm)), tuple(1e-3 * np.array(rails)), share)
         else:
             self._pose(line, kind, target, parts)
 
     def _pose(self, line: int, kind: str, target: list[float], parts: list[str]) -> None:
         if len(target) != 17 or not 0.99 < np.linalg.norm(target[3:7]) < 1.01:
-            self.track.fault(line, "no whole robtarget with a quaternion of length 1")
+            self.motions.fault(line, "no whole robtarget with a quaternion of length 1")
             return
         if (match := re.search(r"\\WObj\s*:=\s*(\w+)", parts[3], re.I)) and match[1].lower() != "wobj0":
-            self.track.fault(
+            self.motions.fault(
                 line, f"work object {match[1]!r} is not the robot's base", "export the path in wobj0"
             )
         tool = self._numbers(re.split(r"\\", parts[3])[0].strip())
         if tool is not None:
-            self.track.tool = _frame(tool)
+            self.motions.tool = _frame(tool)
         rails = tuple(1e-3 * value for value in target[11:] if value < 8e9)
         duration = re.search(r"\\T\s*:=\s*([\d.]+)", parts[1])
         zone = re.search(r"\\Z\s*:=\s*([\d.]+)", parts[2]) or re.fullmatch(r"z(\d+)", parts[2], re.I)
-        self.track.pose(
+        self.motions.pose(
             _frame([0.0, *target]),
             rails,
             1e-3 * self._speed(parts[1]) if kind.lower() == "movel" else np.nan,
@@ -218,6 +221,3 @@ def _frame(numbers: list[float]) -> Array:
     """(4, 4) from robhold, x y z [mm], quaternion: the beginning of a tooldata."""
     turn = rotations.from_quaternions(np.array([numbers[4:8]]))
     return rotations.pose(1e-3 * np.array([numbers[1:4]]), turn)[0]
-
-
-FORMAT = Rapid()

@@ -16,25 +16,25 @@ import numpy as np
 from ...files.faults import Fault
 from ...robot import rotations
 from .base import Array, Program, legs_of
-from .format import Format
-from .track import Track
+from .format import NUMBER, Format
+from .motions import Motions
 
-DIGITS = 8
+UR_DIGITS = 8
 ACCELERATION = 1.2  # m/s², the manual's default
 JOINT_ACCELERATION = 1.4  # rad/s², the manual's default
-FULL_JOINT_SPEED = np.pi  # rad/s
+UR_FULL_JOINT_SPEED = np.pi  # rad/s
 LONGEST_STEP = 0.2  # s between points that are streamed
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-MOVE = re.compile(
+UR_MOVE = re.compile(
     r"\b(movel|movej|movep|movec|servoj|servoc)\s*\(\s*(?:get_inverse_kin\s*\(\s*)?(p?)\[([^\]]*)\](.*)"
 )
-WORDS = """and break continue def elif else end enter_critical exit_critical False for global halt if in join
+UR_WORDS = """
+and break continue def elif else end enter_critical exit_critical False for global halt if in join
 kill local mod not or pass return run sec sync thread True while xor movej movel movep movec servoj sleep"""
 
 
 class UrScript(Format):
     name, title, extension, newline = "urscript", "URScript", ".script", "\n"
-    reserved = frozenset(WORDS.split())
+    reserved = frozenset(UR_WORDS.split())
     many_lines = 5000
 
     def __init__(self, stream: bool = False) -> None:
@@ -42,11 +42,11 @@ class UrScript(Format):
 
     def rounding(self) -> tuple[float, float]:
         """A rotation vector moves the rotation by its own change at most: √3 half digits."""
-        half = 0.5 * 10.0**-DIGITS
+        half = 0.5 * 10.0**-UR_DIGITS
         return half, np.sqrt(3.0) * half
 
     def joint_rounding(self) -> tuple[float, float]:
-        return 0.5 * 10.0**-DIGITS, 0.5 * 10.0**-DIGITS
+        return 0.5 * 10.0**-UR_DIGITS, 0.5 * 10.0**-UR_DIGITS
 
     def check(self, program: Program) -> list[Fault]:
         faults = super().check(program)
@@ -67,7 +67,7 @@ class UrScript(Format):
         return {f"{program.name}{self.extension}": "\n".join([*lines, "end", ""])}
 
     def _joint_move(self, program: Program, i: int) -> str:
-        speed = f"a={JOINT_ACCELERATION}, v={FULL_JOINT_SPEED * program.share:.4f}"
+        speed = f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.4f}"
         return f"movej([{_numbers(program.arm[i])}], {speed})"
 
     def _joints(self, program: Program) -> list[str]:
@@ -87,7 +87,7 @@ class UrScript(Format):
             pace = f"t={legs.duration[i]:.4f}" if timed else f"v={legs.speed[i]:.7f}"
             corner = f", r={legs.blend[i]:.6f}" if legs.blend[i] > 0 else ""
             if i == 0 and not by_joints:
-                speed = f"a={JOINT_ACCELERATION}, v={FULL_JOINT_SPEED * program.share:.4f}"
+                speed = f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.4f}"
                 lines.append(f"movej({_pose(X[i])}, {speed})")
             elif self.stream and i > 0:
                 lines.append(f"servoj(get_inverse_kin({_pose(X[i])}), t={max(legs.duration[i], 0.002):.4f})")
@@ -100,38 +100,38 @@ class UrScript(Format):
 
     def read(self, files: Mapping[str, str]) -> Program:
         place, text = next(iter(files.items()))
-        track = Track(place)
+        motions = Motions(place)
         for number, full in enumerate(text.splitlines(), 1):
             line = full.split("#")[0]
             if match := re.match(r"\s*def\s+(\w+)", line):
-                track.name = track.name or match[1]
+                motions.name = motions.name or match[1]
             elif match := re.search(r"set_tcp\s*\(\s*p\[([^\]]*)\]", line):
-                track.tool = _read_pose([float(word) for word in match[1].split(",")])
+                motions.tool = _read_pose([float(word) for word in match[1].split(",")])
             elif match := re.search(rf"\bsleep\s*\(\s*({NUMBER})", line):
-                track.wait(float(match[1]))
-            elif match := MOVE.search(line):
-                self._read_move(track, number, match)
+                motions.wait(float(match[1]))
+            elif match := UR_MOVE.search(line):
+                self._read_move(motions, number, match)
             elif re.search(r"\b(move[jlpc]|servo[jc])\s*\(", line):
-                track.fault(
+                motions.fault(
                     number, "a motion without numbers cannot be read", "give points as p[...] or [...]"
                 )
-        return track.program()
+        return motions.program()
 
-    def _read_move(self, track: Track, line: int, match: re.Match[str]) -> None:
+    def _read_move(self, motions: Motions, line: int, match: re.Match[str]) -> None:
         kind, pose, inside, rest = match.groups()
         try:
             numbers = [float(word) for word in inside.split(",")]
         except ValueError:
             numbers = []
         if kind in ("movec", "servoc") or len(numbers) != 6:
-            track.fault(line, f"{kind} cannot be read", "give the path as movel with six numbers a point")
+            motions.fault(line, f"{kind} cannot be read", "give the path as movel with six numbers a point")
             return
         said = {name: float(value) for name, value in re.findall(rf"\b([avtr])\s*=\s*({NUMBER})", rest)}
         if not pose:
-            track.joints(tuple(numbers), share=said.get("v", np.nan) / FULL_JOINT_SPEED)
+            motions.joints(tuple(numbers), share=said.get("v", np.nan) / UR_FULL_JOINT_SPEED)
             return
         straight = kind != "movej"
-        track.pose(
+        motions.pose(
             _read_pose(numbers),
             speed=said.get("v", np.nan) if straight else np.nan,
             duration=said["t"] if straight and said.get("t", 0.0) > 0 else np.nan,
@@ -140,7 +140,7 @@ class UrScript(Format):
 
 
 def _numbers(values: Array) -> str:
-    return ",".join(f"{value:z.{DIGITS}f}" for value in values)
+    return ",".join(f"{value:z.{UR_DIGITS}f}" for value in values)
 
 
 def _pose(X: Array) -> str:
@@ -149,6 +149,3 @@ def _pose(X: Array) -> str:
 
 def _read_pose(numbers: list[float]) -> Array:
     return rotations.pose(np.array([numbers[:3]]), rotations.from_vectors(np.array([numbers[3:]])))[0]
-
-
-FORMAT = UrScript()

@@ -19,13 +19,14 @@ from ...files.faults import Fault, InputError
 from ...robot import rotations
 from .base import Array, Program, legs_of
 from .format import Format
-from .track import Track
+from .motions import Motions
 
 SPACE = "http://www.staubli.com/robotics/VAL3"  # names of the XML vocabularies, not addresses
 XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
-HEAD = '<?xml version="1.0" encoding="utf-8"?>'
-FREE = 99999.0  # mm/s, deg/s: does not limit
-WORDS = """abs accel and begin blend bnot bor bxor call case default delay do else elseif end endfor endif
+XML_HEAD = '<?xml version="1.0" encoding="utf-8"?>'
+VAL3_FREE = 99999.0  # mm/s, deg/s: does not limit
+VAL3_WORDS = """
+abs accel and begin blend bnot bor bxor call case default delay do else elseif end endfor endif
 endswitch endwhile false for if mod movec movej movel next not or return start step stop switch then to
 true until waitendmove while xor"""
 Row = dict[str, str]
@@ -35,7 +36,7 @@ class Val3(Format):
     name, title, extension = "val3", "Stäubli VAL 3", ".pjx"
     mm_digits = 4
     longest_name = 15
-    reserved = frozenset(WORDS.split())
+    reserved = frozenset(VAL3_WORDS.split())
     most_points = 9999
     named_as_file = True
 
@@ -77,7 +78,7 @@ class Val3(Format):
         legs, rows = legs_of(program), []
         for i in range(program.count):
             speed = 1e3 * legs.speed[i] if np.isfinite(legs.speed[i]) else 100.0
-            turn = np.degrees(legs.turn[i]) if legs.turning[i] else FREE
+            turn = np.degrees(legs.turn[i]) if legs.turning[i] else VAL3_FREE
             rows.append(_descriptor(1.0, speed, turn, 1e3 * legs.blend[i]))
         return rows
 
@@ -101,7 +102,7 @@ class Val3(Format):
         return _Reader(files).program()
 
 
-def _descriptor(share: float, speed: float = FREE, turn: float = FREE, blend: float = 0.0) -> Row:
+def _descriptor(share: float, speed: float = VAL3_FREE, turn: float = VAL3_FREE, blend: float = 0.0) -> Row:
     corner = f"{blend:.3f}"
     row = {"accel": "100", "vel": f"{100 * share:g}", "decel": "100"}
     row |= {"tmax": f"{speed:.4f}", "rmax": f"{turn:.4f}"}
@@ -116,13 +117,13 @@ def _array(name: str, kind: str, rows: list[Row]) -> str:
 
 
 def _database(data: list[str]) -> str:
-    head = [HEAD, f'<Database {XSI} xmlns="{SPACE}/Data/2">', "  <Datas>"]
+    head = [XML_HEAD, f'<Database {XSI} xmlns="{SPACE}/Data/2">', "  <Datas>"]
     return "\n".join([*head, *data, "  </Datas>", "</Database>", ""])
 
 
 def _project(name: str) -> str:
     lines = [
-        *(HEAD, f'<Project xmlns="{SPACE}/Project/3">'),
+        *(XML_HEAD, f'<Project xmlns="{SPACE}/Project/3">'),
         '  <Parameters version="s7.3.1" stackSize="5000" millimeterUnit="true" />',
         *(
             "  <Programs>",
@@ -148,7 +149,7 @@ def _program(name: str, code: list[str], local: bool = True) -> str:
         '      <Local name="l_nIndex" type="num" xsi:type="array" size="1" />',
         "    </Locals>",
     ]
-    head = [HEAD, f'<Programs {XSI} xmlns="{SPACE}/Program/2">', f'  <Program name="{name}">']
+    head = [XML_HEAD, f'<Programs {XSI} xmlns="{SPACE}/Program/2">', f'  <Program name="{name}">']
     body = ["    <Code><![CDATA[begin", *(f"  {line}" for line in code), "end]]></Code>"]
     return "\n".join([*head, *(index if local else []), *body, "  </Program>", "</Programs>", ""])
 
@@ -158,8 +159,8 @@ class _Reader:
 
     def __init__(self, files: Mapping[str, str]) -> None:
         project = next((name for name in files if name.lower().endswith(".pjx")), next(iter(files)))
-        self.track = Track(project)
-        self.track.name = re.sub(r"\.\w+$", "", project)
+        self.motions = Motions(project)
+        self.motions.name = re.sub(r"\.\w+$", "", project)
         trees = {name: _tree(name, text) for name, text in files.items()}
         self.rows: dict[str, dict[int, Row]] = {}
         for tree in trees.values():
@@ -173,7 +174,7 @@ class _Reader:
     def program(self) -> Program:
         for name, code in self.code:
             self._block([re.sub(r"//.*", "", line).strip() for line in code.splitlines()], name, {})
-        return self.track.program()
+        return self.motions.program()
 
     def _block(self, lines: list[str], place: str, index: Mapping[str, int]) -> None:
         """Goes through lines; `index` holds the loop variables."""
@@ -189,7 +190,7 @@ class _Reader:
             elif match := re.match(r"(move[jlc])\s*\(([^,]+),([^,]+),([^,]+)\)", line, re.I):
                 self._move(place, match[1].lower(), (match[2], match[3], match[4]), index)
             elif match := re.match(r"delay\s*\((.+)\)", line, re.I):
-                self.track.wait(self._number(match[1], index))
+                self.motions.wait(self._number(match[1], index))
             i += 1
 
     def _row(self, text: str, index: Mapping[str, int]) -> Row | None:
@@ -209,22 +210,22 @@ class _Reader:
         row, frame, pace = (self._row(text, index) for text in said)
         pace = pace or {}
         if row is None or kind == "movec":
-            self.track.fault(
+            self.motions.fault(
                 place, f"{kind}({target}, ...) cannot be read", "give points as data of the application"
             )
             return
         if any(key.startswith("j") for key in row):
             arm = tuple(np.radians(float(row.get(f"j{i}", "0"))) for i in range(1, 7))
-            self.track.joints(arm, share=float(pace.get("vel", 100.0)) / 100)
+            self.motions.joints(arm, share=float(pace.get("vel", 100.0)) / 100)
             return
         if row.get("fatherId", "world[0]") not in ("world[0]", "world"):
-            self.track.fault(place, f"{target} stands in {row['fatherId']}", "give points in world")
+            self.motions.fault(place, f"{target} stands in {row['fatherId']}", "give points in world")
         if frame is not None:
-            self.track.tool = _read_frame(frame)
-        limits = [float(pace.get(key, FREE)) for key in ("tmax", "rmax")]
-        speed, turn = (limit if kind == "movel" and limit < FREE else np.nan for limit in limits)
+            self.motions.tool = _read_frame(frame)
+        limits = [float(pace.get(key, VAL3_FREE)) for key in ("tmax", "rmax")]
+        speed, turn = (limit if kind == "movel" and limit < VAL3_FREE else np.nan for limit in limits)
         blend = float(pace.get("leave", 0.0)) if pace.get("blend", "off").lower() != "off" else 0.0
-        self.track.pose(_read_frame(row), (), 1e-3 * speed, np.radians(turn), blend=1e-3 * blend)
+        self.motions.pose(_read_frame(row), (), 1e-3 * speed, np.radians(turn), blend=1e-3 * blend)
 
 
 def _tree(name: str, text: str) -> ET.Element:
@@ -242,6 +243,3 @@ def _read_frame(row: Row) -> Array:
     angles = np.radians([[float(row.get(key, "0")) for key in ("rx", "ry", "rz")]])
     place = 1e-3 * np.array([[float(row.get(key, "0")) for key in "xyz"]])
     return rotations.pose(place, rotations.from_xyz(angles))[0]
-
-
-FORMAT = Val3()

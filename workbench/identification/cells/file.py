@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from ...files.faults import Fault, InputError, read_text
-from ...files.whole import put
+from ...files.faults import Fault, InputError
+from ...files.toml import read_toml, toml_text
+from ...files.whole import put_all
 from ...robot.description import load_robot
 from ...robot.rigid_plant import arrays
 from ...robot.schema import toml_faults
-from ..model_file import write_model
+from ..model_file import model_text
 from .cell_model import CellModel
 from .grid import cells
 
@@ -36,12 +35,14 @@ class _File(BaseModel):
 def write_cells(folder: str | Path, model: CellModel) -> Path:
     """Writes `cells.toml` and `cell_001.toml` ... into the folder; returns the path of the first.
 
-    The models come in the order of the cells: x slowest, z fastest.
+    The models come in the order of the cells: x slowest, z fastest. All files are written, or none.
     """
-    folder, names = Path(folder), [f"cell_{i + 1:03d}.toml" for i in range(len(model.cells))]
-    for name, robot in zip(names, model.robots, strict=True):
-        write_model(folder / name, robot, arrays(robot).geometry, robot.effects)
-    grid = model.cells
+    folder, grid = Path(folder), model.cells
+    names = [f"cell_{i + 1:03d}.toml" for i in range(len(grid))]
+    made: dict[Path, bytes | str] = {
+        folder / name: model_text(folder / name, robot, arrays(robot).geometry, robot.effects)
+        for name, robot in zip(names, model.robots, strict=True)
+    }
     table = {
         "schema": 1,
         "lower_mm": _mm(grid.lower),
@@ -50,17 +51,16 @@ def write_cells(folder: str | Path, model: CellModel) -> Path:
         "tool_mm": _mm(model.tool),
         "models": names,
     }
-    put(folder / "cells.toml", tomli_w.dumps(table).encode())
+    put_all(made | {folder / "cells.toml": toml_text(table)})
     return folder / "cells.toml"
 
 
 def load_cells(path: str | Path) -> CellModel:
     """The cells of a `cells.toml`. Raises `InputError` with its faults, or those of a model."""
     path = Path(path)
+    content = read_toml(path)
     try:
-        file = _File.model_validate(tomllib.loads(read_text(path)))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
+        file = _File.model_validate(content)
     except ValidationError as error:
         raise InputError(toml_faults(path, error)) from None
     grid = cells(1e-3 * np.array([file.lower_mm, file.upper_mm]), file.counts)

@@ -1,15 +1,15 @@
-"""What a reader collects while it goes through a controller's file; becomes a `Program`."""
+"""The motions that a reader collects while it goes through a controller's file; becomes a `Program`."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ...files.faults import Fault, InputError
-from .base import STILL, Array, Program, legs_of
+from .base import STANDSTILL, Array, Program, legs_of
 
 
-class Track:
-    """Points in the order of the file, with what the file says of the way to each.
+class Motions:
+    """Motions in the order of the file, with what the file says of the way to each.
 
     A program with poses is a path: joint moves before its first pose bring the arm there and those
     after it bring the arm away; neither are points of the path.
@@ -78,8 +78,8 @@ class Track:
         dwell = self._dwells("pose", len(X))
         ways = legs_of(Program("ways", X))
         with np.errstate(divide="ignore", invalid="ignore"):
-            by_speed = np.where(ways.distance < STILL, ways.angle / turn, ways.distance / speed)
-        standing = (ways.distance < STILL) & (ways.angle < STILL)
+            by_speed = np.where(ways.distance < STANDSTILL, ways.angle / turn, ways.distance / speed)
+        standing = (ways.distance < STANDSTILL) & (ways.angle < STANDSTILL)
         leg = np.where(np.isfinite(duration), duration, np.where(standing, 0.0, by_speed))
         time = np.concatenate([[0.0], np.cumsum(leg[1:] + dwell[:-1])])
         return Program(
