@@ -8,14 +8,15 @@ from ...campaign import Campaign
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from .accuracy import AccuracyPlan, plan_accuracy
-from .knowledge import measured, unmeasured
-from .tell import TellPlan, plan_tell
+from .discrimination import DiscriminationPlan, plan_discrimination
+from .fedorov import Search
+from .prior_information import from_campaign, from_robot
 
-POOL = 1200  # candidate records
-QUICK_POOL = 400
-STARTS = 3  # of the exchange
+POOL, QUICK_POOL = 1200, 400  # candidate records,
+PER_POSE, QUICK_PER_POSE = 4, 2  # or so many for each that is chosen
+STARTS, QUICK_STARTS = 3, 1  # of the exchange
 
-Plan = AccuracyPlan | TellPlan
+Plan = AccuracyPlan | DiscriminationPlan
 Progress = Callable[[str], None]
 
 
@@ -33,9 +34,12 @@ def plan(
     if poses < 1:
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
-    known = measured(source) if isinstance(source, Campaign) else unmeasured(source)
-    pool, starts = (max(QUICK_POOL, 2 * poses), 1) if quick else (max(POOL, 4 * poses), STARTS)
-    progress(f"choosing {poses} of about {pool} possible records")
+    prior = from_campaign(source) if isinstance(source, Campaign) else from_robot(source)
+    if quick:
+        search = Search(max(QUICK_POOL, QUICK_PER_POSE * poses), QUICK_STARTS, seed)
+    else:
+        search = Search(max(POOL, PER_POSE * poses), STARTS, seed)
+    progress(f"choosing {poses} of about {search.pool} possible records")
     if tell is not None:
-        return plan_tell(known, tell, poses, pool, starts, seed)
-    return plan_accuracy(known, poses, pool, starts, seed)
+        return plan_discrimination(prior, tell, poses, search)
+    return plan_accuracy(prior, poses, search)
