@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
+from typing import TYPE_CHECKING
 
 from .arguments import Commands, check_folder, json_option, out_option, positive, seed_option
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..robot.description import Robot
+    from .told import Load, Told
 
 
 def add(commands: Commands) -> None:
@@ -79,16 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
     check_folder(arguments.out)
     robot = load_robot(arguments.robot)
     rng = np.random.default_rng([arguments.seed, 11])
-    loads = dict(told.payload(text, robot) for text in arguments.payload)
-    if arguments.poses is not None:
-        poses, loads = told.from_file(robot, arguments.poses, loads)
-    elif arguments.grid is not None:
-        poses = told.on_grid(robot, arguments.grid)
-    else:
-        poses = told.at_random(robot, arguments.random, rng)
-    poses = poses.with_and_without([*loads]).over(arguments.hours, None if arguments.poses else rng)
-    poses = poses.warming_up(arguments.warm_degC)
-    poses = poses.approached(rng) if arguments.approach else poses
+    poses, loads = _told(arguments, robot, rng)
     plan = planned(
         robot,
         poses.q,
@@ -115,3 +113,22 @@ def run(arguments: argparse.Namespace) -> None:
     facts = {"robot": robot.name, "n_poses": len(campaign.q), "folder": str(arguments.out)}
     said = f"{len(campaign.q)} poses written to {arguments.out}/campaign.toml"
     print(json.dumps(facts) if arguments.json else said)
+
+
+def _told(
+    arguments: argparse.Namespace, robot: Robot, rng: np.random.Generator
+) -> tuple[Told, dict[str, Load]]:
+    """What the robot is told, and the payloads by name."""
+    from . import told
+
+    loads = dict(told.payload(text, robot) for text in arguments.payload)
+    if arguments.poses is not None:
+        poses, loads = told.from_file(robot, arguments.poses, loads)
+    elif arguments.grid is not None:
+        poses = told.on_grid(robot, arguments.grid)
+    else:
+        poses = told.at_random(robot, arguments.random, rng)
+    # poses of a file keep their order
+    shuffled = None if arguments.poses is not None else rng
+    poses = poses.with_and_without([*loads]).over(arguments.hours, shuffled).warming_up(arguments.warm_degC)
+    return poses.approached(rng) if arguments.approach else poses, loads
