@@ -1,21 +1,30 @@
 """The command line: what it writes, what it prints, and what it says when the input is wrong."""
 
+import argparse
+import ast
+import inspect
 import json
 import os
+import shutil
+import signal
 import subprocess
 import sys
+import textwrap
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from workbench.campaign import load_campaign
-from workbench.cli.main import main
+from workbench.cli.main import command_line, main
 from workbench.effects import catalogue
 from workbench.identification.model_file import write_model
 from workbench.robot.description import load_robot
 from workbench.robot.schema import GEOMETRY
+from workbench.studies import PUBLISHED
 
+ROOT = Path(__file__).resolve().parents[1]
 EFFECTS = [
     "--effect", "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.6",
     "--effect", "backlash:joint=joint_5,half_width=1e-4",
@@ -416,6 +425,200 @@ def test_a_failure_is_not_the_user_s(folder, capsys, monkeypatch):
     assert "failed: ArithmeticError: the fit does not converge" in err
 
 
+# ---------------------------------------------------------------- options
+
+
+def leaves(parser, name=""):
+    """Name → parser of every command that runs; what is below a command stands for it."""
+    below = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
+    if not below:
+        return {name: parser}
+    found = {}
+    for word, one in below[0].choices.items():
+        found |= leaves(one, f"{name} {word}".strip())
+    return found
+
+
+COMMANDS = leaves(command_line())
+STUDIES = {f"study {name}" for name in (*PUBLISHED, "all")}
+BLIND = {"study blind", "study case"}
+
+
+def options(name):
+    """Name → action of what a command takes."""
+    return {action.dest: action for action in COMMANDS[name]._actions if action.dest != "help"}
+
+
+def read_by(function):
+    """The attributes of `arguments` that a function reads, itself or where it hands all of them on."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    read = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "arguments":
+            read.add(node.attr)
+        if isinstance(node, ast.Call) and any(getattr(arg, "id", "") == "arguments" for arg in node.args):
+            read |= read_by(function.__globals__[node.func.id])
+    return read
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_of_a_command_is_read_by_it(name):
+    read = read_by(COMMANDS[name].get_default("run"))
+    assert read - {"name"} == set(options(name))
+    assert all(action.help for action in options(name).values())
+
+
+def test_options_stand_where_they_act():
+    having = {}
+    for name in COMMANDS:
+        for option in options(name):
+            having.setdefault(option, set()).add(name)
+    assert having["json"] == set(COMMANDS)
+    assert having["seed"] == having["out"] == set(COMMANDS) - {"robots", "causes"}
+    assert having["quick"] == {"demo", "plan", "verify", "study blind"} | STUDIES
+    assert having["workers"] == {"verify"} | BLIND
+    assert having["resume"] == having["draws"] == {"study blind"}
+
+
+@pytest.mark.parametrize("name", sorted(set(COMMANDS) - {"robots", "causes"}))
+def test_out_says_what_it_is_and_where_by_default(name):
+    out = options(name)["out"]
+    assert out.help.startswith(("folder ", "file ", "the program's file"))
+    assert out.default is None or f"({out.default})" in out.help
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ["diagnose", "campaign.toml", "--resume"],
+        ["simulate", "kr500", "--random", "3", "--workers", "2"],
+        ["study", "kr500", "--resume"],
+        ["study", "kr500", "--draws", "3"],
+        ["study", "blind", "--quick", "--draws", "3"],
+        ["verify", "path.csv", "--model", "model.toml", "--workers", "0"],
+        ["robots", "--seed", "1"],
+    ],
+)
+def test_an_option_that_would_do_nothing_is_refused(call, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(call)
+    assert "error: " in capsys.readouterr().err
+
+
+def test_only_the_command_line_reads_arguments():
+    reading = [path for path in (ROOT / "workbench").rglob("*.py") if "argparse" in path.read_text()]
+    assert {path.parent.name for path in reading} == {"cli"}
+
+
+def test_a_case_that_is_none_is_refused(capsys):
+    found = faults(capsys, "study", "case", "gear_ratio/x", "rust/1", "--json")
+    assert len(found) == 2
+    assert "like gear_ratio/3; known: backlash, " in found[0]
+
+
+# ---------------------------------------------------------------- a script, a source tree, Ctrl-C
+
+
+SCRIPT = '''"""A study of my own."""
+
+from workbench import Fault, InputError, run_study
+
+
+def study(folder, seed, quick, say):
+    say(f"{folder} {seed} {quick}")
+    if seed == 1:
+        raise KeyboardInterrupt
+    if seed == 2:
+        raise InputError(Fault("my.toml", "is not there"))
+    raise ArithmeticError("no")
+
+
+run_study(study)
+'''
+
+
+@pytest.mark.parametrize(
+    ("given", "status", "said"),
+    [
+        (["--help"], 0, "A study of my own."),
+        (["--quick"], 1, "… reports/mine 0 True\nfailed: ArithmeticError: no"),
+        (["--seed", "1", "--out", "here"], 130, "… here 1 False\ninterrupted\n"),
+        (["--seed", "2"], 2, "error: my.toml: is not there"),
+        (["--resume"], 2, "unrecognized arguments: --resume"),
+        (["--out", "taken"], 2, "is a file, not a folder"),
+    ],
+)
+def test_a_script_of_one_s_own_ends_as_a_command_does(tmp_path, given, status, said):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/study.py").write_text(SCRIPT)
+    (tmp_path / "taken").write_text("mine")
+    done = subprocess.run(
+        [sys.executable, "mine/study.py", *given],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert done.returncode == status, done.stderr
+    assert said in done.stdout + done.stderr
+
+
+def test_the_version_of_a_source_tree_is_what_it_says(tmp_path):
+    for part in ("__init__.py", "__main__.py", "cli", "files", "studies/__init__.py"):
+        source, copy = ROOT / "workbench" / part, tmp_path / "workbench" / part
+        copy.parent.mkdir(exist_ok=True)
+        (shutil.copytree if source.is_dir() else shutil.copy)(source, copy)
+    (tmp_path / "pyproject.toml").write_text('[project]\nname = "robot-workbench"\nversion = "7.8.9"\n')
+    # -S: without the place where an installed distribution is
+    command = [sys.executable, "-S", "-m", "workbench", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    assert (done.stdout, done.returncode) == ("workbench 7.8.9\n", 0), done.stderr
+
+
+def test_ctrl_c_in_a_command(capsys, monkeypatch):
+    def stopped():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("workbench.robot.description.list_robots", stopped)
+    assert call(capsys, "robots") == (130, "", "interrupted\n")
+
+
+SLEEPY = """
+import sys, time
+from pathlib import Path
+from workbench.cli.status import guarded
+from workbench.studies.blind.runner import run_tasks
+
+def work(key):
+    Path(f"{key}.started").touch()
+    time.sleep(60)
+
+if __name__ == "__main__":
+    sys.exit(guarded(lambda: run_tasks(work, ["a", "b", "c"], Path("tasks.sqlite"), study={}, workers=2)))
+"""
+
+
+@pytest.mark.parametrize("everyone", [False, True])
+def test_ctrl_c_ends_workers_too_and_says_one_line(tmp_path, everyone):
+    """As `kill -INT` tells the one process, and as a terminal tells all of them."""
+    (tmp_path / "sleepy.py").write_text(SLEEPY)
+    running = subprocess.Popen(
+        [sys.executable, "sleepy.py"],
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        start_new_session=True,
+    )
+    until = time.monotonic() + 60
+    while len(list(tmp_path.glob("*.started"))) < 2 and time.monotonic() < until:
+        time.sleep(0.05)
+    (os.killpg if everyone else os.kill)(running.pid, signal.SIGINT)
+    said = running.communicate(timeout=30)[1]
+    assert (said, running.returncode) == ("interrupted\n", 130)
+
+
 # ---------------------------------------------------------------- as a process
 
 
@@ -430,12 +633,14 @@ def process(*arguments, **environment):
 
 
 def test_help_is_instant():
-    loaded = "import sys; import workbench.cli; sys.exit(any(m in sys.modules for m in ('numpy', 'pydrake')))"
+    loaded = (
+        "import sys; from workbench.cli.main import command_line; command_line(); "
+        "sys.exit(any(m in sys.modules for m in ('numpy', 'pydrake', 'pydantic', 'multiprocessing')))"
+    )
     assert subprocess.run([sys.executable, "-c", loaded], check=False).returncode == 0
     done = process("--help")
     assert done.returncode == 0
-    for command in ("demo", "diagnose", "simulate", "compensate", "verify", "study", "robots", "causes"):
-        assert f"\n    {command}" in done.stdout
+    assert all(f"\n    {name.split()[0]}" in done.stdout for name in COMMANDS)
 
 
 def test_a_wrong_call_is_2():

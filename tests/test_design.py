@@ -16,17 +16,17 @@ from workbench.identification.model import Model
 from workbench.identification.noise import Covariance
 from workbench.measurement.design import criterion, exchange
 from workbench.measurement.design.candidates import Factors, candidates, ordered, take, travel
-from workbench.measurement.design.causes import cause_places, split_causes
+from workbench.measurement.design.causes import factors, named_causes
 from workbench.measurement.design.fedorov import gains, information
-from workbench.measurement.design.knowledge import measured, unmeasured
-from workbench.measurement.design.rivals import contest, duel
+from workbench.measurement.design.prior_information import from_campaign, from_robot
+from workbench.measurement.design.t_optimal import design_space, t_criterion
 
 HEAVY = {"heavy": (250.0, (0.15, 0.0, 0.1))}
 
 
 @pytest.fixture(scope="module")
 def kr500():
-    return unmeasured(load_robot("kr500"))
+    return from_robot(load_robot("kr500"))
 
 
 @pytest.fixture(scope="module")
@@ -109,14 +109,14 @@ def test_as_many_records_as_there_are(count):
 
 @pytest.mark.parametrize("name", ["kr500", "kr120"])
 def test_better_than_chance_on_a_robot(name):
-    known = unmeasured(load_robot(name))
+    prior = from_robot(load_robot(name))
     rng = np.random.default_rng(8)
-    effects = tuple((e, np.zeros(1)) for e in JointCompliance.sites(known.problem))
-    rows = known.new(candidates(known, 300, Factors(), rng), effects)
-    A0 = 1e3 * known.typical(candidates(known, 100, Factors(), rng), effects) / 10
-    prior = np.eye(len(rows.names))
-    _, rho0 = exchange(rows.values, A0, 15, prior=prior, starts=1, seed=0)
-    chance = [criterion(rows.values[rng.choice(300, 15, replace=False)], A0, prior) for _ in range(300)]
+    effects = tuple((e, np.zeros(1)) for e in JointCompliance.sites(prior.problem))
+    new = prior.of_records(candidates(prior, 300, Factors(), rng), effects)
+    A0 = 1e3 * prior.of_predictions(candidates(prior, 100, Factors(), rng), effects) / 10
+    held = np.eye(len(new.names))
+    _, rho0 = exchange(new.values, A0, 15, prior=held, starts=1, seed=0)
+    chance = [criterion(new.values[rng.choice(300, 15, replace=False)], A0, held) for _ in range(300)]
     assert 1.3 < np.median(chance) / rho0 < 3.0
     assert rho0 < min(chance)
 
@@ -169,43 +169,44 @@ def test_what_was_measured_counts(campaign):
 # ---------------------------------------------------------------- rivals
 
 
-def field_of(known, text, count, seed=0):
-    first, second = split_causes(text)
-    offered = candidates(known, count, Factors(), np.random.default_rng(seed))
-    whole = replace(known.problem, campaign=offered)
-    a, b = cause_places(first, whole)[0], cause_places(second, whole)[0]
-    given = tuple((effect, np.zeros(len(effect.params))) for effect in (a, b))
-    return contest(known.new(offered, given), known.measured(given)), (a, b), offered
+def space_of(prior, text, count, seed=0):
+    offered = candidates(prior, count, Factors(), np.random.default_rng(seed))
+    whole = replace(prior.problem, campaign=offered)
+    pair = tuple(cause.effects(whole)[0] for cause in named_causes(text))
+    at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in pair)
+    return design_space(prior.of_records(offered, at_zero), prior.of_campaign(at_zero)), pair, offered
 
 
-def test_the_duel_counts_exactly(campaign):
-    field, pair, _ = field_of(measured(campaign), "payload:variant=mass,joint_compliance:joint=joint_2", 60)
+def test_the_t_criterion_is_exact(campaign):
+    space, pair, _ = space_of(
+        from_campaign(campaign), "payload:variant=mass,joint_compliance:joint=joint_2", 60
+    )
     rest = np.arange(10)
-    each = duel(field, pair).with_each(rest)
+    each = t_criterion(space, pair).with_each(rest)
     for x in (20, 50, 70):
-        (whole,) = field.lambdas(field.data(np.append(rest, x)), [pair])
+        (whole,) = space.criterion(space.measured(np.append(rest, x)), [pair])
         assert each[x] == pytest.approx(whole, rel=1e-6)
 
 
 def test_lambda_is_that_of_the_diagnosis(kr500):
     """The same non-centrality as the screen of a campaign measured in these poses."""
     text = "gear_ratio:joint=joint_5,joint_compliance:joint=joint_2"
-    field, pair, offered = field_of(kr500, text, 60)
+    space, pair, offered = space_of(kr500, text, 60)
     chosen = np.arange(40)
     job = problem(simulate(take(offered, chosen), Truth(sigma=3e-5), seed=2))
     noise = Covariance(np.full(job.seen.shape, 3e-5), kr500.joint, np.ones(40))
     S = screen(fit(Model(job), start_state(job), noise), pair, known=True).S
     alone = [S[0, 0] - S[0, 1] ** 2 / S[1, 1], S[1, 1] - S[0, 1] ** 2 / S[0, 0]]
-    assert field.lambdas(field.data(chosen), [pair, pair[::-1]]) == pytest.approx(alone, rel=0.02)
+    assert space.criterion(space.measured(chosen), [pair, pair[::-1]]) == pytest.approx(alone, rel=0.02)
 
 
 def test_a_plan_that_tells(kr500):
     made = plan(
         kr500.robot, 12, tell="backlash:joint=joint_3,lost_motion:joint=joint_3,variant=cubic", quick=True
     )
-    assert made.least > 1.3 * min(told.random for told in made.hardest)
+    assert made.least > 1.3 * min(pair.random for pair in made.hardest)
     assert np.ptp(made.records.direction[:, 2]) == 2
-    assert {told.effect.cause for told in made.hardest} == {"backlash", "lost_motion"}
+    assert {pair.effect.cause for pair in made.hardest} == {"backlash", "lost_motion"}
 
 
 def test_cold_and_warm(kr500):
@@ -231,9 +232,26 @@ def test_no_poses_tell_the_same_from_the_same(kr500):
 
 
 def test_causes_as_on_the_command_line():
-    both = split_causes("gear_ratio:joint=joint_2,payload:payload=heavy,variant=mass")
-    assert both == ("gear_ratio:joint=joint_2", "payload:payload=heavy,variant=mass")
-    assert split_causes("gear_ratio,hose_torque") == ("gear_ratio", "hose_torque")
+    texts = ["gear_ratio:joint=joint_2", "payload:payload=heavy,variant=mass"]
+    assert [cause.text for cause in named_causes(",".join(texts))] == texts
+    assert [cause.text for cause in named_causes("gear_ratio,hose_torque")] == ["gear_ratio", "hose_torque"]
+
+
+@pytest.mark.parametrize(
+    ("text", "varied"),
+    [
+        ("gear_ratio,hose_torque", Factors()),
+        ("backlash,lost_motion", Factors(approach=True)),
+        ("thermal_growth,tracker_scale", Factors(warm=True)),
+        ("drift,foundation", Factors(late=True)),
+        ("drift,thermal_growth", Factors(warm=True, late=True)),
+        ("gravity_compensator:variant=charge,joint_compliance", Factors()),
+        ("gravity_compensator:variant=temperature,joint_compliance", Factors(warm=True)),
+    ],
+)
+def test_a_plan_varies_what_its_causes_depend_on(kr500, text, varied):
+    everything = candidates(kr500, 0, Factors(True, True, True), np.random.default_rng(1))
+    assert factors(named_causes(text), replace(kr500.problem, campaign=everything)) == varied
 
 
 @pytest.mark.parametrize(

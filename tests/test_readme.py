@@ -1,14 +1,14 @@
 """The README says what is so: its Python runs, its commands exist, its table is the catalogue's."""
 
+import argparse
 import re
 import tomllib
 from pathlib import Path
 
 import pytest
 
-from workbench.arguments import common
 from workbench.campaign.file import CampaignFile
-from workbench.cli.main import _parser, main
+from workbench.cli.main import command_line, main
 from workbench.effects import catalogue
 from workbench.report.causes import causes_page, causes_table
 
@@ -50,21 +50,22 @@ def test_the_table_is_the_catalogue():
 
 def test_every_command_of_the_table_exists():
     commands = re.findall(r"`workbench (\w+)([^`]*)`", README)
-    known = next(action.choices for action in _parser()._actions if action.choices)
+    known = subcommands(command_line())
     assert {name for name, _ in commands if name.islower()} == set(known)
     for name, rest in commands:
         if name in known:
-            options = {option for action in known[name]._actions for option in action.option_strings}
-            assert set(re.findall(r"--\w+", rest)) <= options, name
+            parsers = [known[name]]
+            if studies := subcommands(known[name]):
+                said = re.split(r"[ \\|]+", rest.strip())
+                parsers = [studies[word] for word in said if word in studies]
+                assert parsers, rest
+            for parser in parsers:
+                options = {option for action in parser._actions for option in action.option_strings}
+                assert set(re.findall(r"--\w+", rest)) <= options, (name, rest)
 
 
-def test_options_that_all_take():
-    import argparse
-
-    parser = argparse.ArgumentParser()
-    common(parser)
-    given = vars(parser.parse_args([]))
-    assert {"out", "seed", "json", "quick", "workers", "resume"} == set(given)
+def subcommands(parser):
+    return next((a.choices for a in parser._actions if isinstance(a, argparse._SubParsersAction)), {})
 
 
 def test_the_example_campaign_is_one():

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .campaign.planned import random_poses as random_poses
     from .campaign.problem import Problem as Problem
     from .campaign.problem import problem as problem
+    from .cli.study import run_study as run_study
     from .correction import Conditions as Conditions
     from .correction import compensate as compensate
     from .correction import compensate_file as compensate_file
@@ -51,7 +52,10 @@ if TYPE_CHECKING:
     from .simulation.virtual_campaign import random_geometry as random_geometry
     from .simulation.virtual_campaign import simulate as simulate
 
+    __version__: str
+
 _MODULES = {
+    "cli.study": "run_study",
     "campaign": "Campaign Target load_campaign write_campaign",
     "identification.cells": "CellModel fit_cells",
     "measurement.circle_points": "fit_circle link_between turning_ratio",
@@ -80,12 +84,29 @@ __all__ = list(_HOME)
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME:
+    if name == "__version__":
+        value: Any = _version()
+    elif name in _HOME:
+        value = getattr(importlib.import_module(f"workbench.{_HOME[name]}"), name)
+    else:
         raise AttributeError(f"module 'workbench' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"workbench.{_HOME[name]}"), name)
     globals()[name] = value
     return value
 
 
+def _version() -> str:
+    """As installed; in a source tree that is not, as its pyproject.toml says."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("robot-workbench")
+    except PackageNotFoundError:
+        import tomllib
+        from pathlib import Path
+
+        project = Path(__file__).resolve().parents[1] / "pyproject.toml"
+        return str(tomllib.loads(project.read_text(encoding="utf-8"))["project"]["version"])
+
+
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOME})
+    return sorted({*globals(), *_HOME, "__version__"})

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .. import __version__
 from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..effects.base import Effect
@@ -99,7 +99,7 @@ def assemble(parts: Parts) -> Diagnosis:
         errors=_errors(parts),
         joints=tuple(names),
         q=c.q,
-        version=importlib.metadata.version("robot-workbench"),
+        version=__version__,
         inputs=c.files,
     )
 

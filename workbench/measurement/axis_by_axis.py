@@ -1,8 +1,9 @@
 """Stiffness axis by axis: one joint is loaded, the link before it and the link behind it are watched.
 
-The local method of source 003: a force turns the joint, instruments on both links see how far, and the
-difference of the two is the joint's own turn (its eq. 2); then torque = K · turn. Here the joints before it
-are fitted beside it, from the targets on the link before it: the same difference, with its uncertainty.
+The local method of Olabi et al. (2012): a force turns the joint, instruments on both links see how far, and
+the difference of the two is the joint's own turn (eq. 2 there); then torque = K · turn. Here the joints
+before it are fitted beside it, from the targets on the link before it: the same difference, with its
+uncertainty.
 """
 
 from __future__ import annotations

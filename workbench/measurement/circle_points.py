@@ -1,7 +1,7 @@
 """Circle-point analysis: one joint turns alone, a target runs on a circle about its axis.
 
 From the circle come the joint's axis and, with the encoder's angles, its reduction ratio; from neighbouring
-axes come the link's length a and twist α (standard Denavit–Hartenberg). Source 004, eqs. (27), (28), which
+axes come the link's length a and twist α (standard Denavit–Hartenberg). Liu et al., eqs. (27), (28), which
 takes three points of a circle; here any number of them is fitted in space, and all comes with its covariance.
 """
 

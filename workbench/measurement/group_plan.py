@@ -1,7 +1,8 @@
-"""Configurations for a joint's compliance at several angles of it, chosen for a test pose (source 002, (18)).
+"""Configurations for a joint's compliance at several angles of it, chosen for a test pose.
 
 At each angle a few configurations under a hanging load, and one pulled from the side: gravity makes no torque
-about an upright first axis, so a plan without it leaves that joint's compliance unknown and (18) infinite.
+about an upright first axis, so a plan without it leaves that joint's compliance unknown and the criterion,
+eq. (18) of Klimchik et al. (2017), infinite.
 """
 
 from __future__ import annotations

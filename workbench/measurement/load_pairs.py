@@ -2,8 +2,8 @@
 
 Each configuration is a set-up of its own, so the instrument's frame is fitted anew to it: whatever is
 equal before and after (geometry, zeros, dead weight, a compensator's pull) goes into that frame, and only
-loaded minus unloaded speaks. That is the linear estimate k = (Σ BᵀB)⁻¹ Σ Bᵀ Δp of source 002, eqs. (8)–(11),
-with the workbench's own statics for B and iterated about the loaded pose.
+loaded minus unloaded speaks. That is the linear estimate k = (Σ BᵀB)⁻¹ Σ Bᵀ Δp of Klimchik et al. (2017),
+eqs. (8)–(11), with the workbench's own statics for B and iterated about the loaded pose.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ Load = tuple[float, Sequence[float]]
 class GroupCompliance(AxialYield):
     """A joint's compliance as its model's, plus `relative` of it in the `poses` marked True only.
 
-    Source 002 gives joint 2 a compliance of its own at each of its angles. For fitting: the mask belongs
-    to one campaign.
+    Klimchik et al. (2017) give joint 2 a compliance of its own at each of its angles. For fitting: the mask
+    belongs to one campaign.
     """
 
     nominal: float = 0.0
@@ -157,7 +157,7 @@ def compliances(found: Fit) -> tuple[Array, Array]:
 
 def difference_rows(campaign: Campaign) -> Array:
     """(C, 3T, n) motion of the targets by the load of C pairs, per unit of each joint's compliance over the
-    model's. The rows A of the source's criteria (14), (17), (18), about the nominal loaded pose."""
+    model's. The rows A of that paper's criteria (14), (17), (18), about the nominal loaded pose."""
     job = problem(as_one_setup(campaign))
     model = Model(job)
     line = model.linearise(model.in_base())

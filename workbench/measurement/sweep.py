@@ -1,9 +1,9 @@
 """A joint swept alone in small steps, a target on its link: the joint's error over its angle, and its lines.
 
-Source 003, section III: the measured angle minus the commanded one; what the model says of the load is taken
-off, the rest is the gear. The circle on which the target runs is found from the points' places across and
-off it, never along it: so no error of the joint goes into the instrument's frame, but for a constant turn,
-which no instrument outside can know.
+Olabi et al. (2012), section III: the measured angle minus the commanded one; what the model says of the load
+is taken off, the rest is the gear. The circle on which the target runs is found from the points' places
+across and off it, never along it: so no error of the joint goes into the instrument's frame, but for a
+constant turn, which no instrument outside can know.
 """
 
 from __future__ import annotations

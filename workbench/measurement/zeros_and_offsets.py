@@ -1,6 +1,6 @@
 """Joint zeros θ and offsets d from points of one ball, where lengths a and twists α are known.
 
-The second step of source 004, eqs. (33)–(35), after the circle points: rows are those of standard
+The second step of Liu et al., eqs. (33)–(35), after the circle points: rows are those of standard
 Denavit–Hartenberg (`denavit_hartenberg.py`). Marks on the base give the frame. A `SimulatedArm` is built as
 one table and told as another, which is how a study of such a calibration knows the truth.
 """

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import importlib
-import json
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..arguments import common, guarded, progress
 from ..files.whole import put
 from ..report.study import Study
 from ..report.study_page import index, write_study
@@ -42,15 +38,7 @@ def run_published(names: Sequence[str], folder: Path, seed: int, quick: bool, sa
 
 
 def main(script: Script) -> None:
-    """A study's script as a program of its own: `python my_study.py [--quick] [--out DIR] [--seed N]`."""
-    module = sys.modules[script.__module__]
-    parser = argparse.ArgumentParser(description=module.__doc__)
-    common(parser, f"reports/{Path(module.__file__ or 'study/study.py').resolve().parent.name}")
+    """`workbench.run_study`, by the name that scripts of before know it by."""
+    from ..cli.study import run_study
 
-    def action() -> int:
-        given = parser.parse_args()
-        found = run(script, given.out, given.seed, given.quick, progress)
-        print(json.dumps(found.to_json()) if given.json else found.text)
-        return 0
-
-    sys.exit(guarded(action))
+    run_study(script)

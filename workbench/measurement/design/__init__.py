@@ -1,8 +1,8 @@
-"""The next measurements: records that make the model most accurate, or that tell rival causes apart."""
+"""The next measurements: records that make the model most accurate, or that discriminate between rivals."""
 
 from .accuracy import AccuracyPlan
+from .discrimination import DiscriminationPlan
 from .fedorov import criterion, exchange
 from .next_poses import plan
-from .tell import TellPlan
 
-__all__ = ["AccuracyPlan", "TellPlan", "criterion", "exchange", "plan"]
+__all__ = ["AccuracyPlan", "DiscriminationPlan", "criterion", "exchange", "plan"]

@@ -1,9 +1,10 @@
 """The next records for accuracy: least mean squared error of what the calibrated model predicts.
 
 Parameters are frames, targets, geometry, the joints' compliances and the effects that the robot's own TOML
-states; held by the priors of a fit and by what was measured already. What counts is the mean over typical
-poses, with every stated load, of the squared 3-D error of the targets (source 002, eqs. (17), (18)), frame
-and targets fitted there: that of the model itself, as `diagnose --test` judges it in a new set-up.
+states; held by the priors of a fit and by what was measured already. The plan is I-optimal: what counts is
+the mean over typical poses, with every stated load, of the squared 3-D error of the targets (Klimchik et al.
+2017, eqs. (17), (18)), frame and targets fitted there: that of the model itself, as `diagnose --test` judges
+it in a new set-up.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from ...campaign import Campaign
 from ...effects.joint_compliance import JointCompliance
 from ...robot.kinematics import Array
 from .candidates import Factors, candidates, ordered, payload_counts, take
-from .fedorov import criterion, exchange, information
-from .knowledge import Acting, Knowledge, Rows, information_before
+from .fedorov import Search, criterion, exchange, information
+from .prior_information import PriorInformation, Sensitivity, ValuedEffects, prior_precision
 
 TYPICAL = 300  # poses whose mean squared error counts
 DRAWS = 25  # random plans behind a median
@@ -65,57 +66,66 @@ class AccuracyPlan:
         return "\n".join(lines)
 
 
-def plan_accuracy(known: Knowledge, count: int, pool: int, starts: int, seed: int) -> AccuracyPlan:
-    """`count` records out of about `pool` candidates. Raises InputError where that cannot be."""
-    rng = np.random.default_rng([seed, 21])
-    offered = candidates(known, pool, Factors(), rng)
-    effects = _effects(known)
-    new, before = known.new(offered, effects), known.measured(effects)
-    typical = candidates(known, TYPICAL, Factors(), rng)
-    error = 1e3 * known.typical(typical, effects) / np.sqrt(len(typical.q))  # mm
+def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> AccuracyPlan:
+    """`count` records out of the candidates. Raises InputError where that cannot be."""
+    rng = np.random.default_rng([search.seed, 21])
+    offered = candidates(prior, search.pool, Factors(), rng)
+    effects = _effects(prior)
+    new, before = prior.of_records(offered, effects), prior.of_campaign(effects)
+    typical = candidates(prior, TYPICAL, Factors(), rng)
+    error = 1e3 * prior.of_predictions(typical, effects) / np.sqrt(len(typical.q))  # mm
     names = list(dict.fromkeys([*(before.names if before else ()), *new.names]))
     rows = new.on(names)
     # the same A0ᵀ A0 in few rows
-    A0 = Rows(new.names, np.asarray(np.linalg.qr(error, mode="r"))[None]).on(names)[0]
-    prior = np.diag(information_before(names))
+    A0 = Sensitivity(new.names, np.asarray(np.linalg.qr(error, mode="r"))[None]).on(names)[0]
+    held = np.diag(prior_precision(names))
     if before is not None:
-        prior += information(before.on(names))
-    chosen, plan_mm = exchange(rows, A0, count, prior=prior, starts=starts, seed=seed)
-    nothing = rows[:0]
+        held += information(before.on(names))
+    chosen, plan_mm = exchange(rows, A0, count, prior=held, starts=search.starts, seed=search.seed)
+    chance = _Chance(rows, A0, held, search.seed)
     return AccuracyPlan(
         ordered(take(offered, chosen)),
-        known.noise,
-        None if before is None else criterion(nothing, A0, prior),
-        _random(rows, A0, prior, count, seed),
-        plan_mm,
-        _as_good(rows, A0, prior, count, plan_mm, seed),
+        prior.noise,
+        now_mm=None if before is None else criterion(rows[:0], A0, held),
+        random_mm=chance.median(count),
+        plan_mm=plan_mm,
+        same=chance.records_for(plan_mm, count),
     )
 
 
-def _effects(known: Knowledge) -> Acting:
+def _effects(prior: PriorInformation) -> ValuedEffects:
     """The effects whose parameters are open: those of the robot's TOML, and every joint's compliance."""
-    stated = {effect.key for effect, _ in known.acting}
-    every = [effect for effect in JointCompliance.sites(known.problem) if effect.key not in stated]
-    return (*known.acting, *((effect, np.zeros(1)) for effect in every))
+    stated = {effect.key for effect, _ in prior.acting}
+    every = [effect for effect in JointCompliance.sites(prior.problem) if effect.key not in stated]
+    return (*prior.acting, *((effect, np.zeros(1)) for effect in every))
 
 
-def _random(rows: Array, A0: Array, prior: Array, count: int, seed: int) -> float:
-    """Median criterion of `count` random records, drawn with repeats: the candidates stand for all poses."""
-    values = []
-    for draw in range(DRAWS):
-        chosen = np.random.default_rng([seed, 22, draw]).integers(len(rows), size=count)
-        values.append(criterion(rows[chosen], A0, prior))
-    return float(np.median(values))
+@dataclass(frozen=True)
+class _Chance:
+    """What random records reach. rows: (C, D, P) of the candidates, which stand for all poses; A0: (D0, P);
+    held: (P, P) prior information."""
 
+    rows: Array
+    A0: Array
+    held: Array
+    seed: int
 
-def _as_good(rows: Array, A0: Array, prior: Array, count: int, wanted: float, seed: int) -> int | None:
-    """Fewest random records with a median criterion of `wanted`; None where that takes too many."""
-    low, high = count, count
-    while _random(rows, A0, prior, high, seed) > wanted:
-        if high >= MOST * count:
-            return None
-        low, high = high, 2 * high
-    while high - low > max(1, low // 50):
-        middle = (low + high) // 2
-        low, high = (middle, high) if _random(rows, A0, prior, middle, seed) > wanted else (low, middle)
-    return high
+    def median(self, count: int) -> float:
+        """Median criterion of `count` random records, drawn with repeats."""
+        values = []
+        for draw in range(DRAWS):
+            chosen = np.random.default_rng([self.seed, 22, draw]).integers(len(self.rows), size=count)
+            values.append(criterion(self.rows[chosen], self.A0, self.held))
+        return float(np.median(values))
+
+    def records_for(self, wanted: float, count: int) -> int | None:
+        """Fewest records, `count` or more, with a median of `wanted`; None where that takes too many."""
+        low, high = count, count
+        while self.median(high) > wanted:
+            if high >= MOST * count:
+                return None
+            low, high = high, 2 * high
+        while high - low > max(1, low // 50):
+            middle = (low + high) // 2
+            low, high = (middle, high) if self.median(middle) > wanted else (low, middle)
+        return high

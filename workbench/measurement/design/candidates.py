@@ -12,7 +12,7 @@ from ...campaign.planned import random_poses
 from ...campaign.problem import REFERENCE_TEMPERATURE
 from ...robot.description import Robot
 from ...robot.kinematics import Array
-from .knowledge import Knowledge
+from .prior_information import PriorInformation
 
 FEWEST = 40  # joint positions, however many loads and states they are offered in
 WARM = REFERENCE_TEMPERATURE + 10.0  # °C, of an arm that has worked for an hour or two
@@ -22,7 +22,7 @@ PACE = 60.0  # s for a record
 
 @dataclass(frozen=True)
 class Factors:
-    """What a plan may choose besides pose and payload: the side of approach, cold or warm, early or late."""
+    """Factors of a plan besides pose and payload: the side of approach, cold or warm, early or late."""
 
     approach: bool = False
     warm: bool = False
@@ -37,15 +37,15 @@ class Factors:
         return [(0.0, cold), (2 * SESSION, cold)] if self.late else [(0.0, cold)]
 
 
-def candidates(known: Knowledge, count: int, factors: Factors, rng: np.random.Generator) -> Campaign:
+def candidates(prior: PriorInformation, count: int, factors: Factors, rng: np.random.Generator) -> Campaign:
     """About `count` possible records: random poses with every load and in every session. Raises InputError
     where hardly any pose is possible."""
-    payloads = len(known.problem.campaign.payload_names)
+    payloads = len(prior.problem.campaign.payload_names)
     sessions = factors.sessions
     several = payloads * len(sessions)
-    q = random_poses(known.robot, max(FEWEST, count // several), rng)
+    q = random_poses(prior.robot, max(FEWEST, count // several), rng)
     payload, session = (grid.ravel() for grid in np.meshgrid(range(payloads), range(len(sessions))))
-    records = known.records(np.tile(q, (several, 1)), np.repeat(payload, len(q)))
+    records = prior.records(np.tile(q, (several, 1)), np.repeat(payload, len(q)))
     start, temperature = (
         np.repeat(np.array(column)[session], len(q)) for column in zip(*sessions, strict=True)
     )

@@ -1,8 +1,9 @@
-"""Causes as `--tell` names them, where they may sit, and what they depend on besides pose and payload."""
+"""Causes as `--tell` names them, where they may sit, and the factors of the experiment that show them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ...campaign.problem import Problem
@@ -16,9 +17,51 @@ KEYS = (*PLACE, "order", "variant")
 EXAMPLE = "like gear_ratio:joint=joint_2,hose_torque:joint=joint_4 or gear_ratio,hose_torque"
 
 
-def split_causes(text: str) -> tuple[str, str]:
-    """The two causes of `--tell`, each in the spelling of `--effect`: a part without a colon that is
-    key=value belongs to the cause before it."""
+@dataclass(frozen=True)
+class NamedCause:
+    """A cause with the place and form that were said; text: in the spelling of `--effect`."""
+
+    text: str
+    kind: type[Effect]
+    asked: tuple[tuple[str, str], ...]
+
+    def sites(self, whole: Problem) -> list[Effect]:
+        """Those of its sites in this campaign that are as asked."""
+        return [effect for effect in self.kind.sites(whole) if self._fits(effect)]
+
+    def _fits(self, effect: Effect) -> bool:
+        for key, value in self.asked:
+            if key == "variant" and value not in (effect.variant, effect.variant.split(" ")[0]):
+                return False
+            if key != "variant" and value != str(getattr(effect.where, key)):
+                return False
+        return True
+
+    def effects(self, whole: Problem) -> list[Effect]:
+        """What the cause may be: at every place and in every form left open. Raises InputError."""
+        why = self.kind.needs(whole)
+        if why is not None:
+            raise InputError(Fault(f"--tell {self.text}", why))
+        # an order of its own, or a place that is not there (then with the fault of it)
+        return self.sites(whole) or [parse_effect(self.text, whole)[0]]
+
+    def depends(self, trial: Problem) -> frozenset[str]:
+        """Which of side, time and temperature it is tried by; trial: a campaign that varies all three."""
+        columns = {"side": "direction", "time": "time", "temperature": "temperature"}
+        varied = self.sites(trial)
+        return frozenset(
+            word for word, column in columns.items() if self.sites(_without(trial, column)) != varied
+        )
+
+
+def _without(whole: Problem, column: str) -> Problem:
+    missing: dict[str, Any] = {column: None}
+    return replace(whole, campaign=replace(whole.campaign, **missing))
+
+
+def named_causes(text: str) -> tuple[NamedCause, NamedCause]:
+    """The two causes of `--tell`: a part without a colon that is key=value belongs to the cause before it.
+    Raises InputError."""
     found: list[str] = []
     for part in (part.strip() for part in text.split(",")):
         if found and "=" in part and ":" not in part:
@@ -27,56 +70,36 @@ def split_causes(text: str) -> tuple[str, str]:
             found.append(part)
     if len(found) != 2:
         raise InputError(Fault("--tell", f"{text!r} names {len(found)} causes, not two", EXAMPLE))
-    kinds = catalogue()
-    faults = [
-        Fault("--tell", f"no cause {name!r}", f"known: {', '.join(kinds)}")
-        for name in (item.partition(":")[0] for item in found)
-        if name not in kinds
-    ]
+    faults = [fault for item in found for fault in _faults(item)]
     if faults:
         raise InputError(faults)
-    return found[0], found[1]
+    first, second = (_named(item) for item in found)
+    return first, second
 
 
-def factors(named: Sequence[str]) -> Factors:
-    """What besides pose and payload these causes depend on."""
-    causes = {item.partition(":")[0] for item in named}
-    warm = "thermal_growth" in causes or any("variant=temperature" in item for item in named)
-    return Factors("backlash" in causes, warm, "drift" in causes)
-
-
-def cause_places(item: str, whole: Problem) -> list[Effect]:
-    """The effects that a cause may be: at every place and in every form that its keys leave open."""
+def _faults(item: str) -> list[Fault]:
     cause, _, rest = item.partition(":")
-    kind = catalogue()[cause]
-    pairs = [part.partition("=") for part in rest.split(",") if part]
-    faults = [
-        Fault(
-            f"--tell {item}",
-            f"{key!r} is no place or form",
-            f"keys are {', '.join(KEYS)}, as in joint=joint_2",
-        )
-        for key, equals, _ in pairs
+    if cause not in catalogue():
+        return [Fault("--tell", f"no cause {cause!r}", f"known: {', '.join(catalogue())}")]
+    keys = (part.partition("=") for part in rest.split(",") if part)
+    how = f"keys are {', '.join(KEYS)}, as in joint=joint_2"
+    return [
+        Fault(f"--tell {item}", f"{key!r} is no place or form", how)
+        for key, equals, _ in keys
         if key not in KEYS or not equals
     ]
-    why = kind.needs(whole)
-    if why is not None:
-        faults.append(Fault(f"--tell {item}", why))
-    if faults:
-        raise InputError(faults)
-    asked = {key: value for key, _, value in pairs}
-    fits = [effect for effect in kind.sites(whole) if _fits(effect, asked)]
-    # an order of its own, or a place that is not there (then with the fault of it)
-    return fits or [parse_effect(item, whole)[0]]
 
 
-def _fits(effect: Effect, asked: dict[str, str]) -> bool:
-    for key, value in asked.items():
-        if key == "variant" and value not in (effect.variant, effect.variant.split(" ")[0]):
-            return False
-        if key != "variant" and value != str(getattr(effect.where, key)):
-            return False
-    return True
+def _named(item: str) -> NamedCause:
+    cause, _, rest = item.partition(":")
+    pairs = (part.partition("=") for part in rest.split(",") if part)
+    return NamedCause(item, catalogue()[cause], tuple((key, value) for key, _, value in pairs))
+
+
+def factors(causes: Sequence[NamedCause], trial: Problem) -> Factors:
+    """What besides pose and payload a plan for these causes must vary; trial: varies everything."""
+    depends = frozenset[str]().union(*(cause.depends(trial) for cause in causes))
+    return Factors("side" in depends, "temperature" in depends, "time" in depends)
 
 
 def keys(effect: Effect) -> dict[str, Any]:

@@ -1,7 +1,7 @@
-"""Which of many possible records to measure: Fedorov's exchange with exact gains.
+"""Which of many possible records to measure: the exchange of Fedorov (1972) with exact gains.
 
 With V = M⁻¹ the covariance of the parameters, a further record with whitened rows A (D, P) changes the
-criterion tr(A0 V A0ᵀ) of source 002, eqs. (17) and (18), by Woodbury's identity exactly by
+criterion tr(A0 V A0ᵀ) of Klimchik et al. (2017), eqs. (17) and (18), by Woodbury's identity exactly by
 
     g = tr(S⁻¹ A V A0ᵀ A0 V Aᵀ),   S = I + A V Aᵀ
 
@@ -11,6 +11,7 @@ which is worked out for all candidates at once. Records are exchanged one by one
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +23,18 @@ Records = NDArray[np.int64]
 Cost = Callable[[Records], Array]
 
 RIDGE = 1e-10  # information that stands in for none while a plan cannot identify everything yet
-BLIND = 1e-11  # information, of what all candidates together give, below which a direction is unseen
+UNSEEN = 1e-11  # information, of what all candidates together give, below which a direction is unseen
 BETTER = 1e-7  # relative gain below which an exchange is rounding, no improvement
 SWEEPS = 50
+
+
+@dataclass(frozen=True)
+class Search:
+    """How long to look: candidate records on offer (about), random starts of the exchange, and the seed."""
+
+    pool: int
+    starts: int
+    seed: int
 
 
 def exchange(
@@ -73,7 +83,7 @@ def criterion(rows: Array, A0: Array, prior: Array | None = None) -> float:
         M = M + prior * np.outer(scale, scale)
     values, vectors = np.linalg.eigh(M)
     asked = (A0 * scale) @ vectors
-    seen = values > BLIND * max(float(values[-1]), 1e-300)
+    seen = values > UNSEEN * max(float(values[-1]), 1e-300)
     if np.abs(asked[:, ~seen]).max(initial=0.0) > 1e-6 * max(float(np.abs(asked).max(initial=0.0)), 1e-300):
         return float("inf")
     return float(np.sqrt(np.sum(asked[:, seen] ** 2 / values[seen])))

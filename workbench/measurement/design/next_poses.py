@@ -1,35 +1,22 @@
-"""`workbench plan`: a campaign or a robot in, the poses to measure next out."""
+"""The verb: a campaign or a robot in, the poses to measure next out."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import tempfile
-import tomllib
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
-from ...arguments import load_all
-from ...campaign import Campaign, write_campaign
-from ...files.faults import Fault, InputError, read_text
-from ...files.whole import put
-from ...robot.description import Robot, load_robot
-from ...robot.find import list_robots
+from ...campaign import Campaign
+from ...files.faults import Fault, InputError
+from ...robot.description import Robot
 from .accuracy import AccuracyPlan, plan_accuracy
-from .candidates import payload_counts
-from .knowledge import measured, unmeasured
-from .tell import TellPlan, plan_tell
+from .discrimination import DiscriminationPlan, plan_discrimination
+from .fedorov import Search
+from .prior_information import from_campaign, from_robot
 
-POOL = 1200  # candidate records
-QUICK_POOL = 400
-STARTS = 3  # of the exchange
-HINT = (
-    "Joints keep to 90 % of their limits and the arm above the floor; collisions and the instrument's view "
-    "are for you to check."
-)
+POOL, QUICK_POOL = 1200, 400  # candidate records,
+PER_POSE, QUICK_PER_POSE = 4, 2  # or so many for each that is chosen
+STARTS, QUICK_STARTS = 3, 1  # of the exchange
 
-Plan = AccuracyPlan | TellPlan
+Plan = AccuracyPlan | DiscriminationPlan
 Progress = Callable[[str], None]
 
 
@@ -47,82 +34,12 @@ def plan(
     if poses < 1:
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
-    known = measured(source) if isinstance(source, Campaign) else unmeasured(source)
-    pool, starts = (max(QUICK_POOL, 2 * poses), 1) if quick else (max(POOL, 4 * poses), STARTS)
-    progress(f"choosing {poses} of about {pool} possible records")
+    prior = from_campaign(source) if isinstance(source, Campaign) else from_robot(source)
+    if quick:
+        search = Search(max(QUICK_POOL, QUICK_PER_POSE * poses), QUICK_STARTS, seed)
+    else:
+        search = Search(max(POOL, PER_POSE * poses), STARTS, seed)
+    progress(f"choosing {poses} of about {search.pool} possible records")
     if tell is not None:
-        return plan_tell(known, tell, poses, pool, starts, seed)
-    return plan_accuracy(known, poses, pool, starts, seed)
-
-
-def plan_command(arguments: argparse.Namespace, progress: Progress) -> str:
-    """Plans what the arguments say, writes the poses, and returns what to print. Raises InputError."""
-    out: Path = arguments.out
-    if out.is_dir():
-        raise InputError(Fault(str(out), "is a folder", "name a file with --out"))
-    source = read_source(arguments.source)
-    made = plan(
-        source,
-        arguments.poses,
-        tell=arguments.tell,
-        seed=arguments.seed,
-        quick=arguments.quick,
-        progress=progress,
-    )
-    if made.records is not None:
-        write_poses(out, made.records)
-    if arguments.json:
-        return json.dumps(_facts(source, made, out))
-    if made.records is None:
-        return f"{made.text}\nNothing was written."
-    return f"{made.text}\n{_written(made.records, out)}\n{HINT}"
-
-
-def _facts(source: Campaign | Robot, made: Plan, out: Path) -> dict[str, Any]:
-    return {
-        "robot": source.robot.name if isinstance(source, Campaign) else source.name,
-        "campaign": str(source.path) if isinstance(source, Campaign) else None,
-        **made.to_json(),
-        "file": None if made.records is None else str(out),
-    }
-
-
-def read_source(text: str) -> Campaign | Robot:
-    """A robot by its name or its TOML, which names a URDF; else a campaign."""
-    if not text.endswith(".toml"):
-        if Path(text).exists() and text not in {path.stem for path in list_robots()}:
-            raise InputError(
-                Fault(text, "is neither a TOML file nor a robot", "name campaign.toml or a robot")
-            )
-        return load_robot(text)
-    try:
-        content = tomllib.loads(read_text(Path(text)))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Fault(text, f"is not TOML: {error}")) from None
-    if "urdf" in content:
-        return load_robot(text)
-    (campaign,) = load_all([text])
-    return campaign
-
-
-def write_poses(path: Path, records: Campaign) -> None:
-    """poses.csv of the contract, as `write_campaign` writes it, whole or not at all. Raises InputError."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory() as folder:
-            write_campaign(folder, records)
-            put(path, (Path(folder) / "poses.csv").read_bytes())
-    except OSError as error:
-        raise InputError(
-            Fault(str(path), error.strerror or "cannot be written", "name a file with --out")
-        ) from None
-
-
-def _written(records: Campaign, out: Path) -> str:
-    loads = [
-        f"{count} with {name or 'no payload'}" for name, count in payload_counts(records).items() if count
-    ]
-    carried = f" ({', '.join(loads)})" if len(records.payload_names) > 1 else ""
-    steps = "" if records.time is None else "session by session, "
-    steps += "load by load, " if len(loads) > 1 else ""
-    return f"{len(records.q)} poses{carried} written to {out}: {steps}from each to the nearest that is left."
+        return plan_discrimination(prior, tell, poses, search)
+    return plan_accuracy(prior, poses, search)

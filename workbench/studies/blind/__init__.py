@@ -1,6 +1,6 @@
 """Our own error rates: robots, campaigns and causes drawn at random, simulated by Drake, diagnosed blind.
 
-One case again: `python -m workbench.studies.blind.one KEY`. Strength of what is hidden is drawn by its
+One case again: `workbench study case KEY`. Strength of what is hidden is drawn by its
 non-centrality λ, not by millimetres, so that every cause is as hard as any other.
 """
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import sqlite3
 import sys
 import time
@@ -43,8 +44,9 @@ class Done:
 
 
 def spawn_pool(workers: int) -> Executor:
-    """Processes that start fresh."""
-    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    """Processes that start fresh, and leave Ctrl-C to the one that started them."""
+    spawn = get_context("spawn")
+    return ProcessPoolExecutor(workers, spawn, signal.signal, (signal.SIGINT, signal.SIG_IGN))
 
 
 def run_tasks(

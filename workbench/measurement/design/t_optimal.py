@@ -1,8 +1,8 @@
-"""Records that tell rival causes apart: the largest λ of the pair that is hardest to tell.
+"""Records that discriminate between rival causes: T-optimal for the pair that is hardest to tell.
 
-λ of a cause beside its rival is the squared size, in standard deviations, of what frames, targets, geometry
-and the rival together cannot explain of it. With F their whitened rows and Y those of the cause, in its
-typical size and averaged over the directions of its p parameters,
+λ, the T-criterion of Atkinson and Fedorov (1975), is the squared size of a cause, in standard deviations,
+that frames, targets, geometry and the rival together cannot explain. With F their whitened rows and Y those
+of the cause, in its typical size and averaged over the directions of its p parameters,
 
     λ = tr(YᵀY − YᵀF (K + FᵀF)⁻¹ FᵀY) / p
 
@@ -20,17 +20,18 @@ from numpy.typing import NDArray
 
 from ...effects.base import Effect
 from ...robot.kinematics import Array
-from .fedorov import Records, improve, information, search, unit_scale
-from .knowledge import WIDE, Rows, effect_names, information_before
+from . import fedorov
+from .fedorov import Records, Search, information, unit_scale
+from .prior_information import WIDE, Sensitivity, parameter_names, prior_precision
 
-STEERING = 4  # duels that steer the exchange at first, the hardest
+STEERING = 4  # criteria that steer the exchange at first, those of the hardest pairs
 MOST_STEERING = 8
 
 Pair = tuple[Effect, Effect]  # a cause and the rival that it must be told from
 
 
 @dataclass(frozen=True)
-class Contest:
+class DesignSpace:
     """Candidate records and what was measured, on the background's parameters and those of all effects.
 
     names: (P,), those of the effects last; rows: (C, D, P); before: (P, P) information of the campaign.
@@ -42,21 +43,21 @@ class Contest:
 
     def columns(self, effect: Effect) -> NDArray[np.int64]:
         """Columns of an effect's parameters."""
-        return np.array([self.names.index(name) for name in effect_names(effect)])
+        return np.array([self.names.index(name) for name in parameter_names(effect)])
 
     @property
     def background(self) -> int:
         """Number of columns before the effects'."""
         return sum(not name.startswith("effect/") for name in self.names)
 
-    def data(self, chosen: Records) -> Array:
+    def measured(self, chosen: Records) -> Array:
         """(P, P) information of the campaign and of some records."""
         return self.before + information(self.rows[chosen])
 
     def left(self, data: Array) -> Array:
         """(g, g) information on the effects that frames, targets and geometry leave (Schur complement)."""
         b = self.background
-        M = data + np.diag(np.where(np.arange(len(data)) < b, information_before(self.names), 0.0))
+        M = data + np.diag(np.where(np.arange(len(data)) < b, prior_precision(self.names), 0.0))
         scale = 1 / np.sqrt(np.diag(M)[:b])
         cross = M[:b, b:] * scale[:, None]
         return np.asarray(M[b:, b:] - cross.T @ np.linalg.solve(M[:b, :b] * np.outer(scale, scale), cross))
@@ -66,7 +67,7 @@ class Contest:
         own = self.columns(effect) - self.background
         return float(self.left(data)[own, own].sum()) / len(own)
 
-    def lambdas(self, data: Array, pairs: Sequence[Pair]) -> Array:
+    def criterion(self, data: Array, pairs: Sequence[Pair]) -> Array:
         """λ of each cause beside its rival."""
         left, out = self.left(data), []
         for effect, rival in pairs:
@@ -77,17 +78,17 @@ class Contest:
         return np.maximum(out, 0.0)
 
 
-def contest(new: Rows, before: Rows | None) -> Contest:
-    """Rows of the candidates and of the campaign on common parameters."""
+def design_space(new: Sensitivity, before: Sensitivity | None) -> DesignSpace:
+    """The candidates and the campaign on common parameters."""
     every = dict.fromkeys([*(before.names if before else ()), *new.names])
     names = tuple(sorted(every, key=lambda name: name.startswith("effect/")))
     was = np.zeros((len(names), len(names))) if before is None else information(before.on(names))
-    return Contest(names, new.on(names), was)
+    return DesignSpace(names, new.on(names), was)
 
 
 @dataclass(frozen=True)
-class Duel:
-    """One cause beside one rival. F: (C, D, P) rows of background and rival, Y: (C, D, p) of the cause;
+class TCriterion:
+    """λ of one cause beside one rival. F: (C, D, P) rows of background and rival, Y: (C, D, p) of the cause;
     K: (P, P) prior and measured information, c: (P, p) FᵀY and own: tr YᵀY of what was measured."""
 
     F: Array
@@ -110,40 +111,40 @@ class Duel:
         return np.asarray((value + gain) / p)
 
 
-def duel(field: Contest, pair: Pair) -> Duel:
-    """A pair of a contest, ready for the exchange."""
-    i = field.columns(pair[0])
-    f = np.concatenate([np.arange(field.background), field.columns(pair[1])])
-    F, K = field.rows[:, :, f], field.before[np.ix_(f, f)]
-    K = K + np.diag(information_before([field.names[k] for k in f]))
+def t_criterion(space: DesignSpace, pair: Pair) -> TCriterion:
+    """The criterion of a pair, ready for the exchange."""
+    cause, rival = pair
+    i = space.columns(cause)
+    f = np.concatenate([np.arange(space.background), space.columns(rival)])
+    F, K = space.rows[:, :, f], space.before[np.ix_(f, f)]
+    K = K + np.diag(prior_precision([space.names[k] for k in f]))
     scale = unit_scale(F, K)
-    own = float(np.trace(field.before[np.ix_(i, i)]))
-    return Duel(
-        F * scale,
-        field.rows[:, :, i],
-        K * np.outer(scale, scale),
-        field.before[np.ix_(f, i)] * scale[:, None],
-        own,
+    return TCriterion(
+        F=F * scale,
+        Y=space.rows[:, :, i],
+        K=K * np.outer(scale, scale),
+        c=space.before[np.ix_(f, i)] * scale[:, None],
+        own=float(np.trace(space.before[np.ix_(i, i)])),
     )
 
 
-def tell_apart(field: Contest, pairs: Sequence[Pair], count: int, starts: int, seed: int) -> Records:
+def t_optimal(space: DesignSpace, pairs: Sequence[Pair], count: int, search: Search) -> Records:
     """`count` records with the largest λ of the hardest of these pairs. Those that are hard on average
     steer the exchange; what turns out harder then joins them, and the exchange goes on."""
-    C = len(field.rows)
-    average = field.before + count / C * information(field.rows)
-    steering = [int(k) for k in np.argsort(field.lambdas(average, pairs))[:STEERING]]
-    duels = [duel(field, pairs[k]) for k in steering]
+    C = len(space.rows)
+    average = space.before + count / C * information(space.rows)
+    steering = [int(k) for k in np.argsort(space.criterion(average, pairs))[:STEERING]]
+    criteria = [t_criterion(space, pairs[k]) for k in steering]
 
     def cost(rest: Records) -> Array:
-        return np.asarray(-np.min([fight.with_each(rest) for fight in duels], axis=0))
+        return np.asarray(-np.min([one.with_each(rest) for one in criteria], axis=0))
 
-    chosen = search(cost, C, count, starts, seed)
-    while len(duels) < MOST_STEERING:
-        worst = int(np.argmin(field.lambdas(field.data(chosen), pairs)))
+    chosen = fedorov.search(cost, C, count, search.starts, search.seed)
+    while len(criteria) < MOST_STEERING:
+        worst = int(np.argmin(space.criterion(space.measured(chosen), pairs)))
         if worst in steering:
             break
         steering.append(worst)
-        duels.append(duel(field, pairs[worst]))
-        chosen = improve(cost, chosen)[1]
+        criteria.append(t_criterion(space, pairs[worst]))
+        chosen = fedorov.improve(cost, chosen)[1]
     return chosen

@@ -1,4 +1,4 @@
-"""What is known of a robot, and what further records would add: whitened rows on common parameters.
+"""Prior information on a robot, and what further records would add: whitened sensitivities.
 
 A record is a pose with its load, its side of approach, its time and temperature. New records stand in a
 set-up of their own, as `diagnose old.toml new.toml` takes them: its frame and targets are fitted anew, and
@@ -32,11 +32,11 @@ ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tra
 WIDE = 30.0  # prior of an effect's parameter, in its typical sizes: wide, but no arm is made of rubber
 OFTEN = 0.5  # share of the poses that must show a target for a plan to count on it
 
-Acting = tuple[tuple[Effect, Array], ...]
+ValuedEffects = tuple[tuple[Effect, Array], ...]
 
 
 @dataclass(frozen=True)
-class Rows:
+class Sensitivity:
     """Whitened derivatives (N, D, P) of records by the parameters `names` (P): frames, targets and geometry
     in units of their priors, effects in typical sizes."""
 
@@ -54,7 +54,7 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Knowledge:
+class PriorInformation:
     """A robot with its loads and targets, and what was measured of it.
 
     problem: of the campaign (of one without points where nothing was measured: then `fit` is None);
@@ -64,7 +64,7 @@ class Knowledge:
     """
 
     problem: Problem
-    acting: Acting
+    acting: ValuedEffects
     fit: Fit | None
     sigma: Array
     joint: Array
@@ -102,31 +102,31 @@ class Knowledge:
             shot_scatter=(0.0, 0),
         )
 
-    def measured(self, effects: Acting) -> Rows | None:
-        """Rows of what was measured; None where nothing was."""
-        return None if self.fit is None else _rows(self.fit, effects)
+    def of_campaign(self, effects: ValuedEffects) -> Sensitivity | None:
+        """Sensitivity of what was measured; None where nothing was."""
+        return None if self.fit is None else _sensitivity_of(self.fit, effects)
 
-    def new(self, records: Campaign, effects: Acting) -> Rows:
-        """Rows of new records, in a set-up of their own."""
+    def of_records(self, records: Campaign, effects: ValuedEffects) -> Sensitivity:
+        """Sensitivity of new records, in a set-up of their own."""
         sigma = np.tile(self.sigma[self.shown], (len(records.q), 1))
         noise = Covariance(sigma, self.joint, np.ones(len(records.q)), turn_ratio=self.turn_ratio)
-        return self._derivatives(records, noise, effects)
+        return self._sensitivity(records, noise, effects)
 
-    def typical(self, records: Campaign, effects: Acting) -> Array:
-        """(D0, P) rows [m] of poses that will have to be right, by the names of `new`: what the targets
-        move when their frame and places are fitted to these very poses. A pose's squared rows are the mean
-        over its targets."""
+    def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:
+        """(D0, P) rows [m] of poses that will have to be right, by the names of `of_records`: what the
+        targets move when their frame and places are fitted to these very poses. A pose's squared rows are
+        the mean over its targets."""
         shape = (len(records.q), int(self.shown.sum()))
         # the six rows of a 6-D measurement are means over the targets already
         size = 1.0 if records.six_dof else float(np.sqrt(shape[1]))
         noise = Covariance(np.full(shape, size), np.zeros(self.problem.arm.n), np.ones(shape[0]))
-        rows = self._derivatives(records, noise, effects)
+        rows = self._sensitivity(records, noise, effects)
         flat = rows.values.reshape(-1, len(rows.names))
         fitted = np.array([name.startswith(("frame/", "target/")) for name in rows.names])
         Q = _span(flat[:, fitted])
         return np.where(fitted, 0.0, flat - Q @ (Q.T @ flat))
 
-    def _derivatives(self, records: Campaign, noise: Covariance, effects: Acting) -> Rows:
+    def _sensitivity(self, records: Campaign, noise: Covariance, effects: ValuedEffects) -> Sensitivity:
         name = "planned"
         while name in self.problem.campaign.setup_names:
             name += "+"
@@ -140,7 +140,7 @@ class Knowledge:
         shots = np.ones(points.shape[:2], dtype=np.int64)
         whole = replace(whole, campaign=replace(records, points=points, shots=shots))
         # a fit to its own prediction: only its derivatives are wanted
-        return _rows(fit(replace(model, problem=whole), state, noise, max_iterations=1), effects)
+        return _sensitivity_of(fit(replace(model, problem=whole), state, noise, max_iterations=1), effects)
 
 
 def _span(columns: Array) -> Array:
@@ -150,29 +150,29 @@ def _span(columns: Array) -> Array:
     return np.asarray(U[:, s > 1e-9 * s[0]])
 
 
-def _rows(result: Fit, effects: Acting) -> Rows:
-    """Rows of a fit's poses by its own parameters and by those of effects besides."""
+def _sensitivity_of(result: Fit, effects: ValuedEffects) -> Sensitivity:
+    """Sensitivity of a fit's poses by its own parameters and by those of effects besides."""
     names, blocks = list(result.columns.names), [result.J * result.columns.prior]
     for effect, values in effects:
         typical = np.array([p.typical for p in effect.params])
-        names += effect_names(effect)
+        names += parameter_names(effect)
         moved = result.model.effect_jacobian(result.line, effect, values) * typical
         blocks.append(np.matmul(result.whitener, moved))
-    return Rows(tuple(names), np.concatenate(blocks, axis=2))
+    return Sensitivity(tuple(names), np.concatenate(blocks, axis=2))
 
 
-def effect_names(effect: Effect) -> list[str]:
+def parameter_names(effect: Effect) -> list[str]:
     """Names of an effect's parameters, its form and order included."""
     what = f"{effect.cause}({effect.where.keys()}) {effect.variant}"
     return [f"effect/{what}/{p.name}" for p in effect.params]
 
 
-def information_before(names: Sequence[str]) -> Array:
-    """(P,) what is known of each parameter before anything is measured, in the units of `Rows`."""
+def prior_precision(names: Sequence[str]) -> Array:
+    """(P,) information on each parameter before anything is measured, in the units of `Sensitivity`."""
     return np.array([WIDE**-2 if name.startswith("effect/") else 1.0 for name in names])
 
 
-def unmeasured(robot: Robot) -> Knowledge:
+def from_robot(robot: Robot) -> PriorInformation:
     """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker."""
     loads = {name: stated_load(load) for name, load in robot.payloads.items()}
     blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=stated_load(robot.tool))
@@ -182,10 +182,10 @@ def unmeasured(robot: Robot) -> Knowledge:
     sigma = np.full(len(TARGETS), ASSUMED_SIGMA)
     effects = tuple(stated_effects(whole))
     shown = np.ones(len(TARGETS), dtype=bool)
-    return Knowledge(whole, effects, None, sigma, joint, 1.0, noise, shown, whole.stated_targets)
+    return PriorInformation(whole, effects, None, sigma, joint, 1.0, noise, shown, whole.stated_targets)
 
 
-def measured(campaign: Campaign) -> Knowledge:
+def from_campaign(campaign: Campaign) -> PriorInformation:
     """A robot with its campaign, geometry fitted and noise chosen as a diagnosis does. Raises InputError
     where the data are unusable."""
     whole = problem(campaign)
@@ -212,4 +212,4 @@ def measured(campaign: Campaign) -> Knowledge:
     joint, ratio = covariance.joint, covariance.turn_ratio
     if joint.any():
         words += f", joints that repeat to {1e3 * float(joint.max()):.3g} mrad"
-    return Knowledge(whole, acting, result, sigma, joint, ratio, words, shown, places)
+    return PriorInformation(whole, acting, result, sigma, joint, ratio, words, shown, places)

@@ -1,0 +1,100 @@
+"""Options that several commands have, and what they mean: campaigns, loads, folders."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from ..files.faults import Fault, InputError
+from .status import progress
+
+if TYPE_CHECKING:
+    from ..campaign import Campaign
+    from ..correction import Conditions
+
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+
+def out_option(parser: argparse.ArgumentParser, what: str, default: str | None = None) -> None:
+    """`--out`; what: file or folder, and what is written there where nothing is said."""
+    path = Path(default) if default else None
+    parser.add_argument("--out", type=Path, default=path, metavar="PATH", help=what)
+
+
+def json_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--json", action="store_true", help="the result to standard output, nothing else there"
+    )
+
+
+def seed_option(parser: argparse.ArgumentParser, of: str) -> None:
+    """`--seed`; of: what is drawn at random."""
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help=f"of {of} (0)")
+
+
+def quick_option(parser: argparse.ArgumentParser, how: str) -> None:
+    parser.add_argument("--quick", action="store_true", help=f"faster: {how}")
+
+
+def workers_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--workers", type=positive, metavar="N", help="processes (default: all cores)")
+
+
+def load_options(parser: argparse.ArgumentParser) -> None:
+    """Tool and payload along a path; `conditions` says what they mean."""
+    parser.add_argument(
+        "--payload", default="", metavar="NAME", help="what the arm carries (default: nothing)"
+    )
+    parser.add_argument(
+        "--campaign", metavar="CAMPAIGN.toml", help="where tool and payload are stated (default: the model)"
+    )
+
+
+def positive(text: str) -> int:
+    """A whole number from 1."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number from 1")
+    return int(text)
+
+
+def check_folder(out: Path | None) -> None:
+    """Raises InputError where a file is in the way of the folder."""
+    if out is not None and out.exists() and not out.is_dir():
+        raise InputError(Fault(str(out), "is a file, not a folder", "name a folder with --out"))
+
+
+def load_all(paths: Sequence[str]) -> list[Campaign]:
+    """All campaigns, their warnings told; `InputError` with the faults of all."""
+    from ..campaign import load_campaign
+
+    campaigns: list[Campaign] = []
+    faults: list[Fault] = []
+    for path in paths:
+        try:
+            campaigns.append(load_campaign(path))
+        except InputError as error:
+            faults += error.faults
+    if faults:
+        raise InputError(faults)
+    for campaign in campaigns:
+        for warning in campaign.warnings:
+            print(f"warning: {warning}", file=sys.stderr)
+    return campaigns
+
+
+def conditions(model: str, payload: str, campaign: str | None) -> Conditions:
+    """Tool and payload along the path, as the campaign or else the model states them."""
+    from ..correction import conditions_of, stated_conditions
+    from ..robot.description import load_robot
+
+    if campaign:
+        (stated,) = load_all([campaign])
+        return conditions_of(stated, payload)
+    robot = load_robot(model)
+    if robot.payloads and not payload:
+        known = ", ".join(robot.payloads)
+        progress(f"the arm is taken to carry no payload; the model knows {known} (--payload NAME)")
+    return stated_conditions(robot, payload)

@@ -1,0 +1,51 @@
+"""`workbench diagnose`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from .arguments import Commands, check_folder, json_option, load_all, out_option, seed_option
+from .status import progress
+
+
+def add(commands: Commands) -> None:
+    parser = commands.add_parser(
+        "diagnose", help="what the simulation gets wrong, why, and the gain of saying so"
+    )
+    parser.add_argument("campaigns", nargs="+", metavar="CAMPAIGN.toml", help="of one robot: fitted together")
+    parser.add_argument(
+        "--test", metavar="CAMPAIGN.toml", help="judge on this campaign; nothing is fitted on it"
+    )
+    out_option(
+        parser,
+        "folder for the page, report, scene, model and numbers (reports/ and the name of the campaign's "
+        "folder; with --json nothing is written unless this is given)",
+    )
+    seed_option(parser, "the groups of poses that are held out in turn")
+    json_option(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    from ..diagnosis.run import diagnose
+
+    check_folder(arguments.out)
+    campaigns = load_all([*arguments.campaigns, *([arguments.test] if arguments.test else [])])
+    test = campaigns.pop() if arguments.test else None
+    outcome = diagnose(campaigns, test, progress, arguments.seed)
+    folder = arguments.out
+    if folder is None and not arguments.json:
+        folder = Path("reports") / Path(arguments.campaigns[0]).resolve().parent.name
+    if folder is not None:
+        from ..report.outcome import write_outcome
+
+        progress("writing the page, the report and the scene")
+        write_outcome(outcome, folder)
+    if arguments.json:
+        print(json.dumps(outcome.diagnosis.to_json()))
+    else:
+        from ..report.terminal import short_verdict
+
+        print(short_verdict(outcome.diagnosis, folder))

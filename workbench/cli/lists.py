@@ -1,0 +1,39 @@
+"""`workbench robots` and `workbench causes`: what there is, a line each."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from .arguments import Commands, json_option
+
+
+def add(commands: Commands) -> None:
+    parser = commands.add_parser("robots", help="the robots that come with the workbench")
+    json_option(parser)
+    parser.set_defaults(run=robots)
+    parser = commands.add_parser("causes", help="the causes that a diagnosis can name")
+    json_option(parser)
+    parser.set_defaults(run=causes)
+
+
+def robots(arguments: argparse.Namespace) -> None:
+    from ..robot.description import load_robot
+    from ..robot.find import list_robots
+
+    found = [load_robot(path) for path in list_robots()]
+    if arguments.json:
+        print(json.dumps([{"name": r.name, "title": r.title, "joints": len(r.joints)} for r in found]))
+    else:
+        for r in found:
+            print(f"{r.name:<14} {len(r.joints)} joints   {r.title}")
+
+
+def causes(arguments: argparse.Namespace) -> None:
+    from ..effects import catalogue
+
+    if arguments.json:
+        print(json.dumps([{"cause": key, "title": kind.title} for key, kind in catalogue().items()]))
+    else:
+        for key, kind in catalogue().items():
+            print(f"{key:<22} {kind.title}")

@@ -1,0 +1,122 @@
+"""`workbench study`, and a study's script as a program of its own."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+from ..studies import PUBLISHED
+from .arguments import (
+    Commands,
+    check_folder,
+    json_option,
+    out_option,
+    positive,
+    quick_option,
+    seed_option,
+    workers_option,
+)
+from .status import guarded, progress
+
+if TYPE_CHECKING:
+    from ..studies.running import Script
+
+
+def add(commands: Commands) -> None:
+    parser = commands.add_parser("study", help="the published studies, and our own error rates (blind)")
+    studies = parser.add_subparsers(dest="name", required=True, metavar="NAME")
+    for name in PUBLISHED:
+        _script_options(studies.add_parser(name, help="a published study"), f"reports/{name}")
+    _script_options(studies.add_parser("all", help="all of these, and a list of them"), "reports")
+    for name in (*PUBLISHED, "all"):
+        studies.choices[name].set_defaults(run=run)
+    _add_blind(studies)
+    _add_case(studies)
+
+
+def _script_options(parser: argparse.ArgumentParser, folder: str) -> None:
+    out_option(parser, f"folder for the page, the report, the scene and the numbers ({folder})", folder)
+    seed_option(parser, "all that is simulated")
+    quick_option(parser, "fewer poses and draws; not the figures that the study is judged by")
+    json_option(parser)
+
+
+def _add_blind(studies: Commands) -> None:
+    parser = studies.add_parser("blind", help="our own error rates, on robots and faults drawn at random")
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--draws", type=positive, default=20, metavar="N", help="draws per cause (20)")
+    size.add_argument("--quick", action="store_true", help="faster: two cases of a few causes")
+    out_option(parser, "folder for the page, the rates and every case (reports/blind)", "reports/blind")
+    seed_option(parser, "all cases")
+    workers_option(parser)
+    parser.add_argument("--resume", action="store_true", help="go on where a stopped run ended")
+    json_option(parser)
+    parser.set_defaults(run=run_blind)
+
+
+def _add_case(studies: Commands) -> None:
+    parser = studies.add_parser("case", help="cases of the blind study again: what was hidden, what was said")
+    parser.add_argument("keys", nargs="+", metavar="KEY", help="like gear_ratio/3, pair/0, clean-stated/2")
+    out_option(parser, "folder under which each diagnosis' page is written (default: none is)")
+    seed_option(parser, "the study")
+    workers_option(parser)
+    json_option(parser)
+    parser.set_defaults(run=run_case)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    from ..studies.running import run_published
+
+    everything, folder = arguments.name == "all", arguments.out
+    check_folder(folder)
+    names = PUBLISHED if everything else (arguments.name,)
+    found = run_published(names, folder, arguments.seed, arguments.quick, progress)
+    if arguments.json:
+        results = [study.to_json() for study in found]
+        print(json.dumps(results if everything else results[0]))
+    else:
+        print("\n\n".join(study.text for study in found), f"open {folder}/index.html", sep="\n\n")
+
+
+def run_blind(arguments: argparse.Namespace) -> None:
+    from ..studies.blind import blind
+
+    check_folder(arguments.out)
+    result = blind(
+        arguments.out,
+        arguments.draws,
+        arguments.seed,
+        arguments.workers,
+        arguments.resume,
+        arguments.quick,
+    )
+    print(json.dumps(result.to_json()) if arguments.json else result.text)
+
+
+def run_case(arguments: argparse.Namespace) -> None:
+    from ..studies.blind.blind_page import miss_cells
+    from ..studies.blind.one import cases_again
+
+    check_folder(arguments.out)
+    for record in cases_again(arguments.keys, arguments.seed, arguments.out, arguments.workers):
+        print(json.dumps(record) if arguments.json else " | ".join(miss_cells(record)), flush=True)
+
+
+def run_study(script: Script) -> NoReturn:
+    """A study's script as a program of its own: `python my_study.py [--quick] [--out DIR] [--seed N]`."""
+    module = sys.modules[script.__module__]
+    parser = argparse.ArgumentParser(description=module.__doc__)
+    _script_options(parser, f"reports/{Path(module.__file__ or 'study/study.py').resolve().parent.name}")
+
+    def action() -> None:
+        from ..studies.running import run as run_script
+
+        given = parser.parse_args()
+        check_folder(given.out)
+        found = run_script(script, given.out, given.seed, given.quick, progress)
+        print(json.dumps(found.to_json()) if given.json else found.text)
+
+    sys.exit(guarded(action))

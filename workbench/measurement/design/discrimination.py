@@ -1,0 +1,222 @@
+"""The next records to discriminate between rival causes, how far apart they then are, or why none do it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from ...campaign import Campaign
+from ...effects.base import Effect
+from ...files.faults import Fault, InputError
+from ...robot.kinematics import Array
+from .accuracy import DRAWS
+from .candidates import Factors, candidates, ordered, payload_counts, take
+from .causes import EXAMPLE, factors, keys, label, named_causes
+from .fedorov import Records, Search, check_count, information
+from .prior_information import PriorInformation
+from .t_optimal import DesignSpace, Pair, design_space, t_optimal
+
+MOST = 1000  # poses that anyone would measure for this
+
+
+@dataclass(frozen=True)
+class Power:
+    """λ and what a diagnosis makes of it, as the blind study has it."""
+
+    least: float = 10.0  # below, it hardly ever names the cause (3 to 8 % of the cases)
+    mostly: float = 40.0  # from here it finds the cause always, and names it mostly
+    surely: float = 80.0  # from here it names the right one in most campaigns, and never the wrong one
+
+
+POWER = Power()
+
+
+@dataclass(frozen=True)
+class Discrimination:
+    """λ of a cause beside its rival: now (None without a campaign), after random records, after the plan."""
+
+    effect: Effect
+    rival: Effect
+    now: float | None
+    random: float
+    plan: float
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            **keys(self.effect),
+            "rival": keys(self.rival),
+            "lambda_now": self.now,
+            "lambda_random": self.random,
+            "lambda_plan": self.plan,
+        }
+
+
+@dataclass(frozen=True)
+class DiscriminationPlan:
+    """Records to tell causes apart, in the order to measure them; None where no poses do.
+
+    hardest: both ways of the pair with the least λ after the plan; hopeless: pairs that all candidates
+    together do not tell; unseen: effects that no pose shows beside geometry; needed: planned poses after
+    which the hardest λ is `POWER.mostly`; separate_by: measurements of another kind that tell them apart.
+    """
+
+    records: Campaign | None
+    count: int
+    noise: str
+    hardest: tuple[Discrimination, ...]
+    hopeless: tuple[Pair, ...]
+    unseen: tuple[Effect, ...]
+    needed: int | None
+    separate_by: str
+
+    @property
+    def least(self) -> float:
+        """The smallest λ after the plan."""
+        return min((pair.plan for pair in self.hardest), default=0.0)
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "kind": "tell",
+            "n_poses": 0 if self.records is None else len(self.records.q),
+            "payloads": {} if self.records is None else payload_counts(self.records),
+            "noise": self.noise,
+            "told_apart": self.least >= POWER.least and not self.hopeless and not self.unseen,
+            "hardest": [pair.to_json() for pair in self.hardest],
+            "hopeless": [{**keys(a), "rival": keys(b)} for a, b in self.hopeless],
+            "unseen": [keys(effect) for effect in self.unseen],
+            "poses_needed": self.needed,
+            "separate_by": self.separate_by,
+        }
+
+    @property
+    def text(self) -> str:
+        lines = [f"No pose shows {label(effect)}." for effect in self.unseen]
+        lines += [f"No poses tell {label(a)} from {label(b)}." for a, b in self.hopeless]
+        if self.hardest:
+            alike, apart = f"below {POWER.least:g} alike", f"above {POWER.surely:g} apart"
+            lines.append(f"λ, how far apart these causes are ({alike}, {apart}), if of")
+            lines.append(f"typical size ({self._sizes()}), with {self.noise}:")
+            for pair in self.hardest:
+                now = "" if pair.now is None else f"{pair.now:.3g} now, "
+                lines.append(
+                    f"  {label(pair.effect)} beside {label(pair.rival)}: {now}{pair.random:.3g} after "
+                    f"{self.count} random poses, {pair.plan:.3g} after this plan"
+                )
+            lines.append(self._meaning())
+        if self.least < POWER.mostly or self.hopeless or self.unseen:
+            lines.append(f"Another kind of measurement tells more: {self.separate_by}.")
+        return "\n".join(lines)
+
+    def _sizes(self) -> str:
+        params = [(e.label, e.params[0]) for pair in self.hardest for e in (pair.effect, pair.rival)]
+        sizes = {name: f"{p.name} {p.typical:g} {p.unit}".removesuffix(" 1") for name, p in params}
+        return ", ".join(sizes.values())
+
+    def _meaning(self) -> str:
+        """λ in words; it goes with the square of the causes' size."""
+        more = f"about {self.needed} planned poses" if self.needed else "more poses than anyone measures"
+        if self.least >= POWER.surely:
+            return "This plan tells them apart."
+        if self.least >= POWER.mostly:
+            return "This plan tells them apart, mostly; smaller causes it may not."
+        if self.least >= POWER.least:
+            return f"This plan may tell them apart; to be fairly sure takes {more}, or larger causes."
+        return f"So few poses do not tell them apart: that takes {more}, or larger causes."
+
+
+def plan_discrimination(prior: PriorInformation, text: str, count: int, search: Search) -> DiscriminationPlan:
+    """`count` records out of the candidates that tell the causes of `text` apart. Raises InputError where
+    the text names no two causes, or causes that these records cannot have."""
+    offered, first, second = _offered(prior, text, search)
+    check_count(count, len(offered.q))
+    effects = list(dict.fromkeys([*first, *second]))
+    at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
+    space = design_space(prior.of_records(offered, at_zero), prior.of_campaign(at_zero))
+    everything = space.before + information(space.rows)
+    unseen = [effect for effect in effects if space.alone(everything, effect) < POWER.least]
+    pairs = _pairs(first, second, unseen)
+    if not pairs and not unseen:
+        raise InputError(Fault("--tell", f"{text!r} names one cause at one place", EXAMPLE))
+    reached = space.criterion(everything, pairs)
+    lost = {frozenset(pair) for pair, power in zip(pairs, reached, strict=True) if power < POWER.least}
+    hopeless = [pair for pair in pairs[::2] if frozenset(pair) in lost]
+    open_pairs = [pair for pair in pairs if frozenset(pair) not in lost]
+    found = DiscriminationPlan(
+        records=None,
+        count=count,
+        noise=prior.noise,
+        hardest=(),
+        hopeless=tuple(hopeless),
+        unseen=tuple(unseen),
+        needed=None,
+        separate_by=_advice(hopeless or pairs or [(unseen[0], e) for e in effects]),
+    )
+    if not open_pairs:
+        return found
+    chosen = t_optimal(space, open_pairs, count, search)
+    hardest = _hardest(space, open_pairs, chosen, search.seed)
+    records = ordered(take(offered, chosen))
+    return replace(found, records=records, hardest=hardest, needed=_needed(hardest, count))
+
+
+def _offered(
+    prior: PriorInformation, text: str, search: Search
+) -> tuple[Campaign, list[Effect], list[Effect]]:
+    """Candidates that vary what the named causes depend on, and what each cause may be in them."""
+    causes = named_causes(text)
+    everything = candidates(prior, 0, Factors(True, True, True), np.random.default_rng(search.seed))
+    needed = factors(causes, replace(prior.problem, campaign=everything))
+    offered = candidates(prior, search.pool, needed, np.random.default_rng([search.seed, 21]))
+    whole = replace(prior.problem, campaign=offered)
+    first, second = (cause.effects(whole) for cause in causes)
+    return offered, first, second
+
+
+def _pairs(first: Sequence[Effect], second: Sequence[Effect], unseen: Sequence[Effect]) -> list[Pair]:
+    """Every pair of different causes or places, both ways one after the other."""
+    out: dict[frozenset[Effect], Pair] = {}
+    for a, b in product(first, second):
+        if a.key != b.key and a not in unseen and b not in unseen:
+            out.setdefault(frozenset((a, b)), (a, b))
+    return [way for a, b in out.values() for way in ((a, b), (b, a))]
+
+
+def _hardest(
+    space: DesignSpace, pairs: Sequence[Pair], chosen: Records, seed: int
+) -> tuple[Discrimination, ...]:
+    """Both ways of the pair with the least λ."""
+    plan = space.criterion(space.measured(chosen), pairs)
+    k = int(np.argmin(plan)) // 2 * 2
+    both = pairs[k : k + 2]
+    now = space.criterion(space.before, both) if space.before.any() else [None, None]
+    draws = []
+    for draw in range(DRAWS):
+        at_random = np.random.default_rng([seed, 32, draw]).integers(len(space.rows), size=len(chosen))
+        draws.append(space.criterion(space.measured(at_random), both))
+    random: Array = np.median(draws, axis=0)
+    return tuple(
+        Discrimination(*pair, None if n is None else float(n), float(r), float(p))
+        for pair, n, r, p in zip(both, now, random, plan[k : k + 2], strict=True)
+    )
+
+
+def _needed(hardest: Sequence[Discrimination], count: int) -> int | None:
+    """Planned records for a λ of `POWER.mostly`, were each worth as much as one of this plan."""
+    worst = min(hardest, key=lambda pair: pair.plan)
+    now = worst.now or 0.0
+    gain = (worst.plan - now) / count
+    needed = (POWER.mostly - now) / gain if gain > 0 else np.inf
+    return int(np.ceil(needed)) if needed < MOST else None
+
+
+def _advice(pairs: Sequence[Pair]) -> str:
+    """What the effects themselves say tells them apart."""
+    said = [text for a, b in pairs for text in (a.separate.get(b.cause), b.separate.get(a.cause)) if text]
+    return (
+        "; ".join(dict.fromkeys(said))
+        or "the drives' torques, a target on the link in question, another load"
+    )
