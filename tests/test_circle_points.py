@@ -28,7 +28,7 @@ from workbench.robot.description import load_robot
 from workbench.robot.kinematics import Array, frames
 from workbench.robot.rigid_plant import arrays
 from workbench.simulation.virtual_campaign import Truth, simulate
-from workbench.studies.longlink.study import TABLE_2, TABLE_3
+from workbench.studies.longlink.printed import TABLE_2, TABLE_3
 
 ANGLES = np.linspace(-1.2, 1.2, 15)
 

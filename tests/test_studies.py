@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import os
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+import workbench
 from workbench.cli.main import main
 from workbench.studies import PUBLISHED
 
@@ -31,16 +37,108 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.Captu
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_a_study_is_a_script_to_copy(name: str) -> None:
-    """Short, with its words beside it, and without imports that work in this package only."""
-    text = (STUDIES / name / "study.py").read_text(encoding="utf-8")
-    assert 80 <= len(text.splitlines()) <= 200
-    assert not re.search(r"^\s*from \.", text, flags=re.MULTILINE)
-    assert "main(study)" in text
-    story = (STUDIES / name / "story.md").read_text(encoding="utf-8")
+def test_a_study_is_a_folder_to_read(name: str) -> None:
+    """Short files and functions, with the words beside them."""
+    folder = STUDIES / name
+    assert {"study.py", "story.md", "printed.py"} <= {path.name for path in folder.iterdir()}
+    for path, tree in trees(folder):
+        assert len(path.read_text(encoding="utf-8").splitlines()) <= 250, path
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef):
+                assert (node.end_lineno or 0) - node.lineno < 60, f"{path}: {node.name}"
+    story = (folder / "story.md").read_text(encoding="utf-8")
     for heading in ("## Box", "### What the paper concludes", "### What its numbers support",
                     "### What we would measure next", "## Assumed"):  # fmt: skip
         assert heading in story
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_a_study_needs_the_public_names_alone(name: str) -> None:
+    """Of the workbench only what `workbench` itself offers, and chapters of its own folder."""
+    for path, tree in trees(STUDIES / name):
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                assert not [a.name for a in node.names if a.name.startswith("workbench")], path
+            elif isinstance(node, ast.ImportFrom) and node.level:
+                own = [node.module] if node.module else [alias.name for alias in node.names]
+                assert node.level == 1, path
+                assert all((path.parent / f"{chapter}.py").is_file() for chapter in own), (path, own)
+            elif isinstance(node, ast.ImportFrom) and str(node.module).startswith("workbench"):
+                assert node.module == "workbench", (path, node.module)
+                assert {alias.name for alias in node.names} <= set(workbench.__all__), path
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_a_printed_value_says_where_it_is_printed(name: str) -> None:
+    """Below each value of printed.py stand its unit and its place in the paper."""
+    body = ast.parse((STUDIES / name / "printed.py").read_text(encoding="utf-8")).body
+    for node, below in zip(body, [*body[1:], None], strict=True):
+        if not isinstance(node, ast.Assign) or ast.unparse(node.targets[0]) == "NUMBERS":
+            continue
+        assert isinstance(below, ast.Expr), ast.unparse(node)
+        said = ast.literal_eval(below.value)
+        assert re.match(
+            r"\[.+\] .*([Tt]able|[Ss]ection|[Ee]quation|Fig\.|Measurements|Compensation)", said
+        ), said
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_printed_values_stand_in_one_place(name: str) -> None:
+    """What is distinctive in printed.py stands in no other file of the study."""
+    folder = STUDIES / name
+    source = (folder / "printed.py").read_text(encoding="utf-8")
+    found = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Constant)]
+    written = [ast.get_source_segment(source, node) for node in found if isinstance(node.value, int | float)]
+    printed = {v for v in values(" ".join(map(str, written))) if distinctive(v)}
+    assert len(printed) > 0 or name == "cylindrical"  # there all have two digits
+    for path in (*folder.glob("*.py"), *folder.glob("*.md")):
+        if path.name == "printed.py":
+            continue
+        text = re.sub(r"\{[^{}]*\}", "", path.read_text(encoding="utf-8"))
+        again = {v for v in values(text) if distinctive(v) and any(same(v, p) for p in printed)}
+        assert not again, f"{path} repeats {sorted(again)}"
+
+
+def values(text: str) -> set[str]:
+    """All numbers of a text, as digits, without sign and power of ten."""
+    return set(re.findall(r"(?<![\w.])\d+(?:\.\d+)?", text))
+
+
+def distinctive(value: str) -> bool:
+    """Whether a number can hardly stand somewhere by chance: three digits of a fraction, or four."""
+    digits = value.replace(".", "").strip("0") if "." in value else value.strip("0")
+    return len(digits) >= (3 if "." in value else 4)
+
+
+def same(value: str, printed: str) -> bool:
+    """Whether a number is a printed one, rounded as it is: also as a share in per cent, or in mm for m."""
+    places = len(value.partition(".")[2])
+    return any(round(float(printed) * unit, places) == float(value) for unit in (1.0, 1e3, 1e-3, 100.0))
+
+
+def trees(folder: Path) -> list[tuple[Path, ast.Module]]:
+    return [(path, ast.parse(path.read_text(encoding="utf-8"))) for path in sorted(folder.glob("*.py"))]
+
+
+def test_a_copied_study_runs_with_its_own_chapters(tmp_path: Path) -> None:
+    """A folder that lies anywhere, under any name, run as a script: what is changed in it counts."""
+    copied = tmp_path / "my-robot"
+    shutil.copytree(STUDIES / "cylindrical", copied, ignore=shutil.ignore_patterns("__pycache__"))
+    text = (copied / "printed.py").read_text(encoding="utf-8")
+    (copied / "printed.py").write_text(text.replace("POSES = 50", "POSES = 40"), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, str(copied / "study.py"), "--quick", "--json"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(STUDIES.parents[1])},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert (result["study"], result["numbers"]["poses"]) == ("my-robot", 40)
+    for file in ("index.html", "report.pdf", "scene.html", "result.json"):
+        assert (tmp_path / "reports" / "my-robot" / file).is_file()
 
 
 @pytest.mark.slow

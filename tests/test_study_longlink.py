@@ -10,6 +10,7 @@ import pytest
 
 from workbench.campaign import load_campaign
 from workbench.report.study import Study
+from workbench.studies.longlink import printed
 from workbench.studies.longlink import study as longlink
 from workbench.studies.running import run
 
@@ -28,10 +29,10 @@ def test_geometry_alone_makes_the_printed_error(found: Study) -> None:
     n = found.numbers
     assert 24 < n["mean_90_mm"] < 27
     assert 28 < n["mean_45_mm"] < 31
-    assert abs(n["mean_90_mm"] - longlink.BEFORE) < n["scatter_90_mm"]
+    assert abs(n["mean_90_mm"] - printed.BEFORE) < n["scatter_90_mm"]
     assert n["share_alpha_1"] > 0.4  # one twist
     assert n["share_lengths"] < 0.05
-    assert n["without_alpha_1_mm"] < longlink.BEFORE - 2 * n["scatter_90_mm"]  # and it is no misprint
+    assert n["without_alpha_1_mm"] < printed.BEFORE - 2 * n["scatter_90_mm"]  # and it is no misprint
 
 
 def test_links_of_the_printed_stiffness_bend_by_micrometres(found: Study) -> None:
@@ -45,7 +46,7 @@ def test_links_of_the_printed_stiffness_bend_by_micrometres(found: Study) -> Non
 def test_sizes_that_leave_the_printed_error(found: Study) -> None:
     n = found.numbers
     assert 0.15 < n["share"] < 0.5  # stiffer than assumed is enough
-    assert n["full_after_mm"] > 2 * longlink.AFTER
+    assert n["full_after_mm"] > 2 * printed.AFTER
     assert n["right_leaves_mm"] < 0.2  # and nothing wrong leaves nothing of it
     assert 1e-4 < n["ratio_leaves"] < 2e-3
     assert 0.01 < n["twist_leaves_deg"] < 0.1

@@ -1,6 +1,8 @@
 """Robot accuracy workbench: what a robot's simulation gets wrong, why, and the right path all the same.
 
 The names below are the public API. They are imported at first use, so `import workbench` costs nothing.
+Some are modules, where names belong together: `charts.curves`, `path_shapes.circle`, `load_pairs.fit_pairs`.
+`Array` is a NumPy array of float64.
 """
 
 from __future__ import annotations
@@ -18,66 +20,149 @@ if TYPE_CHECKING:
     from .campaign.problem import Problem as Problem
     from .campaign.problem import problem as problem
     from .cli.study import run_study as run_study
+    from .correction import Compensation as Compensation
     from .correction import Conditions as Conditions
     from .correction import compensate as compensate
     from .correction import compensate_file as compensate_file
     from .correction import conditions_of as conditions_of
+    from .correction import nominal_joints as nominal_joints
+    from .correction import path_shapes as path_shapes
     from .correction import stated_conditions as stated_conditions
+    from .correction.paths import Path as Path
     from .correction.paths import load_path as load_path
+    from .correction.paths import write_path as write_path
     from .diagnosis.result import Diagnosis as Diagnosis
     from .diagnosis.run import Outcome as Outcome
     from .diagnosis.run import diagnose as diagnose
     from .effects import catalogue as catalogue
+    from .effects.base import Effect as Effect
+    from .effects.place import Where as Where
     from .effects.records import parse_effect as parse_effect
+    from .effects.records import record as record
     from .files.faults import Fault as Fault
     from .files.faults import InputError as InputError
+    from .identification import denavit_hartenberg as denavit_hartenberg
     from .identification.cells import CellModel as CellModel
+    from .identification.cells import cells as cells
     from .identification.cells import fit_cells as fit_cells
+    from .identification.cells import load_cells as load_cells
+    from .identification.cells import two_steps as two_steps
+    from .identification.cells import write_cells as write_cells
+    from .identification.deflection import deflection as deflection
+    from .identification.deflection import deflection_budget as deflection_budget
+    from .identification.deflection import places as places
+    from .identification.deflection import with_compliance as with_compliance
+    from .identification.fit import Fit as Fit
     from .identification.fit import fit as fit
     from .identification.fit import start_state as start_state
+    from .identification.gravity_compensator import gas_spring as gas_spring
+    from .identification.gravity_compensator.charge import identify_charge as identify_charge
+    from .identification.gravity_compensator.spring_fit import FittedSpring as FittedSpring
+    from .identification.gravity_compensator.spring_fit import fit_any_order as fit_any_order
+    from .identification.gravity_compensator.spring_fit import fit_spring as fit_spring
     from .identification.model import Model as Model
+    from .identification.model_file import loaded as loaded
     from .identification.model_file import write_fit as write_fit
     from .identification.model_file import write_model as write_model
     from .identification.noise import Covariance as Covariance
+    from .identification.restated import restated as restated
+    from .identification.restated import stored as stored
+    from .measurement import axis_by_axis as axis_by_axis
+    from .measurement import load_pairs as load_pairs
+    from .measurement import sweep as sweep
+    from .measurement import zeros_and_offsets as zeros_and_offsets
+    from .measurement.axis_by_axis import LocalStiffness as LocalStiffness
+    from .measurement.circle_points import Axes as Axes
+    from .measurement.circle_points import axes_of as axes_of
     from .measurement.circle_points import fit_circle as fit_circle
     from .measurement.circle_points import link_between as link_between
+    from .measurement.circle_points import sweeps as sweeps
     from .measurement.circle_points import turning_ratio as turning_ratio
     from .measurement.design import plan as plan
+    from .measurement.group_plan import GroupPlan as GroupPlan
+    from .measurement.group_plan import Rig as Rig
+    from .measurement.group_plan import group_plan as group_plan
+    from .measurement.separation import Separation as Separation
+    from .measurement.separation import separate as separate
+    from .measurement.zeros_and_offsets import SimulatedArm as SimulatedArm
+    from .report import charts as charts
+    from .report import numbers as numbers
+    from .report.drawing import Figure as Figure
     from .report.outcome import write_outcome as write_outcome
+    from .report.scene import shown_of as shown_of
+    from .report.story import tell as tell
+    from .report.study import Shown as Shown
+    from .report.study import Study as Study
+    from .report.study import Table as Table
     from .robot.description import Robot as Robot
     from .robot.description import load_robot as load_robot
     from .robot.find import list_robots as list_robots
+    from .robot.kinematics import Array as Array
+    from .robot.rotations import pose as pose
+    from .robot.schema import EffectRecord as EffectRecord
+    from .simulation.closed_loop.control import Controller as Controller
     from .simulation.closed_loop.proof import verify as verify
+    from .simulation.closed_loop.runs import Task as Task
+    from .simulation.closed_loop.runs import World as World
+    from .simulation.closed_loop.runs import simulate_all as simulate_all
     from .simulation.virtual_campaign import Truth as Truth
     from .simulation.virtual_campaign import random_geometry as random_geometry
     from .simulation.virtual_campaign import simulate as simulate
+    from .studies import as_package as as_package
+    from .studies.telling import by_joint as by_joint
 
     __version__: str
 
 _MODULES = {
     "cli.study": "run_study",
     "campaign": "Campaign Target load_campaign write_campaign",
-    "identification.cells": "CellModel fit_cells",
-    "measurement.circle_points": "fit_circle link_between turning_ratio",
-    "simulation.closed_loop.proof": "verify",
-    "correction": "Conditions compensate compensate_file conditions_of stated_conditions",
-    "measurement.design": "plan",
+    "campaign.planned": "planned random_poses",
+    "campaign.problem": "Problem problem",
+    "correction": "Compensation Conditions compensate compensate_file "
+    "conditions_of nominal_joints path_shapes stated_conditions",
+    "correction.paths": "Path load_path write_path",
     "diagnosis.result": "Diagnosis",
     "diagnosis.run": "Outcome diagnose",
     "effects": "catalogue",
-    "identification.model_file": "write_fit write_model",
+    "effects.base": "Effect",
+    "effects.place": "Where",
+    "effects.records": "parse_effect record",
     "files.faults": "Fault InputError",
-    "identification.fit": "fit start_state",
+    "identification": "denavit_hartenberg",
+    "identification.cells": "CellModel cells fit_cells load_cells two_steps write_cells",
+    "identification.deflection": "deflection deflection_budget places with_compliance",
+    "identification.fit": "Fit fit start_state",
+    "identification.gravity_compensator": "gas_spring",
+    "identification.gravity_compensator.charge": "identify_charge",
+    "identification.gravity_compensator.spring_fit": "FittedSpring fit_any_order fit_spring",
     "identification.model": "Model",
+    "identification.model_file": "loaded write_fit write_model",
     "identification.noise": "Covariance",
-    "correction.paths": "load_path",
-    "campaign.planned": "planned random_poses",
-    "campaign.problem": "Problem problem",
-    "effects.records": "parse_effect",
+    "identification.restated": "restated stored",
+    "measurement": "axis_by_axis load_pairs sweep zeros_and_offsets",
+    "measurement.axis_by_axis": "LocalStiffness",
+    "measurement.circle_points": "Axes axes_of fit_circle link_between sweeps turning_ratio",
+    "measurement.design": "plan",
+    "measurement.group_plan": "GroupPlan Rig group_plan",
+    "measurement.separation": "Separation separate",
+    "measurement.zeros_and_offsets": "SimulatedArm",
+    "report": "charts numbers",
+    "report.drawing": "Figure",
     "report.outcome": "write_outcome",
+    "report.scene": "shown_of",
+    "report.story": "tell",
+    "report.study": "Shown Study Table",
     "robot.description": "Robot load_robot",
     "robot.find": "list_robots",
+    "robot.schema": "EffectRecord",
+    "robot.kinematics": "Array",
+    "robot.rotations": "pose",
+    "simulation.closed_loop.control": "Controller",
+    "simulation.closed_loop.proof": "verify",
+    "simulation.closed_loop.runs": "Task World simulate_all",
     "simulation.virtual_campaign": "Truth random_geometry simulate",
+    "studies": "as_package",
+    "studies.telling": "by_joint",
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 __all__ = list(_HOME)
@@ -87,7 +172,8 @@ def __getattr__(name: str) -> Any:
     if name == "__version__":
         value: Any = _version()
     elif name in _HOME:
-        value = getattr(importlib.import_module(f"workbench.{_HOME[name]}"), name)
+        home = importlib.import_module(f"workbench.{_HOME[name]}")
+        value = getattr(home, name, None) or importlib.import_module(f"{home.__name__}.{name}")
     else:
         raise AttributeError(f"module 'workbench' has no attribute {name!r}")
     globals()[name] = value

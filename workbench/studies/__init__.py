@@ -1,3 +1,41 @@
-"""Studies: the demo, the published ones, and the blind one that measures our own error rates."""
+"""Studies: the demo, the published ones, and the blind one that measures our own error rates.
+
+A published study tells a paper again and asks what its numbers support. It is one folder:
+
+    study.py     the story in order: measure, fit, compare, question; it ends in `tell`
+    story.md     its words; numbers, tables and figures come by name from the script
+    printed.py   what the paper prints, each value with its unit and its place there; nowhere else
+    *.py         chapters: what a step of the story takes beyond a screen
+
+To begin one of your own, copy a folder to any place and change it:
+
+1. `cp -r workbench/studies/cylindrical mine && python mine/study.py --quick`: page, PDF, scene and numbers
+   are in `reports/mine/`.
+2. In `printed.py` put what your paper prints. Each value has a line below it: [unit], and where it stands.
+   `NUMBERS` has the printed numbers by the names that the story calls them by.
+3. In `study.py` put your robot (a name that `workbench robots` lists, or the path of its TOML), the
+   measurement (a plan that `simulate` measures in Drake, or `load_campaign` of your own files), the fit and
+   the question. Everything comes from `from workbench import ...`; `tell` gets numbers, tables and figures.
+4. In `story.md` put your words. A name that is not there, or a table that is not used, is refused.
+
+The chapters are imported from the folder they lie in (`from .printed import ...`), as in any package. Run as
+a script, `study.py` belongs to no package; the two lines with `as_package` make its folder one.
+"""
+
+import re
+import sys
+from pathlib import Path
+from types import ModuleType
 
 PUBLISHED = ("cylindrical", "kr500", "kr120", "rx170", "longlink")
+
+
+def as_package(script: str) -> str:
+    """Makes the folder of a script a package, so that `from .chapter import ...` works in it; its name.
+
+    script: the `__file__` of the script. The package is named after the folder; `sys.path` stays as it is.
+    """
+    folder = Path(script).resolve().parent
+    package = ModuleType("study_" + re.sub(r"\W", "_", folder.name))
+    package.__path__ = [str(folder)]
+    return sys.modules.setdefault(package.__name__, package).__name__

@@ -35,10 +35,3 @@ def run_published(names: Sequence[str], folder: Path, seed: int, quick: bool, sa
         found.append(run(script, folder / name, seed, quick, say))
     put(folder / "index.html", index(found).encode())
     return found
-
-
-def main(script: Script) -> None:
-    """`workbench.run_study`, by the name that scripts of before know it by."""
-    from ..cli.study import run_study
-
-    run_study(script)

@@ -12,25 +12,30 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.campaign import Campaign
-from workbench.campaign.planned import planned, random_poses
-from workbench.campaign.problem import problem
-from workbench.effects.base import Effect
-from workbench.effects.joint_compliance import JointCompliance
-from workbench.effects.link_mass import LinkMass
-from workbench.identification.gravity_compensator.charge import EFFECTS, identify_charge
-from workbench.measurement.group_plan import Rig
-from workbench.measurement.load_pairs import fit_beside
-from workbench.robot.description import Robot
-from workbench.simulation.virtual_campaign import Truth, simulate
+from workbench import (
+    Campaign,
+    Effect,
+    Rig,
+    Robot,
+    Truth,
+    catalogue,
+    gas_spring,
+    identify_charge,
+    load_pairs,
+    planned,
+    problem,
+    random_poses,
+    simulate,
+)
 
-GAS, GAS_LENGTH = EFFECTS
+GAS = catalogue()["gravity_compensator"](variant="charge")
+GAS_LENGTH = gas_spring.GasLength(variant="gas_length")
 OTHER_CHARGE, OTHER_LENGTH = -0.08, 0.12  # of the model's: what is hidden in this machine
 
 
 def blind_to_charge(campaign: Campaign, lost: float, sigma: float) -> dict[str, float]:
     """What loaded minus unloaded says of a compensator that has lost a share of its charge."""
-    found = fit_beside(campaign, GAS, sigma)
+    found = load_pairs.fit_beside(campaign, GAS, sigma)
     values, covariance = found.effect_values(len(found.model.effects) - 1)
     half = 1.96 * float(np.sqrt(covariance[0, 0]))
     return {"lost_charge": lost, "pairs_charge": float(values[0]), "pairs_charge_half": half}
@@ -46,11 +51,11 @@ def charge_by_witness(
     other = (GAS, np.array([OTHER_CHARGE])), (GAS_LENGTH, np.array([OTHER_LENGTH]))
     measured = simulate(plan, replace(usual, effects=other), seed=seed, torque_sigma=drive_noise)
     job = problem(plan)
-    masses = [e for e in LinkMass.sites(job) if e.where.link == "link_2" and e.variant == "com"]
+    masses = catalogue()["link_mass"].sites(job)
     beside: dict[str, Sequence[Effect]] = {
         "": (),
-        "_stiffness": JointCompliance.sites(job)[1:2],
-        "_mass": masses,
+        "_stiffness": catalogue()["joint_compliance"].sites(job)[1:2],
+        "_mass": [e for e in masses if e.where.link == "link_2" and e.variant == "com"],
     }
     numbers: dict[str, float] = {"other_charge": OTHER_CHARGE, "other_length": OTHER_LENGTH}
     for witness in ("points", "torque", "both"):

@@ -12,13 +12,18 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.campaign import Campaign, write_campaign
-from workbench.campaign.planned import planned, random_poses
-from workbench.campaign.problem import Problem
-from workbench.diagnosis.run import Outcome, diagnose
-from workbench.measurement.group_plan import Rig
-from workbench.measurement.load_pairs import as_one_setup
-from workbench.robot.description import Robot
+from workbench import (
+    Campaign,
+    Outcome,
+    Problem,
+    Rig,
+    Robot,
+    diagnose,
+    load_pairs,
+    planned,
+    random_poses,
+    write_campaign,
+)
 
 WAYS = ("the 31 pairs, read as absolute poses", "poses under three loads", "… with motor torque")
 
@@ -46,7 +51,7 @@ def diagnosed(
     found: dict[str, dict[str, Outcome]] = {way: {} for way in WAYS}
     for name, full in rich.items():
         write_campaign(folder / name, full, comments=["simulated in Drake"])
-        campaigns = as_one_setup(data[name]), replace(full, torque=None), full
+        campaigns = load_pairs.as_one_setup(data[name]), replace(full, torque=None), full
         for way, campaign in zip(WAYS, campaigns, strict=True):
             found[way][name] = diagnose(campaign, seed=seed)
     return found

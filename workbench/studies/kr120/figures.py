@@ -8,19 +8,24 @@ from dataclasses import replace
 import numpy as np
 from scipy import stats
 
-from ...campaign.planned import planned
-from ...campaign.problem import Problem, problem
-from ...identification.fit import Fit
-from ...identification.gravity_compensator.gas_spring import added_stiffness, bias, linkage
-from ...identification.gravity_compensator.spring_fit import FittedSpring
-from ...measurement.group_plan import GroupPlan
-from ...measurement.load_pairs import Load
-from ...report.charts import OURS, PRINTED, Series, curves, histogram
-from ...report.drawing import MIDDLE, NOISE, Figure
-from ...report.numbers import decimals
-from ...report.study import Table
-from ...robot.description import Robot
-from ...robot.kinematics import Array
+from workbench import (
+    Array,
+    Figure,
+    Fit,
+    FittedSpring,
+    GroupPlan,
+    Problem,
+    Robot,
+    Table,
+    charts,
+    gas_spring,
+    load_pairs,
+    numbers,
+    planned,
+    problem,
+)
+
+from .printed import NAMES
 
 WithHalf = tuple[Array, Array]  # compliances [rad/(N·m)] and half widths of their intervals
 
@@ -45,32 +50,33 @@ def plan_figure(plan: GroupPlan) -> Figure:
         "median": 1e3 * float(np.median(plan.random)),
     }
     title = f"The optimum plan against {len(plan.random)} random plans of the same size"
-    return histogram("plans", title, 1e3 * plan.random, "expected error at the test pose ρ0, mm", marks)
+    label = "expected error at the test pose ρ0, mm"
+    return charts.histogram("plans", title, 1e3 * plan.random, label, marks)
 
 
-def compliance_numbers(names: Sequence[str], k: Mapping[str, WithHalf], constant: Array) -> dict[str, float]:
+def compliance_numbers(k: Mapping[str, WithHalf], constant: Array) -> dict[str, float]:
     """Compliances by name and machine, how far joint 2's six spread over their mean, how wide our intervals
     are, and how far the soft gear spoils k3 to k6 (constant: the true ones)."""
     (soft, soft_half), wider = k["soft"], k["gas"][1] / k["printed"][1]
-    numbers = {
+    by_name = {
         "wider_than_printed": float(np.median(wider)),
         "soft_misses": float((abs(soft - constant) / soft_half)[7:].max()),
     }
     for machine, (values, half) in k.items():
-        six = [value for name, value in zip(names, values, strict=True) if name.startswith("k2")]
-        numbers |= {f"{name}_{machine}": float(v) for name, v in zip(names, values, strict=True)}
-        numbers |= {f"{name}_{machine}_half": float(h) for name, h in zip(names, half, strict=True)}
-        numbers[f"spread_{machine}"] = float(np.ptp(six) / np.mean(six))
-    return numbers
+        six = [value for name, value in zip(NAMES, values, strict=True) if name.startswith("k2")]
+        by_name |= {f"{name}_{machine}": float(v) for name, v in zip(NAMES, values, strict=True)}
+        by_name |= {f"{name}_{machine}_half": float(h) for name, h in zip(NAMES, half, strict=True)}
+        by_name[f"spread_{machine}"] = float(np.ptp(six) / np.mean(six))
+    return by_name
 
 
-def compliance_table(names: Sequence[str], k: Mapping[str, WithHalf], constant: Array) -> Table:
+def compliance_table(k: Mapping[str, WithHalf], constant: Array) -> Table:
     """Table I with intervals beside ours, 1e-6 rad/(N·m)."""
     columns = [*k["printed"], *k["gas"], constant, *k["soft"]]
-    places = [2 if name in ("k1", "k4", "k5", "k6") else 3 for name in names]
+    places = [2 if name in ("k1", "k4", "k5", "k6") else 3 for name in NAMES]
     rows = [
-        [name, *(decimals(1e6 * float(column[i]), places[i]) for column in columns)]
-        for i, name in enumerate(names)
+        [name, *(numbers.decimals(1e6 * float(column[i]), places[i]) for column in columns)]
+        for i, name in enumerate(NAMES)
     ]
     head = ("10⁻⁶ rad/(N·m)", "Table I", "±", "Gas spring alone", "±", "True", "With soft gear", "±")
     note = (
@@ -81,21 +87,21 @@ def compliance_table(names: Sequence[str], k: Mapping[str, WithHalf], constant: 
 
 def fit_numbers(name: str, fits: Mapping[str, Fit]) -> dict[str, float]:
     """χ² of the points, its degrees of freedom and its p by model."""
-    numbers: dict[str, float] = {}
+    by_name: dict[str, float] = {}
     for model, found in fits.items():
         dof = found.point_rows - len(found.columns.names)
-        numbers |= {f"{name}_{model}_chi2": found.chi2, f"{name}_{model}_dof": float(dof)}
-        numbers[f"{name}_{model}_p"] = float(stats.chi2.sf(found.chi2, dof))
-    return numbers
+        by_name |= {f"{name}_{model}_chi2": found.chi2, f"{name}_{model}_dof": float(dof)}
+        by_name[f"{name}_{model}_p"] = float(stats.chi2.sf(found.chi2, dof))
+    return by_name
 
 
 def spring_numbers(springs: Mapping[str, FittedSpring]) -> dict[str, float]:
     """Fitted gas springs, each with its gear."""
-    numbers: dict[str, float] = {}
+    by_name: dict[str, float] = {}
     for name, spring in springs.items():
-        numbers |= _strength(name, spring.force, spring.torque, spring.stiffness)
-        numbers |= {f"{name}_chi2": spring.chi2, f"{name}_p": spring.p_value}
-    return numbers
+        by_name |= _strength(name, spring.force, spring.torque, spring.stiffness)
+        by_name |= {f"{name}_chi2": spring.chi2, f"{name}_p": spring.p_value}
+    return by_name
 
 
 def own_spring_numbers(job: Problem, angles: Array) -> dict[str, float]:
@@ -103,8 +109,8 @@ def own_spring_numbers(job: Problem, angles: Array) -> dict[str, float]:
     stretched arm."""
     law, joint = job.compensator, compensated_joint(job.robot)
     assert law is not None
-    triangle, gear = linkage(job.arm, law), job.robot.joints[joint].data.stiffness or np.inf
-    torque, added = bias(triangle, law, angles), added_stiffness(triangle, law, angles)
+    triangle, gear = gas_spring.linkage(job.arm, law), job.robot.joints[joint].data.stiffness or np.inf
+    torque, added = gas_spring.bias(triangle, law, angles), gas_spring.added_stiffness(triangle, law, angles)
     return {
         "a_mm": 1e3 * triangle.a,
         "L_mm": 1e3 * triangle.L,
@@ -131,20 +137,21 @@ def stiffness_figure(
 ) -> Figure:
     """Joint 2's stiffness at the angles: Table I, ours, the robot's gas spring, the one that is needed."""
 
-    def bars(k: Array, half: Array, colour: str) -> Series:
-        return Series(1e-6 / k, 1e-6 / (k + half), 1e-6 / (k - half), colour, "o")
+    def bars(k: Array, half: Array, colour: str) -> charts.Series:
+        return charts.Series(1e-6 / k, 1e-6 / (k + half), 1e-6 / (k - half), colour, "o")
 
     assert job.compensator is not None
-    added = added_stiffness(linkage(job.arm, job.compensator), job.compensator, angles)
+    added = gas_spring.added_stiffness(gas_spring.linkage(job.arm, job.compensator), job.compensator, angles)
+    alone, needs = 1 / six["printed"][0].mean() + added, 1 / needed.compliance
     series = {
-        "gas spring alone": Series(1e-6 * (1 / six["printed"][0].mean() + added), colour=MIDDLE),
-        "needed gas spring, eq. (12)": Series(1e-6 / needed.compliance, colour=NOISE, style="--"),
-        "Table I": bars(*six["printed"], PRINTED),
-        "ours, with soft gear": bars(*six["soft"], OURS),
+        "gas spring alone": charts.Series(1e-6 * alone, colour=charts.MIDDLE),
+        "needed gas spring, eq. (12)": charts.Series(1e-6 * needs, colour=charts.NOISE, style="--"),
+        "Table I": bars(*six["printed"], charts.PRINTED),
+        "ours, with soft gear": bars(*six["soft"], charts.OURS),
     }
     title = "The gas spring leaves joint 2's stiffness flat; a soft gear scatters it as Table I does"
     x, y = "joint 2, °", "stiffness, MN·m/rad"
-    return curves("stiffness", title, np.degrees(angles), series, x, y, height=3.4)
+    return charts.curves("stiffness", title, np.degrees(angles), series, x, y, height=3.4)
 
 
 def compensated_joint(robot: Robot) -> int:
@@ -165,32 +172,32 @@ def stretched(angles: Array) -> Array:
     return q
 
 
-def torque_figure(robot: Robot, q: Array, load: Load, tool: Load) -> Figure:
+def torque_figure(robot: Robot, q: Array, load: load_pairs.Load, tool: load_pairs.Load) -> Figure:
     """Torque on the compensated joint over poses q: (N, n): of the weight alone, and of what is left."""
-    joint = compensated_joint(robot)
+    joint, bare = compensated_joint(robot), replace(robot, compensator=None)
 
     def torque(used: Robot, payload: str) -> Array:
         job = problem(planned(used, q, payloads={"load": load}, payload=[payload] * len(q), tool=tool))
         return job.nominal_load.local.reshape(len(q), -1)[:, job.arm.axial[joint]]
 
     series = {
-        "with compensator": Series(1e-3 * torque(robot, "")),
-        f"with compensator and {load[0]:.0f} kg": Series(1e-3 * torque(robot, "load")),
-        "weight alone": Series(1e-3 * torque(replace(robot, compensator=None), ""), colour=MIDDLE),
+        "with compensator": charts.Series(1e-3 * torque(robot, "")),
+        f"with compensator and {load[0]:.0f} kg": charts.Series(1e-3 * torque(robot, "load")),
+        "weight alone": charts.Series(1e-3 * torque(bare, ""), colour=charts.MIDDLE),
     }
     title = f"What the compensator changes is the torque that joint {joint + 1}'s gear works at"
     x = f"joint {joint + 1}, °"
-    return curves("torque", title, np.degrees(q[:, joint]), series, x, "torque, arm stretched, kN·m")
+    return charts.curves("torque", title, np.degrees(q[:, joint]), series, x, "torque, arm stretched, kN·m")
 
 
 def bias_figure(robot: Robot, q: Array, shares: Sequence[float] = (-0.05, -0.1, -0.2)) -> Figure:
     """Shift of the flange over poses q: (N, n), arm stretched, where the charge is off by these shares."""
     job, joint = problem(planned(robot, q)), compensated_joint(robot)
     assert job.compensator is not None
-    s, slope, _ = linkage(job.arm, job.compensator).stretch(q[:, joint])
+    s, slope, _ = gas_spring.linkage(job.arm, job.compensator).stretch(q[:, joint])
     stiffness = robot.joints[joint].data.stiffness or np.inf
     shift = 1e3 * reach(job, joint) * job.compensator.force(s)[2] * slope / stiffness  # mm per unit of charge
-    series = {f"{100 * share:.0f} %".replace("-", "−"): Series(-share * shift) for share in shares}
+    series = {f"{100 * share:.0f} %".replace("-", "−"): charts.Series(-share * shift) for share in shares}
     title = "A lost charge moves the unloaded tool; loaded minus unloaded does not see it"
     x, y = f"joint {joint + 1}, °", "shift of the flange, mm"
-    return curves("bias", title, np.degrees(q[:, joint]), series, x, y)
+    return charts.curves("bias", title, np.degrees(q[:, joint]), series, x, y)

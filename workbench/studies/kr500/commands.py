@@ -6,22 +6,28 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...campaign import Campaign
-from ...campaign.planned import planned
-from ...correction import compensate, conditions_of
-from ...correction.paths import Path
-from ...identification.cells import CellModel
-from ...identification.cells.two_steps import external
-from ...report.charts import OURS, PRINTED, Series, curves
-from ...report.drawing import MIDDLE, Figure
-from ...robot.description import Robot
-from ...robot.kinematics import Array
-from ...robot.rotations import pose
-from ...simulation.virtual_campaign import Truth
+from workbench import (
+    Array,
+    Campaign,
+    CellModel,
+    Figure,
+    Path,
+    Robot,
+    Truth,
+    charts,
+    compensate,
+    conditions_of,
+    nominal_joints,
+    path_shapes,
+    planned,
+    two_steps,
+)
+
 from .loads import exact
+from .protocol import BOX, HAND, clock
 
 LABELS = {"constant": "constant stiffness", "128": "128 cells", "named": "soft zone named"}
-COLOURS = {"constant": MIDDLE, "128": PRINTED, "named": OURS}
+COLOURS = {"constant": charts.MIDDLE, "128": charts.PRINTED, "named": charts.OURS}
 
 
 def commanded(
@@ -36,22 +42,35 @@ def commanded(
 
     models: of cells, by name; physical: the extended robot; check: a plan that states loads and target.
     """
-    weight, conditions = external(check).wrench[-1], conditions_of(check, payload)
-    hand = pose(np.array([check.targets[0].xyz]), np.eye(3)[None])[0]
+    weight, conditions = two_steps.external(check).wrench[-1], conditions_of(check, payload)
     out: dict[str, float] = {}
     for name, path in paths.items():
-        cut = {key: model.compensate(path, weight) for key, model in models.items()}
-        whole = compensate(physical, path, conditions, tool=hand)
+        cut = {key: models[key].compensate(path, weight) for key in ("constant", "128")}
+        whole = compensate(physical, path, conditions, tool=HAND)
         wanted = whole.X_desired[:, :3, 3]
         q = {"raw": whole.q_nominal, **{key: one.q for key, one in cut.items()}, "named": whole.q_command}
         error = {}
-        for key, told in q.items():
-            place = exact(_carrying(check, payload, told), truth)[:, 0]
+        for key, joints in q.items():
+            place = exact(_carrying(check, payload, joints), truth)[:, 0]
             error[key] = 1e3 * np.linalg.norm(place - wanted, axis=1)
             out |= {f"{name}_{key}_mm": error[key].mean(), f"{name}_{key}_max_mm": error[key].max()}
     jumps = cut["128"].jump_mm
     way = 1e3 * np.linalg.norm(wanted - wanted[0], axis=1)
     return {**out, "jump_mm": jumps.max(), "walls": len(jumps)}, _line_figure(way, error)
+
+
+def paths(robot: Robot, check: Campaign) -> dict[str, Path]:
+    """The verification points, and a line across the box."""
+    count = len(check.q) // 2
+    return {"points": Path(clock(count), check.q[count:]), "line": across(robot, check.q[0])}
+
+
+def across(robot: Robot, start: Array) -> Path:
+    """A straight line through the box, the tool straight down; start: (n,) joints near its first pose."""
+    frame = path_shapes.work_frame(BOX[0] + [0.03, 0.05, 0.37], along=(0.54, 1.1, 0))
+    run = path_shapes.Run(frame, speed=0.1, period=0.1, R_WT=frame[:3, :3].T @ path_shapes.tilted(0.0))
+    drawn = path_shapes.line(1.22, run)
+    return Path(drawn.time, nominal_joints(robot, drawn, HAND, start=start))
 
 
 def _carrying(plan: Campaign, payload: str, q: Array) -> Campaign:
@@ -68,6 +87,6 @@ def _carrying(plan: Campaign, payload: str, q: Array) -> Campaign:
 
 
 def _line_figure(way: Array, error: Mapping[str, Array]) -> Figure:
-    series = {label: Series(error[key], colour=COLOURS[key]) for key, label in LABELS.items()}
+    series = {label: charts.Series(error[key], colour=COLOURS[key]) for key, label in LABELS.items()}
     title = "The corrected line under 50 kg: cells step at their walls, a physical model does not"
-    return curves("line", title, way, series, "along the line, mm", "distance from the line, mm")
+    return charts.curves("line", title, way, series, "along the line, mm", "distance from the line, mm")

@@ -6,17 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...campaign import Campaign
-from ...identification.cells import fit_cells
-from ...report.charts import OURS, Series, curves
-from ...report.drawing import NOISE, Figure
-from ...report.numbers import mm, percent
-from ...report.study import Table
-from ...robot.kinematics import Array
-from ...simulation.virtual_campaign import simulate
-from .loads import IN_BASE, Case
+from workbench import Array, Campaign, Figure, Table, charts, fit_cells, numbers, simulate
+
+from .loads import Case
+from .printed import CUTS
+from .protocol import BOX, IN_BASE
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +56,6 @@ def how_many(
     case: Case,
     found: Mapping[str, Array],
     check: Campaign,
-    box: ArrayLike,
-    cuts: Mapping[str, Sequence[int]],
     draws: int,
     seed: int,
 ) -> Trade:
@@ -71,16 +64,16 @@ def how_many(
 
     def said(data: Campaign, known: Mapping[str, Array]) -> list[Array]:
         fits = {
-            key: fit_cells(data, box, cut, instrument=IN_BASE)
-            for key, cut in cuts.items()
+            key: fit_cells(data, BOX, cut, instrument=IN_BASE)
+            for key, cut in CUTS.items()
             if key not in known
         }
-        return [known[key] if key in known else fits[key].deflection(check)[len(case.true) :] for key in cuts]
+        return [known[key] if key in known else fits[key].deflection(check)[len(case.true) :] for key in CUTS]
 
     noisy = [said(case.data, {"constant": found["same"], "128": found["128"]})]
     for k in range(1, draws):
         noisy.append(said(simulate(case.data, case.truth, seed=seed + 10 * k, instrument=IN_BASE), {}))
-    counts = [int(np.prod(cut)) for cut in cuts.values()]
+    counts = [int(np.prod(cut)) for cut in CUTS.values()]
     return trade(counts, case.true, said(case.clean, {}), noisy)
 
 
@@ -91,7 +84,8 @@ def allowed_table(missing: Trade) -> Table:
         one = missing.scaled(share)
         best = f"{one.best} or more" if one.best == one.counts[-1] else str(one.best)
         error = 1e3 * np.sqrt(one.bias + one.variance)
-        lines.append([percent(share, 0), mm(1e3 * np.sqrt(one.bias[0])), *map(mm, error), best])
+        left = numbers.mm(1e3 * np.sqrt(one.bias[0]))
+        lines.append([numbers.percent(share, 0), left, *map(numbers.mm, error), best])
     head = ("Of the effect", "Constant leaves", *(f"{int(k)}" for k in missing.counts), "Allowed")
     note = "RMS errors in mm with 1, 2, 16 and 128 cells, noise and what is missing together."
     return Table("How many cells noise allows", head, lines, note)
@@ -99,11 +93,12 @@ def allowed_table(missing: Trade) -> Table:
 
 def count_figure(constant: Trade, missing: Trade) -> Figure:
     """What finer cells remove where something is missing, and what noise adds there and where nothing is."""
+    left, added, noise = (1e3 * np.sqrt(x) for x in (missing.bias, missing.variance, constant.variance))
     series = {
-        "(b) what the model leaves": Series(1e3 * np.sqrt(missing.bias), colour=OURS),
-        "(b) what noise adds": Series(1e3 * np.sqrt(missing.variance), colour=OURS, style="--"),
-        "(a) what noise adds": Series(1e3 * np.sqrt(constant.variance), colour=NOISE, style="--"),
+        "(b) what the model leaves": charts.Series(left, colour=charts.OURS),
+        "(b) what noise adds": charts.Series(added, colour=charts.OURS, style="--"),
+        "(a) what noise adds": charts.Series(noise, colour=charts.NOISE, style="--"),
     }
     title = "Finer cells remove some of what is missing in (b), and add noise in both"
     label = "number of cells, as a power of 2 (0: one cell, 7: 128 cells)"
-    return curves("count", title, np.log2(missing.counts), series, label, "RMS error, mm", log=True)
+    return charts.curves("count", title, np.log2(missing.counts), series, label, "RMS error, mm", log=True)

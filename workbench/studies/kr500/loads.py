@@ -7,19 +7,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...campaign import Campaign, Target
-from ...campaign.problem import problem
-from ...identification.cells import CellModel
-from ...identification.deflection import places
-from ...measurement.load_pairs import difference_rows
-from ...report.numbers import percent
-from ...report.study import Table
-from ...robot.description import Robot
-from ...robot.kinematics import Array
-from ...simulation.virtual_campaign import Truth, simulate
-from ..telling import each
+from workbench import (
+    Array,
+    Campaign,
+    CellModel,
+    Robot,
+    Table,
+    Target,
+    Truth,
+    by_joint,
+    load_pairs,
+    numbers,
+    places,
+    problem,
+    simulate,
+)
 
-IN_BASE = np.eye(3)[None], np.zeros((1, 3))  # the paper measures in the base frame
+from .printed import TABLE_1
+from .protocol import BOX, IN_BASE
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,17 +84,17 @@ def identifiable(plan: Campaign, force: Array, sigma: float) -> tuple[Table, dic
     }
     least = [bounds(one, sigma)[0] for one in loads.values()]
     lines = [
-        [f"K{j}", *(percent(b, 0) if b < 10 else "not seen" for b in row)]
+        [f"K{j}", *(numbers.percent(b, 0) if b < 10 else "not seen" for b in row)]
         for j, row in enumerate(zip(*least, strict=True), start=1)
     ]
     table = Table("Least standard deviation of each stiffness from 27 poses", ("", *loads), lines)
-    return table, each("singular", bounds(plan, sigma)[1])
+    return table, by_joint("singular", bounds(plan, sigma)[1])
 
 
 def bounds(plan: Campaign, sigma: float) -> tuple[Array, Array]:
     """(n,) least standard deviations of the stiffnesses over their values (Cramér–Rao), and (n,) singular
     values of their columns over the noise; sigma: [m] of a reading, per axis."""
-    rows = difference_rows(plan)
+    rows = load_pairs.difference_rows(plan)
     _, s, V = np.linalg.svd(rows.reshape(-1, rows.shape[2]) / (np.sqrt(2) * sigma), full_matrices=False)
     return np.sqrt(((V.T / np.maximum(s, 1e-12)) ** 2).sum(axis=1)), s
 
@@ -114,11 +119,8 @@ def sideways(
     physical: Robot,
     check: Campaign,
     force: Array,
-    printed: Array,
-    reach: float,
 ) -> dict[str, float]:
-    """What the models miss under a force (3,) [N] that K1 feels; printed: (cells,) the paper's K1 [N·m/rad],
-    and what they alone make of that force at this reach [m]."""
+    """What the models miss under a force (3,) [N] that K1 feels, and what the printed K1 alone make of it."""
     check = pushed(check, force)
     true = moved(exact(check, truth))
     said = {
@@ -126,7 +128,7 @@ def sideways(
         "128": model.deflection(check)[len(true) :],
         "named": modelled(physical, check),
     }
-    by_k1 = 1e3 * force[1] * reach**2 / printed
+    by_k1 = 1e3 * force[1] * BOX[:, 0].mean() ** 2 / TABLE_1[:, 0]
     return {
         **{f"side_{key}_mm": 1e3 * np.linalg.norm(true - e, axis=1).mean() for key, e in said.items()},
         "side_printed_least_mm": by_k1.min(),

@@ -8,41 +8,54 @@ from pathlib import Path
 
 import numpy as np
 
-from ...campaign import Campaign
-from ...campaign.problem import problem
-from ...diagnosis.run import Outcome
-from ...effects import catalogue
-from ...effects.base import Effect
-from ...effects.joint_compliance import JointCompliance
-from ...effects.kinds import YieldEffect
-from ...effects.records import record
-from ...identification.cells.two_steps import seated
-from ...identification.model import Model
-from ...identification.model_file import loaded, write_model
-from ...report.numbers import mm, p_value, significant, size, words
-from ...report.study import Table
-from ...robot.description import Robot, load_robot
-from ...robot.kinematics import Array
+from workbench import (
+    Array,
+    Campaign,
+    Effect,
+    Model,
+    Outcome,
+    Robot,
+    Table,
+    catalogue,
+    diagnose,
+    load_robot,
+    loaded,
+    numbers,
+    problem,
+    record,
+    two_steps,
+    write_model,
+)
+
+from .loads import Case
+from .printed import ERRORS
+from .protocol import at
 
 NOTHING = 1e-6  # m: so little motion per typical size says nothing of a stiffness
+
+
+def diagnosed(case: Mapping[str, Case], quick: bool, seed: int) -> dict[tuple[str, str], Outcome]:
+    """By true robot and by the cells whose points are measured."""
+    cuts = [("a", "2"), ("b", "2")] + ([] if quick else [("b", "constant"), ("b", "16")])
+    return {(name, cut): diagnose(at(case[name].data, cut), seed=seed) for name, cut in cuts}
 
 
 def extended(path: Path, found: Outcome) -> Robot:
     """The diagnosed robot, standing where the instrument is known to stand, written and read."""
     fit, job = found.fit, found.problem
     records = [record(e, v) for e, v in zip(fit.model.effects, fit.state.values, strict=True)]
-    write_model(path, loaded(job.robot, job.campaign), seated(job.arm, fit.state), records)
+    write_model(path, loaded(job.robot, job.campaign), two_steps.seated(job.arm, fit.state), records)
     return load_robot(path)
 
 
-def diagnosis_table(told: Mapping[tuple[str, str], Outcome]) -> Table:
+def diagnosis_table(outcomes: Mapping[tuple[str, str], Outcome]) -> Table:
     """Verdicts by true robot and by the cells whose points were measured."""
     lines = []
-    for (case, _), one in told.items():
+    for (case, _), one in outcomes.items():
         d = one.diagnosis
         known = [cause for cause in d.causes if not cause.label.startswith("unknown")]
         causes = [_named(c.label) + ("" if c.status == "named" else " (not alone)") for c in known]
-        verdict, left = words(d.verdict), p_value(d.remainder_p)
+        verdict, left = numbers.words(d.verdict), numbers.p_value(d.remainder_p)
         lines.append([f"({case})", str(d.n_poses), verdict, "; ".join(causes) or "none", left])
     head = ("Truth", "Records", "Verdict", "Causes found", "What is left")
     return Table("What a diagnosis says of the same measurements", head, lines, numbers=(1,))
@@ -61,14 +74,12 @@ class Left:
     raw: float
 
 
-def candidates(
-    measured: Campaign, check: Campaign, printed: Mapping[str, Sequence[float]], most: int = 8
-) -> Table:
+def candidates(measured: Campaign, check: Campaign, most: int = 8) -> Table:
     """How large the causes that yield under load would have to be, to leave what the paper's fit leaves: each
-    at its best form, first those that are least above their usual size. printed: mean errors [mm]."""
-    floor = 1e-3 * printed["128"][0]  # the paper's noise at the most
-    wanted = float(np.sqrt((1e-3 * printed["constant"][0]) ** 2 - floor**2))
-    kinds = [k for k in catalogue().values() if issubclass(k, YieldEffect) and k is not JointCompliance]
+    at its best form, first those that are least above their usual size."""
+    floor = 1e-3 * ERRORS["128"][0]  # the paper's noise at the most
+    wanted = float(np.sqrt((1e-3 * ERRORS["constant"][0]) ** 2 - floor**2))
+    kinds = [k for k in catalogue().values() if k.acts == "yielding" and k.cause != "joint_compliance"]
     sites = [site for kind in kinds for site in kind.sites(problem(measured))]
     best: dict[str, Left] = {}
     for one in left_over(measured, check, sites, wanted):
@@ -76,14 +87,14 @@ def candidates(
     lines = [
         [
             _named(label),
-            size(one.size, one.effect.params[0].unit),
-            f"{significant(one.times, 2)} ×",
-            mm(1e3 * one.raw),
+            numbers.size(one.size, one.effect.params[0].unit),
+            f"{numbers.significant(one.times, 2)} ×",
+            numbers.mm(1e3 * one.raw),
         ]
         for label, one in list(best.items())[:most]
     ]
     head = ("Cause", "Size that leaves it", "Of its usual size", "Mean without model, mm")
-    return Table(f"What would leave {mm(1e3 * wanted)} mm beside constant stiffness", head, lines)
+    return Table(f"What would leave {numbers.mm(1e3 * wanted)} mm beside constant stiffness", head, lines)
 
 
 def left_over(measured: Campaign, check: Campaign, effects: Sequence[Effect], wanted: float) -> list[Left]:
@@ -119,7 +130,7 @@ def _moved(plan: Campaign, effects: Sequence[Effect]) -> _Moved:
     job = problem(replace(plan, points=plan.points[:, :1], targets=plan.targets[:1]))
     model, half = Model(job), len(job.q) // 2
     line = model.linearise(model.in_base())
-    every = [*effects, *JointCompliance.sites(job)]
+    every = [*effects, *catalogue()["joint_compliance"].sites(job)]
     one = [model.effect_jacobian(line, e, np.zeros(len(e.params)))[..., 0] for e in every]
     by = np.stack([(rows[half:] - rows[:half]).ravel() for rows in one], axis=1)
     points = line.prediction.base[:, 0]
@@ -128,4 +139,4 @@ def _moved(plan: Campaign, effects: Sequence[Effect]) -> _Moved:
 
 def _named(label: str) -> str:
     """`lost_motion(joint 2)` as people write it: `lost motion, joint 2`."""
-    return words(label).replace("(", ", ").rstrip(")")
+    return numbers.words(label).replace("(", ", ").rstrip(")")

@@ -8,15 +8,20 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.campaign import Campaign, Target, write_campaign
-from workbench.diagnosis.result import Diagnosis
-from workbench.diagnosis.run import diagnose
-from workbench.effects.place import Where
-from workbench.identification.deflection import with_compliance
-from workbench.measurement.zeros_and_offsets import SimulatedArm
-from workbench.robot.description import Robot
-from workbench.robot.kinematics import RZ, Array
-from workbench.studies.longlink.figures import Items, plans_figure
+from workbench import (
+    Array,
+    Campaign,
+    Diagnosis,
+    Robot,
+    Target,
+    Where,
+    diagnose,
+    with_compliance,
+    write_campaign,
+)
+
+from .arm import ARM
+from .figures import Chapter, plans_figure
 
 ON_LINKS = (Target("on link 2", (1.0, 0.0, 0.1), "link_2"), Target("on link 4", (0.9, 0.0, 0.1), "link_4"))
 SOFT = 5  # joint 6, from 0
@@ -41,17 +46,15 @@ PLANS = {
 }
 
 
-def what_shows(
-    folder: Path, arm: SimulatedArm, robot: Robot, seed: int, draws: int
-) -> tuple[dict[str, float], Items]:
+def what_shows(folder: Path, robot: Robot, seed: int, draws: int) -> Chapter:
     """What each plan could detect, and how often it finds a joint 6 of twice the compliance."""
     joints = robot.joint_names[1:6]
     numbers, smallest = {"hidden_draws": float(draws)}, {}
     for key, plan in PLANS.items():
-        clean = diagnose(measured(arm, robot, plan, [seed, 0])).diagnosis
+        clean = diagnose(measured(robot, plan, [seed, 0])).diagnosis
         size = {x.where.joint: x.size for x in clean.detectable if x.cause == "joint_compliance"}
         smallest[key] = np.array([size.get(joint, np.nan) for joint in joints])
-        hidden = [measured(arm, robot, plan, [seed, k], soft=True) for k in range(draws)]
+        hidden = [measured(robot, plan, [seed, k], soft=True) for k in range(draws)]
         said = [verdict_of(diagnose(campaign).diagnosis) for campaign in hidden]
         share = {kind: said.count(kind) / draws for kind in ("named", "among", "wrong", "nothing")}
         numbers |= {f"{kind}_{key}": value for kind, value in share.items()}
@@ -60,14 +63,15 @@ def what_shows(
         if key == "two":
             write_campaign(folder / "campaign", hidden[0], comments=["simulated in Drake"])
     gain = float(np.mean(smallest["more"][-2:] / smallest["two"][-2:]))
-    numbers |= {"gain_two": gain} | taken_as_rigid(arm, robot, seed)
-    return numbers, {"plans": plans_figure({PLANS[p].name: x for p, x in smallest.items()}, joints, gain)}
+    numbers |= {"gain_two": gain} | taken_as_rigid(robot, seed)
+    drawn = plans_figure({PLANS[p].name: x for p, x in smallest.items()}, joints, gain)
+    return Chapter(numbers, {"plans": drawn})
 
 
-def taken_as_rigid(arm: SimulatedArm, robot: Robot, seed: int) -> dict[str, float]:
+def taken_as_rigid(robot: Robot, seed: int) -> dict[str, float]:
     """The whole robot on the paper's kind of data, diagnosed with all its joints taken as rigid."""
     rigid = with_compliance(robot, 0.0)
-    data, judged = (replace(measured(arm, robot, PLANS["one"], [seed, k]), robot=rigid) for k in (0, 99))
+    data, judged = (replace(measured(robot, PLANS["one"], [seed, k]), robot=rigid) for k in (0, 99))
     found = diagnose(data, judged).diagnosis
     return {
         "rigid_heldout_mm": found.stages[1].heldout_rms_mm,
@@ -77,22 +81,20 @@ def taken_as_rigid(arm: SimulatedArm, robot: Robot, seed: int) -> dict[str, floa
     }
 
 
-def measured(
-    arm: SimulatedArm, robot: Robot, plan: Plan, seed: Sequence[int], soft: bool = False
-) -> Campaign:
+def measured(robot: Robot, plan: Plan, seed: Sequence[int], soft: bool = False) -> Campaign:
     """The plan's campaign, the ball's place unknown; soft: joint 6 yields twice as much, hardening."""
-    q = np.tile(arm.poses(plan.count, [*seed, 7]), (len(plan.loads), 1))
+    q = np.tile(ARM.poses(plan.count, [*seed, 7]), (len(plan.loads), 1))
     payload = [load for load in plan.loads for _ in range(plan.count)]
     compliance = 1 / (robot.joints[SOFT].data.stiffness or np.inf)
 
     def law(wrench: Array) -> Array:
-        torque = wrench[RZ]
-        return np.asarray(np.eye(6)[RZ] * compliance * torque * (1 - HARDENS * (torque / AT) ** 2))
+        torque = wrench[5]  # about the joint's axis, z
+        return np.asarray(np.eye(6)[5] * compliance * torque * (1 - HARDENS * (torque / AT) ** 2))
 
-    ball, *ring = arm.targets
+    ball, *ring = ARM.targets
     targets = [replace(ball, fixed=False), *ring, *plan.on]
     further = {SOFT + 1: law} if soft else {}
-    return arm.measured(robot, q, [*seed, 8], targets, payload=payload, yields=further)
+    return ARM.measured(robot, q, [*seed, 8], targets, payload=payload, yields=further)
 
 
 def verdict_of(diagnosis: Diagnosis) -> str:

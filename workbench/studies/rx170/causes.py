@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...correction import compensate
-from ...correction.paths import Path
-from ...identification.restated import restated
-from ...robot.description import Robot
-from ...robot.kinematics import Array
+from workbench import Array, Path, Robot, compensate, restated
 
 YIELDS = ("joint_compliance", "lost_motion")
 

@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ...correction import Compensation, Conditions, compensate, stated_conditions
-from ...correction.paths import Path
-from ...robot.description import Robot
-from ...robot.kinematics import Array
-from ...simulation.closed_loop.control import Controller
-from ...simulation.closed_loop.runs import Task, World, simulate_all
+from workbench import (
+    Array,
+    Compensation,
+    Conditions,
+    Controller,
+    Path,
+    Robot,
+    Task,
+    World,
+    compensate,
+    simulate_all,
+    stated_conditions,
+)
 
 
 @dataclass(frozen=True, eq=False)

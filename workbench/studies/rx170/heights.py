@@ -1,4 +1,4 @@
-"""Height of a drawn path over its plane: source 003's R_a and R_z, and what they depend on."""
+"""Height of a drawn path over its plane: the R_a and R_z of Olabi et al. (2012), and what they depend on."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...report.charts import COLOURS, Series, curves
-from ...report.drawing import Figure
-from ...robot.kinematics import Array
+from workbench import Array, Figure, charts
 
 
 def heights(wanted: Array, error: Array, zero: float, noise: Array) -> dict[str, float]:
@@ -46,7 +44,8 @@ def height_figure(name: str, title: str, time: Array, error: Mapping[str, Array]
     """Height over `zero` [m] along a path, per command: error (N, 3) [m] at times (N,) [s]."""
     z = {key: 1e3 * (e[:, 2] - zero) for key, e in error.items()}
     series = {
-        key: Series(values, colour=colour)
-        for (key, values), colour in zip(z.items(), COLOURS[1::-1] + COLOURS[2:], strict=False)
+        key: charts.Series(values, colour=colour)
+        for (key, values), colour in zip(z.items(), charts.COLOURS[1::-1] + charts.COLOURS[2:], strict=False)
     }
-    return curves(name, title, time - time[0], series, "time along the path, s", "height over the plane, mm")
+    x, y = "time along the path, s", "height over the plane, mm"
+    return charts.curves(name, title, time - time[0], series, x, y)

@@ -6,22 +6,18 @@ error: then the corrections of joint 2 alone can bring R_a down as far as the pr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 
-from workbench.campaign.planned import planned
-from workbench.campaign.problem import problem
-from workbench.correction.path_shapes import Run, spiral, work_frame
-from workbench.correction.paths import Path
-from workbench.report.study import Shown
-from workbench.robot.description import Robot
-from workbench.robot.kinematics import Array
-from workbench.studies.rx170.causes import one_cause_each, standing_error
-from workbench.studies.rx170.draw import Drawn, draw_corrected
-from workbench.studies.rx170.heights import heights, least_mean
+from workbench import Array, Path, Robot, Shown, path_shapes, planned, problem
+
+from .causes import one_cause_each, standing_error
+from .draw import Drawn, draw_corrected
+from .heights import heights, least_mean
+from .printed import ACCELERATION, HEIGHT, SPEED, SPIRAL, TABLE_1, TABLE_2
 
 Numbers = dict[str, float]
 COMMANDS = {
@@ -31,9 +27,9 @@ COMMANDS = {
     "all": "All joints corrected",
     "perfect": "A perfect model",
 }
-SLOW, FAST = 0.03, 0.3  # m/s; at 0.1 m/s² as printed, and at ten times that
+SLOW, FAST = SPEED, 0.3  # m/s; at the printed acceleration, and at ten times that
 # not in the paper
-PLANE = 0.75 + 0.2  # m over the floor: the maker counts Z from the height of joint 2
+PLANE = 0.75 + HEIGHT  # m over the floor: the maker counts Z from the height of joint 2
 ELBOW_UP = np.array([0.0, 0.4, 1.8, 0.0, 0.95, 0.0])
 ALONG = 1e-5  # m, noise of the tracker per reading along the path
 
@@ -75,11 +71,12 @@ def draw_spirals(
 
 def spiral_at(speed: float, turns: int) -> Path:
     """The paper's spiral at a speed [m/s], 1 m before the robot, hand down; 0.3 mm between samples."""
-    run = Run(work_frame([1.0, 0.0, PLANE]), speed, 0.1 * speed / SLOW, 3e-4 / speed)
-    return spiral(run, start=0.024, growth=0.15, angle=2 * np.pi * turns)
+    frame = path_shapes.work_frame([1.0, 0.0, PLANE])
+    run = path_shapes.Run(frame, speed, ACCELERATION * speed / SLOW, 3e-4 / speed)
+    return path_shapes.spiral(run, **SPIRAL, angle=2 * np.pi * turns)
 
 
-def spiral_numbers(spirals: Spirals, table_2: Mapping[str, Sequence[float]], seed: int) -> Numbers:
+def spiral_numbers(spirals: Spirals, seed: int) -> Numbers:
     """R_a and R_z of every command at both speeds [mm], with the largest factor to a printed one; mean and
     span of what each cause alone does to z [mm]."""
     rng = np.random.default_rng([seed, 13])
@@ -88,7 +85,7 @@ def spiral_numbers(spirals: Spirals, table_2: Mapping[str, Sequence[float]], see
         for name, error in run.error.items():
             found = heights(run.wanted, error, spirals.zero, ALONG * rng.normal(size=len(error)))
             numbers |= {f"{key}_{name}_{speed}": value for key, value in found.items()}
-    pairs = [(r, *pair) for r in table_2 for pair in zip(COMMANDS, table_2[r], strict=False)]
+    pairs = [(r, *pair) for r in TABLE_2 for pair in zip(COMMANDS, TABLE_2[r], strict=False)]
     ratios = [numbers[f"{r}_{name}_slow"] / printed for r, name, printed in pairs]
     numbers["worst"] = float(np.exp(np.abs(np.log(ratios)).max()))
     for key, z in spirals.causes.items():
@@ -96,20 +93,18 @@ def spiral_numbers(spirals: Spirals, table_2: Mapping[str, Sequence[float]], see
     return numbers | {"lowered": -numbers["yield_others_mean"]}
 
 
-def printed_numbers(
-    robot: Robot, spirals: Spirals, stiffness_3: float, table_2: Mapping[str, Sequence[float]]
-) -> Numbers:
-    """What the printed R_a and R_z say by themselves; stiffness_3: printed, of joint 3 [N·m/rad]."""
+def printed_numbers(robot: Robot, spirals: Spirals) -> Numbers:
+    """What the printed R_a and R_z say by themselves."""
     run = spirals.slow
     job = problem(planned(robot, run.q[len(run.q) // 2][None], targets=()))
     lever = float(np.linalg.norm((job.rigid.p[-1, 0] - job.rigid.origin[0, 3])[:2]))  # joint 3 to tool
     span = 2 * float(stats.norm.isf(0.56 / len(run.q)))  # in σ, of as many readings as samples (Blom)
-    (ra, *_, ra_both), (rz, *_, rz_both) = table_2["ra"], table_2["rz"]
+    (ra, *_, ra_both), (rz, *_, rz_both) = TABLE_2["ra"], TABLE_2["rz"]
     constant = least_mean(ra, rz)
     return {
         "constant": constant,
         "constant_share": constant / ra,
-        "torque_3_printed": 1e-3 * ra_both / lever * stiffness_3,
+        "torque_3_printed": 1e-3 * ra_both / lever * TABLE_1[2],
         "torque_3_ours": float(abs(job.nominal_load.local.ravel()[job.arm.axial[2]])),
         "noise_most": 1e3 * rz_both / span,
         "noise_ours": 1e6 * ALONG,

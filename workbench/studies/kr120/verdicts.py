@@ -1,12 +1,10 @@
-"""Diagnoses side by side: for studies."""
+"""Diagnoses side by side."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..diagnosis.run import Outcome
-from ..report.numbers import p_value
-from ..report.study import Table
+from workbench import Outcome, Table, numbers
 
 
 def verdict(outcome: Outcome) -> str:
@@ -15,7 +13,7 @@ def verdict(outcome: Outcome) -> str:
     for cause in outcome.diagnosis.causes:
         others = ", ".join(f"{name} {where}".strip() for name, where in cause.rivals)
         rivals = f", or {others}" if others else ""
-        said.append(f"{cause.cause} {cause.where}".strip() + f" ({p_value(cause.p_value)}{rivals})")
+        said.append(f"{cause.cause} {cause.where}".strip() + f" ({numbers.p_value(cause.p_value)}{rivals})")
     found = outcome.diagnosis.verdict
     return (f"{found}: {'; '.join(said)}" if said else found).replace("_", " ")
 

@@ -1,0 +1,30 @@
+"""What Klimchik, Pashkevich, Caro, Furet, “Calibration of Industrial Robots with Pneumatic Gravity
+Compensators” (AIM 2017), print, and where it stands there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+NAMES = ("k1", "k21", "k22", "k23", "k24", "k25", "k26", "k3", "k4", "k5", "k6")
+"""[-] Table I: the compliances, of joint 2 at six angles."""
+
+TABLE_1 = 1e-6 * np.array([1.13, 0.34, 0.36, 0.35, 0.28, 0.32, 0.26, 0.43, 0.95, 3.82, 4.01])
+"""[rad/(N·m)] Table I, there in rad·µm/N."""
+
+HALF_1 = 1e-6 * np.array([0.15, 0.004, 0.005, 0.005, 0.007, 0.011, 0.007, 0.007, 0.31, 0.27, 0.35])
+"""[rad/(N·m)] Table I, “CI”: half widths of the intervals."""
+
+CONFIGURATIONS = 31
+"""[1] section IV: configurations in all, from three to seven at each angle."""
+
+LOAD = 120.0
+"""[kg] section IV: the load."""
+
+MARKERS_APART, MARKERS_BEFORE = 0.46, 0.0755
+"""[m] Fig. 2: markers apart from each other, and before the flange."""
+
+NUMBERS = {
+    "configurations": float(CONFIGURATIONS),
+    "marker_across_mm": 1e3 * MARKERS_APART / 2,
+    "marker_before_mm": 1e3 * MARKERS_BEFORE,
+}
