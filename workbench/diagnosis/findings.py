@@ -13,7 +13,8 @@ from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..effects.gear_kinematic_error import GearKinematicError
 from ..effects.place import Parameter, Where
-from ..identification.fit import Fit, heldout, refit
+from ..identification.fit import Fit, refit
+from ..identification.heldout import heldout
 from ..robot.kinematics import Array
 from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable

@@ -13,7 +13,8 @@ from ..effects import catalogue
 from ..effects.base import Effect, LoadEffect
 from ..effects.records import stated_effects
 from ..identification import drive_torque
-from ..identification.fit import Fit, fit, heldout, refit, start_state
+from ..identification.fit import Fit, fit, refit, start_state
+from ..identification.heldout import heldout
 from ..identification.model import Model
 from ..identification.registration import check_units
 from .data_faults import clean, split_setup, step_in_time
