@@ -12,10 +12,10 @@ from ..campaign.problem import Problem
 from ..effects.base import Effect, LoadEffect, YieldEffect
 from ..effects.place import Where
 from ..identification.fit import Fit
-from ..robot.kinematics import Array
+from ..robot.kinematics import RZ, Array
 from .result import Detectable, NotTestable
 from .screen import FAINT, SURVIVES, screen
-from .search import ALPHA, Selection
+from .search import ALPHA_CAUSES, Selection
 
 POWER = 0.8
 
@@ -44,7 +44,7 @@ def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detect
             continue
         info = S / np.outer(table.scale[part], table.scale[part])
         weakest = float(np.linalg.eigvalsh(info)[0])
-        size = scale * float(np.sqrt(needed(len(values), ALPHA / len(candidates)) / weakest))
+        size = scale * float(np.sqrt(needed(len(values), ALPHA_CAUSES / len(candidates)) / weakest))
         unit, size = _contract_unit(effect, size)
         found = Detectable(effect.cause, effect.where, size, unit)
         if effect.key not in best or size < best[effect.key].size:
@@ -77,7 +77,7 @@ def _why(effect: Effect, own: Array, problem: Problem, final: Fit) -> str:
     if own.max() < 1e-6:
         if isinstance(effect, YieldEffect) and effect.where.joint:
             j = problem.joint(effect.where.joint)
-            up = final.line.prediction.where.axes[0, j + 1, 5]
+            up = final.line.prediction.where.axes[0, j + 1, RZ]
             g = problem.arm.gravity / max(float(np.linalg.norm(problem.arm.gravity)), 1e-12)
             if abs(float(up @ g)) > 0.999:
                 return "gravity makes no torque about a vertical axis: pull sideways"

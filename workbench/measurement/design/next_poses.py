@@ -7,6 +7,7 @@ import json
 import tempfile
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -49,9 +50,12 @@ def plan(
     known = measured(source) if isinstance(source, Campaign) else unmeasured(source)
     pool, starts = (max(QUICK_POOL, 2 * poses), 1) if quick else (max(POOL, 4 * poses), STARTS)
     progress(f"choosing {poses} of about {pool} possible records")
+    made: Plan
     if tell is not None:
-        return plan_tell(known, tell, poses, pool, starts, seed)
-    return plan_accuracy(known, poses, pool, starts, seed)
+        made = plan_tell(known, tell, poses, pool, starts, seed)
+    else:
+        made = plan_accuracy(known, poses, pool, starts, seed)
+    return replace(made, faults=known.faults)
 
 
 def plan_command(arguments: argparse.Namespace, progress: Progress) -> str:
@@ -72,9 +76,9 @@ def plan_command(arguments: argparse.Namespace, progress: Progress) -> str:
         write_poses(out, made.records)
     if arguments.json:
         return json.dumps(_facts(source, made, out))
-    if made.records is None:
-        return f"{made.text}\nNothing was written."
-    return f"{made.text}\n{_written(made.records, out)}\n{HINT}"
+    faults = [f"Data fault: {f.kind} at pose {f.pose_id}: {f.what} ({f.done})." for f in made.faults]
+    written = ["Nothing was written."] if made.records is None else [_written(made.records, out), HINT]
+    return "\n".join([*faults, made.text, *written])
 
 
 def _facts(source: Campaign | Robot, made: Plan, out: Path) -> dict[str, Any]:

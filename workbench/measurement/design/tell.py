@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...campaign import Campaign
+from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
@@ -52,7 +53,8 @@ class TellPlan:
 
     hardest: both ways of the pair with the least λ after the plan; hopeless: pairs that all candidates
     together do not tell; unseen: effects that no pose shows beside geometry; needed: planned poses after
-    which the hardest λ is `MOSTLY`; separate_by: measurements of another kind that tell the causes apart.
+    which the hardest λ is `MOSTLY`; separate_by: measurements of another kind that tell the causes apart;
+    faults: of the campaign's data.
     """
 
     records: Campaign | None
@@ -63,6 +65,7 @@ class TellPlan:
     unseen: tuple[Effect, ...]
     needed: int | None
     separate_by: str
+    faults: tuple[FaultFound, ...] = ()
 
     @property
     def least(self) -> float:
@@ -75,6 +78,7 @@ class TellPlan:
             "n_poses": 0 if self.records is None else len(self.records.q),
             "payloads": {} if self.records is None else payload_counts(self.records),
             "noise": self.noise,
+            "faults": [fault.to_json() for fault in self.faults],
             "told_apart": self.least >= LEAST and not self.hopeless and not self.unseen,
             "hardest": [told.to_json() for told in self.hardest],
             "hopeless": [{**keys(a), "rival": keys(b)} for a, b in self.hopeless],
