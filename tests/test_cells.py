@@ -14,6 +14,7 @@ from workbench.campaign.problem import problem
 from workbench.correction import nominal_joints
 from workbench.correction.path_shapes import Run, line, tilted, work_frame
 from workbench.correction.paths import Path as Course
+from workbench.diagnosis.prepared import prepare
 from workbench.files.faults import InputError
 from workbench.identification.cells import CellModel, cells, fit_cells, load_cells, write_cells
 from workbench.identification.cells.two_steps import external, seated
@@ -130,6 +131,18 @@ def test_instrument_may_stand_anywhere(model: CellModel, truth: Truth) -> None:
     elsewhere = fit_cells(simulate(plan_, truth, seed=1), BOX, (1, 2, 1))
     check = plan(cells(BOX, (1, 2, 1)).draw(np.random.default_rng(6)), (0.0,))
     np.testing.assert_allclose(elsewhere.deflection(check), model.deflection(check), atol=3e-6)
+
+
+def test_a_prepared_campaign_gives_the_same_cells(model: CellModel, measured: Campaign) -> None:
+    points = measured.points.copy()
+    points[5] += 5e-3
+    prepared = prepare(replace(measured, points=points))
+    assert [(fault.kind, fault.pose_id) for fault in prepared.faults] == [("outlier", "6")]
+    k, std = fit_cells(prepared.problem.campaign, BOX, (1, 2, 1), instrument=IN_BASE).stiffness
+    seen = std < 0.2
+    np.testing.assert_allclose(k[seen], model.stiffness[0][seen], rtol=0.05)
+    harmed, _ = fit_cells(replace(measured, points=points), BOX, (1, 2, 1), instrument=IN_BASE).stiffness
+    assert np.abs(harmed[seen] / model.stiffness[0][seen] - 1).max() > 0.2
 
 
 def test_seated_geometry_stands_where_the_frame_put_it(truth: Truth) -> None:

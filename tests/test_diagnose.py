@@ -8,7 +8,14 @@ import pytest
 from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
 
 from workbench.campaign.planned import random_poses
+from workbench.campaign.problem import problem
+from workbench.diagnosis.families import FamilyTest, families
 from workbench.diagnosis.result import Diagnosis
+from workbench.diagnosis.verdict import Remainder, stands_alone
+from workbench.effects.gear_ratio import GearRatio
+from workbench.effects.place import Where
+from workbench.identification.fit import fit
+from workbench.identification.model import Model
 
 GEAR = "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.6"
 GEAR_JOINT = ("gear_kinematic_error", "joint_4")
@@ -170,6 +177,29 @@ def test_what_no_cause_explains_is_unknown(name, load, stated):
     assert "named" not in named(diagnosis).values()
     (unknown,) = (finding for finding in diagnosis.causes if finding.cause == "unknown")
     assert unknown.structure.startswith("depends on joint_")
+
+
+def test_joint_10_is_not_near_joint_1():
+    """What is left beside joint 10 says nothing of a cause in joint 1."""
+    told = Model(problem(measured(effects=("gear_ratio:joint=joint_1,relative=1e-4",))))
+    arm = replace(told.problem.arm, names=tuple(f"joint_{n}" for n in (1, 10, 3, 4, 5, 6)))
+    result = fit(Model(replace(told.problem, arm=arm), (GearRatio(Where(joint="joint_1")),)))
+    for joint, alone in (("joint_10", True), ("joint_1", False)):
+        (family,) = (family for family in families(result) if family.variable == joint)
+        test = FamilyTest(family, result.wald(0) / 5, 0)
+        left = Remainder(result.chi2, 1.0, 0.0, 1.0, ((test, 1e-9),), structured=True, scatter=False)
+        assert stands_alone(result, 0, left, 1e-3) == alone
+
+
+def test_families_say_what_they_are_about():
+    result = fit(Model(problem(measured(time=60.0 * np.arange(120)))))
+    found = list(families(result))
+    kinds = {"joint", "tilt", "pair", "torque", "clock", "side", "payload"}
+    assert {family.kind for family in found} == kinds
+    for family in found:
+        for j in family.joints:
+            assert result.model.problem.arm.names[j] in family.variable
+        assert len(family.joints) == {"pair": 2, "clock": 0, "payload": 0}.get(family.kind, 1)
 
 
 # ---------------------------------------------------------------- data faults

@@ -8,11 +8,15 @@ import pytest
 from workbench.campaign import Target
 from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem
+from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.joint_compliance import JointCompliance
-from workbench.identification.fit import fit, heldout, refit, start_state
+from workbench.effects.place import Where
+from workbench.identification.fit import fit, refit, start_state
+from workbench.identification.heldout import heldout
 from workbench.identification.model import Model
 from workbench.identification.noise import Covariance
 from workbench.robot.description import load_robot
+from workbench.robot.kinematics import RY
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
@@ -185,12 +189,36 @@ def test_compliances_are_found_and_joint_1_says_that_it_is_not_seen():
     sites = JointCompliance.sites(problem(plan))
     truth = Truth(effects=((sites[2], np.array([0.3])),), sigma=SIGMA, repeatability=np.zeros(6))
     result = fitted(problem(simulate(plan, truth, seed=4)), tuple(sites))
-    values = np.concatenate(result.state.values)
-    std = np.array([result.effect_values(i)[1][0, 0] for i in range(6)]) ** 0.5
+    names = [f"joint_compliance/{name}" for name in robot.joint_names]
+    values = np.array([result.value(name) for name in names])
+    std = np.array([result.std(name) for name in names])
     assert (np.abs(values - [0, 0, 0.3, 0, 0, 0]) < 4 * std).all()
     assert std[2] < 0.02
     # gravity makes no torque about a vertical axis
     assert std[0] > 1.0
+
+
+def test_fitted_numbers_have_names():
+    job, _ = measured(judge=1, setup=["left", "right"] * 60)
+    order = [GearKinematicError(Where(joint="elbow_joint", order=k)) for k in (40.0, 83.5)]
+    result = fitted(job, (*JointCompliance.sites(job)[:2], *order))
+    assert len(set(result.columns.names)) == len(result.columns.names)
+    for p, name in enumerate(result.columns.names):
+        assert result.columns.index(name) == p
+        assert result.std(name) ** 2 == pytest.approx(result.covariance[p, p])
+    assert result.value("target/right/T2/z") == result.state.targets[1, 1, 2]
+    elbow = job.arm.names.index("elbow_joint") + 1
+    assert result.value("geometry/elbow_joint/ry") == result.state.geometry[elbow, RY]
+    assert result.value("gear_kinematic_error/elbow_joint/83.5/cos") == result.state.values[3][1]
+    (one,) = result.state.values[1]
+    assert result.value(f"joint_compliance/{job.arm.names[1]}") == one
+    for wrong, said in [
+        ("gear_kinematic_error/elbow_joint", "names 4"),
+        ("gear_kinematic_error/elbow", "names 0"),
+        ("frame/left/tx", "is a motion"),
+    ]:
+        with pytest.raises(KeyError, match=said):
+            result.value(wrong)
 
 
 def test_refit_starts_from_what_is_known():

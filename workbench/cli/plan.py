@@ -62,10 +62,11 @@ def run(arguments: argparse.Namespace) -> None:
         write_poses(out, made.records)
     if arguments.json:
         print(json.dumps(_facts(source, made, out)))
-    elif made.records is None:
-        print(f"{made.text}\nNothing was written.")
-    else:
-        print(f"{made.text}\n{_written(made.records, out)}\n{HINT}")
+        return
+    for fault in made.faults:
+        print(f"Data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done}).")
+    written = "Nothing was written." if made.records is None else f"{_written(made.records, out)}\n{HINT}"
+    print(f"{made.text}\n{written}")
 
 
 def read_source(text: str) -> Campaign | Robot:
@@ -93,16 +94,11 @@ def read_source(text: str) -> Campaign | Robot:
 
 def write_poses(path: Path, records: Campaign) -> None:
     """poses.csv as `write_campaign` writes it, whole or not at all. Raises InputError."""
-    import tempfile
-
-    from ..campaign import write_campaign
+    from ..campaign.write import poses_text
     from ..files.whole import put
 
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory() as folder:
-            write_campaign(folder, records)
-            put(path, (Path(folder) / "poses.csv").read_bytes())
+        put(path, poses_text(records))
     except OSError as error:
         raise InputError(
             Fault(str(path), error.strerror or "cannot be written", "name a file with --out")

@@ -14,9 +14,10 @@ def geometry(final: Fit) -> tuple[Parameter, ...]:
     part = final.columns.geometry_slice
     std = np.sqrt(np.diag(final.covariance)[part])
     change = final.state.geometry.ravel()[final.columns.geometry]
+    names = [name.removeprefix("geometry/") for name in final.columns.names[part]]
     return tuple(
-        Parameter(name.removeprefix("geometry/"), float(v), float(s), "rad" if name[-2] == "r" else "m")
-        for name, v, s in zip(final.columns.names[part], change, std, strict=True)
+        Parameter(name, float(v), float(s), "rad" if name.rpartition("/")[2].startswith("r") else "m")
+        for name, v, s in zip(names, change, std, strict=True)
     )
 
 

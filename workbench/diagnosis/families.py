@@ -7,26 +7,40 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from ..identification.fit import Fit
-from ..robot.kinematics import RX, RY, Array
+from ..robot.kinematics import RX, Array
 from .screen import quadratic
+
+Kind = Literal["joint", "tilt", "pair", "torque", "clock", "side", "payload"]
+MOVES = 1e-3  # rad or m: a joint that moves less than this shows no function of itself
 
 
 @dataclass(frozen=True)
 class Family:
-    """Motions (N, D, a), whitened, times functions of the pose (N, b). `variable` for people; `x`: (N,) to
-    plot against; `joint`: the joint that it is about."""
+    """Motions (N, D, a), whitened, times functions of the pose (N, b).
 
+    kind: of the variable: a joint's own angle (error about its axis, or across it: "tilt"), two joints, a
+    joint's torque, the clock (time, order, temperature), a joint's side of approach, the payload. joints:
+    numbers of the joints that it is about. variable: for people; x: (N,) to plot against.
+    """
+
+    kind: Kind
+    joints: tuple[int, ...]
     variable: str
     unit: str
     motions: Array
     functions: Array
     x: Array
-    joint: int | None = None
+
+    @property
+    def joint(self) -> int | None:
+        """The one joint that it is about; None where there is none, or more."""
+        return self.joints[0] if len(self.joints) == 1 else None
 
     @property
     def columns(self) -> Array:
@@ -45,59 +59,86 @@ class FamilyTest:
 
 def families(fit: Fit) -> Iterator[Family]:
     """All families that the campaign's columns allow."""
+    arm = fit.model.problem.arm
+    moves = [_whitened(fit, int(column), 1) for column in arm.axial]
+    yield from _joint_families(fit, moves)
+    yield from _torque_families(fit, moves)
+    yield from _clock_families(fit)
+    yield from _side_families(fit, moves)
+    yield from _payload_families(fit)
+
+
+def _whitened(fit: Fit, column: int, count: int) -> Array:
+    """(N, D, count) whitened motions of the points by `count` motions of slots, from `column` on."""
+    return np.asarray(np.matmul(fit.whitener, fit.line.direct[:, :, column : column + count]))
+
+
+def _joint_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
+    """Functions of one joint, about its axis and across it; of two joints."""
     problem = fit.model.problem
     arm, q = problem.arm, problem.q
-    moves = [np.matmul(fit.whitener, fit.line.direct[:, :, [int(k)]]) for k in arm.axial]
     angle = [np.where(arm.prismatic[j], 3.0, 1.0) * q[:, j] for j in range(arm.n)]
-    moved = [j for j in range(arm.n) if np.ptp(q[:, j]) > 1e-3]
+    moved = [j for j in range(arm.n) if np.ptp(q[:, j]) > MOVES]
     for j in moved:
         waves = np.column_stack([f(k * angle[j]) for k in (1, 2, 3, 4) for f in (np.sin, np.cos)])
         own = np.column_stack([angle[j], angle[j] ** 2, waves])
-        yield Family(arm.names[j], "rad", moves[j], own, q[:, j], j)
-        slot = 6 * (j + 1)
-        tilt = np.matmul(fit.whitener, fit.line.direct[:, :, slot + RX : slot + RY + 1])
-        yield Family(f"{arm.names[j]} (tilt)", "rad", tilt, waves[:, :4], q[:, j], j)
+        yield Family("joint", (j,), arm.names[j], "rad", moves[j], own, q[:, j])
+        tilt = _whitened(fit, 6 * (j + 1) + RX, 2)
+        yield Family("tilt", (j,), f"{arm.names[j]} (tilt)", "rad", tilt, waves[:, :4], q[:, j])
     for i in moved:
         for j in moved:
             if i != j:
                 si, ci, sj, cj = np.sin(angle[i]), np.cos(angle[i]), np.sin(angle[j]), np.cos(angle[j])
                 mixed = np.column_stack([angle[j], sj, cj, si * sj, si * cj, ci * sj, ci * cj])
                 name = f"{arm.names[i]} with {arm.names[j]}"
-                yield Family(name, "rad", moves[i], mixed, q[:, j], None)
-    yield from _other_families(fit, moves)
+                yield Family("pair", (i, j), name, "rad", moves[i], mixed, q[:, j])
 
 
-def _other_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
-    problem = fit.model.problem
-    c, arm = problem.campaign, problem.arm
-    torque = fit.line.prediction.load.local.reshape(len(c.q), -1)[:, arm.axial]
+def _torque_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
+    arm = fit.model.problem.arm
+    torque = fit.line.prediction.load.local.reshape(len(fit.r), -1)[:, arm.axial]
     for j in range(arm.n):
         size = np.abs(torque[:, j]).max()
         if np.ptp(torque[:, j]) > 1e-3 * max(size, 1.0):
             x = torque[:, j] / size
             bent = np.column_stack([x, x**2, x**3, np.tanh(10 * x), np.abs(x)])
-            yield Family(f"torque of {arm.names[j]}", "N·m", moves[j], bent, torque[:, j], j)
-    base = np.matmul(fit.whitener, fit.line.direct[:, :, :6])
+            yield Family("torque", (j,), f"torque of {arm.names[j]}", "N·m", moves[j], bent, torque[:, j])
+
+
+def _clock_families(fit: Fit) -> Iterator[Family]:
+    c = fit.model.problem.campaign
+    base = _whitened(fit, 0, 6)
     order = np.linspace(-1, 1, len(c.q))
     if c.time is not None and np.isfinite(c.time).all() and np.ptp(c.time) > 0:
         order = 2 * (c.time - c.time.min()) / np.ptp(c.time) - 1
-        yield Family("time", "s", base, np.column_stack([order, order**2, order**3]), c.time)
+        yield Family("clock", (), "time", "s", base, np.column_stack([order, order**2, order**3]), c.time)
     else:
-        yield Family("order of measurement", "1", base, np.column_stack([order, order**2]), order)
+        functions = np.column_stack([order, order**2])
+        yield Family("clock", (), "order of measurement", "1", base, functions, order)
     if c.temperature is not None and np.isfinite(c.temperature).all() and np.ptp(c.temperature) > 0:
         warm = c.temperature - c.temperature.mean()
-        yield Family("temperature", "°C", base, warm[:, None], c.temperature)
+        yield Family("clock", (), "temperature", "°C", base, warm[:, None], c.temperature)
+
+
+def _side_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
+    problem = fit.model.problem
+    c, names = problem.campaign, problem.arm.names
     if c.direction is not None:
-        for j in range(arm.n):
+        for j in range(len(names)):
             if np.ptp(c.direction[:, j]) > 0:
                 side = c.direction[:, j]
                 form = np.column_stack([side, side * np.sin(c.q[:, j]), side * np.cos(c.q[:, j])])
-                yield Family(f"approach of {arm.names[j]}", "1", moves[j], form, side, j)
-    flange = np.matmul(fit.whitener, fit.line.direct[:, :, 6 * (arm.n + 1) :])
+                yield Family("side", (j,), f"approach of {names[j]}", "1", moves[j], form, side)
+
+
+def _payload_families(fit: Fit) -> Iterator[Family]:
+    problem = fit.model.problem
+    c = problem.campaign
     present = [i for i in range(len(c.payload_names)) if (c.payload == i).any()]
     if len(present) > 1:
         which = np.column_stack([(c.payload == i).astype(float) for i in present[1:]])
-        yield Family("payload", "1", flange, which, c.payload.astype(float))
+        flange = _whitened(fit, 6 * (problem.arm.n + 1), 6)
+        yield Family("payload", (), "payload", "1", flange, which, c.payload.astype(float))
 
 
 def test_families(fit: Fit) -> list[FamilyTest]:

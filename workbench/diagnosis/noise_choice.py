@@ -15,7 +15,7 @@ from ..identification.noise import Covariance, MeasuredNoise, measure_noise, rep
 from ..robot.kinematics import Array
 from .result import Noise
 
-ENOUGH = 60  # degrees of freedom from which measured noise stands in for stated noise
+BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
 
 def provisional(problem: Problem) -> Covariance:
@@ -29,7 +29,7 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
     said = stated_noise(problem)
     measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
     notes: list[str] = []
-    if measured is not None and (said is None or measured.dof >= ENOUGH):
+    if measured is not None and (said is None or measured.dof >= BELIEVED_DOF):
         if said is not None:
             disagree = _disagree(problem, said, measured, axial)
             if disagree is None:

@@ -10,13 +10,12 @@ from scipy import optimize, stats
 
 from ..campaign.problem import Problem
 from ..effects.base import Effect
-from ..effects.kinds import LoadEffect, YieldEffect
 from ..effects.place import Where
 from ..identification.fit import Fit
-from ..robot.kinematics import Array
+from ..robot.kinematics import RZ, Array
 from .result import Detectable, NotTestable
 from .screen import FAINT, SURVIVES, screen
-from .search import ALPHA, Selection
+from .search import ALPHA_CAUSES, Selection
 
 POWER = 0.8
 
@@ -45,20 +44,12 @@ def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detect
             continue
         info = S / np.outer(table.scale[part], table.scale[part])
         weakest = float(np.linalg.eigvalsh(info)[0])
-        size = scale * float(np.sqrt(needed(len(values), ALPHA / len(candidates)) / weakest))
-        unit, size = _contract_unit(effect, size)
+        size = scale * float(np.sqrt(needed(len(values), ALPHA_CAUSES / len(candidates)) / weakest))
+        size, unit = effect.reported_size(size)
         found = Detectable(effect.cause, effect.where, size, unit)
         if effect.key not in best or size < best[effect.key].size:
             best[effect.key] = found
     yield from best.values()
-
-
-def _contract_unit(effect: Effect, size: float) -> tuple[str, float]:
-    """Unit and size as the contract's parameter has it (a first moment becomes a shift)."""
-    mass = getattr(effect, "mass", 0.0)
-    if effect.params[0].unit == "kg·m" and mass:
-        return "m", size / mass
-    return effect.params[0].unit, size
 
 
 def swallowed(selection: Selection, final: Fit, problem: Problem) -> list[NotTestable]:
@@ -76,14 +67,14 @@ def swallowed(selection: Selection, final: Fit, problem: Problem) -> list[NotTes
 
 def _why(effect: Effect, own: Array, problem: Problem, final: Fit) -> str:
     if own.max() < 1e-6:
-        if isinstance(effect, YieldEffect) and effect.where.joint:
+        if effect.acts == "yielding" and effect.where.joint:
             j = problem.joint(effect.where.joint)
-            up = final.line.prediction.where.axes[0, j + 1, 5]
+            up = final.line.prediction.where.axes[0, j + 1, RZ]
             g = problem.arm.gravity / max(float(np.linalg.norm(problem.arm.gravity)), 1e-12)
             if abs(float(up @ g)) > 0.999:
                 return "gravity makes no torque about a vertical axis: pull sideways"
             return "no load turns this joint in these poses: add a payload with its mass off the axis"
-        if isinstance(effect, LoadEffect):
+        if effect.acts == "load":
             return (
                 "the model has no joint that yields to this load: state stiffness, or measure with two loads"
             )

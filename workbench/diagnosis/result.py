@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..effects.place import NOWHERE, Parameter, Where
+from .result_json import fault_json, result_json
 
 Array = NDArray[np.float64]
 Verdict = Literal["nothing_missing", "named", "ambiguous", "unknown"]
@@ -102,6 +103,10 @@ class FaultFound:
     what: str = ""
     done: str = ""
 
+    def to_json(self) -> dict[str, Any]:
+        """As it stands in JSON."""
+        return fault_json(self)
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -147,7 +152,8 @@ class PoseErrors:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Everything that a diagnosis found."""
+    """Everything that a diagnosis found. proof: what a closed-loop run of the model showed, and the page that
+    shows it."""
 
     robot: str
     robot_title: str
@@ -173,94 +179,10 @@ class Diagnosis:
     errors: PoseErrors | None = None
     joints: tuple[str, ...] = ()
     q: Array | None = None
-    proof: tuple[str, str] | None = (
-        None  # what a closed-loop run of the model showed, and the page that shows it
-    )
+    proof: tuple[str, str] | None = None
     version: str = ""
     inputs: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """`result.json` as the contract fixes it (section 6)."""
-        return {
-            "schema": 1,
-            "robot": self.robot,
-            "campaign": self.campaign,
-            "n_poses": self.n_poses,
-            "n_points": self.n_points,
-            "noise": {"sigma_mm": _number(self.noise.sigma_mm), "source": self.noise.source},
-            "stages": [_stage(stage) for stage in self.stages],
-            "test": _test(self.test) if self.test else None,
-            "verdict": self.verdict,
-            "headline": self.headline,
-            "causes": [_finding(finding) for finding in self.causes],
-            "remainder": {
-                "chi2": _number(self.remainder_chi2),
-                "dof": _number(self.remainder_dof),
-                "p_value": _number(self.remainder_p),
-            },
-            "not_testable": [
-                {"cause": item.cause, **item.where.keys(), "why": item.why} for item in self.not_testable
-            ],
-            "detectable": [
-                {"cause": item.cause, **item.where.keys(), "size": _number(item.size), "unit": item.unit}
-                for item in self.detectable
-            ],
-            "faults": [_fault(fault) for fault in self.faults],
-            "notes": list(self.notes),
-            "version": self.version,
-        }
-
-
-def _number(value: float) -> float | None:
-    """A JSON number; not a number and infinite become null."""
-    return float(value) if np.isfinite(value) else None
-
-
-def _stage(stage: Stage) -> dict[str, Any]:
-    return {
-        "name": stage.name,
-        "parameters": stage.parameters,
-        "heldout_rms_mm": _number(stage.heldout_rms_mm),
-        "heldout_mean_mm": _number(stage.heldout_mean_mm),
-        "heldout_max_mm": _number(stage.heldout_max_mm),
-        "fit_rms_mm": _number(stage.fit_rms_mm),
-        **({"note": stage.note} if stage.note else {}),
-    }
-
-
-def _test(test: TestFigures) -> dict[str, Any]:
-    return {
-        "campaign": test.campaign,
-        "before_mean_mm": _number(test.before_mean_mm),
-        "after_mean_mm": _number(test.after_mean_mm),
-        "after_rms_mm": _number(test.after_rms_mm),
-        "after_max_mm": _number(test.after_max_mm),
-        "before_max_mm": _number(test.before_max_mm),
-        "n_points": test.n_points,
-    }
-
-
-def _finding(finding: Finding) -> dict[str, Any]:
-    return {
-        "cause": finding.cause,
-        **finding.where.keys(),
-        "status": finding.status,
-        "gain_mm": _number(finding.gain_mm),
-        "p_value": _number(finding.p_value),
-        "parameters": [
-            {"name": p.name, "value": _number(p.value), "std": _number(p.std), "unit": p.unit}
-            for p in finding.parameters
-        ],
-        "rivals": [{"cause": cause, **where.keys()} for cause, where in finding.rivals],
-        "separate_by": finding.separate_by,
-        **({"structure": finding.structure} if finding.structure else {}),
-    }
-
-
-def _fault(fault: FaultFound) -> dict[str, Any]:
-    optional = {"target": fault.target, "what": fault.what, "done": fault.done}
-    return {
-        "kind": fault.kind,
-        "pose_id": fault.pose_id,
-        **{key: value for key, value in optional.items() if value},
-    }
+        return result_json(self)

@@ -1,29 +1,24 @@
-"""From campaigns to a Diagnosis: data faults, noise, geometry, causes, verdict, figures."""
+"""From campaigns to a Diagnosis: prepared, searched for causes, written down."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..campaign import Campaign, drive_torque, join
-from ..campaign.problem import Problem, problem
+from ..campaign import Campaign
+from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
-from ..effects.kinds import LoadEffect
-from ..effects.records import stated_effects
-from ..identification.fit import Fit, fit, heldout, refit, start_state
-from ..identification.model import Model
-from ..identification.registration import check_units
-from .data_faults import clean, split_setup, step_in_time
+from ..identification.fit import Fit, refit
+from ..identification.heldout import heldout
 from .findings import Parts, assemble
-from .noise_choice import choose, from_residual
-from .result import Diagnosis, FaultFound, NotTestable
-from .search import Search, Selection, bounded
-from .verdict import SURE, remainder, stands_out
-
-Progress = Callable[[str], None]
+from .prepared import Prepared, Progress, prepare
+from .result import Diagnosis, NotTestable
+from .screen import bounded
+from .search import Search, Selection
+from .verdict import STANDS_OUT, remainder, stands_out
 
 
 @dataclass(frozen=True)
@@ -46,66 +41,21 @@ def diagnose(
     Several campaigns of one robot are fitted together. Nothing is fitted on `test` but the frame and
     targets of set-ups that the campaigns do not have. Raises InputError where the data are unusable.
     """
-    campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
-    progress("loading the robot")
-    whole = problem(campaign)
-    check_units(whole)
-    known_effects = tuple(stated_effects(whole))
-    start = start_state(whole)
-    progress("looking for data faults")
-    model = Model(whole, (), known_effects)
-    guess, noise, notes = choose(whole, model.linearise(start))
-    cleaned = clean(whole, start, guess, known_effects, judged=noise.source != "residual")
-    whole, faults = cleaned.problem, list(cleaned.faults)
-    step = step_in_time(cleaned.fit)
-    if step is not None:
-        whole = split_setup(whole, step.first)
-        moved = {"moved_instrument": "the instrument's frame", "changed_setup": "the tool with its targets"}
-        what = f"{moved[step.kind]} steps by {step.size * 1e3:.2f} mm before this pose"
-        name = whole.campaign.pose_ids[step.first]
-        faults.append(FaultFound(step.kind, name, None, what, "frame and targets fitted anew from here on"))
-        start = start_state(whole)
-        guess, noise, _ = choose(whole, Model(whole, (), known_effects).linearise(start))
-    else:
-        start = cleaned.fit.state
-    progress("fitting geometry")
-    model, covariance = Model(whole, (), known_effects), guess
-    geometry = fit(model, start, covariance)
-    known = noise.source != "residual"
-    if not known:
-        covariance, noise = from_residual(geometry)
-    if whole.drives:
-        covariance = replace(covariance, torque=drive_torque.noise(whole))
-    if not known or whole.drives:
-        geometry = fit(model, geometry.state, covariance)
+    prepared = prepare(campaigns, progress)
     progress("testing causes")
-    nominal = fit(model, replace(start, geometry=whole.arm.geometry), covariance, geometry=False)
-    candidates, not_testable = testable(whole)
-    selection = _search(nominal, geometry, candidates, known)
-    if not known and selection.effects:
-        covariance, noise = from_residual(selection.fit)
-        geometry = fit(model, geometry.state, covariance)
-        selection = _search(nominal, geometry, candidates, known)
+    candidates, not_testable = testable(prepared.problem)
+    selection = _search(prepared, candidates)
+    if not prepared.noise_known and selection.effects:
+        prepared = prepared.with_noise_of(selection.fit)
+        selection = _search(prepared, candidates)
     progress("writing down what was found")
-    parts = Parts(
-        whole,
-        noise,
-        nominal,
-        geometry,
-        selection,
-        tuple(faults),
-        tuple(notes),
-        tuple(not_testable),
-        known,
-        seed,
-        test,
-    )
-    diagnosis = assemble(parts)
-    return Outcome(diagnosis, whole, selection.fit)
+    diagnosis = assemble(Parts(prepared, selection, tuple(not_testable), seed, test))
+    return Outcome(diagnosis, prepared.problem, selection.fit)
 
 
-def _search(nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bool) -> Selection:
+def _search(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     """The search; where something unknown is left, causes that do not stand out of it are taken back."""
+    nominal, geometry, known = prepared.nominal, prepared.geometry, prepared.noise_known
     search = Search(nominal, geometry, candidates, known)
     selection = search.run()
     for _ in range(3):
@@ -119,12 +69,12 @@ def _search(nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bo
         kept = [
             index
             for i, index in enumerate(selection.chosen)
-            if stands_out(selection.fit, i) * selection.tries[i] < SURE
+            if stands_out(selection.fit, i) * selection.tries[i] < STANDS_OUT
         ]
         if len(kept) == len(selection.chosen):
             break
         selection = search.select(selection.pool, kept)
-    return _material(search, selection) if geometry.model.problem.drives else selection
+    return _material(search, selection) if prepared.problem.drives else selection
 
 
 def _absurd(result: Fit) -> list[Effect]:
@@ -143,7 +93,7 @@ def _material(search: Search, selection: Selection) -> Selection:
     everything = _heldout_rms(selection.fit)
     for index in selection.chosen:
         effect = selection.pool.candidates[index]
-        if isinstance(effect, LoadEffect):
+        if effect.acts == "load":
             rest = [e for e in selection.fit.model.effects if e != effect]
             if _heldout_rms(refit(selection.fit, rest)) < 1.001 * everything:
                 kept.remove(index)
@@ -154,14 +104,14 @@ def _heldout_rms(result: Fit) -> float:
     return float(np.sqrt(np.nanmean(heldout(result) ** 2)))
 
 
-def testable(whole: Problem) -> tuple[list[Effect], list[NotTestable]]:
+def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:
     """Candidates of the catalogue at every place, and the causes that the data cannot show."""
     candidates: list[Effect] = []
     missing: list[NotTestable] = []
     for cause, kind in catalogue().items():
-        why = kind.needs(whole)
+        why = kind.needs(problem)
         if why is not None:
             missing.append(NotTestable(cause, why))
             continue
-        candidates += kind.sites(whole)
+        candidates += kind.sites(problem)
     return candidates, missing

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 from scipy.linalg import solve_triangular
+from scipy.signal import find_peaks
 
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
 
-LOWEST, HIGHEST, STEP = 3.0, 700.0, 0.25  # cycles per joint turn
+LOWEST, HIGHEST, FINENESS = 3.0, 700.0, 0.25  # cycles per joint turn
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ def scan(fit: Fit, per_joint: int = 2) -> list[Line]:
     """
     problem = fit.model.problem
     lines = []
-    orders = np.arange(LOWEST, HIGHEST, STEP)
+    orders = np.arange(LOWEST, HIGHEST, FINENESS)
     searched = [
         j for j in range(problem.arm.n) if not problem.arm.prismatic[j] and np.ptp(problem.q[:, j]) > 0.1
     ]
@@ -124,16 +125,18 @@ def _waves(q: Array, orders: Array, weight: Array) -> tuple[Array, Array]:
 
 def _peaks(fit: Fit, joint: int, orders: Array, statistic: Array, count: int, tries: int) -> list[Line]:
     """Highest local maxima, refined between the grid's points."""
-    inner = np.flatnonzero((statistic[1:-1] >= statistic[:-2]) & (statistic[1:-1] >= statistic[2:])) + 1
+    inner, _ = find_peaks(statistic)
     inner = inner[np.argsort(-statistic[inner])]
     lines = []
     _, a, own = _axial(fit, joint)
     total, poses = scatter_of(fit, a, own)
     for i in inner[:count]:
-        fine = orders[i] + np.linspace(-STEP, STEP, 41)
+        fine = orders[i] + np.linspace(-FINENESS, FINENESS, 41)
         T = spectrum(fit, joint, fine)
         best = int(np.argmax(T))
-        others = inner[(np.abs(orders[inner] - orders[i]) > 2 * STEP) & (statistic[inner] > T[best] - 10.0)]
+        others = inner[
+            (np.abs(orders[inner] - orders[i]) > 2 * FINENESS) & (statistic[inner] > T[best] - 10.0)
+        ]
         aliases = tuple(float(orders[k]) for k in others) if T[best] > 30 else ()
         scatter = (total - T[best]) / max(poses - 2, 1)
         lines.append(Line(joint, float(fine[best]), float(T[best]), tries, float(scatter), poses, aliases))

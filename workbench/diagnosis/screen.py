@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.linalg import solve_triangular
 
-from ..effects.base import Effect
+from ..effects.base import Effect, Param
 from ..identification.fit import Fit
 from ..identification.parameters import effect_prior
 from ..robot.kinematics import Array
@@ -109,6 +109,10 @@ class Screen:
         value = inverse @ self.u[a]
         return value * self.scale[a], inverse * np.outer(self.scale[a], self.scale[a])
 
+    def possible(self, k: Sequence[int]) -> bool:
+        """Whether a machine can have the candidates' values, all fitted together."""
+        return bounded([p for i in k for p in self.candidates[i].params], *self.solution(k))
+
     def p_value(self, statistic: float, rank: int, used: float = 0.0) -> float:
         """Tail probability of a statistic; `used`: what accepted causes took off the residual."""
         return p_value(statistic, rank, self.rss - used, self.dof, self.noise_dof, self.known)
@@ -154,6 +158,19 @@ def p_value(statistic: float, rank: int, rss: float, dof: float, noise_dof: floa
         return float(stats.f.sf(statistic / rank, rank, noise_dof))
     left = max(rss - statistic, 1e-12) / max(dof - rank, 1.0)
     return float(stats.f.sf(statistic / rank / left, rank, max(dof - rank, 1.0)))
+
+
+def tail(fit: Fit, statistic: float, rank: int, known: bool) -> float:
+    """Tail probability of a statistic that was taken at a fit."""
+    return p_value(statistic, rank, fit.chi2, effective_dof(fit), fit.noise.dof, known)
+
+
+def bounded(params: Sequence[Param], values: Array, covariance: Array) -> bool:
+    """Whether a machine can have these numbers: physical bounds, with two standard deviations of grace."""
+    std = np.sqrt(np.maximum(np.diag(covariance), 0))
+    return all(
+        p.lower <= v + 2 * s and v - 2 * s <= p.upper for p, v, s in zip(params, values, std, strict=True)
+    )
 
 
 def reduce_columns(fit: Fit, G: Array) -> tuple[Array, Array, Array]:

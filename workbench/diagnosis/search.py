@@ -1,6 +1,6 @@
 """Which causes: the subset of candidates that explains the residual, and who could stand in for whom.
 
-Cost of a set = misfit + a penalty per cause that a chance hit pays with probability `ALPHA` over the
+Cost of a set = misfit + a penalty per cause that a chance hit pays with probability `ALPHA_CAUSES` over the
 whole catalogue. Additions, removals and exchanges until none helps; then a full nonlinear fit, and
 again, because an accepted cause sharpens the view of the rest.
 """
@@ -14,24 +14,20 @@ from functools import lru_cache
 import numpy as np
 from scipy import stats
 
-from ..effects.base import Effect, Param
-from ..effects.bearing_tilt import BearingTilt
-from ..effects.gear_kinematic_error import GearKinematicError
-from ..effects.joint_compliance import JointCompliance
-from ..effects.kinds import LoadEffect, YieldEffect
+from ..effects import line as gear_line
+from ..effects.base import Effect
 from ..effects.place import Where
 from ..identification.fit import Fit, refit
 from ..robot.kinematics import Array
+from .rivals import Rivals
 from .scan import Line, scan
-from .screen import Screen, effective_dof, p_value, screen
+from .screen import Screen, bounded, p_value, screen, tail
 
-ALPHA = 0.004  # chance that clean data show some catalogue cause
-ALPHA_SCAN = 0.002  # and that they show some gear line of unknown order
-RIVAL = 1e-3  # a rival is dropped when the accepted cause still adds to it at this level
-ALMOST = 0.1  # a rival that the linear pool drops is fitted in full if it leaves no more than this share
-CLEARER = 4.0  # gain in misfit that moves a setting
+ALPHA_CAUSES = 0.004  # chance that clean data show some catalogue cause
+ALPHA_LINES = 0.002  # and that they show some gear line of unknown order
+CLEARER_BY = 4.0  # gain in misfit that moves a setting
 MOST_CAUSES = 16
-LARGEST = 3.0  # a cause moves the points by no more than this times the nominal robot's error
+LARGEST_MOVE = 3.0  # a cause moves the points by no more than this times the nominal robot's error
 
 
 @dataclass(frozen=True)
@@ -62,21 +58,13 @@ def _gain_by_chance(alpha: float, rank: int, dof: float, noise_dof: float, known
     return float(dof * np.log1p(rank * F / max(dof - rank, 2.0)))
 
 
-def bounded(params: Sequence[Param], values: Array, covariance: Array) -> bool:
-    """Whether a machine can have these numbers: physical bounds, with two standard deviations of grace."""
-    std = np.sqrt(np.maximum(np.diag(covariance), 0))
-    return all(
-        p.lower <= v + 2 * s and v - 2 * s <= p.upper for p, v, s in zip(params, values, std, strict=True)
-    )
-
-
 class Search:
     """Subset search on one geometry fit."""
 
     def __init__(self, nominal: Fit, geometry: Fit, candidates: Sequence[Effect], known: bool) -> None:
         self.geometry, self.known, self.max_causes = geometry, known, MOST_CAUSES
         error = float(np.sqrt(np.nanmean(nominal.residual**2)))
-        self.largest = LARGEST * max(5e-4, error) / float(np.sqrt(np.mean(geometry.noise.sigma**2)))
+        self.largest = LARGEST_MOVE * max(5e-4, error) / float(np.sqrt(np.mean(geometry.noise.sigma**2)))
         self.last = geometry
         self.candidates: list[Effect] = list(candidates)
         self.tries: dict[Effect, int] = {}
@@ -117,7 +105,7 @@ class Search:
             pool,
             tuple(chosen),
             tuple(self._p(pool, result, i) for i in range(len(chosen))),
-            tuple(self._rivals(pool, chosen, a) for a in chosen),
+            tuple(Rivals(pool, tuple(chosen), result, self.known).of(a) for a in chosen),
             self.aliases,
             tuple(self.tries.get(pool.candidates[a], self.regular) for a in chosen),
         )
@@ -138,11 +126,11 @@ class Search:
         """Puts significant lines of the order scan into the candidates."""
         grew = False
         for line in scan(at):
-            p = max(line.p_value, self._tail(line.statistic, 2, at))
-            if p * line.tries > ALPHA_SCAN or self._is_known(line):
+            p = max(line.p_value, tail(at, line.statistic, 2, self.known))
+            if p * line.tries > ALPHA_LINES or self._is_known(line):
                 continue
             name = at.model.problem.arm.names[line.joint]
-            effect = GearKinematicError(Where(joint=name, order=round(line.order, 3)))
+            effect = gear_line(name, round(line.order, 3))
             self.candidates.append(effect)
             self.tries[effect] = line.tries
             self.aliases[effect.where.joint or ""] = line.aliases
@@ -164,7 +152,7 @@ class Search:
             given = range(len(options), len(options) + len(rest))
             gains = np.array([there.statistic([k], given)[0] for k in range(len(options))])
             unit = 1.0 if self.known else (there.rss - gains.max()) / max(there.dof, 1.0)
-            if gains.max() > gains[0] + CLEARER * unit:
+            if gains.max() > gains[0] + CLEARER_BY * unit:
                 self.candidates[a] = options[int(np.argmax(gains))]
                 changed = True
         return changed
@@ -174,19 +162,16 @@ class Search:
         problem = self.geometry.model.problem
         width = max(1.5 * np.pi / max(float(np.ptp(problem.q[:, line.joint])), 1e-3), 0.3)
         return any(
-            isinstance(effect, GearKinematicError)
+            effect.where.order is not None
             and effect.where.joint == problem.arm.names[line.joint]
-            and abs((effect.where.order or 0.0) - line.order) < width
+            and abs(effect.where.order - line.order) < width
             for effect in self.candidates
         )
-
-    def _tail(self, statistic: float, rank: int, at: Fit) -> float:
-        return p_value(statistic, rank, at.chi2, effective_dof(at), at.noise.dof, self.known)
 
     def _penalty(self, effect: Effect, rank: int, dof: float) -> float:
         """Gain in misfit that a chance hit reaches with the family-wise probability."""
         tries = self.tries.get(effect)
-        alpha = ALPHA_SCAN / tries if tries else ALPHA / self.regular
+        alpha = ALPHA_LINES / tries if tries else ALPHA_CAUSES / self.regular
         return _gain_by_chance(alpha, rank, dof, self.geometry.noise.dof, self.known)
 
     def _cost(self, pool: Screen, gain: float) -> float:
@@ -195,13 +180,6 @@ class Search:
             return pool.rss - gain
         return float(pool.dof * np.log(max(pool.rss - gain, 1e-12 * pool.rss)))
 
-    def _possible(self, pool: Screen, chosen: Sequence[int]) -> bool:
-        """Physical bounds, with two standard deviations of grace."""
-        return self._bounded(pool, chosen, *pool.solution(chosen))
-
-    def _bounded(self, pool: Screen, chosen: Sequence[int], values: Array, covariance: Array) -> bool:
-        return bounded([p for i in chosen for p in pool.candidates[i].params], values, covariance)
-
     def _strangeness(self, pool: Screen, chosen: Sequence[int]) -> float:
         """Penalty on sizes far beyond the typical (a Cauchy prior two typical sizes wide); infinite
         beyond physical bounds, or where causes move the points by far more than the robot errs (they
@@ -209,7 +187,7 @@ class Search:
         if not chosen:
             return 0.0
         values, covariance = pool.solution(chosen)
-        if not self._bounded(pool, chosen, values, covariance):
+        if not bounded([p for i in chosen for p in pool.candidates[i].params], values, covariance):
             return np.inf
         typical = values / pool.scale[pool.columns(chosen)]
         moves = np.abs(typical) * np.sqrt(pool.own[pool.columns(chosen)] / pool.dof)
@@ -287,7 +265,7 @@ class Search:
         gains, ranks = there.increments([])
         for k, effect in enumerate(rest):
             gain, rank = float(gains[k]), int(ranks[k])
-            if rank == 0 or gain < 8.0 or not self._possible(there, [k]):
+            if rank == 0 or gain < 8.0 or not there.possible([k]):
                 continue
             loss = self._penalty(effect, rank, there.dof)
             value = (
@@ -298,7 +276,8 @@ class Search:
         return best[1] if best else None
 
     def _backward(self, pool: Screen, chosen: list[int]) -> list[int]:
-        """Drops what is no longer significant, and what does not help on held-out poses."""
+        """Drops, the weakest first, what does not pay its penalty beside the others; where the noise is not
+        known, nothing."""
         while chosen:
             worth = []
             for a in chosen:
@@ -322,68 +301,3 @@ class Search:
             1.0,
             tries * p_value(wald, len(result.state.values[i]), rss, pool.dof, result.noise.dof, self.known),
         )
-
-    def _rivals(self, pool: Screen, chosen: Sequence[int], a: int) -> tuple[int, ...]:
-        """Causes that could stand in for an accepted one: beside them it adds nothing significant."""
-        rest = [c for c in chosen if c != a]
-        keys = {pool.candidates[c].key for c in chosen}
-        base = pool.statistic(rest)[0]
-        own = pool.statistic([a], rest)[0]
-        alones, ranks = pool.increments(rest)
-        found: dict[tuple[str, Where], tuple[float, int]] = {}
-        for k, effect in enumerate(pool.candidates):
-            alone = float(alones[k])
-            if (
-                ranks[k] == 0
-                or alone < 0.2 * own
-                or effect.key in keys
-                or not self._possible(pool, [*rest, k])
-            ):
-                continue
-            more, extra = pool.statistic([a], [*rest, k])
-            worse = extra and pool.p_value(more, extra, base + alone) < RIVAL
-            if worse and (more > ALMOST * own or not self._stands_in(pool, rest, [k], a)):
-                parts = self._parts(pool, k)
-                if not parts or not self._stands_in(pool, rest, parts, a):
-                    continue
-            if effect.key not in found or alone > found[effect.key][0]:
-                found[effect.key] = alone, k
-        return tuple(k for _, k in sorted(found.values(), reverse=True)) or self._rigid_joints(pool, rest, a)
-
-    def _rigid_joints(self, pool: Screen, rest: Sequence[int], a: int) -> tuple[int, ...]:
-        """Joints that the model has rigid, where `a` adds nothing to their yielding all together.
-
-        Every joint yields. Where no stiffness at all is stated, axial yield and tilt of all these joints are
-        as likely as whatever single yield draws the same: then they are its rivals, the strongest first.
-        """
-        effect, candidates = pool.candidates[a], pool.candidates
-        if isinstance(effect, JointCompliance) or not isinstance(effect, YieldEffect | LoadEffect):
-            return ()
-        rigid = {e.where.joint for e in candidates if isinstance(e, JointCompliance) and not e.nominal}
-        alones = pool.increments(rest)[0]
-        group = [
-            k
-            for k, e in enumerate(candidates)
-            if isinstance(e, JointCompliance | BearingTilt) and e.where.joint in rigid and k not in (*rest, a)
-        ]
-        axial = [k for k in group if isinstance(candidates[k], JointCompliance)]
-        base = pool.statistic([*rest, *group])[0]
-        more, extra = pool.statistic([a], [*rest, *group])
-        if not axial or (extra and pool.p_value(more, extra, base) < RIVAL):
-            return ()
-        return tuple(sorted(axial, key=lambda k: -alones[k])[:3])
-
-    def _parts(self, pool: Screen, k: int) -> list[int]:
-        """All parts of the law that a candidate is a part of; none where it is a law by itself."""
-        effect = pool.candidates[k]
-        parts = [i for i, other in enumerate(pool.candidates) if other.key == effect.key]
-        return parts if effect.together and len(parts) > 1 else []
-
-    def _stands_in(self, pool: Screen, rest: Sequence[int], instead: Sequence[int], a: int) -> bool:
-        """Candidate `a` adds nothing to a full fit with others in its place: large effects are not linear,
-        and the pool is."""
-        if not self._possible(pool, [*rest, *instead]):
-            return False
-        there = refit(self.last, self._effects(pool, [*rest, *instead]))
-        gain, rank = screen(there, [pool.candidates[a]], self.known).statistic([0])
-        return self._tail(gain, rank, there) >= RIVAL

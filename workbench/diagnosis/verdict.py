@@ -10,21 +10,21 @@ from scipy import stats
 from scipy.linalg import qr, solve_triangular
 
 from ..effects.base import Effect
-from ..effects.gear_kinematic_error import GearKinematicError
 from ..identification.fit import Fit
-from .families import FamilyTest, test_families
+from .families import Family, FamilyTest, families, test_families
 from .scan import scatter_of
 from .screen import effective_dof, p_value
 
-ALPHA_GENERIC = 0.004  # chance that clean data show a dependence on some variable
-ALPHA_GLOBAL = 1e-3  # and that their residual exceeds the noise
+FAMILY_LEVEL = 0.004  # chance that clean data show a dependence on some variable
+GLOBAL_LEVEL = 1e-3  # and that their residual exceeds the noise
 INFLATED = 1.10  # residual over noise from which pure scatter counts as something left
-SURE = 0.01  # p-value, looks counted, that a cause keeps against the scatter along its own direction
-PIECES = ("gear_kinematic_error", "gear_ratio", "gear_eccentricity")
-FAST = 12.0  # cycles per joint turn from which a gear line is no smooth function of the joint
+STANDS_OUT = 0.01  # p-value, looks counted, that a cause keeps against the scatter along its own direction
+SMOOTH_BELOW = 12.0  # cycles per joint turn up to which a gear line is a smooth function of the joint
 DWARFS = 25.0  # times the structure left near it that a cause must explain to be sure at once
 OVERSHADOWED = 0.5  # share of the unexplained excess that a cause must itself explain to be sure
-MOSTLY = 0.9  # share of the excess that a cause must explain to be named although its form is not exact
+EXPLAINS_MOST = (
+    0.9  # share of the excess that a cause must explain to be named although its form is not exact
+)
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ def remainder(result: Fit, known: bool) -> Remainder:
         one = len(tests) * max(
             p_value(test.statistic, test.rank, chi2, dof, result.noise.dof, k) for k in judged
         )
-        if one < ALPHA_GENERIC:
+        if one < FAMILY_LEVEL:
             significant.append((test, one))
     significant.sort(key=lambda pair: (pair[1], -pair[0].statistic / max(pair[0].rank, 1)))
     inflation = float(np.sqrt(chi2 / dof))
-    scatter = bool(known and p < ALPHA_GLOBAL and inflation > INFLATED)
+    scatter = bool(known and p < GLOBAL_LEVEL and inflation > INFLATED)
     return Remainder(chi2, dof, p, inflation, tuple(significant), bool(significant) or scatter, scatter)
 
 
@@ -80,17 +80,15 @@ def stands_alone(result: Fit, i: int, left: Remainder, threshold: float) -> bool
     cannot be a piece of the unknown.
     """
     effect: Effect = result.model.effects[i]
-    joint = effect.where.joint
-    excess = max((t.statistic - t.rank for t, _ in left.tests if _near(effect, t)), default=0.0)
+    problem = result.model.problem
+    own = None if effect.where.joint is None else problem.joint(effect.where.joint)
+    excess = max((t.statistic - t.rank for t, _ in left.tests if _near(effect, own, t.family)), default=0.0)
     if result.wald(i) > DWARFS * excess:
         return True
-    if (effect.where.order or 0.0) < FAST:
+    if (effect.where.order or 0.0) < SMOOTH_BELOW:
         return False
-    own = result.model.problem.arm.names.index(joint) if joint else -1
     blocks = [test.family.columns for test, _ in left.tests[:6]]
-    from .families import families
-
-    blocks += [f.columns for f in families(result) if f.joint == own and own >= 0]
+    blocks += [f.columns for f in families(result) if own is not None and f.joints == (own,)]
     F = np.concatenate(blocks, axis=2) if blocks else np.zeros((*result.r.shape, 0))
     flat = F.reshape(-1, F.shape[2])
     size = np.linalg.norm(flat, axis=0)
@@ -126,17 +124,16 @@ def stands_alone(result: Fit, i: int, left: Remainder, threshold: float) -> bool
     return bool(p < threshold)
 
 
-def _near(effect: Effect, test: FamilyTest) -> bool:
-    """Whether a family is about what the effect depends on."""
-    variable = test.family.variable
-    clock = variable in ("time", "order of measurement", "temperature")
-    if effect.cause in ("drift", "thermal_growth"):
-        return clock
-    if effect.cause == "backlash":
-        return variable.startswith("approach") and str(effect.where.joint) in variable
-    if effect.where.joint is not None:
-        return effect.where.joint in variable
-    return not clock and not variable.startswith("approach")
+def _near(effect: Effect, joint: int | None, family: Family) -> bool:
+    """Whether a family is about what the effect (of that joint, if of one) depends on."""
+    on = effect.uses
+    if on and on <= {"time", "temperature"}:
+        return family.kind == "clock"
+    if "side" in on:
+        return family.kind == "side" and joint in family.joints
+    if joint is not None:
+        return joint in family.joints
+    return family.kind not in ("clock", "side")
 
 
 def patchwork(effects: Sequence[Effect]) -> set[str]:
@@ -145,10 +142,10 @@ def patchwork(effects: Sequence[Effect]) -> set[str]:
     Such a set draws any smooth function of the joint; none of its members is the cause. A fast line of the
     same joint says that the slow one is a harmonic of a gear.
     """
-    lines = [e for e in effects if isinstance(e, GearKinematicError) and e.searched]
-    slow = {e.where.joint for e in lines if (e.where.order or FAST) < FAST}
-    slow -= {e.where.joint for e in lines if (e.where.order or FAST) >= FAST}
-    smooth = {e.where.joint for e in effects if e.cause in PIECES[1:]}
+    lines = [(e.where.joint, e.where.order or SMOOTH_BELOW) for e in effects if e.searched]
+    slow = {joint for joint, order in lines if order < SMOOTH_BELOW}
+    slow -= {joint for joint, order in lines if order >= SMOOTH_BELOW}
+    smooth = {e.where.joint for e in effects if e.smooth}
     return {joint for joint in slow & smooth if joint is not None}
 
 

@@ -15,7 +15,7 @@ from .registration import STATED_TARGET, UNKNOWN_TARGET
 
 GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
 FRAME_PRIOR = 10.0  # m, rad: as good as none
-KEYS = ("tx", "ty", "tz", "rx", "ry", "rz")
+MOTION_KEYS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,15 @@ class Columns:
         start = self.targets[-1][2].stop if self.targets else 6 * self.setups
         return int(start) + len(self.geometry)
 
+    def index(self, name: str) -> int:
+        """Number of a column by its name, or by a start that only this name has (`payload/heavy/mass`)."""
+        if name in self.names:
+            return self.names.index(name)
+        found = [i for i, other in enumerate(self.names) if other.startswith(f"{name}/")]
+        if len(found) != 1:
+            raise KeyError(f"{name!r} names {len(found)} of the fitted numbers")
+        return found[0]
+
     @property
     def geometry_slice(self) -> slice:
         return slice(self.background - len(self.geometry), self.background)
@@ -51,7 +60,7 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequen
     names: list[str] = []
     prior: list[float] = []
     for setup in campaign.setup_names:
-        names += [f"frame/{setup}/{key}" for key in KEYS]
+        names += [f"frame/{setup}/{key}" for key in MOTION_KEYS]
         prior += [FRAME_PRIOR] * 6
     targets: list[tuple[int, int | None, slice]] = []
     for k, setup in enumerate(campaign.setup_names):
@@ -65,17 +74,24 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequen
     which = np.array(chosen, dtype=np.int64)
     for column in which:
         slot, component = divmod(int(column), 6)
-        names.append(f"geometry/{arm.names[slot - 1]}/{KEYS[component]}")
+        names.append(f"geometry/{arm.names[slot - 1]}/{MOTION_KEYS[component]}")
         prior.append(GEOMETRY_PRIOR[component // 3])
     slices, start = [], len(names)
     for effect in effects:
-        names += [f"{effect.label}/{p.name}" for p in effect.params]
+        names += effect_names(effect)
         prior += [effect_prior(p) for p in effect.params]
         slices.append(slice(start, len(names)))
         start = len(names)
     return Columns(
         tuple(names), np.array(prior), len(campaign.setup_names), tuple(targets), which, tuple(slices)
     )
+
+
+def effect_names(effect: Effect) -> list[str]:
+    """Names of an effect's parameters: cause, place, form, parameter (`gear_ratio/joint_3/relative`)."""
+    where = [f"{part:g}" if isinstance(part, float) else part for part in effect.where.keys().values()]
+    path = "/".join(part for part in (effect.cause, *where, effect.variant) if part)
+    return [f"{path}/{p.name}" for p in effect.params]
 
 
 def effect_prior(param: Param) -> float:
@@ -95,7 +111,7 @@ def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, t
     stated = [campaign.targets[i].xyz is not None for i in free]
     if campaign.six_dof and free:
         spread = [STATED_TARGET] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
-        return [(None, "body", KEYS, spread)]
+        return [(None, "body", MOTION_KEYS, spread)]
     return [
         (i, campaign.targets[i].name, ("x", "y", "z"), [STATED_TARGET if known else UNKNOWN_TARGET] * 3)
         for i, known in zip(free, stated, strict=True)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
-from ..robot.kinematics import Array, Frames, frames
+from ..robot.kinematics import RX, RY, RZ, Array, Frames, frames
 
 STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists
 UNKNOWN_TARGET = 1.0  # m, how far an unknown target may be from its frame
@@ -140,9 +140,9 @@ def _refine(
         J = np.zeros((*z.shape, 6 + 3 * n_targets))
         J[..., :3] = np.eye(3)
         arm = points - t
-        J[..., 0, 4], J[..., 0, 5] = arm[..., 2], -arm[..., 1]
-        J[..., 1, 3], J[..., 1, 5] = -arm[..., 2], arm[..., 0]
-        J[..., 2, 3], J[..., 2, 4] = arm[..., 1], -arm[..., 0]
+        J[..., 0, RY], J[..., 0, RZ] = arm[..., 2], -arm[..., 1]
+        J[..., 1, RX], J[..., 1, RZ] = -arm[..., 2], arm[..., 0]
+        J[..., 2, RX], J[..., 2, RY] = arm[..., 1], -arm[..., 0]
         for i in range(n_targets):
             J[:, i, :, 6 + 3 * i : 9 + 3 * i] = R @ R_k[:, i]
         scale = misfit + 1e-6

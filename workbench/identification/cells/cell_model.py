@@ -22,7 +22,7 @@ from ..fit import Fit, start_state
 from .grid import Cells, Index, cells
 from .two_steps import external, identified, part
 
-FEWEST = 3  # poses of a cell with load, and without
+FEWEST_PER_CELL = 3  # poses of a cell with load, and without
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +57,9 @@ class CellModel:
         k, std = np.empty((2, len(self.fits), len(self.robots[0].joints)))
         for i, one in enumerate(self.fits):
             for j, joint in enumerate(self.robots[i].joints):
-                value, covariance = one.effect_values(j)
-                k[i, j] = (joint.data.stiffness or np.nan) / (1 + value[0])
-                std[i, j] = np.sqrt(covariance[0, 0])
+                name = f"joint_compliance/{joint.name}"
+                k[i, j] = (joint.data.stiffness or np.nan) / (1 + one.value(name))
+                std[i, j] = one.std(name)
         return k, std
 
     def predict(self, plan: Campaign) -> Array:
@@ -117,9 +117,11 @@ def fit_cells(
 ) -> CellModel:
     """Cells of a box (2, 3) [m], each fitted from the poses whose nominal tool point lies in it.
 
-    The tool point is the campaign's first target. instrument: R (K, 3, 3), t (K, 3) [m] of the base in the
-    instrument's frame per set-up, where it is known; None: registered once on all poses. kinematics=False
-    keeps the robot's own. Raises `InputError` with the cells that lack poses with load or without.
+    The campaign is fitted as it is: `prepare(campaign).problem.campaign` is without its data faults, and
+    split where the instrument moved. The tool point is its first target. instrument: R (K, 3, 3), t (K, 3)
+    [m] of the base in the instrument's frame per set-up, where it is known; None: registered once on all
+    poses. kinematics=False keeps the robot's own. Raises `InputError` with the cells that lack poses with
+    load or without.
     """
     grid, tool = cells(box, counts), _tool_point(campaign)
     if instrument is None:
@@ -133,11 +135,11 @@ def fit_cells(
     where, loaded = _places(told, tool), told.wrench.any(axis=1)
     inside = [grid.holds(cell, where) for cell in range(len(grid))]
     count = [((here & ~loaded).sum(), (here & loaded).sum()) for here in inside]
-    mend = f"measure {FEWEST} of each at least, or take larger cells"
+    mend = f"measure {FEWEST_PER_CELL} of each at least, or take larger cells"
     few = [
         Fault(grid.name(cell), f"has {empty} poses without load and {full} with", mend)
         for cell, (empty, full) in enumerate(count)
-        if min(empty, full) < FEWEST
+        if min(empty, full) < FEWEST_PER_CELL
     ]
     if few:
         raise InputError(few)

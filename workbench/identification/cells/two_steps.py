@@ -19,14 +19,14 @@ from ...effects.joint_compliance import JointCompliance
 from ...effects.records import record
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
-from ...robot.kinematics import Arm, Array
+from ...robot.kinematics import RX, Arm, Array
 from ...robot.schema import GEOMETRY
 from ..deflection import places
 from ..fit import Fit, fit
 from ..model import Model, State
 from ..noise import Covariance, required_noise
 
-SURE = 1e3  # how much more than a measured place a computed one counts
+COMPUTED_WEIGHT = 1e3  # how much more than a measured place a computed one counts
 
 
 def external(campaign: Campaign) -> Campaign:
@@ -72,10 +72,9 @@ def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]
     robot = campaign.robot
     empty = np.asarray(~campaign.wrench.any(axis=1))
     if kinematics:
-        job = problem(part(campaign, empty))
-        model = Model(job)
+        model = Model(problem(part(campaign, empty)))
         found = fit(model, model.in_base())
-        rows = zip(robot.joint_names, seated(job.arm, found.state)[1:-1].tolist(), strict=True)
+        rows = zip(robot.joint_names, seated(model.problem.arm, found.state)[1:-1].tolist(), strict=True)
         robot = replace(robot, geometry={name: dict(zip(GEOMETRY, row, strict=True)) for name, row in rows})
     stiffness = _from_differences(replace(campaign, robot=robot), empty)
     pairs = zip(stiffness.model.effects, stiffness.state.values, strict=True)
@@ -84,8 +83,7 @@ def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]
 
 def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
     """The joints' compliances from loaded minus unloaded places, both put where the kinematics has them."""
-    job = problem(campaign)
-    same = job.positions
+    same = problem(campaign).positions
     first = {number: i for i, number in reversed(list(enumerate(same))) if empty[i]}
     pair = np.array([first.get(number, -1) for number in same])
     used = empty | (pair >= 0)
@@ -93,10 +91,12 @@ def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
         raise InputError(Fault(campaign.title, "no pose was measured with and without load", "measure both"))
     rest = places(replace(campaign, wrench=np.zeros_like(campaign.wrench)))
     moved = rest + np.where(empty[:, None, None], 0.0, campaign.points - campaign.points[pair])
-    job = problem(part(replace(campaign, points=moved), used))
-    noise = required_noise(job)
-    both = Covariance(np.sqrt(2) * noise.sigma, np.sqrt(2) * noise.joint, np.where(empty[used], SURE, 1.0))
-    model = Model(job, tuple(JointCompliance.sites(job)))
+    differences = problem(part(replace(campaign, points=moved), used))
+    noise = required_noise(differences)
+    both = Covariance(
+        np.sqrt(2) * noise.sigma, np.sqrt(2) * noise.joint, np.where(empty[used], COMPUTED_WEIGHT, 1.0)
+    )
+    model = Model(differences, tuple(JointCompliance.sites(differences)))
     return fit(model, model.in_base(), both, geometry=False)
 
 
@@ -106,9 +106,9 @@ def seated(arm: Arm, state: State) -> Array:
     For an instrument that is known to stand in the base frame: then the robot stands where it was seen.
     """
     geometry = state.geometry.copy()
-    turn = Rotation.from_euler("XYZ", geometry[1, 3:]).as_matrix()
+    turn = Rotation.from_euler("XYZ", geometry[1, RX:]).as_matrix()
     R = state.R[0] @ arm.R[1] @ turn
-    p = state.R[0] @ (arm.p[1] + arm.R[1] @ geometry[1, :3]) + state.t[0]
-    geometry[1, :3] = arm.R[1].T @ (p - arm.p[1])
-    geometry[1, 3:] = Rotation.from_matrix(arm.R[1].T @ R).as_euler("XYZ")
+    p = state.R[0] @ (arm.p[1] + arm.R[1] @ geometry[1, :RX]) + state.t[0]
+    geometry[1, :RX] = arm.R[1].T @ (p - arm.p[1])
+    geometry[1, RX:] = Rotation.from_matrix(arm.R[1].T @ R).as_euler("XYZ")
     return geometry

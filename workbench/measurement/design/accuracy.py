@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...campaign import Campaign
+from ...diagnosis.result import FaultFound
 from ...effects.joint_compliance import JointCompliance
 from ...robot.kinematics import Array
 from .candidates import Factors, candidates, ordered, payload_counts, take
@@ -31,7 +32,7 @@ class AccuracyPlan:
     """Records for accuracy, in the order to measure them, and the expected errors [mm]: one sigma, 3-D, of
     the model's prediction from noise alone. now_mm: from the campaign (None: there is none); random_mm: the
     median after as many random records; same: random records for the error of this plan (None: more than
-    `MOST` times as many)."""
+    `MOST` times as many); faults: of the campaign's data."""
 
     records: Campaign
     noise: str
@@ -39,6 +40,7 @@ class AccuracyPlan:
     random_mm: float
     plan_mm: float
     same: int | None
+    faults: tuple[FaultFound, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -46,6 +48,7 @@ class AccuracyPlan:
             "n_poses": len(self.records.q),
             "payloads": payload_counts(self.records),
             "noise": self.noise,
+            "faults": [fault.to_json() for fault in self.faults],
             "now_mm": self.now_mm,
             "random_mm": self.random_mm,
             "plan_mm": self.plan_mm,

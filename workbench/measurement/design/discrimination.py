@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...campaign import Campaign
+from ...diagnosis.result import FaultFound
+from ...effects import separation
 from ...effects.base import Effect
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
@@ -61,7 +63,8 @@ class DiscriminationPlan:
 
     hardest: both ways of the pair with the least λ after the plan; hopeless: pairs that all candidates
     together do not tell; unseen: effects that no pose shows beside geometry; needed: planned poses after
-    which the hardest λ is `POWER.mostly`; separate_by: measurements of another kind that tell them apart.
+    which the hardest λ is `POWER.mostly`; separate_by: measurements of another kind that tell them apart;
+    faults: of the campaign's data.
     """
 
     records: Campaign | None
@@ -72,6 +75,7 @@ class DiscriminationPlan:
     unseen: tuple[Effect, ...]
     needed: int | None
     separate_by: str
+    faults: tuple[FaultFound, ...] = ()
 
     @property
     def least(self) -> float:
@@ -84,6 +88,7 @@ class DiscriminationPlan:
             "n_poses": 0 if self.records is None else len(self.records.q),
             "payloads": {} if self.records is None else payload_counts(self.records),
             "noise": self.noise,
+            "faults": [fault.to_json() for fault in self.faults],
             "told_apart": self.least >= POWER.least and not self.hopeless and not self.unseen,
             "hardest": [pair.to_json() for pair in self.hardest],
             "hopeless": [{**keys(a), "rival": keys(b)} for a, b in self.hopeless],
@@ -215,7 +220,7 @@ def _needed(hardest: Sequence[Discrimination], count: int) -> int | None:
 
 def _advice(pairs: Sequence[Pair]) -> str:
     """What the effects themselves say tells them apart."""
-    said = [text for a, b in pairs for text in (a.separate.get(b.cause), b.separate.get(a.cause)) if text]
+    said = list(filter(None, (separation(a.cause, b.cause) for a, b in pairs)))
     return (
         "; ".join(dict.fromkeys(said))
         or "the drives' torques, a target on the link in question, another load"

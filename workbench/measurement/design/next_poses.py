@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from ...campaign import Campaign
 from ...files.faults import Fault, InputError
@@ -40,6 +41,9 @@ def plan(
     else:
         search = Search(max(POOL, PER_POSE * poses), STARTS, seed)
     progress(f"choosing {poses} of about {search.pool} possible records")
+    made: Plan
     if tell is not None:
-        return plan_discrimination(prior, tell, poses, search)
-    return plan_accuracy(prior, poses, search)
+        made = plan_discrimination(prior, tell, poses, search)
+    else:
+        made = plan_accuracy(prior, poses, search)
+    return replace(made, faults=prior.faults)

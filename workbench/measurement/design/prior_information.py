@@ -13,17 +13,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...campaign import Campaign, drive_torque
+from ...campaign import Campaign
 from ...campaign.planned import TARGETS, planned
 from ...campaign.problem import Problem, problem
-from ...diagnosis.data_faults import clean
-from ...diagnosis.noise_choice import choose, from_residual
+from ...diagnosis.prepared import prepare
+from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
 from ...effects.records import stated_effects
-from ...identification.fit import Fit, fit, start_state
+from ...identification.fit import Fit, fit
 from ...identification.model import Model, State
 from ...identification.noise import Covariance
-from ...identification.registration import check_units
+from ...identification.parameters import effect_names
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.schema import stated_load
@@ -60,7 +60,8 @@ class PriorInformation:
     problem: of the campaign (of one without points where nothing was measured: then `fit` is None);
     acting: effects with the values that the robot's own TOML states; sigma: (T,) [m] noise per axis,
     joint: (n,) one sigma of the joints, noise: where that comes from; shown: (T,) the targets that the
-    campaign shows often, which new records show too; places: (T, 3) [m] where these are behind their slots.
+    campaign shows often, which new records show too; places: (T, 3) [m] where these are behind their slots;
+    faults: of the campaign's data, as a diagnosis finds them.
     """
 
     problem: Problem
@@ -72,6 +73,7 @@ class PriorInformation:
     noise: str
     shown: NDArray[np.bool_]
     places: Array
+    faults: tuple[FaultFound, ...] = ()
 
     @property
     def robot(self) -> Robot:
@@ -131,16 +133,16 @@ class PriorInformation:
         while name in self.problem.campaign.setup_names:
             name += "+"
         records = replace(records, setup_names=(name,))
-        whole = replace(self.problem, campaign=records)
+        problem = replace(self.problem, campaign=records)
         geometry = self.problem.arm.geometry if self.fit is None else self.fit.state.geometry
         # seen from the base: where the instrument stands makes no difference
         state = State(geometry, np.eye(3)[None], np.zeros((1, 3)), self.places[None, self.shown])
-        model = Model(whole, (), self.acting)
+        model = Model(problem, (), self.acting)
         points = model.predict(state)
         shots = np.ones(points.shape[:2], dtype=np.int64)
-        whole = replace(whole, campaign=replace(records, points=points, shots=shots))
+        problem = replace(problem, campaign=replace(records, points=points, shots=shots))
         # a fit to its own prediction: only its derivatives are wanted
-        return _sensitivity_of(fit(replace(model, problem=whole), state, noise, max_iterations=1), effects)
+        return _sensitivity_of(fit(replace(model, problem=problem), state, noise, max_iterations=1), effects)
 
 
 def _span(columns: Array) -> Array:
@@ -163,8 +165,7 @@ def _sensitivity_of(result: Fit, effects: ValuedEffects) -> Sensitivity:
 
 def parameter_names(effect: Effect) -> list[str]:
     """Names of an effect's parameters, its form and order included."""
-    what = f"{effect.cause}({effect.where.keys()}) {effect.variant}"
-    return [f"effect/{what}/{p.name}" for p in effect.params]
+    return [f"effect/{name}" for name in effect_names(effect)]
 
 
 def prior_precision(names: Sequence[str]) -> Array:
@@ -176,40 +177,39 @@ def from_robot(robot: Robot) -> PriorInformation:
     """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker."""
     loads = {name: stated_load(load) for name, load in robot.payloads.items()}
     blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=stated_load(robot.tool))
-    whole = problem(blank)
+    nothing = problem(blank)
     joint = np.array([item.data.repeatability or 0.0 for item in robot.joints])
     noise = f"{1e3 * ASSUMED_SIGMA:.3f} mm per axis assumed, and the joints' repeatability as stated"
     sigma = np.full(len(TARGETS), ASSUMED_SIGMA)
-    effects = tuple(stated_effects(whole))
+    effects = tuple(stated_effects(nothing))
     shown = np.ones(len(TARGETS), dtype=bool)
-    return PriorInformation(whole, effects, None, sigma, joint, 1.0, noise, shown, whole.stated_targets)
+    return PriorInformation(nothing, effects, None, sigma, joint, 1.0, noise, shown, nothing.stated_targets)
 
 
 def from_campaign(campaign: Campaign) -> PriorInformation:
-    """A robot with its campaign, geometry fitted and noise chosen as a diagnosis does. Raises InputError
-    where the data are unusable."""
-    whole = problem(campaign)
-    check_units(whole)
-    acting = tuple(stated_effects(whole))
-    start = start_state(whole)
-    covariance, noise, _ = choose(whole, Model(whole, (), acting).linearise(start))
-    cleaned = clean(whole, start, covariance, acting, judged=noise.source != "residual")
-    whole = cleaned.problem
-    result = fit(Model(whole, (), acting), cleaned.fit.state, covariance)
-    if noise.source == "residual":
-        covariance, noise = from_residual(result)
-    if whole.drives:
-        covariance = replace(covariance, torque=drive_torque.noise(whole))
-    if noise.source == "residual" or whole.drives:
-        result = fit(result.model, result.state, covariance)
-    share = whole.seen.mean(axis=0)
-    shown = (share >= min(OFTEN, float(share.max()))) | campaign.six_dof
-    where = [whole.seen[whole.campaign.setup == k].sum(axis=0) for k in range(len(campaign.setup_names))]
-    places = result.state.targets[np.argmax(where, axis=0), np.arange(len(share))]
+    """A robot with its campaign, as a diagnosis prepares it. Raises InputError where data are unusable."""
+    prepared = prepare(campaign)
+    problem, covariance = prepared.problem, prepared.covariance
+    share = problem.seen.mean(axis=0)
+    shown = (share >= min(OFTEN, float(share.max()))) | problem.campaign.six_dof
+    setups = range(len(problem.campaign.setup_names))
+    where = [problem.seen[problem.campaign.setup == k].sum(axis=0) for k in setups]
+    places = prepared.geometry.state.targets[np.argmax(where, axis=0), np.arange(len(share))]
     sigma = np.sqrt(np.mean(covariance.sigma**2, axis=0))
     source = {"stated": "as stated", "repeats": "measured from repeats", "residual": "what geometry leaves"}
-    words = f"{1e3 * float(np.sqrt(np.mean(sigma[shown] ** 2))):.4f} mm per axis, {source[noise.source]}"
-    joint, ratio = covariance.joint, covariance.turn_ratio
-    if joint.any():
-        words += f", joints that repeat to {1e3 * float(joint.max()):.3g} mrad"
-    return PriorInformation(whole, acting, result, sigma, joint, ratio, words, shown, places)
+    mm = 1e3 * float(np.sqrt(np.mean(sigma[shown] ** 2)))
+    words = f"{mm:.4f} mm per axis, {source[prepared.noise.source]}"
+    if covariance.joint.any():
+        words += f", joints that repeat to {1e3 * float(covariance.joint.max()):.3g} mrad"
+    return PriorInformation(
+        problem,
+        prepared.known_effects,
+        prepared.geometry,
+        sigma,
+        covariance.joint,
+        covariance.turn_ratio,
+        words,
+        shown,
+        places,
+        prepared.faults,
+    )

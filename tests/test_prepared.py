@@ -1,0 +1,81 @@
+"""One preparation: a plan sees the data faults that a diagnosis sees, and starts from the same fit."""
+
+import json
+
+import numpy as np
+import pytest
+from diagnosis_cases import measured, with_points
+
+from workbench.campaign import write_campaign
+from workbench.cli.main import main
+from workbench.diagnosis.run import diagnose
+from workbench.measurement.design import knowledge, plan
+
+LATE = 75  # poses before the instrument was moved
+
+
+def untouched(points):
+    pass
+
+
+def moved(points):
+    points[LATE:] += [8e-4, -6e-4, 0.0]
+
+
+def wild(points):
+    points[7, 1] += [0.2, 0, 0.1]
+
+
+def swapped_and_moved(points):
+    points[11, [0, 2]] = points[11, [2, 0]]
+    moved(points)
+
+
+def spoilt(change, **options):
+    campaign = measured(**options)
+    points = campaign.points.copy()
+    change(points)
+    return with_points(campaign, points)
+
+
+def test_a_plan_takes_a_moved_instrument_for_two_set_ups(tmp_path, capsys):
+    campaign = spoilt(moved)
+    known = knowledge.measured(campaign)
+    assert known.fit.chi2 / known.fit.point_rows < 1.2
+    assert known.problem.campaign.setup.tolist() == [0] * LATE + [1] * (len(campaign.q) - LATE)
+    (fault,) = plan(campaign, 8, quick=True).to_json()["faults"]
+    assert (fault["kind"], fault["pose_id"]) == ("moved_instrument", str(LATE + 1))
+    assert "1.00 mm" in fault["what"]
+    source, out = str(write_campaign(tmp_path, campaign)), str(tmp_path / "new.csv")
+    call = ["plan", source, "--poses", "8", "--quick", "--out", out]
+    assert main(call) == 0
+    assert f"Data fault: moved_instrument at pose {LATE + 1}" in capsys.readouterr().out
+    assert main([*call, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["faults"] == [fault]
+
+
+@pytest.mark.parametrize(
+    ("change", "options"),
+    [
+        (untouched, {}),
+        (untouched, {"state_sigma": False}),
+        (untouched, {"torque_sigma": 20.0}),
+        (wild, {}),
+        (moved, {}),
+        (moved, {"state_sigma": False}),
+        (swapped_and_moved, {}),
+    ],
+    ids=["clean", "no noise", "torque", "wild", "moved", "moved without noise", "swapped and moved"],
+)
+def test_plan_and_diagnosis_start_from_the_same(change, options):
+    campaign = spoilt(change, **options)
+    outcome, known = diagnose(campaign), knowledge.measured(campaign)
+    assert outcome.diagnosis.verdict == "nothing_missing"  # so its last fit is that of the geometry
+    ours, theirs = known.fit, outcome.fit
+    assert np.array_equal(ours.model.problem.campaign.setup, theirs.model.problem.campaign.setup)
+    np.testing.assert_array_equal(ours.model.problem.campaign.points, theirs.model.problem.campaign.points)
+    assert np.array_equal(ours.state.geometry, theirs.state.geometry)
+    assert np.array_equal(ours.noise.sigma, theirs.noise.sigma)
+    assert np.array_equal(ours.noise.joint, theirs.noise.joint)
+    assert np.array_equal(ours.whitener, theirs.whitener)
+    assert known.faults == outcome.diagnosis.faults

@@ -1,0 +1,59 @@
+"""The verdict in words: its headline, and remarks on what is left and on the noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .prepared import Prepared
+from .result import Finding, Stage, Verdict
+from .verdict import GLOBAL_LEVEL, Remainder
+
+
+def verdict_of(findings: Sequence[Finding], unknown: bool) -> Verdict:
+    """The one word for all findings."""
+    if unknown:
+        return "unknown"
+    if not findings:
+        return "nothing_missing"
+    return "named" if all(f.status == "named" for f in findings) else "ambiguous"
+
+
+def headline(verdict: Verdict, findings: Sequence[Finding], stages: Sequence[Stage]) -> str:
+    """The verdict in one line; the numbers follow after the first full stop."""
+    found = [f for f in findings if f.cause != "unknown"]
+    named = [
+        f"{f.cause.replace('_', ' ')} in {f.where}" if str(f.where) else f.cause.replace("_", " ")
+        for f in found
+    ]
+    listed = ", ".join(named[:4]) + (f" and {len(named) - 4} more" if len(named) > 4 else "")
+    gain = (
+        f"Held-out error {stages[0].heldout_rms_mm:.3f} → {stages[-1].heldout_rms_mm:.3f} mm RMS, "
+        f"{stages[1].heldout_rms_mm:.3f} mm with geometry alone."
+    )
+    if verdict == "nothing_missing":
+        return f"Nothing is missing: geometry explains these data. {gain}"
+    if verdict == "unknown":
+        also = f" Found on the way: {listed}." if named else ""
+        return f"Something is left that no known cause explains.{also} {gain}"
+    if verdict == "ambiguous":
+        return f"Found: {listed}; for some of it other explanations fit as well. {gain}"
+    return f"Found: {listed}. {gain}"
+
+
+def remarks(prepared: Prepared, left: Remainder, share: float, mostly: bool) -> list[str]:
+    """What a reader should know besides: share of the geometry's misfit that the causes explain, noise."""
+    notes = []
+    if left.structured and mostly:
+        notes.append(
+            f"The causes found explain {share:.0%} of what geometry leaves; their form is not exact: a "
+            "small remainder is still significant."
+        )
+    if prepared.noise_known and not left.structured and left.p < GLOBAL_LEVEL:
+        word = "larger" if left.inflation > 1 else "smaller"
+        notes.append(
+            f"The residual is {abs(left.inflation - 1):.0%} {word} than the noise says, without any "
+            "structure: check the stated noise, or repeat ten poses five times."
+        )
+    if not prepared.noise_known:
+        notes.append(prepared.noise.sentence)
+    return notes

@@ -1,0 +1,128 @@
+"""A step in time: the instrument was moved, or the tool was mounted anew, in the middle of a campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+
+from ..campaign.problem import Problem
+from ..effects import catalogue
+from ..identification.fit import Fit
+from ..robot.kinematics import Array
+from .families import families
+from .result import FaultFound
+from .screen import effective_dof, quadratic, reduce_columns
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step in time: kind of data fault, first pose after it, size [m], statistic."""
+
+    kind: str
+    first: int
+    size: float
+    statistic: float
+
+    def fault(self, problem: Problem) -> FaultFound:
+        """The step as a data fault of the pose that it comes before."""
+        moved = {"moved_instrument": "the instrument's frame", "changed_setup": "the tool with its targets"}
+        what = f"{moved[self.kind]} steps by {self.size * 1e3:.2f} mm before this pose"
+        name = problem.campaign.pose_ids[self.first]
+        return FaultFound(self.kind, name, None, what, "frame and targets fitted anew from here on")
+
+
+def step_in_time(result: Fit) -> Step | None:
+    """A moved instrument, or a tool that was mounted anew; None when nothing steps.
+
+    Every place in the measured order is tried; a step must beat a steady drift clearly.
+    """
+    c = result.model.problem.campaign
+    if len(c.setup_names) > 1 or len(c.q) < 20:
+        return None
+    flange = result.line.direct[:, :, -6:]
+    steps = [
+        _step(result, kind, np.matmul(result.whitener, columns))
+        for kind, columns in (("moved_instrument", result.line.frame), ("changed_setup", flange))
+    ]
+    return max((step for step in steps if step), key=lambda step: step.statistic, default=None)
+
+
+def _step(result: Fit, kind: str, base: Array) -> Step | None:
+    """The best step of the motions base: (N, D, 6), whitened; None when none is clear."""
+    n_poses = len(base)
+    ramp = np.linspace(-1, 1, n_poses)
+    S, u, own = reduce_columns(result, base * ramp[:, None, None])
+    drift, _ = quadratic(S, u, np.maximum(own, 1e-300))
+    before = _prefix(result, base)
+    gains = []
+    for k in range(5, n_poses - 4):
+        S, u, own = before(k)
+        gains.append(quadratic(S, u, np.maximum(own, 1e-300))[0])
+    gain, first = max(gains), 5 + int(np.argmax(gains))
+    # against what the residual scatters anyway: an unknown effect is no step
+    scatter = max(1.0, result.chi2 / effective_dof(result))
+    if gain < 60 * scatter or gain < drift + 40 * scatter:
+        return None
+    step = base * (np.arange(n_poses) < first)[:, None, None]
+    if _beside_joints(result, step) < 60 * scatter:
+        return None
+    S, u, own = before(first)
+    size = float(np.linalg.norm((np.linalg.pinv(S, hermitian=True) @ u)[:3]))
+    return Step(kind, first, size, gain)
+
+
+def _beside_joints(result: Fit, step: Array) -> float:
+    """Statistic of a step when smooth functions of every joint, stiffness and payload are taken out first.
+
+    Poses measured joint by joint, or load by load, would else let their errors look like a step.
+    """
+    smooth = np.concatenate(
+        [f.columns for f in families(result) if len(f.joints) == 1] + _load_columns(result), axis=2
+    )
+    if result.J.shape[2] + smooth.shape[2] > 0.6 * result.point_rows:
+        return 0.0
+    S, u, own = reduce_columns(result, np.concatenate([smooth, step], axis=2))
+    n = smooth.shape[2]
+    length = np.sqrt(np.maximum(own, 1e-12 * own.max()))  # what moves nothing stays nothing
+    S, u = S / np.outer(length, length), u / length
+    solved = np.linalg.solve(S[:n, :n] + 1e-8 * np.eye(n), np.column_stack([S[:n, n:], u[:n]]))
+    left = S[n:, n:] - S[n:, :n] @ solved[:, :-1]
+    return quadratic(left, u[n:] - S[n:, :n] @ solved[:, -1], np.ones(step.shape[2]))[0]
+
+
+def _load_columns(result: Fit) -> list[Array]:
+    """Whitened columns of what a change of load does: payloads, and joints that yield to them."""
+    problem, model = result.model.problem, result.model
+    every = [e for kind in catalogue().values() if kind.needs(problem) is None for e in kind.sites(problem)]
+    effects = [e for e in every if e.where.payload is not None]
+    effects += [e for e in every if e.always and e.axial]
+    return [
+        np.matmul(result.whitener, model.effect_jacobian(result.line, e, np.zeros(len(e.params))))
+        for e in effects
+    ]
+
+
+def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Array]]:
+    """S, u, own of "a step before pose k" for all k, by running sums."""
+    gram = np.cumsum(np.einsum("ndi,ndj->nij", base, base), axis=0)
+    score = np.cumsum(np.einsum("ndi,nd->ni", base, result.r), axis=0)
+    back = np.cumsum(np.einsum("ndp,ndi->npi", result.J * result.columns.prior, base), axis=0)
+
+    def at(k: int) -> tuple[Array, Array, Array]:
+        Z = solve_triangular(result.upper, back[k - 1], trans="T")
+        return gram[k - 1] - Z.T @ Z, score[k - 1], np.diag(gram[k - 1]).copy()
+
+    return at
+
+
+def split_setup(problem: Problem, first: int) -> Problem:
+    """The problem with the poses from `first` on in a set-up of their own."""
+    c = problem.campaign
+    setup: NDArray[np.int64] = c.setup.copy()
+    setup[first:] = len(c.setup_names)
+    names = (*c.setup_names, f"{c.setup_names[0] or 'setup'} after pose {c.pose_ids[first - 1]}")
+    return replace(problem, campaign=replace(c, setup=setup, setup_names=names))

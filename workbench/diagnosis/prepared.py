@@ -1,0 +1,116 @@
+"""The one preparation of campaigns: data faults out, noise chosen, geometry fitted.
+
+Diagnosis and plan start here, and so does whatever else asks a campaign something: what two places prepare
+on their own, they come to prepare differently.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from ..campaign import Campaign, drive_torque, join
+from ..campaign.problem import Problem, problem
+from ..effects.records import stated_effects
+from ..identification.fit import Fit, fit, start_state
+from ..identification.model import Model, State
+from ..identification.noise import Covariance
+from ..identification.registration import check_units
+from .moved_setup import split_setup, step_in_time
+from .noise_choice import choose, from_residual
+from .result import FaultFound, Noise
+from .wild_points import Acting, clean
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Campaigns of one robot, ready to be asked.
+
+    problem: without the data faults, set-ups split where the instrument or the tool moved; covariance: the
+    noise that the fits use, noise: the same for people; known_effects: those that the robot's own TOML
+    states, with their values; geometry, nominal: fits of the whole geometry, of frames and targets only.
+    """
+
+    problem: Problem
+    covariance: Covariance
+    noise: Noise
+    known_effects: Acting
+    geometry: Fit
+    nominal: Fit
+    faults: tuple[FaultFound, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def noise_known(self) -> bool:
+        """The noise was stated or measured: the residual can be judged by it."""
+        return self.noise.source != "residual"
+
+    def with_noise_of(self, result: Fit) -> Prepared:
+        """The same with the noise that a better fit leaves, and geometry fitted to that."""
+        covariance, noise = from_residual(result)
+        geometry = fit(self.geometry.model, self.geometry.state, covariance)
+        return replace(self, covariance=covariance, noise=noise, geometry=geometry)
+
+
+def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambda _: None) -> Prepared:
+    """Campaigns of one robot, joined and prepared. Raises InputError where the data are unusable."""
+    campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
+    progress("loading the robot")
+    read = problem(campaign)
+    check_units(read)
+    progress("looking for data faults")
+    sound = _without_faults(read, tuple(stated_effects(read)))
+    progress("fitting geometry")
+    return _fitted(sound)
+
+
+@dataclass(frozen=True)
+class _Sound:
+    """A problem without its data faults; where its fits start, and the noise before a residual is seen."""
+
+    problem: Problem
+    known_effects: Acting
+    start: State
+    covariance: Covariance
+    noise: Noise
+    faults: tuple[FaultFound, ...]
+    notes: tuple[str, ...]
+
+
+def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
+    """Wild points out; and a set-up that moved is two."""
+    start = start_state(problem)
+    covariance, noise, notes = _noise(problem, known_effects, start)
+    cleaned = clean(problem, start, covariance, known_effects, judged=noise.source != "residual")
+    problem, start, faults = cleaned.problem, cleaned.fit.state, cleaned.faults
+    step = step_in_time(cleaned.fit)
+    if step is not None:
+        problem, faults = split_setup(problem, step.first), (*faults, step.fault(problem))
+        start = start_state(problem)
+        covariance, noise, _ = _noise(problem, known_effects, start)
+    return _Sound(problem, known_effects, start, covariance, noise, faults, tuple(notes))
+
+
+def _noise(problem: Problem, known_effects: Acting, start: State) -> tuple[Covariance, Noise, list[str]]:
+    return choose(problem, Model(problem, (), known_effects).linearise(start))
+
+
+def _fitted(sound: _Sound) -> Prepared:
+    """Geometry, and the noise from its residual where there is no other; then the nominal robot."""
+    problem, covariance, noise = sound.problem, sound.covariance, sound.noise
+    model = Model(problem, (), sound.known_effects)
+    geometry = fit(model, sound.start, covariance)
+    known = noise.source != "residual"
+    if not known:
+        covariance, noise = from_residual(geometry)
+    if problem.drives:
+        covariance = replace(covariance, torque=drive_torque.noise(problem))
+    if not known or problem.drives:
+        geometry = fit(model, geometry.state, covariance)
+    as_stated = replace(sound.start, geometry=problem.arm.geometry)
+    nominal = fit(model, as_stated, covariance, geometry=False)
+    return Prepared(
+        problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, sound.notes
+    )

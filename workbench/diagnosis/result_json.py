@@ -1,0 +1,97 @@
+"""`result.json` as the contract fixes it (section 6)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .result import Diagnosis, FaultFound, Finding, Stage, TestFigures
+
+
+def result_json(result: Diagnosis) -> dict[str, Any]:
+    """A diagnosis as JSON has it."""
+    return {
+        "schema": 1,
+        "robot": result.robot,
+        "campaign": result.campaign,
+        "n_poses": result.n_poses,
+        "n_points": result.n_points,
+        "noise": {"sigma_mm": _number(result.noise.sigma_mm), "source": result.noise.source},
+        "stages": [_stage(stage) for stage in result.stages],
+        "test": _test(result.test) if result.test else None,
+        "verdict": result.verdict,
+        "headline": result.headline,
+        "causes": [_finding(finding) for finding in result.causes],
+        "remainder": {
+            "chi2": _number(result.remainder_chi2),
+            "dof": _number(result.remainder_dof),
+            "p_value": _number(result.remainder_p),
+        },
+        "not_testable": [
+            {"cause": item.cause, **item.where.keys(), "why": item.why} for item in result.not_testable
+        ],
+        "detectable": [
+            {"cause": item.cause, **item.where.keys(), "size": _number(item.size), "unit": item.unit}
+            for item in result.detectable
+        ],
+        "faults": [fault_json(fault) for fault in result.faults],
+        "notes": list(result.notes),
+        "version": result.version,
+    }
+
+
+def _number(value: float) -> float | None:
+    """A JSON number; not a number and infinite become null."""
+    return float(value) if np.isfinite(value) else None
+
+
+def _stage(stage: Stage) -> dict[str, Any]:
+    return {
+        "name": stage.name,
+        "parameters": stage.parameters,
+        "heldout_rms_mm": _number(stage.heldout_rms_mm),
+        "heldout_mean_mm": _number(stage.heldout_mean_mm),
+        "heldout_max_mm": _number(stage.heldout_max_mm),
+        "fit_rms_mm": _number(stage.fit_rms_mm),
+        **({"note": stage.note} if stage.note else {}),
+    }
+
+
+def _test(test: TestFigures) -> dict[str, Any]:
+    return {
+        "campaign": test.campaign,
+        "before_mean_mm": _number(test.before_mean_mm),
+        "after_mean_mm": _number(test.after_mean_mm),
+        "after_rms_mm": _number(test.after_rms_mm),
+        "after_max_mm": _number(test.after_max_mm),
+        "before_max_mm": _number(test.before_max_mm),
+        "n_points": test.n_points,
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        "cause": finding.cause,
+        **finding.where.keys(),
+        "status": finding.status,
+        "gain_mm": _number(finding.gain_mm),
+        "p_value": _number(finding.p_value),
+        "parameters": [
+            {"name": p.name, "value": _number(p.value), "std": _number(p.std), "unit": p.unit}
+            for p in finding.parameters
+        ],
+        "rivals": [{"cause": cause, **where.keys()} for cause, where in finding.rivals],
+        "separate_by": finding.separate_by,
+        **({"structure": finding.structure} if finding.structure else {}),
+    }
+
+
+def fault_json(fault: FaultFound) -> dict[str, Any]:
+    optional = {"target": fault.target, "what": fault.what, "done": fault.done}
+    return {
+        "kind": fault.kind,
+        "pose_id": fault.pose_id,
+        **{key: value for key, value in optional.items() if value},
+    }

@@ -1,0 +1,80 @@
+"""Stages: how far off each model is, on its own poses and on held-out ones; and the errors point by point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..effects.base import Effect
+from ..identification.fit import Fit, refit
+from ..identification.heldout import heldout
+from ..robot.kinematics import Array
+from .prepared import Prepared
+from .result import PoseErrors, Stage
+
+Group = tuple[Effect, list[int]]  # an accepted cause, and which of the fit's effects are its parts
+
+NEAR_STATED = (
+    "The poses cannot tell the instrument's frame from the targets: the targets stay near the stated places."
+)
+
+
+def stages_of(
+    prepared: Prepared, final: Fit, groups: Sequence[Group], seed: int
+) -> tuple[list[Stage], Array]:
+    """Nominal, geometry, then one stage per cause; and the last one's held-out residuals (N, T, 3) [m]."""
+    fits = [("nominal", prepared.nominal), ("geometry", prepared.geometry)]
+    members: list[int] = []
+    name = "geometry"
+    for i, (effect, own) in enumerate(groups):
+        members += own
+        name += f" + {effect.label}"
+        last = i == len(groups) - 1
+        fits.append((name, final if last else refit(final, [final.model.effects[m] for m in members])))
+    stages = []
+    for name, result in fits:
+        out = heldout(result, seed=seed)
+        added = 0 if result is prepared.nominal else result.rank - prepared.nominal.rank
+        undecided = result is prepared.nominal and result.rank < len(result.columns.names)
+        stages.append(_stage(name, added, result, out, NEAR_STATED if undecided else ""))
+    return stages, out
+
+
+def _stage(name: str, parameters: int, result: Fit, out: Array, note: str) -> Stage:
+    length = np.linalg.norm(out, axis=2)
+    mean, largest = float(np.nanmean(length)), float(np.nanmax(length))
+    fitted = rms_mm(result.residual)
+    return Stage(name, parameters, rms_mm(out), 1e3 * mean, 1e3 * largest, fitted, note)
+
+
+def rms_mm(residual: Array) -> float:
+    """RMS length [mm] of residuals (N, T, 3) [m], NaN where not seen."""
+    return 1e3 * float(np.sqrt(np.nanmean(np.linalg.norm(residual, axis=2) ** 2)))
+
+
+def without(final: Fit, own: Sequence[int], seed: int) -> float:
+    """Held-out RMS [mm] of the final model without some of its effects."""
+    rest = [effect for i, effect in enumerate(final.model.effects) if i not in own]
+    return rms_mm(heldout(refit(final, rest), seed=seed))
+
+
+def pose_errors(prepared: Prepared, final: Fit) -> PoseErrors:
+    """Errors per point, turned into the base frame."""
+    c = prepared.problem.campaign
+    R = final.state.R[c.setup]
+    base = np.einsum("nij,nti->ntj", R, c.points - final.state.t[c.setup][:, None])
+    seen = prepared.problem.seen
+    n, t = np.nonzero(seen)
+
+    def turned(result: Fit) -> Array:
+        return np.einsum("nij,nti->ntj", result.state.R[c.setup], result.residual)[seen]
+
+    return PoseErrors(
+        base[seen],
+        turned(prepared.nominal),
+        turned(prepared.geometry),
+        turned(final),
+        n.astype(np.int64),
+        t.astype(np.int64),
+    )

@@ -1,0 +1,129 @@
+"""A problem's rows at a state: whitened residuals, priors and Jacobian; and the state after a step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..campaign.problem import Problem
+from ..robot.kinematics import Array
+from .model import Linearisation, Model, State, move_frame
+from .noise import Covariance, whitener
+from .parameters import Columns, body_motion
+
+
+def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array:
+    """(N, D, R) that whitens the residuals of points and drive torques."""
+    axial = line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
+    turned = None
+    if problem.campaign.six_dof:
+        points = line.prediction.points
+        seen = problem.seen[..., None]
+        middle = np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+        turned = points - middle[:, None]
+    W = whitener(problem, noise, axial, turned)
+    if not problem.drives:
+        return W
+    n_poses, rows, columns_ = W.shape
+    out = np.zeros((n_poses, rows + problem.drives, columns_ + problem.drives))
+    out[:, :rows, :columns_] = W
+    if noise.torque is not None and problem.campaign.torque is not None:
+        weight = np.isfinite(problem.campaign.torque) / noise.torque * noise.weight[:, None]
+        for j in range(problem.drives):
+            out[:, rows + j, columns_ + j] = weight[:, j]
+    return out
+
+
+@dataclass(frozen=True)
+class Equations:
+    """What a step is solved from. residual: (N, T, 3) measured minus predicted, zero where not seen; r:
+    (N, D) the same whitened; offset: (P,) how far each number is from its prior's mean, in its prior."""
+
+    state: State
+    line: Linearisation
+    residual: Array
+    r: Array
+    offset: Array
+    cost: float
+
+
+def equations(model: Model, line: Linearisation, cols: Columns, state: State, W: Array) -> Equations:
+    """The equations at a state, linearised there."""
+    problem, points = model.problem, line.prediction.points
+    residual = np.where(problem.seen[..., None], problem.campaign.points - points, 0.0)
+    flat = residual.reshape(len(residual), -1)
+    if problem.drives:
+        flat = np.concatenate([flat, model.drive_residual(line, state)], axis=1)
+    r = np.matmul(W, flat[..., None])[..., 0]
+    offset = _offset(model, cols, state)
+    return Equations(state, line, residual, r, offset, float((r**2).sum() + (offset**2).sum()))
+
+
+def fitted_numbers(cols: Columns, state: State) -> Array:
+    """(P,) the fitted numbers of a state; NaN where a column is a motion: a frame's, a whole body's."""
+    out = np.full(len(cols.names), np.nan)
+    for k, i, part in cols.targets:
+        if i is not None:
+            out[part] = state.targets[k, i]
+    out[cols.geometry_slice] = state.geometry.ravel()[cols.geometry]
+    for part, values in zip(cols.effect, state.values, strict=True):
+        out[part] = values
+    return out
+
+
+def _offset(model: Model, cols: Columns, state: State) -> Array:
+    """How far each number is from its prior's mean, in units of the prior."""
+    problem = model.problem
+    out = np.zeros(len(cols.names))
+    for k, i, part in cols.targets:
+        off = state.targets[k] - problem.stated_targets
+        if i is not None:
+            out[part] = np.nan_to_num(off[i])
+        elif np.isfinite(off).all():
+            out[part] = np.linalg.lstsq(body_motion(state.targets[k]), off.ravel(), rcond=None)[0]
+    change = state.geometry - problem.arm.geometry
+    out[cols.geometry_slice] = change.ravel()[cols.geometry]
+    for part, values in zip(cols.effect, state.values, strict=True):
+        out[part] = values
+    return out / cols.prior
+
+
+def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: Array) -> Array:
+    """(N, D, P) whitened Jacobian."""
+    setup = model.problem.campaign.setup
+    n_poses, rows, _ = line.direct.shape
+    J = np.zeros((n_poses, rows, len(cols.names)))
+    for k in range(cols.setups):
+        J[:, :, 6 * k : 6 * k + 6] = np.where((setup == k)[:, None, None], line.frame, 0.0)
+    for k, i, part in cols.targets:
+        here = (setup == k)[:, None, None]
+        if i is not None:
+            J[:, 3 * i : 3 * i + 3, part] = np.where(here, line.target[:, i], 0.0)
+        else:
+            body = body_motion(state.targets[k]).reshape(-1, 3, 6)
+            count = 3 * line.target.shape[1]
+            J[:, :count, part] = np.where(here, (line.target @ body).reshape(n_poses, count, 6), 0.0)
+    J[:, :, cols.geometry_slice] = line.geometry[:, :, cols.geometry]
+    for part, effect, values in zip(cols.effect, model.effects, state.values, strict=True):
+        J[:, :, part] = model.effect_jacobian(line, effect, values)
+    return np.asarray(np.matmul(W, J))
+
+
+def moved(problem: Problem, cols: Columns, state: State, centre: Array, step: Array) -> State:
+    """The state after a step."""
+    for k in range(cols.setups):
+        state = move_frame(state, k, centre[k], step[6 * k : 6 * k + 6])
+    targets = state.targets.copy()
+    for k, i, part in cols.targets:
+        if i is not None:
+            targets[k, i] += step[part]
+            continue
+        centre = targets[k].mean(axis=0)
+        turn = Rotation.from_rotvec(step[part][3:])
+        targets[k] = turn.apply(targets[k] - centre) + centre + step[part][:3]
+    geometry = state.geometry.copy()
+    geometry.reshape(-1)[cols.geometry] += step[cols.geometry_slice]
+    values = tuple(v + step[part] for v, part in zip(state.values, cols.effect, strict=True))
+    return replace(state, targets=targets, geometry=geometry, values=values)
