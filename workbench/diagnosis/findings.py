@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from .. import __version__
 from ..campaign import Campaign
+from ..effects import separation
 from ..effects.place import Parameter, Where
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
