@@ -61,10 +61,10 @@ def diagnosis(n_poses: int = 200, loads: int = 2, seed: int = 0) -> Diagnosis:
         ),
         detectable=(
             Detectable("backlash", Where(joint="joint_2"), 6e-6, "rad"),
-            Detectable("wrist_coupling", Where(joint="joint_6", other="joint_5"), 9.5e-6, "rad/rad"),
+            Detectable("wrist_coupling", Where(joint="joint_6", other="joint_5"), 9.5e-6, "1", "coupling"),
             Detectable("link_bending", Where(link="link_2"), 3.1e-10, "1/(N·m)"),
             Detectable("payload", Where(payload="heavy"), 1.4, "kg"),
-            Detectable("gear_ratio", Where(joint="joint_3"), 1.1e-5, ""),
+            Detectable("gear_ratio", Where(joint="joint_3"), 1.1e-5, "1", "relative"),
         ),
         faults=(
             FaultFound("outlier", "117", "T2", "4.1 mm away from where all other poses put it", "left out"),

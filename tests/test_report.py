@@ -7,12 +7,12 @@ import re
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 
 import diagnosis_example as example
 import numpy as np
 import pytest
+from html_check import parse
 
 from workbench.diagnosis.result import Diagnosis, Finding
 from workbench.effects import catalogue
@@ -27,82 +27,12 @@ from workbench.report.scene import scene
 from workbench.robot.description import Robot, load_robot
 
 VARIANTS = [example.diagnosis, example.nothing_missing, example.unknown, example.bare]
-NASTY = "a & b <i> # $x$ _y_ *z* \\n @ref `c` \" ' // [k] {m} ~ = - + 1. é"
 FILES = ("result.json", "index.html", "report.pdf", "scene.html")
 
 
 @pytest.fixture(scope="module")
 def robot() -> Robot:
     return load_robot("kr500")
-
-
-class Checker(HTMLParser):
-    """Tags must close in order; ids must be unique."""
-
-    VOID = ("meta", "br", "hr", "img", "input", "link")
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.ids: list[str] = []
-        self.text: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.ids += [value for name, value in attrs if name == "id" and value]
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.text.append(data)
-
-
-def parse(html: str) -> Checker:
-    checker = Checker()
-    checker.feed(html)
-    checker.close()
-    assert checker.open == []
-    assert len(checker.ids) == len(set(checker.ids))
-    return checker
-
-
-def nasty() -> Diagnosis:
-    """A diagnosis whose every text holds characters that mean something to HTML or Typst."""
-    full = example.diagnosis(20, 2)
-    finding = full.causes[0]
-    assert finding.evidence is not None
-    return replace(
-        full,
-        robot_title=NASTY,
-        campaign=NASTY,
-        headline=NASTY,
-        causes=tuple(
-            replace(
-                finding,
-                title=NASTY,
-                sentence=NASTY,
-                structure=NASTY,
-                separate_by=NASTY,
-                equation=NASTY,
-                where=replace(finding.where, joint=NASTY),
-                rivals=((NASTY, finding.where),),
-                parameters=(Parameter(NASTY, 1.0, 0.1, NASTY, NASTY),),
-                evidence=replace(finding.evidence, x_name=NASTY, y_name=NASTY),
-            )
-            for finding in full.causes[:1]
-        ),
-        not_testable=tuple(replace(item, cause=NASTY, why=NASTY) for item in full.not_testable),
-        faults=tuple(replace(fault, kind=NASTY, pose_id=NASTY, what=NASTY) for fault in full.faults),
-        stages=tuple(replace(stage, note=NASTY) for stage in full.stages),
-        notes=(NASTY,),
-        unidentifiable=(NASTY,),
-        facts={NASTY: NASTY},
-        inputs={NASTY: NASTY},
-        version=NASTY,
-    )
 
 
 @pytest.mark.parametrize("make", VARIANTS)
@@ -121,7 +51,7 @@ def test_page_stands_alone(make: Callable[[], Diagnosis]) -> None:
     html = page(gather(make()))
     parse(html)
     without_namespaces = re.sub(r'xmlns(:\w+)?="[^"]*"', "", html)
-    assert "http" not in without_namespaces
+    assert "://" not in without_namespaces
     assert not re.findall(
         r"""(?:src|href)=["'](?!#|scene\.html|report\.pdf|result\.json|model\.toml)""", html
     )
@@ -143,17 +73,6 @@ def test_page_says_the_numbers() -> None:
     for name, digest in diagnosis.inputs.items():
         assert name in text
         assert digest in text
-
-
-def test_nasty_texts_are_only_texts(robot: Robot) -> None:
-    material = gather(nasty())
-    assert material.equations == {}
-    checker = parse(page(material))
-    assert "".join(checker.text).count(NASTY) > 15
-    assert pdf(material).startswith(b"%PDF")
-    assert NASTY.replace("<", "\\u003c").split("\\n")[0][:9] in scene(
-        nasty(), robot, ghost_q=np.zeros(6), ghost_label=NASTY
-    )
 
 
 def test_page_and_pdf_come_out_the_same_twice() -> None:

@@ -46,7 +46,7 @@ def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detect
         weakest = float(np.linalg.eigvalsh(info)[0])
         size = scale * float(np.sqrt(needed(len(values), ALPHA_CAUSES / len(candidates)) / weakest))
         size, unit = effect.reported_size(size)
-        found = Detectable(effect.cause, effect.where, size, unit)
+        found = Detectable(effect.cause, effect.where, size, unit, effect.params[0].name)
         if effect.key not in best or size < best[effect.key].size:
             best[effect.key] = found
     yield from best.values()

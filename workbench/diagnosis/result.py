@@ -85,12 +85,16 @@ class NotTestable:
 
 @dataclass(frozen=True)
 class Detectable:
-    """Smallest size of a cause that this campaign would have shown with 80 % power."""
+    """Smallest size of a cause that this campaign would have shown with 80 % power.
+
+    `name`: the parameter whose size it is; with the unit it says how people write the number.
+    """
 
     cause: str
     where: Where
     size: float
     unit: str
+    name: str = ""
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from ..diagnosis.result import Array, Diagnosis
-from ..files.whole import put
 from ..robot.description import Robot
+from .folder import json_bytes, write_together
 
 
 def write_all(
@@ -30,13 +29,9 @@ def write_all(
 
     material = gather(diagnosis)
     made = {
-        "result.json": (json.dumps(diagnosis.to_json(), indent=2, ensure_ascii=False) + "\n").encode(),
+        "result.json": json_bytes(diagnosis.to_json()),
         "index.html": page(material).encode(),
         "report.pdf": pdf(material),
         "scene.html": scene(diagnosis, robot, q, ghost_q, ghost_label).encode(),
     }
-    place = Path(folder)
-    place.mkdir(parents=True, exist_ok=True)
-    for name, data in made.items():
-        put(place / name, data)
-    return tuple(place / name for name in made)
+    return write_together({Path(folder) / name: data for name, data in made.items()})

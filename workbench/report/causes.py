@@ -17,7 +17,7 @@ from ..files.whole import put
 from ..robot.description import load_robot
 
 BEGIN, END = "<!-- causes: written by workbench.report.causes -->", "<!-- end of causes -->"
-HEAD = "| cause | what it is | sits at | not testable if | easily mistaken for |\n|---|---|---|---|---|"
+TABLE_HEAD = "| cause | what it is | sits at | not testable if | easily mistaken for |\n|---|---|---|---|---|"
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -28,7 +28,7 @@ def causes_table() -> str:
         f"| `{cause}` | {kind.title} | {_place(kind, bare[0])} | {_lacks(kind, bare)} | {_alike(kind)} |"
         for cause, kind in catalogue().items()
     ]
-    return "\n".join([HEAD, *rows])
+    return "\n".join([TABLE_HEAD, *rows])
 
 
 def causes_page() -> str:

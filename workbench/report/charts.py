@@ -17,7 +17,7 @@ from .drawing import AFTER, BEFORE, INK, MIDDLE, MODEL, NOISE, Array, Figure, do
 
 PRINTED, OURS = BEFORE, AFTER
 COLOURS = (AFTER, BEFORE, NOISE, MIDDLE, MODEL)
-MOST = 2000  # points of a curve
+CURVE_POINTS = 2000  # of a curve, at most
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def plane(
 
 
 def _curve(axes: Any, x: Array, given: Series, colour: str, key: str) -> None:
-    step = max(1, -(-len(x) // MOST))
+    step = max(1, -(-len(x) // CURVE_POINTS))
     x, y = x[::step], np.asarray(given.values, dtype=float)[::step]
     low, high = (None if end is None else np.asarray(end)[::step] for end in (given.low, given.high))
     if given.style == "o" and len(x) > 60:

@@ -11,11 +11,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from scipy.stats import maxwell
+
 from ..diagnosis.result import Diagnosis, FaultFound, Finding
 from ..effects.place import Parameter
 from . import figures
 from .drawing import Figure
 from .equation import typeset
+from .legible import legible
 from .limits import detectable, not_testable, place, unidentifiable
 from .numbers import MISSING, decimals, mm, p_value, quantity, words
 
@@ -75,6 +78,7 @@ def content(diagnosis: Diagnosis) -> Content:
 
 def gather(diagnosis: Diagnosis) -> Material:
     """Everything that the report shows, drawn once."""
+    diagnosis = legible(diagnosis)
     drawn = [figures.stages(diagnosis), figures.histogram(diagnosis), figures.campaign(diagnosis)]
     drawn += [figures.evidence(finding, number) for number, finding in enumerate(diagnosis.causes)]
     return Material(
@@ -108,9 +112,8 @@ def _summary(diagnosis: Diagnosis) -> str:
         number = COUNT[len(known)] if len(known) < len(COUNT) else f"the {len(known)}"
         said.append(f"With {number} {which} below in it, {mm(last.heldout_mean_mm)} mm are left.")
     if diagnosis.noise.source != "residual":
-        said.append(
-            f"The noise of the measurement alone would make {mm(1.596 * diagnosis.noise.sigma_mm)} mm."
-        )
+        alone = mm(maxwell.mean(scale=diagnosis.noise.sigma_mm))
+        said.append(f"The noise of the measurement alone would make {alone} mm.")
     return " ".join(said)
 
 

@@ -21,7 +21,7 @@ INK, MUTED, GRID = "#1b2430", "#667080", "#dfe3e8"
 BEFORE, MIDDLE, AFTER = "#c9622c", "#8e98a6", "#0f6f9f"
 MODEL, NOISE = "#1b2431", "#3f7f4f"
 MOST_DOTS = 1200
-WIDE = 8.0
+FIGURE_WIDTH = 8.0  # inches
 
 STYLE: dict[str, Any] = {
     "svg.fonttype": "none",
@@ -77,7 +77,7 @@ def drawing(name: str, height: float, columns: int = 1, **subplots: bool) -> Ite
     svg: list[str] = []
     settings: Any = {**STYLE, "svg.hashsalt": name}
     with mpl.rc_context(settings):
-        figure: Any = Canvas(figsize=(WIDE, height), layout="constrained")
+        figure: Any = Canvas(figsize=(FIGURE_WIDTH, height), layout="constrained")
         FigureCanvasSVG(figure)
         axes = figure.subplots(1, columns, **subplots)
         yield axes, svg

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import maxwell
 
 from ..diagnosis.result import Diagnosis, Evidence, Finding, PoseErrors
 from .drawing import (
@@ -29,7 +30,7 @@ from .drawing import (
 )
 from .numbers import Scale, axis_scale, join, mm, significant, words
 
-LEAST = 1e-5  # mm: what a logarithmic axis shows for zero
+ZERO_SHOWN = 1e-5  # mm: what a logarithmic axis shows for zero
 
 
 def stages(diagnosis: Diagnosis) -> Figure:
@@ -42,8 +43,8 @@ def stages(diagnosis: Diagnosis) -> Figure:
     with drawing("stages", 0.75 + 0.36 * len(shown)) as (axes, svg):
         for row, stage in enumerate(shown):
             colour = BEFORE if row == 0 else AFTER if row == len(shown) - 1 else MIDDLE
-            rms = max(stage.heldout_rms_mm, LEAST)
-            ends = [max(stage.heldout_mean_mm, LEAST), max(stage.heldout_max_mm, LEAST)]
+            rms = max(stage.heldout_rms_mm, ZERO_SHOWN)
+            ends = [max(stage.heldout_mean_mm, ZERO_SHOWN), max(stage.heldout_max_mm, ZERO_SHOWN)]
             axes.plot(ends, [row, row], color=colour, lw=2, alpha=0.45, solid_capstyle="round")
             axes.plot(ends[1:], [row], "|", color=colour, ms=9, mew=2)
             axes.plot([rms], [row], "o", color=colour, ms=7)
@@ -98,7 +99,7 @@ def histogram(diagnosis: Diagnosis) -> Figure | None:
             axes.stairs(share, edges, fill=True, alpha=0.35, color=colour)
             axes.stairs(share, edges, color=colour, lw=1.4, label=name)
         middle = (edges[1:] + edges[:-1]) / 2
-        axes.plot(middle, 100 * _noise_density(middle, sigma) * np.diff(edges), "--", color=NOISE, lw=1.6,
+        axes.plot(middle, 100 * maxwell.pdf(middle, scale=sigma) * np.diff(edges), "--", color=NOISE, lw=1.6,
                   label=f"noise alone, σ = {mm(sigma)} mm per axis")  # fmt: skip
         if wide:
             axes.set_xscale("log")
@@ -110,7 +111,7 @@ def histogram(diagnosis: Diagnosis) -> Figure | None:
     return Figure(
         "histogram",
         f"Median error {mm(float(np.median(after)))} mm, {mm(float(np.median(before)))} mm {label}; "
-        f"noise of this size alone would give {mm(1.538 * sigma)} mm",
+        f"noise of this size alone would give {mm(maxwell.median(scale=sigma))} mm",
         "Histogram of the 3-D errors before and after, with the curve of the noise alone",
         svg[0],
     )
@@ -124,7 +125,7 @@ def campaign(diagnosis: Diagnosis) -> Figure | None:
     before, label = _before(diagnosis, errors)
     after = _norm_mm(errors.error_final)
     poses, at = np.unique(errors.pose, return_inverse=True)
-    worst_before, worst_after = (np.full(len(poses), LEAST) for _ in range(2))
+    worst_before, worst_after = (np.full(len(poses), ZERO_SHOWN) for _ in range(2))
     np.maximum.at(worst_before, at, before)
     np.maximum.at(worst_after, at, after)
     odd = _odd(diagnosis, worst_after)
@@ -218,11 +219,6 @@ def _odd(diagnosis: Diagnosis, worst: Array) -> NDArray[np.int64]:
 
 def _norm_mm(errors: Array) -> Array:
     return np.asarray(1e3 * np.linalg.norm(errors, axis=1))
-
-
-def _noise_density(x: Array, sigma: float) -> Array:
-    """Density of the length of a 3-D error with `sigma` per axis (Maxwell)."""
-    return np.asarray(np.sqrt(2 / np.pi) * x**2 / sigma**3 * np.exp(-(x**2) / (2 * sigma**2)))
 
 
 def _axis_label(name: str, scale: Scale) -> str:

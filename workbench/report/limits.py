@@ -40,8 +40,7 @@ def detectable(diagnosis: Diagnosis) -> list[list[str]]:
         if not item.size < IMPOSSIBLE.get(item.unit, math.inf):
             unseen.setdefault(cause, []).append(where)
             continue
-        number = size(item.size, item.unit, "relative" if item.cause == "gear_ratio" else "")
-        seen[cause].append(f"{where} {number}".strip())
+        seen[cause].append(f"{where} {size(item.size, item.unit, item.name)}".strip())
     for cause, places in unseen.items():
         seen[cause].append("at no size: " + ", ".join(filter(None, places)) if any(places) else "at no size")
     return [[cause, " · ".join(sizes)] for cause, sizes in seen.items()]

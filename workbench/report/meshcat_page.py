@@ -6,20 +6,21 @@ Drake's Meshcat draws the robot and writes the file; the panel is HTML with a sc
 from __future__ import annotations
 
 import base64
-import json
 import logging
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..robot.description import Robot
+from ..robot.kinematics import Array
+from .legible import legible
+from .markup import render
 
-Array = NDArray[np.float64]
-REPORT = Path(__file__).with_name("templates")
+DRAKES_HEAD = re.compile(r"<head>.*?</head>", re.DOTALL)
+FILE_NAMES = re.compile(r"^// .* from .*\n", re.MULTILINE)  # Drake's remarks where it found a mesh
 
 
 @contextmanager
@@ -91,13 +92,12 @@ def look(meshcat: Any, centre: list[float], extent: float, arm: Array) -> None:
 
 
 def with_panel(html: str, panel: str, data: dict[str, Any], title: str) -> str:
-    """Meshcat's page with a panel of `report/` over it, its data and title put in."""
-    style = (REPORT / "scene.css").read_text(encoding="utf-8")
-    text = (REPORT / panel).read_text(encoding="utf-8")
-    text = f"<style>\n{style}</style>\n" + text.replace("/*DATA*/", _script_json(data))
-    html = html.replace("<title>Drake MeshCat</title>", f"<title>{_plain(title)}</title>")
-    head, end, tail = html.rpartition("</body>")
-    return head + text + end + tail
+    """Meshcat's page with a head that keeps it off the network, and a panel of `templates/` over it."""
+    html, found = DRAKES_HEAD.subn(lambda _: render("scene_head.html", title=title), html, count=1)
+    body, end, rest = FILE_NAMES.sub("", html).rpartition("</body>")
+    if not (found and end):
+        raise RuntimeError("Drake's Meshcat page is not built as it was: no head, or no end of the body")
+    return body + render(panel, data=legible(data)) + end + rest
 
 
 def pack(values: Array) -> str:
@@ -109,12 +109,3 @@ def round_factor(value: float) -> float:
     """To 1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(power * max(step for step in (1, 2, 5) if step <= value / power * 1.001))
-
-
-def _script_json(data: dict[str, Any]) -> str:
-    """JSON that cannot end the script element it stands in."""
-    return json.dumps(data).replace("<", "\\u003c")
-
-
-def _plain(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;")

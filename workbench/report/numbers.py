@@ -11,7 +11,11 @@ from ..effects.place import Parameter
 MISSING = "–"
 PREFIXES = ((1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"))
 SCALABLE = ("rad", "m", "N", "Nm", "Pa", "s")
-PLAIN = ("kg", "degC", "°C", "K", "°", "deg", "mm", "cycles")
+# A pure number is a share of one, in per cent, or below this in ppm; these parameters are something else.
+SMALL_SHARE = 2e-4
+PURE_NUMBERS = ("weight",)
+ANGLE_RATIOS = ("coupling",)  # turn of one joint per turn of another
+SMALL_ANGLE_RATIO = 5e-3
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ARCSEC = math.radians(1 / 3600)
 
@@ -107,7 +111,7 @@ def scale(size: float, unit: str, name: str = "") -> Scale:
     if head == "1":
         power = 3 * math.floor(math.log10(size) / 3)
         return Scale(10.0**-power, f"·10{str(power).translate(SUPERSCRIPTS)}{rest}" if power else unit)
-    if head in PLAIN or head not in SCALABLE:
+    if head not in SCALABLE:
         return Scale(1.0, unit)
     if head == "m" and not rest:
         return Scale(1e6, "µm") if size < 1e-4 else Scale(1e3, "mm") if size < 2 else Scale(1.0, "m")
@@ -119,11 +123,11 @@ def scale(size: float, unit: str, name: str = "") -> Scale:
 
 
 def _ratio(size: float, name: str) -> Scale:
-    if name in ("relative", "scale", "coefficient") and size < 2e-4:
-        return Scale(1e6, "ppm")
-    if name == "coupling" and size < 5e-3:
+    if name in PURE_NUMBERS or size >= 5:
+        return Scale(1.0, "")
+    if name in ANGLE_RATIOS and size < SMALL_ANGLE_RATIO:
         return Scale(1e6, "µrad/rad")
-    return Scale(100.0, "%") if size < 5 and name not in ("order", "weight") else Scale(1.0, "")
+    return Scale(1e6, "ppm") if size < SMALL_SHARE else Scale(100.0, "%")
 
 
 def _first(unit: str) -> tuple[str, str]:
@@ -174,5 +178,5 @@ def size(value: float, unit: str, name: str = "") -> str:
 
 
 def words(identifier: str) -> str:
-    """`gear_kinematic_error` as people write it: `gear kinematic error`."""
+    """`half_width` as people write it: `half width`."""
     return identifier.replace("_", " ")

@@ -11,6 +11,8 @@ from typing import Any
 
 from .content import Material
 from .drawing import Figure
+from .legible import legible
+from .markup import TEMPLATES
 
 
 def pdf(material: Material) -> bytes:
@@ -26,12 +28,12 @@ def typeset(template: str, said: Mapping[str, Any], figures: Mapping[str, Figure
     shown = {name: {"title": f.title, "alt": f.alt} for name, f in figures.items()}
     with tempfile.TemporaryDirectory(prefix="report") as room:
         place = Path(room)
-        text = json.dumps({**said, "figures": shown}, ensure_ascii=False)
+        text = json.dumps(legible({**said, "figures": shown}), ensure_ascii=False)
         (place / "data.json").write_text(text, encoding="utf-8")
         for name, figure in figures.items():
             (place / f"{name}.svg").write_text(figure.svg, encoding="utf-8")
         for file in (template, "style.typ"):
-            shutil.copy(Path(__file__).parent / "templates" / file, place / file)
+            shutil.copy(TEMPLATES / file, place / file)
         made, warnings = typst.compile_with_warnings(
             str(place / template),
             root=room,

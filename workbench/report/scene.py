@@ -1,6 +1,6 @@
 """The scene: robot, measured points and error arrows, before and after, in one HTML file.
 
-The page itself is `meshcat_page`'s; `report/scene_overlay.html` goes into it and
+The page itself is `meshcat_page`'s; `templates/scene_overlay.html` goes into it and
 draws points and arrows, so that their enlargement and the stage can be changed while looking.
 """
 
@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from ..diagnosis.result import Diagnosis, PoseErrors
 from ..robot.description import Robot
+from ..robot.kinematics import Array
 from .meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, with_panel
 
-Array = NDArray[np.float64]
-MOST_POINTS = 6000
-LONGEST = 0.13  # of the scene's size: the length of a large nominal error's arrow
+SCENE_POINTS = 6000  # at most
+ARROW_LENGTH = 0.13  # of the scene's size: the length of a large nominal error's arrow
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def _middle_pose(diagnosis: Diagnosis, robot: Robot) -> Array:
 def _data(shown: Shown, links: Array) -> dict[str, Any]:
     """What the overlay draws: places and errors as packed numbers, stages, enlargement, colours."""
     points = shown.points
-    step = max(1, -(-len(points) // MOST_POINTS))
+    step = max(1, -(-len(points) // SCENE_POINTS))
     pose = np.arange(len(points)) if shown.pose is None else shown.pose
     target = np.zeros(len(points), dtype=np.int64) if shown.target is None else shown.target
     seen = np.concatenate([points, links])
@@ -98,7 +98,7 @@ def _data(shown: Shown, links: Array) -> dict[str, Any]:
         "stages": [{"name": name, "errors": pack(e[::step])} for name, e in shown.stages.items()],
         "pose": pose[::step].tolist(),
         "target": target[::step].tolist(),
-        "factor": round_factor(LONGEST * extent / max(large, 1e-9)),
+        "factor": round_factor(ARROW_LENGTH * extent / max(large, 1e-9)),
         "noise_mm": 1e3 * (float(np.sqrt(3)) * shown.noise or large / 100),
         "largest_mm": 1e3 * large,
         "extent": extent,

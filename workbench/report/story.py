@@ -37,7 +37,7 @@ from ..robot.description import Robot
 from .drawing import Figure
 from .numbers import decimals, mm, p_value, percent, significant
 from .scene import Shown
-from .study import Box, Section, Study, Table, Tile
+from .study import BOX_TITLES, Box, Section, Study, Table, Tile
 
 Item = Table | Figure
 ITEM = re.compile(r"\[\[(.+)\]\]")
@@ -91,9 +91,8 @@ def tell(
     title, _, headline = first.title.partition(": ")
     source, *summary = first.words
     by_title = {part.title: part for part in others}
-    box = [by_title[name] for name in ("What the paper concludes", "What its numbers support",
-                                       "What we would measure next")]  # fmt: skip
-    plain = [part for part in others if part not in box and part.title not in ("Box", "Assumed")]
+    box = {key: by_title[name] for key, name in BOX_TITLES.items()}
+    plain = [part for part in others if part not in box.values() and part.title not in ("Box", "Assumed")]
     chosen = items[picture]
     if not isinstance(chosen, Figure):
         raise ValueError(f"{picture} is no figure")
@@ -106,7 +105,7 @@ def tell(
         summary=" ".join(summary),
         tiles=[Tile(*(cells + [""] * (5 - len(cells)))) for cells in first.lines],
         sections=[Section(part.title, part.content) for part in plain],
-        box=Box(*(" ".join(part.words) for part in box)),
+        box=Box(**{key: " ".join(part.words) for key, part in box.items()}),
         assumed=[(what, value, why) for what, value, why in by_title["Assumed"].lines],
         numbers=numbers,
         shown=shown,

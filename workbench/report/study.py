@@ -1,8 +1,9 @@
 """A study's result: what page, PDF, scene and list of studies are set from.
 
 A study tells a published paper again: sections with text, tables and figures in the paper's order, our
-numbers beside the printed ones, and a box with what its numbers support. Its script (`studies/NAME.py`, up to
-200 lines) gives numbers, tables and figures; its words stand beside it in `NAME.md`: see `story.tell`.
+numbers beside the printed ones, and a box with what its numbers support. Its script
+(`studies/NAME/study.py`) gives numbers, tables and figures; its words stand beside it in `story.md`: see
+`story.tell`.
 """
 
 from __future__ import annotations
@@ -55,6 +56,13 @@ class Tile:
     after: str
     unit: str
     note: str = ""
+
+
+BOX_TITLES = {
+    "concludes": "What the paper concludes",
+    "supports": "What its numbers support",
+    "next": "What we would measure next",
+}
 
 
 @dataclass(frozen=True)
@@ -115,7 +123,7 @@ class Study:
                 {"title": t.title, "head": list(t.head), "rows": [list(row) for row in t.rows]}
                 for t in self.tables
             ],
-            "box": {"concludes": self.box.concludes, "supports": self.box.supports, "next": self.box.next},
+            "box": vars(self.box),
         }
 
     @property

@@ -17,8 +17,8 @@ LEAST_CYCLES = 3.0  # of a gear along the path
 class Figures:
     """Of one run, in mm. mean … largest: 3-D distance of the tool from where it should be at that instant.
     across_*: its distance from the path, whenever it passes (ISO 9283's AT of a single run is the largest).
-    ra, rz: of the error normal to the path's plane, as source 003 defines them: mean of |z|, and highest
-    peak minus deepest valley."""
+    ra, rz: of the error normal to the path's plane, as Olabi et al. (2012) define them: mean of |z|,
+    and highest peak minus deepest valley."""
 
     mean_mm: float
     rms_mm: float

@@ -12,9 +12,9 @@ from ...robot.kinematics import Array
 from .measures import spectrum
 from .verification import NAMES, Series, Verification
 
-COLOURS = {"uncorrected": BEFORE, "geometry": MIDDLE, "corrected": AFTER, "perfect": NOISE}
-MOST = 1000  # points of a curve
-LEAST = 1e-4  # mm: what a logarithmic axis shows at least
+COMMAND_COLOURS = {"uncorrected": BEFORE, "geometry": MIDDLE, "corrected": AFTER, "perfect": NOISE}
+PATH_POINTS = 1000  # of a curve, at most
+LEAST_SHOWN = 1e-4  # mm, of a logarithmic axis
 
 
 def pictures(found: Verification) -> list[Figure]:
@@ -31,15 +31,15 @@ def _along(series: Series, number: int) -> Figure:
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
     with drawing(f"along{number}", 2.7) as (axes, svg):
         for name, trial in series.trials.items():
-            size = np.maximum(1e3 * np.linalg.norm(trial.error, axis=1), LEAST)
+            size = np.maximum(1e3 * np.linalg.norm(trial.error, axis=1), LEAST_SHOWN)
             t, shown = _thinned(series.time, size)
             style = "--" if name == "perfect" else "-"
-            axes.plot(t, shown, style, color=COLOURS[name], lw=1.4, label=NAMES[name])
+            axes.plot(t, shown, style, color=COMMAND_COLOURS[name], lw=1.4, label=NAMES[name])
         axes.set_yscale("log")
         plain_log(axes.yaxis)
         axes.set(xlabel="time along the path, s", ylabel="3-D error of the tool, mm")
         low = min(trial.figures.mean_mm for trial in series.trials.values())
-        axes.set_ylim(bottom=max(LEAST, 0.2 * low))
+        axes.set_ylim(bottom=max(LEAST_SHOWN, 0.2 * low))
         axes.set_xlim(0, series.time[-1])
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return Figure(
@@ -52,17 +52,17 @@ def _along(series: Series, number: int) -> Figure:
 
 
 def _heights(found: Verification) -> Figure:
-    """R_a and R_z per command at the slowest speed, as source 003 tabulates them."""
+    """R_a and R_z per command at the slowest speed, as Olabi et al. (2012) tabulate them."""
     trials = found.slow.trials
     names = [name for name in NAMES if name in trials]
     with drawing("heights", 0.9 + 0.34 * len(names)) as (axes, svg):
         for row, name in enumerate(names):
             f = trials[name].figures
-            axes.plot([f.ra_mm, f.rz_mm], [row, row], color=COLOURS[name], lw=2, alpha=0.45)
-            axes.plot(f.ra_mm, row, "o", color=COLOURS[name], ms=7)
-            axes.plot(f.rz_mm, row, "|", color=COLOURS[name], ms=10, mew=2)
+            axes.plot([f.ra_mm, f.rz_mm], [row, row], color=COMMAND_COLOURS[name], lw=2, alpha=0.45)
+            axes.plot(f.ra_mm, row, "o", color=COMMAND_COLOURS[name], ms=7)
+            axes.plot(f.rz_mm, row, "|", color=COMMAND_COLOURS[name], ms=10, mew=2)
             said = f"{mm(f.ra_mm)}  /  {mm(f.rz_mm)}"
-            place = {"va": "center", "fontweight": "bold", "color": COLOURS[name]}
+            place = {"va": "center", "fontweight": "bold", "color": COMMAND_COLOURS[name]}
             axes.annotate(said, (1.0, row), (6, 0), ("axes fraction", "data"), "offset points", **place)
         axes.set(yticks=range(len(names)), ylim=(len(names) - 0.5, -0.6), xscale="log")
         axes.set_yticklabels([NAMES[name] for name in names])
@@ -88,7 +88,7 @@ def _spectra(series: Series) -> Figure:
             used = (f > 0) & (f < 100)
             axes.plot(
                 *_thinned(f[used], np.maximum(1e3 * amplitude[used], 1e-3)),
-                color=COLOURS[name],
+                color=COMMAND_COLOURS[name],
                 lw=1.2,
                 label=NAMES[name],
             )
@@ -120,9 +120,9 @@ def speed_text(speed: float) -> str:
 
 
 def _thinned(x: Array, y: Array) -> tuple[Array, Array]:
-    """At most `MOST` points of a curve, the largest of each stretch."""
-    if len(x) <= MOST:
+    """At most `PATH_POINTS` points of a curve, the largest of each stretch."""
+    if len(x) <= PATH_POINTS:
         return x, y
-    edges = np.linspace(0, len(x), MOST + 1).astype(int)
+    edges = np.linspace(0, len(x), PATH_POINTS + 1).astype(int)
     at = [a + int(np.argmax(y[a:b])) for a, b in pairwise(edges)]
     return x[at], y[at]

@@ -8,14 +8,15 @@ import numpy as np
 
 from ...report.meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, with_panel
 from ...robot.kinematics import Array
+from .pictures import COMMAND_COLOURS, speed_text
 from .verification import Verification
 
 FRAMES = 160
-SHOWN = 1200  # points of a tube
-LARGE = 0.08  # of the path's size: how large the uncorrected error shows
-LONGEST = 20.0  # s that the motion lasts on the screen
-SHORT = {"uncorrected": "Uncorrected", "geometry": "Geometry only", "corrected": "Corrected"}
-COLOURS = {"uncorrected": "#c9622c", "geometry": "#8e98a6", "corrected": "#0f6f9f"}
+TUBE_POINTS = 1200  # at most
+ERROR_SHOWN = 0.08  # of the path's size: how large the uncorrected error shows
+PLAYED = 20.0  # s that the motion lasts on the screen, at most
+SHORT_NAMES = {"uncorrected": "Uncorrected", "geometry": "Geometry only", "corrected": "Corrected"}
+UNSEEN_AT_FIRST = ("geometry",)  # until they are asked for
 
 
 def scene(found: Verification) -> str:
@@ -25,7 +26,7 @@ def scene(found: Verification) -> str:
     frames = np.unique(
         np.searchsorted(series.time, np.linspace(0, series.time[-1], FRAMES)).clip(0, len(series.time) - 1)
     )
-    pace = min(1.0, LONGEST / float(series.time[-1]))
+    pace = min(1.0, PLAYED / float(series.time[-1]))
     with meshcat_alone() as meshcat:
         links = draw_robot(meshcat, found.robot, trial.q[frames], "/robot", pace * series.time[frames])
         data = _data(found, links)
@@ -37,7 +38,7 @@ def scene(found: Verification) -> str:
 def _data(found: Verification, links: Array) -> dict[str, Any]:
     """What the panel draws: the desired path and the errors of each command as packed numbers."""
     series, p = found.slow, found.X[:, :3, 3]
-    step = max(1, -(-len(p) // SHOWN))
+    step = max(1, -(-len(p) // TUBE_POINTS))
     size = float(np.linalg.norm(np.ptp(p, axis=0))) or 0.1
     error = series.trials["uncorrected"].error
     large = max(float(np.quantile(np.linalg.norm(error, axis=1), 0.95)), 1e-9)
@@ -48,15 +49,16 @@ def _data(found: Verification, links: Array) -> dict[str, Any]:
         "path": pack(p[::step]),
         "commands": [
             {
-                "name": SHORT[name],
-                "colour": COLOURS[name],
+                "name": short,
+                "shown": name not in UNSEEN_AT_FIRST,
+                "colour": COMMAND_COLOURS[name],
                 "errors": pack(series.trials[name].error[::step]),
                 "rms_mm": series.trials[name].figures.rms_mm,
             }
-            for name in COLOURS
+            for name, short in SHORT_NAMES.items()
         ],
-        "factor": round_factor(LARGE * size / large),
-        "speed": f"{series.speed:.3g} m/s",
+        "factor": round_factor(ERROR_SHOWN * size / large),
+        "speed": speed_text(series.speed),
         "size": size,
         "radius": max(0.0035 * size, 7e-4 * float(np.linalg.norm(high - low))),
         "extent": float(np.linalg.norm(high - low)),

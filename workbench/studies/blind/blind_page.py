@@ -3,35 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
+from importlib.metadata import version
 
 from ...report.drawing import Figure
+from ...report.markup import render
 from .score import Record
-
-STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; color: #1b2430; max-width: 62rem; margin: 2rem auto;
-  padding: 0 1rem }
-h1 { font-size: 1.5rem } h2 { font-size: 1.1rem; margin: 2rem 0 .3rem }
-pre, td { font-size: 12px } pre { background: #f5f6f8; padding: .8rem; overflow-x: auto }
-svg { max-width: 100%; height: auto }
-table { border-collapse: collapse } td { padding: .1rem .8rem .1rem 0; vertical-align: top }
-"""
 
 
 def page(title: str, text: str, figures: Sequence[Figure], misses: Sequence[Record]) -> str:
     """The whole page."""
-    parts = [f"<h1>{escape(title)}</h1>", f"<pre>{escape(text)}</pre>"]
-    for figure in figures:
-        svg = figure.svg[figure.svg.index("<svg") :]
-        parts.append(
-            f'<h2>{escape(figure.title)}</h2><div role="img" aria-label="{escape(figure.alt)}">{svg}</div>'
-        )
-    rows = "".join(
-        f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in miss_cells(m))}</tr>" for m in misses
-    )
-    parts.append(f"<h2>Cases that are not as they should be: {len(misses)}</h2><table>{rows}</table>")
-    head = f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-    return f"{head}<style>{STYLE}</style></head><body>\n" + "\n".join(parts) + "\n</body></html>\n"
+    rows = [miss_cells(case) for case in misses]
+    made = version("robot-workbench")
+    return render("blind.html", title=title, text=text, figures=figures, misses=rows, version=made)
 
 
 def miss_cells(case: Record) -> tuple[str, str, str, str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import norm
 
 from ...files.whole import put
 from ...report.drawing import AFTER, BEFORE, INK, MIDDLE, MUTED, NOISE, Figure, drawing, plain_log
@@ -118,7 +119,7 @@ def _intervals(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> 
             np.histogram(np.clip(z, -5, 5), edges, density=True)[0], edges, fill=True, color=AFTER, alpha=0.4
         )
         x = np.linspace(-5, 5, 201)
-        axes.plot(x, np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi), color=NOISE, lw=1.6)
+        axes.plot(x, norm.pdf(x), color=NOISE, lw=1.6)
         axes.set(xlabel="found minus true, in standard deviations", ylabel="density")
         _png(axes, folder, "intervals")
     inside = 100 * float(np.mean(np.abs(z) < 1.96))
