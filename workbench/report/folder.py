@@ -7,14 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..files.whole import put
+from ..files.whole import put_all
 
 
 def write_together(files: Mapping[Path, bytes]) -> tuple[Path, ...]:
-    """Write the files of one result; their paths. The folders they stand in are made."""
-    for path, data in files.items():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        put(path, data)
+    """Write the files of one result, all or none; their paths. The folders they stand in are made."""
+    put_all(files)
     return tuple(files)
 
 
