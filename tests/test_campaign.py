@@ -33,8 +33,9 @@ def test_loads_in_si(tmp_path: Path) -> None:
     assert campaign.payload.tolist() == [0, 0, 0]
     assert campaign.setup_names == ("",)
     assert campaign.wrench.tolist() == [[0.0] * 6] * 3
-    optional = ("direction", "time", "temperature", "torque", "readback", "sigma", "noise_sigma")
-    assert [getattr(campaign, name) for name in optional] == [None] * 7
+    optional = ("side", "time", "temperature", "torque", "readback")
+    assert [getattr(campaign.poses, name) for name in optional] == [None] * 5
+    assert campaign.sigma is campaign.noise_sigma is None
     assert campaign.shot_scatter == (0.0, 0)
     names = ["campaign.toml", "poses.csv", "points.csv"]
     assert list(campaign.files)[:3] == [f"{tmp_path.name}/{name}" for name in names]

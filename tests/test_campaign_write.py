@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.campaign import Campaign, Target, load_campaign, write_campaign
+from workbench.campaign.poses import Poses
 from workbench.files.faults import InputError
 from workbench.robot.description import load_robot
 
@@ -72,21 +73,11 @@ def campaigns(draw: st.DrawFn, robot_folder: Path) -> Campaign:
         title=draw(TITLES),
         path=robot_folder / "campaign.toml",
         robot=robot,
-        pose_ids=tuple(names),
-        q=scale * rng.normal(size=(n, 3)),
-        payload=rng.integers(0, n_loads + 1, n),
         payload_names=("", *loads),
         load_mass=np.concatenate([[0.0], rng.uniform(0, 100, n_loads)]),
         load_com=load_com,
         tool_mass=draw(st.sampled_from([0.0, 12.5])),
         tool_com=np.zeros(3),
-        wrench=scale * rng.normal(size=(n, 6)),
-        direction=np.sign(rng.integers(-1, 2, (n, 3))).astype(float) if draw(st.booleans()) else None,
-        time=maybe(n),
-        temperature=maybe(n),
-        torque=maybe(n, 3),
-        readback=maybe(n, 3),
-        setup=setup,
         setup_names=tuple(setups),
         targets=targets,
         points=np.where(seen[..., None], scale * rng.normal(size=(n, n_targets, 3)), np.nan),
@@ -94,6 +85,18 @@ def campaigns(draw: st.DrawFn, robot_folder: Path) -> Campaign:
         sigma=None if sigma is None else np.where(seen[..., None], sigma, np.nan),
         noise_sigma=draw(st.sampled_from([None, 3e-5])),
         six_dof=draw(st.booleans()),
+        poses=Poses(
+            ids=tuple(names),
+            q=scale * rng.normal(size=(n, 3)),
+            payload=rng.integers(0, n_loads + 1, n),
+            wrench=scale * rng.normal(size=(n, 6)),
+            side=np.sign(rng.integers(-1, 2, (n, 3))).astype(float) if draw(st.booleans()) else None,
+            time=maybe(n),
+            temperature=maybe(n),
+            torque=maybe(n, 3),
+            readback=maybe(n, 3),
+            setup=setup,
+        ),
     )
 
 
@@ -131,7 +134,7 @@ def test_robots_that_come_along_are_written_by_name(tmp_path: Path) -> None:
     except InputError:
         pytest.skip("no model ur5")
     campaign = load_campaign(write_example(tmp_path))
-    path = write_campaign(tmp_path / "out", replace(campaign, robot=robot, q=np.zeros((3, 6))))
+    path = write_campaign(tmp_path / "out", replace(campaign.with_poses(q=np.zeros((3, 6))), robot=robot))
     assert 'robot = "ur5"\n' in path.read_text()
     assert load_campaign(path).robot.name == "ur5"
 
@@ -149,7 +152,7 @@ def test_a_campaign_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.setattr(os, "replace", failing)
     with pytest.raises(OSError, match="No space left"):
-        write_campaign(folder, replace(campaign, q=campaign.q + 0.1))
+        write_campaign(folder, campaign.with_poses(q=campaign.q + 0.1))
     assert {file: file.read_bytes() for file in folder.iterdir()} == before
 
 

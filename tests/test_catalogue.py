@@ -25,7 +25,7 @@ from workbench.robot.elastic_plant import elastic_twin
 from workbench.simulation.virtual_campaign import Truth
 
 PACKAGE = Path(workbench.__file__).parent
-COLUMNS = {"side": "direction", "time": "time", "temperature": "temperature", "readback": "readback"}
+COLUMNS = ("side", "time", "temperature", "readback")
 ids = [f"{name}-{effect.label}-{effect.variant}" for name, effect in CASES]
 every = pytest.mark.parametrize(("name", "effect"), CASES, ids=ids)
 on_one_robot = pytest.mark.parametrize(
@@ -39,9 +39,9 @@ def test_an_effect_depends_on_what_it_says(name, effect, word):
     """Another column changes the points if, and only if, the effect says that it uses it."""
     case, state = job(name)
     state = replace(state, values=(values_of(effect),))
-    column = getattr(case.campaign, COLUMNS[word])
+    column = getattr(case.campaign.poses, word)
     other = -column if word == "side" else column + (1e-4 if word == "readback" else 5.0)
-    there = Model(replace(case, campaign=replace(case.campaign, **{COLUMNS[word]: other})), (effect,))
+    there = Model(replace(case, campaign=case.campaign.with_poses(**{word: other})), (effect,))
     changed = not np.array_equal(Model(case, (effect,)).predict(state), there.predict(state))
     assert changed == (word in effect.uses)
     assert effect.uses <= effect.depends

@@ -204,7 +204,7 @@ def test_cells_without_poses_are_named(measured: Campaign) -> None:
         "cell 3 (x 1500 … 1900, y 900 … 1500, z 1100 … 1500 mm): has 0 poses without load and 0 with; "
         "measure 3 of each at least, or take larger cells"
     )
-    only = replace(measured, payload=np.zeros_like(measured.payload))
+    only = measured.with_poses(payload=np.zeros_like(measured.payload))
     with pytest.raises(InputError, match="with; measure 3 of each"):
         fit_cells(only, BOX, (1, 1, 1), instrument=IN_BASE)
     unknown = replace(measured, targets=(Target("T"),))

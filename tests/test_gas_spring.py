@@ -117,7 +117,7 @@ def test_charge_and_length_lie_in_their_intervals(measured: Campaign, witness: s
 
 def test_charge_without_torque_or_compensator_is_refused(measured: Campaign) -> None:
     with pytest.raises(InputError, match="no torques"):
-        identify_charge(replace(measured, torque=None), "torque")
+        identify_charge(measured.with_poses(torque=None), "torque")
     bare = replace(measured, robot=replace(measured.robot, compensator=None))
     with pytest.raises(InputError, match="no gas compensator"):
         identify_charge(bare, "points")

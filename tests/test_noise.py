@@ -112,11 +112,11 @@ def test_the_side_of_approach_and_the_load_make_other_poses():
     assert sorted(np.bincount(groups)) == [5, 5, 5, 5]
     side = np.ones(job.q.shape)
     side[::2] = -1
-    other = replace(job, campaign=replace(job.campaign, direction=side))
+    other = replace(job, campaign=job.campaign.with_poses(side=side))
     assert len(np.unique(repeat_groups(other))) > 4
     wrench = np.zeros((20, 6))
     wrench[0, 2] = 50.0
-    other = replace(job, campaign=replace(job.campaign, wrench=wrench))
+    other = replace(job, campaign=job.campaign.with_poses(wrench=wrench))
     assert len(np.unique(repeat_groups(other))) == 5
 
 

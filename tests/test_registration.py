@@ -121,7 +121,7 @@ def test_a_hand_that_never_turns_keeps_its_stated_target():
     job, _, _ = measured(targets=TARGETS[:1], seed=5, poses=30)
     q = np.tile(job.q[:1], (30, 1))
     q[:, 0] = np.linspace(-2, 2, 30)
-    plan = replace(job.campaign, q=q)
+    plan = job.campaign.with_poses(q=q)
     one = problem(simulate(plan, Truth(sigma=3e-5), instrument=(np.eye(3)[None], np.zeros((1, 3)))))
     _, t, targets = register(one)
     assert np.abs(targets[0, 0] - PLACES[0]).max() < 1e-3
@@ -149,7 +149,7 @@ def test_points_in_a_wrong_unit_are_named(factor, said):
 @pytest.mark.parametrize("targets", [TARGETS, unknown(1)], ids=["three", "one unknown"])
 def test_joints_in_a_wrong_unit_are_named(factor, said, targets):
     job, _, _ = measured(targets=targets, seed=7)
-    wrong = replace(job, campaign=replace(job.campaign, q=job.q * factor))
+    wrong = replace(job, campaign=job.campaign.with_poses(q=job.q * factor))
     with pytest.raises(InputError) as caught:
         check_units(wrong)
     assert len(caught.value.faults) == 1
@@ -161,7 +161,7 @@ def test_both_in_a_wrong_unit_are_named_at_once():
     job, _, _ = measured(seed=8)
     c = job.campaign
     with pytest.raises(InputError) as caught:
-        check_units(replace(job, campaign=replace(c, q=np.degrees(c.q), points=c.points * 1e3)))
+        check_units(replace(job, campaign=replace(c.with_poses(q=np.degrees(c.q)), points=c.points * 1e3)))
     assert len(caught.value.faults) == 2
 
 
@@ -177,7 +177,7 @@ def test_a_small_range_is_legal(seed, targets):
     """±3° about one pose: as small as radians taken for degrees would be, and no fault."""
     job, _, _ = measured(targets=targets, seed=seed)
     q = job.q[:1] + np.radians(3) * np.random.default_rng(seed).uniform(-1, 1, job.q.shape)
-    plan = replace(job.campaign, q=q)
+    plan = job.campaign.with_poses(q=q)
     check_units(problem(simulate(plan, Truth(sigma=3e-5, targets=places(targets)), seed=seed)))
 
 

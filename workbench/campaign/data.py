@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.description import Robot
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from .poses import Array, Column, IntArray, Poses
 
 
 @dataclass(frozen=True)
@@ -33,16 +31,11 @@ class Campaign:
 
     Every pose has at least one measured target, and every target was measured at least once.
 
-    pose_ids          N names
-    q                 (N, n) commanded joints, rad or m
-    payload           (N,) index into payload_names; 0 is "", the tool only
+    poses             what the robot was told
+    payload_names     "" (the tool only) and the payloads
     load_mass         (P,), load_com (P, 3): the payload itself without the tool, flange frame
     tool_mass         always mounted, tool_com (3,) in the flange frame
-    wrench            (N, 6) fx fy fz mx my mz on the robot at the flange origin, base frame
-    direction         (N, n) sign of the last motion, -1 0 +1 (0: none or not known); None: not given
-    time              (N,) s, temperature (N,) degC, torque (N, n) N·m, readback (N, n):
-                      None when not given at all, NaN where a cell is empty
-    setup             (N,) index into setup_names ("" when the file names none)
+    setup_names       ("" when the file names none)
     points            (N, T, 3) mean of the shots, instrument frame; NaN = not seen
     shots             (N, T) number of shots behind each mean
     sigma             (N, T, 3) one sigma of the mean, NaN where not seen; None: not stated per
@@ -57,21 +50,12 @@ class Campaign:
     title: str
     path: Path
     robot: Robot
-    pose_ids: tuple[str, ...]
-    q: Array
-    payload: IntArray
+    poses: Poses
     payload_names: tuple[str, ...]
     load_mass: Array
     load_com: Array
     tool_mass: float
     tool_com: Array
-    wrench: Array
-    direction: Array | None
-    time: Array | None
-    temperature: Array | None
-    torque: Array | None
-    readback: Array | None
-    setup: IntArray
     setup_names: tuple[str, ...]
     targets: tuple[Target, ...]
     points: Array
@@ -85,7 +69,7 @@ class Campaign:
 
     @property
     def n_poses(self) -> int:
-        return len(self.pose_ids)
+        return len(self.poses)
 
     @property
     def n_points(self) -> int:
@@ -99,26 +83,17 @@ class Campaign:
 
     def some(self, chosen: NDArray[np.int64]) -> Campaign:
         """Only these poses, in this order."""
-
-        def of(column: Array | None) -> Array | None:
-            return None if column is None else column[chosen]
-
         return replace(
             self,
-            pose_ids=tuple(self.pose_ids[i] for i in chosen),
-            q=self.q[chosen],
-            payload=self.payload[chosen],
-            wrench=self.wrench[chosen],
-            direction=of(self.direction),
-            time=of(self.time),
-            temperature=of(self.temperature),
-            torque=of(self.torque),
-            readback=of(self.readback),
-            setup=self.setup[chosen],
+            poses=self.poses.some(chosen),
             points=self.points[chosen],
             shots=self.shots[chosen],
-            sigma=of(self.sigma),
+            sigma=None if self.sigma is None else self.sigma[chosen],
         )
+
+    def with_poses(self, **columns: Column) -> Campaign:
+        """The campaign with other columns of its poses, by their names in `Poses`."""
+        return replace(self, poses=replace(self.poses, **columns))  # type: ignore[arg-type]
 
     @property
     def folder(self) -> str:

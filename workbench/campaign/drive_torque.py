@@ -18,15 +18,15 @@ SHOWS = 0.5  # share of a joint's torque that the model must explain for the col
 def project(problem: Problem, values: Array) -> Array:
     """(N, n, p) values without what each joint's offset, scale and approach can make of them; zero where
     no torque was measured. The scale is that of the nominal arm's torques."""
-    measured = problem.campaign.torque
+    measured = problem.campaign.poses.torque
     assert measured is not None
     expected = problem.nominal_load.local.reshape(len(problem.q), -1)[:, problem.arm.axial]
     out = np.zeros_like(values)
     for j in range(measured.shape[1]):
         seen = np.isfinite(measured[:, j])
         basis = [np.ones(int(seen.sum())), expected[seen, j]]
-        if problem.campaign.direction is not None:
-            basis.append(problem.campaign.direction[seen, j].astype(float))
+        if problem.campaign.poses.side is not None:
+            basis.append(problem.campaign.poses.side[seen, j].astype(float))
         B = np.column_stack(basis)
         B = B / np.maximum(np.linalg.norm(B, axis=0), 1e-12)
         Q = np.linalg.svd(B, full_matrices=False)[0][:, np.linalg.svd(B, compute_uv=False) > 1e-9]
@@ -38,7 +38,7 @@ def project(problem: Problem, values: Array) -> Array:
 def noise(problem: Problem) -> Array:
     """(n,) one sigma of each joint's torque about the model [N·m, N]; infinite where the model explains
     less than `SHOWS` of it (no load on that joint, or a column that means something else)."""
-    measured = problem.campaign.torque
+    measured = problem.campaign.poses.torque
     assert measured is not None
     left = project(problem, np.nan_to_num(measured)[..., None])[..., 0]
     sigma = np.full(measured.shape[1], np.inf)

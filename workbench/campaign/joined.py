@@ -12,6 +12,7 @@ import numpy as np
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from .data import Array, Campaign, IntArray, Target
+from .poses import join_poses
 
 
 @dataclass(frozen=True)
@@ -51,21 +52,19 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         title=" + ".join(campaign.title for campaign in campaigns),
         path=first.path,
         robot=first.robot,
-        pose_ids=_pose_ids(campaigns, labels),
-        q=np.concatenate([campaign.q for campaign in campaigns]),
-        payload=np.concatenate([load_of[i][campaign.payload] for i, campaign in enumerate(campaigns)]),
+        poses=replace(
+            join_poses([campaign.poses for campaign in campaigns]),
+            ids=_pose_ids(campaigns, labels),
+            payload=np.concatenate(
+                [load_of[i][campaign.poses.payload] for i, campaign in enumerate(campaigns)]
+            ),
+            setup=np.concatenate([campaign.poses.setup + offsets[i] for i, campaign in enumerate(campaigns)]),
+        ),
         payload_names=tuple(load.name for load in loads),
         load_mass=np.array([load.mass for load in loads]),
         load_com=np.array([load.com for load in loads]),
         tool_mass=first.tool_mass,
         tool_com=first.tool_com,
-        wrench=np.concatenate([campaign.wrench for campaign in campaigns]),
-        direction=_optional([campaign.direction for campaign in campaigns], campaigns, empty=0.0),
-        time=_optional([campaign.time for campaign in campaigns], campaigns),
-        temperature=_optional([campaign.temperature for campaign in campaigns], campaigns),
-        torque=_optional([campaign.torque for campaign in campaigns], campaigns),
-        readback=_optional([campaign.readback for campaign in campaigns], campaigns),
-        setup=np.concatenate([campaign.setup + offsets[i] for i, campaign in enumerate(campaigns)]),
         setup_names=setup_names,
         targets=targets,
         points=_spread([campaign.points for campaign in campaigns], columns, len(targets), np.nan),
@@ -121,12 +120,12 @@ def _labels(campaigns: Sequence[Campaign]) -> list[str]:
 
 
 def _pose_ids(campaigns: Sequence[Campaign], labels: Sequence[str]) -> tuple[str, ...]:
-    counts = Counter(name for campaign in campaigns for name in campaign.pose_ids)
+    counts = Counter(name for campaign in campaigns for name in campaign.poses.ids)
     unique = max(counts.values()) == 1
     return tuple(
         name if unique else f"{label}/{name}"
         for campaign, label in zip(campaigns, labels, strict=True)
-        for name in campaign.pose_ids
+        for name in campaign.poses.ids
     )
 
 
@@ -186,21 +185,6 @@ def _spread(arrays: Sequence[Array], columns: Sequence[IntArray], n_targets: int
         part[:, column] = array
         parts.append(part)
     return np.concatenate(parts)
-
-
-def _optional(
-    arrays: Sequence[Array | None], campaigns: Sequence[Campaign], empty: float = np.nan
-) -> Array | None:
-    """The arrays one after the other, `empty` for a campaign that has none; None when none has."""
-    shapes = [array.shape[1:] for array in arrays if array is not None]
-    if not shapes:
-        return None
-    return np.concatenate(
-        [
-            np.full((campaign.n_poses, *shapes[0]), empty) if array is None else array
-            for array, campaign in zip(arrays, campaigns, strict=True)
-        ]
-    )
 
 
 def _noise(

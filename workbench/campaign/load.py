@@ -17,6 +17,7 @@ from ..robot.find import find_robot, list_robots
 from .check import check_points, check_poses, check_targets, doubts
 from .data import Array, Campaign, IntArray, Target
 from .file import CampaignFile, point_columns, pose_columns, read_campaign_file
+from .poses import Poses
 
 WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
 
@@ -95,21 +96,11 @@ def _assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points
         title=file.title or path.resolve().parent.name,
         path=path,
         robot=robot,
-        pose_ids=tuple(_column(poses, "pose_id", kept)),
-        q=np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)[kept],
-        payload=np.array([payload_names.index(name) for name in payloads], dtype=np.int64),
         payload_names=payload_names,
         load_mass=np.array([0.0, *(load.mass_kg for load in loads)]),
         load_com=np.array([(0.0, 0.0, 0.0), *(load.com_mm for load in loads)]) * 1e-3,
         tool_mass=file.tool.mass_kg,
         tool_com=np.array(file.tool.com_mm) * 1e-3,
-        wrench=np.stack(wrench, axis=1)[kept],
-        direction=None if direction is None else direction[kept],
-        time=_optional(poses.numbers.get("t"), kept),
-        temperature=_optional(poses.numbers.get("temp"), kept),
-        torque=_optional(_joints(poses, "tau", n), kept),
-        readback=_optional(_joints(poses, "r", n), kept),
-        setup=np.array([setup_names.index(name) for name in setups], dtype=np.int64),
         setup_names=setup_names,
         targets=tuple(target for target, keep in zip(seen.targets, measured, strict=True) if keep),
         points=seen.points[kept][:, measured],
@@ -120,6 +111,18 @@ def _assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points
         six_dof=file.noise.pose,
         warnings=tuple(warnings),
         files=_hashes([path, poses.path, points.path, *([robot.path] if robot.path else []), robot.urdf]),
+        poses=Poses(
+            ids=tuple(_column(poses, "pose_id", kept)),
+            q=np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)[kept],
+            payload=np.array([payload_names.index(name) for name in payloads], dtype=np.int64),
+            wrench=np.stack(wrench, axis=1)[kept],
+            side=None if direction is None else direction[kept],
+            time=_optional(poses.numbers.get("t"), kept),
+            temperature=_optional(poses.numbers.get("temp"), kept),
+            torque=_optional(_joints(poses, "tau", n), kept),
+            readback=_optional(_joints(poses, "r", n), kept),
+            setup=np.array([setup_names.index(name) for name in setups], dtype=np.int64),
+        ),
     )
 
 

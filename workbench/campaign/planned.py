@@ -12,6 +12,7 @@ from ..robot.description import Robot
 from ..robot.kinematics import Array, frames
 from ..robot.rigid_plant import arrays
 from . import Campaign, Target
+from .poses import Poses
 
 # three targets that show all six motions of the hand
 TARGETS = (
@@ -83,23 +84,25 @@ def planned(
         title=title or f"{robot.title}, {n_poses} poses",
         path=Path("campaign.toml"),
         robot=robot,
-        pose_ids=tuple(str(i + 1) for i in range(n_poses)),
-        q=np.asarray(q, dtype=np.float64),
-        payload=np.array([load_names.index(name) for name in payload or [""] * n_poses], dtype=np.int64),
         payload_names=tuple(load_names),
         load_mass=np.array([mass for mass, _ in loads.values()]),
         load_com=np.array([list(com) for _, com in loads.values()], dtype=np.float64),
         tool_mass=tool[0],
         tool_com=np.array(tool[1], dtype=np.float64),
-        wrench=np.zeros((n_poses, 6)) if wrench is None else wrench,
-        direction=direction,
-        time=time,
-        temperature=temperature,
-        torque=None,
-        readback=readback,
-        setup=np.array([setup_names.index(name) for name in setup or [""] * n_poses], dtype=np.int64),
         setup_names=tuple(setup_names),
         targets=tuple(targets),
         points=np.full((n_poses, len(targets), 3), np.nan),
         shots=np.zeros((n_poses, len(targets)), dtype=np.int64),
+        poses=Poses(
+            ids=tuple(str(i + 1) for i in range(n_poses)),
+            q=np.asarray(q, dtype=np.float64),
+            payload=np.array([load_names.index(name) for name in payload or [""] * n_poses], dtype=np.int64),
+            wrench=np.zeros((n_poses, 6)) if wrench is None else wrench,
+            side=direction,
+            time=time,
+            temperature=temperature,
+            torque=None,
+            readback=readback,
+            setup=np.array([setup_names.index(name) for name in setup or [""] * n_poses], dtype=np.int64),
+        ),
     )

@@ -29,7 +29,7 @@ class Problem:
     @property
     def q(self) -> Array:
         """Commanded joints (N, n) [rad or m]."""
-        return self.campaign.q
+        return self.campaign.poses.q
 
     @cached_property
     def on(self) -> list[int]:
@@ -45,9 +45,9 @@ class Problem:
     def loads(self) -> Loads:
         """Loads as the campaign states them."""
         c = self.campaign
-        mass = c.tool_mass + c.load_mass[c.payload]
-        moment = c.tool_mass * c.tool_com + (c.load_mass[:, None] * c.load_com)[c.payload]
-        return Loads(mass, moment, c.wrench, np.zeros_like(c.q), self.compensator)
+        mass = c.tool_mass + c.load_mass[c.poses.payload]
+        moment = c.tool_mass * c.tool_com + (c.load_mass[:, None] * c.load_com)[c.poses.payload]
+        return Loads(mass, moment, c.poses.wrench, np.zeros_like(c.poses.q), self.compensator)
 
     @cached_property
     def stated_targets(self) -> Array:
@@ -60,12 +60,12 @@ class Problem:
     @property
     def drives(self) -> int:
         """Rows of drive torque beside a pose's points: n where they were recorded, else 0."""
-        return 0 if self.campaign.torque is None else self.arm.n
+        return 0 if self.campaign.poses.torque is None else self.arm.n
 
     @cached_property
     def positions(self) -> NDArray[np.int64]:
         """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
-        table = np.column_stack([np.round(self.q, 9), self.campaign.setup])
+        table = np.column_stack([np.round(self.q, 9), self.campaign.poses.setup])
         return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
 
     @cached_property
@@ -81,12 +81,12 @@ class Problem:
     @cached_property
     def warmth(self) -> Array | None:
         """Temperature (N,) [K] over 20 °C, empty cells at the mean; None without the column."""
-        return filled(self.campaign.temperature, REFERENCE_TEMPERATURE)
+        return filled(self.campaign.poses.temperature, REFERENCE_TEMPERATURE)
 
     @cached_property
     def time(self) -> Array | None:
         """Time (N,) [s], empty cells at the mean; None without the column."""
-        return filled(self.campaign.time, 0.0)
+        return filled(self.campaign.poses.time, 0.0)
 
     def joint(self, name: str | None) -> int:
         """Number of a joint, from 0."""

@@ -100,7 +100,7 @@ def _robot_name(folder: Path, robot: Robot) -> str:
 def _pose_cells(campaign: Campaign) -> dict[str, Sequence[str]]:
     """Columns of `poses.csv` by their names in the file."""
     known = {column.name: column for column in pose_columns(campaign.robot)}
-    cells: dict[str, Sequence[str]] = {"pose_id": campaign.pose_ids}
+    cells: dict[str, Sequence[str]] = {"pose_id": campaign.poses.ids}
 
     def add(names: Iterable[str], values: Array | None) -> None:
         """values: (N, n) [SI], a column each."""
@@ -112,18 +112,18 @@ def _pose_cells(campaign: Campaign) -> dict[str, Sequence[str]]:
     def per_joint(stem: str) -> list[str]:
         return [f"{stem}{index + 1}" for index in range(len(campaign.robot.joints))]
 
-    add(per_joint("q"), campaign.q)
-    if np.any(campaign.payload > 0):
-        cells["payload"] = [campaign.payload_names[index] for index in campaign.payload]
-    if np.any(campaign.wrench != 0.0):
-        add([column.name for column in WRENCH_COLUMNS], campaign.wrench)
-    add(per_joint("dir"), campaign.direction)
-    add(["t"], None if campaign.time is None else campaign.time[:, None])
-    add(["temp"], None if campaign.temperature is None else campaign.temperature[:, None])
-    add(per_joint("tau"), campaign.torque)
+    add(per_joint("q"), campaign.poses.q)
+    if np.any(campaign.poses.payload > 0):
+        cells["payload"] = [campaign.payload_names[index] for index in campaign.poses.payload]
+    if np.any(campaign.poses.wrench != 0.0):
+        add([column.name for column in WRENCH_COLUMNS], campaign.poses.wrench)
+    add(per_joint("dir"), campaign.poses.side)
+    add(["t"], None if campaign.poses.time is None else campaign.poses.time[:, None])
+    add(["temp"], None if campaign.poses.temperature is None else campaign.poses.temperature[:, None])
+    add(per_joint("tau"), campaign.poses.torque)
     if any(campaign.setup_names):
-        cells["setup"] = [campaign.setup_names[index] for index in campaign.setup]
-    add(per_joint("r"), campaign.readback)
+        cells["setup"] = [campaign.setup_names[index] for index in campaign.poses.setup]
+    add(per_joint("r"), campaign.poses.readback)
     return cells
 
 
@@ -141,7 +141,7 @@ def _points(campaign: Campaign, shots: Array | None) -> tuple[list[str], Rows]:
             *([] if sigma is None else sigma[pose, target].tolist()),
         ]
         texts = [number_text(1e3 * number) for number in numbers]
-        rows.append([campaign.pose_ids[pose], campaign.targets[target].name, *texts])
+        rows.append([campaign.poses.ids[pose], campaign.targets[target].name, *texts])
     return header, rows
 
 

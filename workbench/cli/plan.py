@@ -123,6 +123,6 @@ def _written(records: Campaign, out: Path) -> str:
         f"{count} with {name or 'no payload'}" for name, count in payload_counts(records).items() if count
     ]
     carried = f" ({', '.join(loads)})" if len(records.payload_names) > 1 else ""
-    steps = "" if records.time is None else "session by session, "
+    steps = "" if records.poses.time is None else "session by session, "
     steps += "load by load, " if len(loads) > 1 else ""
-    return f"{len(records.q)} poses{carried} written to {out}: {steps}from each to the nearest that is left."
+    return f"{len(records.poses.q)} poses{carried} written to {out}: {steps}from each to the nearest that is left."

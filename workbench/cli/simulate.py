@@ -111,8 +111,8 @@ def run(arguments: argparse.Namespace) -> None:
     campaign = simulate(plan, truth, seed=arguments.seed, shots=arguments.shots)
     hidden = [f"simulated, seed {arguments.seed}", *(f"hidden: {effect_text(e, v)}" for e, v in effects)]
     write_campaign(arguments.out, campaign, comments=hidden)
-    facts = {"robot": robot.name, "n_poses": len(campaign.q), "folder": str(arguments.out)}
-    said = f"{len(campaign.q)} poses written to {arguments.out}/campaign.toml"
+    facts = {"robot": robot.name, "n_poses": len(campaign.poses.q), "folder": str(arguments.out)}
+    said = f"{len(campaign.poses.q)} poses written to {arguments.out}/campaign.toml"
     print(json.dumps(facts) if arguments.json else said)
 
 

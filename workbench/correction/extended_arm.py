@@ -48,15 +48,16 @@ class ExtendedArm:
         """The problem of some samples: joints q (K, n) and sides of approach (K, n)."""
         c = self.whole.campaign
         campaign = replace(
-            c,
-            q=q,
-            direction=direction,
-            pose_ids=("",) * len(q),
-            payload=c.payload[part],
-            wrench=c.wrench[part],
-            time=None if c.time is None else c.time[part],
-            temperature=None if c.temperature is None else c.temperature[part],
-            setup=c.setup[part],
+            c.with_poses(
+                q=q,
+                side=direction,
+                ids=("",) * len(q),
+                payload=c.poses.payload[part],
+                wrench=c.poses.wrench[part],
+                time=None if c.poses.time is None else c.poses.time[part],
+                temperature=None if c.poses.temperature is None else c.poses.temperature[part],
+                setup=c.poses.setup[part],
+            ),
             points=c.points[part],
             shots=c.shots[part],
         )
@@ -107,7 +108,7 @@ def extended_arm(problem: Problem) -> ExtendedArm:
         effect, values = from_record(item, few, f"{problem.robot.path}: effects.{item.cause}")
         acting.append((effect, values))
         for what, lacking in LACKING.items():
-            if getattr(problem.campaign, what) is None and what in effect.uses:
+            if getattr(problem.campaign.poses, what) is None and what in effect.uses:
                 notes.append(f"{effect.label} needs the {what} of the path: {lacking}")
     return ExtendedArm(problem, Acting(tuple(acting)), tuple(notes))
 

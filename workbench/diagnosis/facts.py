@@ -37,30 +37,32 @@ def facts(problem: Problem) -> dict[str, str]:
     """What was measured, in words."""
     c = problem.campaign
     said = {
-        "Poses": str(len(c.q)),
+        "Poses": str(len(c.poses.q)),
         "Points": str(int(problem.seen.sum())),
         "Targets": ", ".join(f"{t.name} (on {t.on})" if t.on != "flange" else t.name for t in c.targets),
         "Set-ups": ", ".join(name or "one" for name in c.setup_names),
         "Payloads": ", ".join(
             f"{name or 'tool only'}: {c.tool_mass + m:g} kg"
             for i, (name, m) in enumerate(zip(c.payload_names, c.load_mass, strict=True))
-            if (c.payload == i).any()
+            if (c.poses.payload == i).any()
         ),
     }
     for j, name in enumerate(problem.arm.names):
-        low, high = c.q[:, j].min(), c.q[:, j].max()
+        low, high = c.poses.q[:, j].min(), c.poses.q[:, j].max()
         said[f"Range of {name}"] = (
             f"{low * 1e3:.0f} … {high * 1e3:.0f} mm"
             if problem.arm.prismatic[j]
             else f"{np.degrees(low):.1f} … {np.degrees(high):.1f}°"
         )
-    if c.temperature is not None and np.isfinite(c.temperature).any():
-        said["Temperature"] = f"{np.nanmin(c.temperature):.1f} … {np.nanmax(c.temperature):.1f} °C"
+    if c.poses.temperature is not None and np.isfinite(c.poses.temperature).any():
+        said["Temperature"] = (
+            f"{np.nanmin(c.poses.temperature):.1f} … {np.nanmax(c.poses.temperature):.1f} °C"
+        )
     extra = [
-        ("side of approach", c.direction),
-        ("time", c.time),
-        ("motor torque", c.torque),
-        ("read-back joints", c.readback),
+        ("side of approach", c.poses.side),
+        ("time", c.poses.time),
+        ("motor torque", c.poses.torque),
+        ("read-back joints", c.poses.readback),
     ]
     said["Recorded besides"] = ", ".join(name for name, value in extra if value is not None) or "nothing"
     return said

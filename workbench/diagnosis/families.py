@@ -108,37 +108,43 @@ def _torque_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
 def _clock_families(fit: Fit) -> Iterator[Family]:
     c = fit.model.problem.campaign
     base = _whitened(fit, 0, 6)
-    order = np.linspace(-1, 1, len(c.q))
-    if c.time is not None and np.isfinite(c.time).all() and np.ptp(c.time) > 0:
-        order = 2 * (c.time - c.time.min()) / np.ptp(c.time) - 1
-        yield Family("clock", (), "time", "s", base, np.column_stack([order, order**2, order**3]), c.time)
+    order = np.linspace(-1, 1, len(c.poses.q))
+    if c.poses.time is not None and np.isfinite(c.poses.time).all() and np.ptp(c.poses.time) > 0:
+        order = 2 * (c.poses.time - c.poses.time.min()) / np.ptp(c.poses.time) - 1
+        yield Family(
+            "clock", (), "time", "s", base, np.column_stack([order, order**2, order**3]), c.poses.time
+        )
     else:
         functions = np.column_stack([order, order**2])
         yield Family("clock", (), "order of measurement", "1", base, functions, order)
-    if c.temperature is not None and np.isfinite(c.temperature).all() and np.ptp(c.temperature) > 0:
-        warm = c.temperature - c.temperature.mean()
-        yield Family("clock", (), "temperature", "°C", base, warm[:, None], c.temperature)
+    if (
+        c.poses.temperature is not None
+        and np.isfinite(c.poses.temperature).all()
+        and np.ptp(c.poses.temperature) > 0
+    ):
+        warm = c.poses.temperature - c.poses.temperature.mean()
+        yield Family("clock", (), "temperature", "°C", base, warm[:, None], c.poses.temperature)
 
 
 def _side_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
     problem = fit.model.problem
     c, names = problem.campaign, problem.arm.names
-    if c.direction is not None:
+    if c.poses.side is not None:
         for j in range(len(names)):
-            if np.ptp(c.direction[:, j]) > 0:
-                side = c.direction[:, j]
-                form = np.column_stack([side, side * np.sin(c.q[:, j]), side * np.cos(c.q[:, j])])
+            if np.ptp(c.poses.side[:, j]) > 0:
+                side = c.poses.side[:, j]
+                form = np.column_stack([side, side * np.sin(c.poses.q[:, j]), side * np.cos(c.poses.q[:, j])])
                 yield Family("side", (j,), f"approach of {names[j]}", "1", moves[j], form, side)
 
 
 def _payload_families(fit: Fit) -> Iterator[Family]:
     problem = fit.model.problem
     c = problem.campaign
-    present = [i for i in range(len(c.payload_names)) if (c.payload == i).any()]
+    present = [i for i in range(len(c.payload_names)) if (c.poses.payload == i).any()]
     if len(present) > 1:
-        which = np.column_stack([(c.payload == i).astype(float) for i in present[1:]])
+        which = np.column_stack([(c.poses.payload == i).astype(float) for i in present[1:]])
         flange = _whitened(fit, 6 * (problem.arm.n + 1), 6)
-        yield Family("payload", (), "payload", "1", flange, which, c.payload.astype(float))
+        yield Family("payload", (), "payload", "1", flange, which, c.poses.payload.astype(float))
 
 
 def test_families(fit: Fit) -> list[FamilyTest]:

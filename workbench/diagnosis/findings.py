@@ -66,7 +66,7 @@ def assemble(parts: Parts) -> Diagnosis:
         robot=problem.robot.name,
         robot_title=problem.robot.title,
         campaign=c.title,
-        n_poses=len(c.q),
+        n_poses=len(c.poses.q),
         n_points=int(problem.seen.sum()),
         noise=prepared.noise,
         stages=tuple(stages),
@@ -86,7 +86,7 @@ def assemble(parts: Parts) -> Diagnosis:
         facts=facts(problem),
         errors=pose_errors(prepared, final),
         joints=tuple(joint.name for joint in problem.robot.joints),
-        q=c.q,
+        q=c.poses.q,
         version=__version__,
         inputs=c.files,
     )

@@ -31,7 +31,7 @@ class Step:
         """The step as a data fault of the pose that it comes before."""
         moved = {"moved_instrument": "the instrument's frame", "changed_setup": "the tool with its targets"}
         what = f"{moved[self.kind]} steps by {self.size * 1e3:.2f} mm before this pose"
-        name = problem.campaign.pose_ids[self.first]
+        name = problem.campaign.poses.ids[self.first]
         return FaultFound(self.kind, name, None, what, "frame and targets fitted anew from here on")
 
 
@@ -41,7 +41,7 @@ def step_in_time(result: Fit) -> Step | None:
     Every place in the measured order is tried; a step must beat a steady drift clearly.
     """
     c = result.model.problem.campaign
-    if len(c.setup_names) > 1 or len(c.q) < 20:
+    if len(c.setup_names) > 1 or len(c.poses.q) < 20:
         return None
     flange = result.line.direct[:, :, -6:]
     steps = [
@@ -122,7 +122,7 @@ def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Arr
 def split_setup(problem: Problem, first: int) -> Problem:
     """The problem with the poses from `first` on in a set-up of their own."""
     c = problem.campaign
-    setup: NDArray[np.int64] = c.setup.copy()
+    setup: NDArray[np.int64] = c.poses.setup.copy()
     setup[first:] = len(c.setup_names)
-    names = (*c.setup_names, f"{c.setup_names[0] or 'setup'} after pose {c.pose_ids[first - 1]}")
-    return replace(problem, campaign=replace(c, setup=setup, setup_names=names))
+    names = (*c.setup_names, f"{c.setup_names[0] or 'setup'} after pose {c.poses.ids[first - 1]}")
+    return replace(problem, campaign=replace(c.with_poses(setup=setup), setup_names=names))

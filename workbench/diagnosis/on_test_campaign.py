@@ -91,7 +91,7 @@ def _own_setups(model: Model, state: State, new: list[str]) -> State:
     """Frame and targets of set-ups that were not fitted, from the test poses, robot unchanged."""
     problem = model.problem
     c = problem.campaign
-    weight = np.isin(np.array(c.setup_names)[c.setup], new).astype(float)
+    weight = np.isin(np.array(c.setup_names)[c.poses.setup], new).astype(float)
     noise = Covariance(np.full(problem.seen.shape, 1e-4), np.zeros(problem.arm.n), weight)
     result = fit(model, state, noise, geometry=False)
     R, t, targets = state.R.copy(), state.t.copy(), state.targets.copy()

@@ -62,13 +62,13 @@ def without(final: Fit, own: Sequence[int], seed: int) -> float:
 def pose_errors(prepared: Prepared, final: Fit) -> PoseErrors:
     """Errors per point, turned into the base frame."""
     c = prepared.problem.campaign
-    R = final.state.R[c.setup]
-    base = np.einsum("nij,nti->ntj", R, c.points - final.state.t[c.setup][:, None])
+    R = final.state.R[c.poses.setup]
+    base = np.einsum("nij,nti->ntj", R, c.points - final.state.t[c.poses.setup][:, None])
     seen = prepared.problem.seen
     n, t = np.nonzero(seen)
 
     def turned(result: Fit) -> Array:
-        return np.einsum("nij,nti->ntj", result.state.R[c.setup], result.residual)[seen]
+        return np.einsum("nij,nti->ntj", result.state.R[c.poses.setup], result.residual)[seen]
 
     return PoseErrors(
         base[seen],

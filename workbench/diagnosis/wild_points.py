@@ -94,7 +94,7 @@ def _mend(problem: Problem, result: Fit, noise: Covariance | None) -> tuple[Prob
             faults.append(
                 FaultFound(
                     "swapped_target",
-                    c.pose_ids[n],
+                    c.poses.ids[n],
                     " and ".join(names),
                     "targets exchanged",
                     "exchanged back",
@@ -105,7 +105,7 @@ def _mend(problem: Problem, result: Fit, noise: Covariance | None) -> tuple[Prob
             what = f"{length[n, i] * 1e3:.2f} mm off, others typically {np.nanmedian(length) * 1e3:.2f} mm"
             points[n, i] = np.nan
             target = c.targets[i].name if len(c.targets) > 1 else None
-            faults.append(FaultFound("outlier", c.pose_ids[n], target, what, "left out"))
+            faults.append(FaultFound("outlier", c.poses.ids[n], target, what, "left out"))
     return replace(problem, campaign=replace(c, points=points)), faults
 
 
@@ -147,7 +147,11 @@ def _frozen(problem: Problem) -> tuple[Problem, list[FaultFound]]:
             points[n, i] = np.nan
             faults.append(
                 FaultFound(
-                    "frozen_target", c.pose_ids[n], target.name, "same numbers as the pose before", "left out"
+                    "frozen_target",
+                    c.poses.ids[n],
+                    target.name,
+                    "same numbers as the pose before",
+                    "left out",
                 )
             )
     if not faults:

@@ -122,7 +122,7 @@ class Acting:
         """(N, n) further motion of each joint per commanded motion, of the effects with an order."""
         ripple = [(i, *item) for i, item in enumerate(self.items) if item[0].where.order is not None]
         slope, joints = np.zeros(problem.q.shape), problem.arm.names
-        side = problem.campaign.direction
+        side = problem.campaign.poses.side
         for i, effect, values in ripple:
             one = Acting(((effect, values),))
             ahead = one.gear_error(problem.q + NUDGE, side, joints)

@@ -45,7 +45,7 @@ class Backlash(TransmissionEffect):
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
         n = problem.arm.n
-        if problem.campaign.direction is None:
+        if problem.campaign.poses.side is None:
             return f"no column dir1..dir{n}: record the side of approach"
         if not cls.sites(problem):
             return f"dir1..dir{n} never change sign: approach poses from both sides"
@@ -54,7 +54,7 @@ class Backlash(TransmissionEffect):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Backlash]:
         """Joints that were approached from both sides."""
-        direction = problem.campaign.direction
+        direction = problem.campaign.poses.side
         if direction is None:
             return []
         both = np.ptp(np.sign(direction), axis=0) == 2

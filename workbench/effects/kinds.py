@@ -49,11 +49,11 @@ class TransmissionEffect(DirectEffect):
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         column = int(problem.arm.axial[problem.joint(self.where.joint)])
-        return {column: self.basis(problem.q, problem.campaign.direction, problem.arm.names)}
+        return {column: self.basis(problem.q, problem.campaign.poses.side, problem.arm.names)}
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         """Over the side of approach, the phase of its order, or the joint that it depends on."""
-        arm, q, side = problem.arm, problem.q, problem.campaign.direction
+        arm, q, side = problem.arm, problem.q, problem.campaign.poses.side
         j = problem.joint(self.where.joint)
         k = j if self.where.other is None else problem.joint(self.where.other)
         size = self.basis(q, side, arm.names) @ values

@@ -50,7 +50,7 @@ class Payload(MassEffect):
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
-        if (problem.campaign.payload > 0).any():
+        if (problem.campaign.poses.payload > 0).any():
             return None
         return "no pose with a payload: name one in the column payload, and state it under [payloads]"
 
@@ -60,14 +60,14 @@ class Payload(MassEffect):
         return [
             cls(Where(payload=name), variant, float(c.load_mass[i]), tuple(float(x) for x in c.load_com[i]))  # type: ignore[arg-type]
             for i, name in enumerate(c.payload_names)
-            if i > 0 and (c.payload == i).any() and c.load_mass[i] > 0
+            if i > 0 and (c.poses.payload == i).any() and c.load_mass[i] > 0
             for variant in ("mass", "com")
         ]
 
     def _change(self, problem: Problem) -> tuple[Array, Array]:
         """(N, p) mass and (N, 3, p) first moment per unit of each parameter."""
         c = problem.campaign
-        here = (c.payload == c.payload_names.index(str(self.where.payload))).astype(float)
+        here = (c.poses.payload == c.payload_names.index(str(self.where.payload))).astype(float)
         if self.variant == "mass":
             return here[:, None], here[:, None, None] * np.array(self.com)[:, None]
         return np.zeros((len(here), 3)), here[:, None, None] * np.eye(3)

@@ -40,7 +40,7 @@ class ReadbackJoints(DirectEffect):
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
         n = problem.arm.n
-        if problem.campaign.readback is None:
+        if problem.campaign.poses.readback is None:
             return f"no columns r1..r{n}: read the joints back at each pose"
         return None if cls.sites(problem) else f"r1..r{n} equal the command at every pose"
 
@@ -72,7 +72,7 @@ class ReadbackJoints(DirectEffect):
 
 def _difference(problem: Problem) -> Array:
     """r − q (N, n) [rad, m], zero where nothing was read."""
-    readback = problem.campaign.readback
+    readback = problem.campaign.poses.readback
     if readback is None:
         return np.zeros_like(problem.q)
     return np.where(np.isfinite(readback), readback - problem.q, 0.0)

@@ -80,5 +80,5 @@ def _loaded(job: Problem) -> Prediction:
 def _unloaded(job: Problem) -> Array:
     """(N, T, 3) the targets of the same robot, ratios and all, if nothing pulled on it."""
     arm = replace(job.arm, compliance=np.zeros_like(job.arm.compliance), gravity=np.zeros(3))
-    campaign = replace(job.campaign, wrench=np.zeros_like(job.campaign.wrench))
+    campaign = job.campaign.with_poses(wrench=np.zeros_like(job.campaign.poses.wrench))
     return _loaded(replace(job, arm=arm, campaign=campaign, compensator=None)).base

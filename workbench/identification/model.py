@@ -133,21 +133,21 @@ class Model:
         return self.loaded(state).points
 
     def _place(self, where: Frames, state: State) -> Array:
-        on, setup = self.problem.on, self.problem.campaign.setup
+        on, setup = self.problem.on, self.problem.campaign.poses.setup
         if len(state.targets) == 1:
             return where.points(state.targets[0], on)
         every = np.stack([where.points(targets, on) for targets in state.targets])
         return np.asarray(every[setup, np.arange(len(setup))])
 
     def _see(self, base: Array, state: State) -> Array:
-        setup = self.problem.campaign.setup
+        setup = self.problem.campaign.poses.setup
         return np.einsum("nij,ntj->nti", state.R[setup], base) + state.t[setup][:, None]
 
     def linearise(self, state: State, near: Linearisation | None = None) -> Linearisation:
         """Derivatives at a state; `near` as for `loaded`: saves time, changes nothing."""
         prediction = self.loaded(state, near)
         arm, where, load = prediction.arm, prediction.where, prediction.load
-        on, setup = self.problem.on, self.problem.campaign.setup
+        on, setup = self.problem.on, self.problem.campaign.poses.setup
         n_poses, n_targets = prediction.base.shape[:2]
         turn = state.R[setup]
         J = point_jacobian(where.axes, where.origin, prediction.base, on)
@@ -177,7 +177,7 @@ class Model:
     def _frame_and_target(
         self, state: State, prediction: Prediction, turn: Array
     ) -> tuple[Array, Array, Array]:
-        setup = self.problem.campaign.setup
+        setup = self.problem.campaign.poses.setup
         n_poses, n_targets = prediction.points.shape[:2]
         centre = np.stack([prediction.points[setup == k].mean(axis=(0, 1)) for k in range(len(state.R))])
         arms = prediction.points - centre[setup][:, None]
@@ -191,7 +191,7 @@ class Model:
 
     def drive_residual(self, line: Linearisation, state: State) -> Array:
         """(N, n) measured torques of the drives that the loads do not explain [N·m, N]."""
-        measured = self.problem.campaign.torque
+        measured = self.problem.campaign.poses.torque
         assert measured is not None
         left = drive_torque.project(self.problem, np.nan_to_num(measured)[..., None])[..., 0]
         for effect, values in self.acting(state).those(lambda effect: effect.acts == "load"):

@@ -52,7 +52,7 @@ def stated_noise(problem: Problem) -> Covariance | None:
         each = c.noise_sigma / np.sqrt(np.maximum(c.shots, 1))
     else:
         return None
-    return Covariance(np.maximum(each, 1e-9), joint, np.ones(len(c.q)))
+    return Covariance(np.maximum(each, 1e-9), joint, np.ones(len(c.poses.q)))
 
 
 def required_noise(problem: Problem) -> Covariance:
@@ -106,9 +106,14 @@ def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:
 def repeat_groups(problem: Problem) -> NDArray[np.int64]:
     """(N,) number of the group of repeats of each pose (equal command, load, set-up and approach)."""
     c = problem.campaign
-    parts = [np.round(c.q, 9), c.payload[:, None], np.round(c.wrench, 6), c.setup[:, None]]
-    if c.direction is not None:
-        parts.append(c.direction)
+    parts = [
+        np.round(c.poses.q, 9),
+        c.poses.payload[:, None],
+        np.round(c.poses.wrench, 6),
+        c.poses.setup[:, None],
+    ]
+    if c.poses.side is not None:
+        parts.append(c.poses.side)
     _, group = np.unique(np.hstack(parts), axis=0, return_inverse=True)
     return np.asarray(group.ravel(), dtype=np.int64)
 

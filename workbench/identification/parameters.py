@@ -106,7 +106,7 @@ def effect_prior(param: Param) -> float:
 def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, tuple[str, ...], list[float]]]:
     """Targets of a set-up that are fitted: index (None: all as one body), name, keys, priors."""
     campaign = problem.campaign
-    seen = problem.seen[campaign.setup == setup].any(axis=0)
+    seen = problem.seen[campaign.poses.setup == setup].any(axis=0)
     free = [i for i, target in enumerate(campaign.targets) if seen[i] and not target.fixed]
     stated = [campaign.targets[i].xyz is not None for i in free]
     if campaign.six_dof and free:

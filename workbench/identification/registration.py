@@ -25,7 +25,7 @@ def register(problem: Problem) -> tuple[Array, Array, Array]:
     campaign = problem.campaign
     out = []
     for k in range(len(campaign.setup_names)):
-        here = campaign.setup == k
+        here = campaign.poses.setup == k
         out.append(_one_setup(problem, problem.rigid, here)[:3])
     R, t, targets = (np.array(part) for part in zip(*out, strict=True))
     fixed = np.array([target.fixed for target in campaign.targets])
@@ -36,12 +36,12 @@ def check_units(problem: Problem) -> None:
     """Raises InputError when other units of points or joints fit far better than the stated ones."""
     campaign = problem.campaign
     stated, size = _misfit(problem, problem.rigid, 1.0)
-    if stated < 0.05 * size or len(campaign.q) < 8:
+    if stated < 0.05 * size or len(campaign.poses.q) < 8:
         return
     rotary = ~problem.arm.prismatic
     best: tuple[float, float, float] | None = None
     for joint_factor in (1.0, np.pi / 180, 180 / np.pi):
-        q = np.where(rotary, campaign.q * joint_factor, campaign.q)
+        q = np.where(rotary, campaign.poses.q * joint_factor, campaign.poses.q)
         where = problem.rigid if joint_factor == 1.0 else frames(problem.arm, q)
         for factor in (1.0, 1e-3, 1e3):
             if joint_factor == factor == 1.0:
@@ -79,7 +79,7 @@ def _misfit(problem: Problem, where: Frames, factor: float) -> tuple[float, floa
     scaled = replace(problem, campaign=campaign)
     misfits, extents = [], []
     for k in range(len(campaign.setup_names)):
-        here = campaign.setup == k
+        here = campaign.poses.setup == k
         *_, misfit = _one_setup(scaled, where, here)
         misfits.append(misfit)
         extents.append(float(np.linalg.norm(where.p[-1][here].std(axis=0))) + 1e-6)

@@ -29,8 +29,8 @@ def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array
     n_poses, rows, columns_ = W.shape
     out = np.zeros((n_poses, rows + problem.drives, columns_ + problem.drives))
     out[:, :rows, :columns_] = W
-    if noise.torque is not None and problem.campaign.torque is not None:
-        weight = np.isfinite(problem.campaign.torque) / noise.torque * noise.weight[:, None]
+    if noise.torque is not None and problem.campaign.poses.torque is not None:
+        weight = np.isfinite(problem.campaign.poses.torque) / noise.torque * noise.weight[:, None]
         for j in range(problem.drives):
             out[:, rows + j, columns_ + j] = weight[:, j]
     return out
@@ -92,7 +92,7 @@ def _offset(model: Model, cols: Columns, state: State) -> Array:
 
 def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: Array) -> Array:
     """(N, D, P) whitened Jacobian."""
-    setup = model.problem.campaign.setup
+    setup = model.problem.campaign.poses.setup
     n_poses, rows, _ = line.direct.shape
     J = np.zeros((n_poses, rows, len(cols.names)))
     for k in range(cols.setups):

@@ -90,7 +90,7 @@ def pairs(
     lever = where.R[-1][count:] @ np.asarray(load[1])
     wrench = np.zeros((2 * count, 6))
     wrench[count:] = np.hstack([pull, np.cross(lever, pull)])
-    return replace(plan, wrench=wrench)
+    return plan.with_poses(wrench=wrench)
 
 
 def grouped(job: Problem, joint: str, group: Sequence[int]) -> list[Effect]:
@@ -133,7 +133,7 @@ def measure_pairs(plan: Campaign, truth: Truth, seed: int, instrument: tuple[Arr
 
     The robot stands still while it is loaded, so its repeatability is in both readings alike.
     """
-    half, setups = len(plan.q) // 2, len(plan.setup_names)
+    half, setups = len(plan.poses.q) // 2, len(plan.setup_names)
     spread = [joint.data.repeatability or 0.0 for joint in plan.robot.joints]
     rest = np.random.default_rng([seed, 0]).normal(scale=spread, size=(half, len(spread)))
     still = replace(truth, repeatability=np.zeros(len(spread)), joints=lambda _: np.tile(rest, (2, 1)))
@@ -143,7 +143,7 @@ def measure_pairs(plan: Campaign, truth: Truth, seed: int, instrument: tuple[Arr
 
 def as_one_setup(campaign: Campaign) -> Campaign:
     """The same records read as absolute poses: one instrument frame for all."""
-    return replace(campaign, setup=np.zeros_like(campaign.setup), setup_names=("",))
+    return replace(campaign.with_poses(setup=np.zeros_like(campaign.poses.setup)), setup_names=("",))
 
 
 def compliances(found: Fit) -> tuple[Array, Array]:

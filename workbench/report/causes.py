@@ -67,9 +67,8 @@ def _campaigns() -> tuple[Problem, ...]:
 def _place(kind: type[Effect], whole: Problem) -> str:
     """joint, link, payload, or the whole robot."""
     carried = replace(
-        whole.campaign,
+        whole.campaign.with_poses(payload=np.ones(2, dtype=np.int64)),
         payload_names=("", "any"),
-        payload=np.ones(2, dtype=np.int64),
         load_mass=np.array([0.0, 1.0]),
         load_com=np.zeros((2, 3)),
     )

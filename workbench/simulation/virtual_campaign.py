@@ -80,16 +80,19 @@ def simulate(
     direct = _direct(job, truth) + draw.repeatability(job, truth)
     base, torque = _settle(job, truth, direct)
     R, t = instrument if instrument is not None else draw.instrument(job)
-    points = _see(job, truth, np.einsum("nij,ntj->nti", R[plan.setup], base) + t[plan.setup][:, None])
+    points = _see(
+        job, truth, np.einsum("nij,ntj->nti", R[plan.poses.setup], base) + t[plan.poses.setup][:, None]
+    )
     shot = points[:, :, None] + draw.noise(points, truth.sigma, shots, plan.six_dof)
     mean = shot.mean(axis=2)
     return replace(
-        plan,
+        plan.with_poses(
+            torque=plan.poses.torque if torque_sigma is None else draw.torque(torque, torque_sigma)
+        ),
         points=mean,
         shots=np.full(points.shape[:2], shots, dtype=np.int64),
         shot_scatter=(float(((shot - mean[:, :, None]) ** 2).sum()), 3 * (shots - 1) * mean[..., 0].size),
         noise_sigma=truth.sigma if state_sigma and truth.sigma > 0 else plan.noise_sigma,
-        torque=plan.torque if torque_sigma is None else draw.torque(torque, torque_sigma),
     )
 
 

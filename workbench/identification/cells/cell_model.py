@@ -65,8 +65,8 @@ class CellModel:
     def predict(self, plan: Campaign) -> Array:
         """(N, 3) [m] where the tool comes to rest in the poses of a plan under its loads, base frame."""
         tip = (Target("tool", (float(self.tool[0]), float(self.tool[1]), float(self.tool[2])), fixed=True),)
-        plan = replace(external(plan), targets=tip, points=np.full((len(plan.q), 1, 3), np.nan))
-        where, out = self.cell_of(_places(plan, self.tool)), np.empty((len(plan.q), 3))
+        plan = replace(external(plan), targets=tip, points=np.full((len(plan.poses.q), 1, 3), np.nan))
+        where, out = self.cell_of(_places(plan, self.tool)), np.empty((len(plan.poses.q), 3))
         for cell in np.unique(where):
             here = replace(part(plan, where == cell), robot=self.robots[cell])
             out[where == cell] = places(here)[:, 0]
@@ -75,7 +75,7 @@ class CellModel:
     def deflection(self, plan: Campaign) -> Array:
         """(N, 3) [m] by how much the loads of a plan move the tool."""
         plan = external(plan)
-        return self.predict(plan) - self.predict(replace(plan, wrench=np.zeros_like(plan.wrench)))
+        return self.predict(plan) - self.predict(plan.with_poses(wrench=np.zeros_like(plan.poses.wrench)))
 
     def compensate(self, path: Path, wrench: ArrayLike | None = None, start: Array | None = None) -> Commands:
         """Commands that keep the tool on the path: each stretch by the model of its cell.
@@ -127,12 +127,12 @@ def fit_cells(
     if instrument is None:
         state = start_state(problem(campaign))
         instrument = state.R, state.t
-    R, t = (given[campaign.setup] for given in instrument)
+    R, t = (given[campaign.poses.setup] for given in instrument)
     points = np.einsum("nji,ntj->nti", R, campaign.points - t[:, None])
     known = tuple(replace(target, fixed=True) for target in campaign.targets)
     told = replace(external(campaign), points=points, targets=known)
-    told = replace(told, setup=np.zeros_like(told.setup), setup_names=("",))
-    where, loaded = _places(told, tool), told.wrench.any(axis=1)
+    told = replace(told.with_poses(setup=np.zeros_like(told.poses.setup)), setup_names=("",))
+    where, loaded = _places(told, tool), told.poses.wrench.any(axis=1)
     inside = [grid.holds(cell, where) for cell in range(len(grid))]
     count = [((here & ~loaded).sum(), (here & loaded).sum()) for here in inside]
     mend = f"measure {FEWEST_PER_CELL} of each at least, or take larger cells"

@@ -36,14 +36,12 @@ def external(campaign: Campaign) -> Campaign:
     """
     robot = campaign.robot
     where = problem(campaign).rigid
-    weight = campaign.load_mass[campaign.payload, None] * np.array(robot.gravity)
-    lever = (where.R[-1] @ campaign.load_com[campaign.payload][..., None])[..., 0]
-    wrench = campaign.wrench + np.hstack([weight, np.cross(lever, weight)])
+    weight = campaign.load_mass[campaign.poses.payload, None] * np.array(robot.gravity)
+    lever = (where.R[-1] @ campaign.load_com[campaign.poses.payload][..., None])[..., 0]
+    wrench = campaign.poses.wrench + np.hstack([weight, np.cross(lever, weight)])
     return replace(
-        campaign,
+        campaign.with_poses(wrench=wrench, payload=np.zeros_like(campaign.poses.payload)),
         robot=replace(robot, gravity=(0.0, 0.0, 0.0), compensator=None),
-        wrench=wrench,
-        payload=np.zeros_like(campaign.payload),
         payload_names=("",),
         load_mass=np.zeros(1),
         load_com=np.zeros((1, 3)),
@@ -53,13 +51,8 @@ def external(campaign: Campaign) -> Campaign:
 
 def part(campaign: Campaign, chosen: NDArray[np.bool_]) -> Campaign:
     """Some poses of a campaign, without what an external load does not ask for."""
-    return replace(
-        campaign.some(np.flatnonzero(chosen)),
-        direction=None,
-        time=None,
-        temperature=None,
-        torque=None,
-        readback=None,
+    return campaign.some(np.flatnonzero(chosen)).with_poses(
+        side=None, time=None, temperature=None, torque=None, readback=None
     )
 
 
@@ -70,7 +63,7 @@ def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]
     keeps the robot's own. Raises `InputError` where no pose was measured both with and without load.
     """
     robot = campaign.robot
-    empty = np.asarray(~campaign.wrench.any(axis=1))
+    empty = np.asarray(~campaign.poses.wrench.any(axis=1))
     if kinematics:
         model = Model(problem(part(campaign, empty)))
         found = fit(model, model.in_base())
@@ -89,7 +82,7 @@ def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
     used = empty | (pair >= 0)
     if used.sum() == empty.sum():
         raise InputError(Fault(campaign.title, "no pose was measured with and without load", "measure both"))
-    rest = places(replace(campaign, wrench=np.zeros_like(campaign.wrench)))
+    rest = places(campaign.with_poses(wrench=np.zeros_like(campaign.poses.wrench)))
     moved = rest + np.where(empty[:, None, None], 0.0, campaign.points - campaign.points[pair])
     differences = problem(part(replace(campaign, points=moved), used))
     noise = required_noise(differences)

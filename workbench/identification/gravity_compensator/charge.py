@@ -44,9 +44,9 @@ def identify_charge(
     beside (a stiffness, a mass) because nobody knows them better. Raises InputError without a gas
     compensator, noise, or the torques that are asked.
     """
-    if witness != "points" and campaign.torque is None:
+    if witness != "points" and campaign.poses.torque is None:
         raise InputError(Fault(campaign.title, "has no torques", "record tau1_Nm ... in poses.csv"))
-    used = replace(campaign, torque=None) if witness == "points" else campaign
+    used = campaign.with_poses(torque=None) if witness == "points" else campaign
     charge = length = 1.0
     # torques follow the length along a tangent: each round starts where the last ended
     for _ in range(ROUNDS):
@@ -65,9 +65,9 @@ def identify_charge(
 def _fitted(campaign: Campaign, witness: Witness, torque_share: float, unknown: Sequence[Effect]) -> Fit:
     job = problem(campaign)
     noise = required_noise(job)
-    if campaign.torque is not None:
+    if campaign.poses.torque is not None:
         believed = np.isfinite(drive_torque.noise(job))
-        largest = np.nanmax(np.abs(campaign.torque), axis=0)
+        largest = np.nanmax(np.abs(campaign.poses.torque), axis=0)
         noise = replace(noise, torque=np.where(believed, torque_share * largest, np.inf))
     if witness == "torque":
         noise = replace(noise, sigma=np.full_like(noise.sigma, BLIND))

@@ -45,7 +45,7 @@ class AccuracyPlan:
     def to_json(self) -> dict[str, Any]:
         return {
             "kind": "accuracy",
-            "n_poses": len(self.records.q),
+            "n_poses": len(self.records.poses.q),
             "payloads": payload_counts(self.records),
             "noise": self.noise,
             "faults": [fault.to_json() for fault in self.faults],
@@ -57,7 +57,7 @@ class AccuracyPlan:
 
     @property
     def text(self) -> str:
-        n = len(self.records.q)
+        n = len(self.records.poses.q)
         same = f"about {self.same}" if self.same else f"more than {MOST * n}"
         lines = [
             "Expected error of the calibrated model, 3-D, one sigma, from noise alone",
@@ -76,7 +76,7 @@ def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> Accura
     effects = _effects(prior)
     new, before = prior.of_records(offered, effects), prior.of_campaign(effects)
     typical = candidates(prior, TYPICAL, Factors(), rng)
-    error = 1e3 * prior.of_predictions(typical, effects) / np.sqrt(len(typical.q))  # mm
+    error = 1e3 * prior.of_predictions(typical, effects) / np.sqrt(len(typical.poses.q))  # mm
     names = list(dict.fromkeys([*(before.names if before else ()), *new.names]))
     rows = new.on(names)
     # the same A0ᵀ A0 in few rows

@@ -49,10 +49,9 @@ def candidates(prior: PriorInformation, count: int, factors: Factors, rng: np.ra
     start, temperature = (
         np.repeat(np.array(column)[session], len(q)) for column in zip(*sessions, strict=True)
     )
-    side = rng.choice([-1.0, 1.0], size=records.q.shape)
-    return replace(
-        records,
-        direction=side if factors.approach else None,
+    side = rng.choice([-1.0, 1.0], size=records.poses.q.shape)
+    return records.with_poses(
+        side=side if factors.approach else None,
         time=start if factors.warm or factors.late else None,
         temperature=temperature if factors.warm else None,
     )
@@ -61,37 +60,39 @@ def candidates(prior: PriorInformation, count: int, factors: Factors, rng: np.ra
 def take(records: Campaign, chosen: NDArray[np.int64]) -> Campaign:
     """Some of the records, named in the order of the plan."""
     title = f"{records.robot.title}, {len(chosen)} planned poses"
-    return replace(records.some(chosen), title=title, pose_ids=tuple(str(i + 1) for i in range(len(chosen))))
+    return replace(
+        records.some(chosen).with_poses(ids=tuple(str(i + 1) for i in range(len(chosen)))), title=title
+    )
 
 
 def ordered(plan: Campaign) -> Campaign:
     """The plan session by session, load by load, and from each pose to the nearest one that is left: the
     nearest by the joint that travels the largest share of its range. Times go on from record to record."""
     span = _spans(plan.robot)
-    session = np.zeros(len(plan.q)) if plan.time is None else plan.time
+    session = np.zeros(len(plan.poses.q)) if plan.poses.time is None else plan.poses.time
     order: list[int] = []
     here = np.zeros(len(span))
-    for group in np.unique(np.column_stack([session, plan.payload]), axis=0):
-        left = list(np.flatnonzero((session == group[0]) & (plan.payload == group[1])))
+    for group in np.unique(np.column_stack([session, plan.poses.payload]), axis=0):
+        left = list(np.flatnonzero((session == group[0]) & (plan.poses.payload == group[1])))
         while left:
-            travel = (np.abs(plan.q[left] - here) / span).max(axis=1)
+            travel = (np.abs(plan.poses.q[left] - here) / span).max(axis=1)
             order.append(int(left.pop(int(np.argmin(travel)))))
-            here = plan.q[order[-1]]
+            here = plan.poses.q[order[-1]]
     plan = take(plan, np.array(order, dtype=np.int64))
-    if plan.time is None:
+    if plan.poses.time is None:
         return plan
-    run = np.arange(len(plan.q)) - np.searchsorted(plan.time, plan.time)
-    return replace(plan, time=plan.time + PACE * run)
+    run = np.arange(len(plan.poses.q)) - np.searchsorted(plan.poses.time, plan.poses.time)
+    return plan.with_poses(time=plan.poses.time + PACE * run)
 
 
 def payload_counts(records: Campaign) -> dict[str, int]:
     """How many records carry which payload ("": none)."""
-    return {name: int((records.payload == i).sum()) for i, name in enumerate(records.payload_names)}
+    return {name: int((records.poses.payload == i).sum()) for i, name in enumerate(records.payload_names)}
 
 
 def travel(plan: Campaign) -> float:
     """Mean share of its range that the joint which travels farthest moves from record to record."""
-    steps = np.abs(np.diff(plan.q, axis=0)) / _spans(plan.robot)
+    steps = np.abs(np.diff(plan.poses.q, axis=0)) / _spans(plan.robot)
     return float(steps.max(axis=1).mean()) if len(steps) else 0.0
 
 

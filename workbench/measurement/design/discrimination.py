@@ -85,7 +85,7 @@ class DiscriminationPlan:
     def to_json(self) -> dict[str, Any]:
         return {
             "kind": "tell",
-            "n_poses": 0 if self.records is None else len(self.records.q),
+            "n_poses": 0 if self.records is None else len(self.records.poses.q),
             "payloads": {} if self.records is None else payload_counts(self.records),
             "noise": self.noise,
             "faults": [fault.to_json() for fault in self.faults],
@@ -137,7 +137,7 @@ def plan_discrimination(prior: PriorInformation, text: str, count: int, search: 
     """`count` records out of the candidates that tell the causes of `text` apart. Raises InputError where
     the text names no two causes, or causes that these records cannot have."""
     offered, first, second = _offered(prior, text, search)
-    check_count(count, len(offered.q))
+    check_count(count, len(offered.poses.q))
     effects = list(dict.fromkeys([*first, *second]))
     at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
     space = design_space(prior.of_records(offered, at_zero), prior.of_campaign(at_zero))

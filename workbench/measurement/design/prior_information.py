@@ -84,18 +84,19 @@ class PriorInformation:
         c, n_poses = self.problem.campaign, len(q)
         targets = tuple(t for t, shown in zip(c.targets, self.shown, strict=True) if shown)
         return replace(
-            c,
+            c.with_poses(
+                ids=tuple(str(i + 1) for i in range(n_poses)),
+                q=q,
+                payload=payload,
+                wrench=np.zeros((n_poses, 6)),
+                side=None,
+                time=None,
+                temperature=None,
+                torque=None,
+                readback=None,
+                setup=np.zeros(n_poses, dtype=np.int64),
+            ),
             title=f"{self.robot.title}, planned",
-            pose_ids=tuple(str(i + 1) for i in range(n_poses)),
-            q=q,
-            payload=payload,
-            wrench=np.zeros((n_poses, 6)),
-            direction=None,
-            time=None,
-            temperature=None,
-            torque=None,
-            readback=None,
-            setup=np.zeros(n_poses, dtype=np.int64),
             setup_names=("",),
             targets=targets,
             points=np.full((n_poses, len(targets), 3), np.nan),
@@ -110,15 +111,15 @@ class PriorInformation:
 
     def of_records(self, records: Campaign, effects: ValuedEffects) -> Sensitivity:
         """Sensitivity of new records, in a set-up of their own."""
-        sigma = np.tile(self.sigma[self.shown], (len(records.q), 1))
-        noise = Covariance(sigma, self.joint, np.ones(len(records.q)), turn_ratio=self.turn_ratio)
+        sigma = np.tile(self.sigma[self.shown], (len(records.poses.q), 1))
+        noise = Covariance(sigma, self.joint, np.ones(len(records.poses.q)), turn_ratio=self.turn_ratio)
         return self._sensitivity(records, noise, effects)
 
     def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:
         """(D0, P) rows [m] of poses that will have to be right, by the names of `of_records`: what the
         targets move when their frame and places are fitted to these very poses. A pose's squared rows are
         the mean over its targets."""
-        shape = (len(records.q), int(self.shown.sum()))
+        shape = (len(records.poses.q), int(self.shown.sum()))
         # the six rows of a 6-D measurement are means over the targets already
         size = 1.0 if records.six_dof else float(np.sqrt(shape[1]))
         noise = Covariance(np.full(shape, size), np.zeros(self.problem.arm.n), np.ones(shape[0]))
@@ -193,7 +194,7 @@ def from_campaign(campaign: Campaign) -> PriorInformation:
     share = problem.seen.mean(axis=0)
     shown = (share >= min(OFTEN, float(share.max()))) | problem.campaign.six_dof
     setups = range(len(problem.campaign.setup_names))
-    where = [problem.seen[problem.campaign.setup == k].sum(axis=0) for k in setups]
+    where = [problem.seen[problem.campaign.poses.setup == k].sum(axis=0) for k in setups]
     places = prepared.geometry.state.targets[np.argmax(where, axis=0), np.arange(len(share))]
     sigma = np.sqrt(np.mean(covariance.sigma**2, axis=0))
     source = {"stated": "as stated", "repeats": "measured from repeats", "residual": "what geometry leaves"}

@@ -50,7 +50,9 @@ class Design:
     def noise(self) -> Covariance:
         """The true noise of the plan's points."""
         return Covariance(
-            np.full(self.plan.points.shape[:2], self.sigma), self.repeatability, np.ones(len(self.plan.q))
+            np.full(self.plan.points.shape[:2], self.sigma),
+            self.repeatability,
+            np.ones(len(self.plan.poses.q)),
         )
 
 

@@ -61,13 +61,13 @@ def facts(case: Case) -> Record:
     return {
         "key": case.key,
         "robot": case.robot,
-        "records": len(case.campaign.q),
+        "records": len(case.campaign.poses.q),
         "targets": len(case.campaign.targets),
         "loads": len(case.campaign.payload_names),
         "noise": "stated" if design.stated else "repeats",
         "sigma_mm": 1e3 * design.sigma,
         "repeatability_urad": 1e6 * float(design.repeatability.mean()),
-        "columns": [n for n in ("direction", "time", "temperature", "readback") if _has(case.campaign, n)],
+        "columns": [n for n in ("side", "time", "temperature", "readback") if _has(case.campaign, n)],
         "truths": truths,
         "unknown_mm": case.unknown_mm,
         "nearest": _nearest(products, case.truths) if products is not None else [],
@@ -76,7 +76,7 @@ def facts(case: Case) -> Record:
 
 
 def _has(campaign: Campaign, name: str) -> bool:
-    return getattr(campaign, name) is not None
+    return getattr(campaign.poses, name) is not None
 
 
 def _nearest(products: Products, truths: Sequence[Key]) -> list[Record]:
@@ -158,7 +158,7 @@ def _order_right(case: Case, found: Sequence[Finding]) -> bool | None:
         return None
     effect, order = item.effect, item.effect.where.order
     j = case.campaign.robot.joint_names.index(str(effect.where.joint))
-    width = max(np.pi / float(np.ptp(case.campaign.q[:, j])), 0.3)
+    width = max(np.pi / float(np.ptp(case.campaign.poses.q[:, j])), 0.3)
     return any(_key(f) == effect.key and abs((f.where.order or 0.0) - order) < width for f in found)
 
 

@@ -79,7 +79,7 @@ def backlash(job: Problem, effect: Backlash, rng: np.random.Generator) -> Hidden
     most = largest_torque(job, j)
 
     def error(job: Problem) -> Array:
-        direction = job.campaign.direction
+        direction = job.campaign.poses.side
         if direction is None:
             return np.zeros(len(job.q))
         return -3e-5 * direction[:, j] * (1 + share * axial_torque(job)[:, j] / most)
@@ -93,11 +93,11 @@ def readback_joints(job: Problem, effect: ReadbackJoints, rng: np.random.Generat
     seed = int(rng.integers(1_000_000))
 
     def plan(campaign: Campaign, size: float) -> Campaign:
-        off = 2e-5 * np.random.default_rng([seed, len(campaign.q)]).normal(size=campaign.q.shape)
-        return replace(campaign, readback=campaign.q + size * off)
+        off = 2e-5 * np.random.default_rng([seed, len(campaign.poses.q)]).normal(size=campaign.poses.q.shape)
+        return campaign.with_poses(readback=campaign.poses.q + size * off)
 
     def form(size: float) -> Truth:
-        return Truth(joints=lambda job: weight * (np.asarray(job.campaign.readback) - job.q))
+        return Truth(joints=lambda job: weight * (np.asarray(job.campaign.poses.readback) - job.q))
 
     return Hidden("readback_joints", effect, np.ones(1), form, 50.0, plan=plan, fixed=True)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy import stats
 from scipy.optimize import least_squares
@@ -52,7 +50,7 @@ def explained(name: str, plan: Campaign, which: tuple[bool, bool]) -> dict[str, 
         length, force = np.bincount(free, size, minlength=2)
         geometry = np.zeros((5, 6))
         geometry[3, 2] = length  # joint 3 slides along its z
-        load = replace(plan, wrench=(1 - force) * plan.wrench)
+        load = plan.with_poses(wrench=(1 - force) * plan.poses.wrench)
         p = simulate(load, Truth(geometry=geometry), instrument=IN_BASE).points[:, 0]
         moved = (p[POSES:] - p[:POSES]).ravel()
         k = np.linalg.lstsq(A, moved)[0]  # eq. (9)

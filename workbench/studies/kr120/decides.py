@@ -7,7 +7,6 @@ some of which reverse joint 2's torque; and from these with motor torque.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -51,7 +50,7 @@ def diagnosed(
     found: dict[str, dict[str, Outcome]] = {way: {} for way in WAYS}
     for name, full in rich.items():
         write_campaign(folder / name, full, comments=["simulated in Drake"])
-        campaigns = load_pairs.as_one_setup(data[name]), replace(full, torque=None), full
+        campaigns = load_pairs.as_one_setup(data[name]), full.with_poses(torque=None), full
         for way, campaign in zip(WAYS, campaigns, strict=True):
             found[way][name] = diagnose(campaign, seed=seed)
     return found

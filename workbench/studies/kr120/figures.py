@@ -39,7 +39,7 @@ def plan_numbers(plan: GroupPlan) -> dict[str, float]:
         "rho0_best_mm": 1e3 * float(plan.random.min()),
         "hanging_tells_k1": float(np.isfinite(plan.hanging)),
         "fewer": (middle / plan.rho0) ** 2,
-        "pulled": float(plan.campaign.wrench.any(axis=1).sum()),
+        "pulled": float(plan.campaign.poses.wrench.any(axis=1).sum()),
     }
 
 

@@ -42,7 +42,7 @@ def commanded(
 
     models: of cells, by name; physical: the extended robot; check: a plan that states loads and target.
     """
-    weight, conditions = two_steps.external(check).wrench[-1], conditions_of(check, payload)
+    weight, conditions = two_steps.external(check).poses.wrench[-1], conditions_of(check, payload)
     out: dict[str, float] = {}
     for name, path in paths.items():
         cut = {key: models[key].compensate(path, weight) for key in ("constant", "128")}
@@ -61,8 +61,8 @@ def commanded(
 
 def paths(robot: Robot, check: Campaign) -> dict[str, Path]:
     """The verification points, and a line across the box."""
-    count = len(check.q) // 2
-    return {"points": Path(clock(count), check.q[count:]), "line": across(robot, check.q[0])}
+    count = len(check.poses.q) // 2
+    return {"points": Path(clock(count), check.poses.q[count:]), "line": across(robot, check.poses.q[0])}
 
 
 def across(robot: Robot, start: Array) -> Path:

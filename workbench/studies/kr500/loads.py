@@ -110,7 +110,9 @@ def pushed(plan: Campaign, force: Array) -> Campaign:
     """The plan with a force (3,) [N] at the target, as in machining, instead of the payload."""
     lever = problem(plan).rigid.R[-1] @ np.array(plan.targets[0].xyz)
     wrench = np.hstack([np.tile(force, (len(lever), 1)), np.cross(lever, force)])
-    return replace(plan, wrench=wrench * (plan.payload > 0)[:, None], payload=np.zeros_like(plan.payload))
+    return plan.with_poses(
+        wrench=wrench * (plan.poses.payload > 0)[:, None], payload=np.zeros_like(plan.poses.payload)
+    )
 
 
 def sideways(

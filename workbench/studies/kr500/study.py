@@ -97,7 +97,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
     )
     n |= sideways(case["b"].truth, models["b"]["128"], physical, check, SIDE)
     n |= figures.compared(n, case["b"], trades, models)
-    n |= {f"{key}records": len(at(case["b"].data, cut).q) for key, cut in USED.items()}
+    n |= {f"{key}records": len(at(case["b"].data, cut).poses.q) for key, cut in USED.items()}
     n["remainder_p"] = outcomes["b", "2"].diagnosis.remainder_p
     items: dict[str, Table | Figure] = {
         "errors": figures.errors_figure(n),
@@ -112,7 +112,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
         "candidates": candidates(whole, check),
         "line": line,
     }
-    shown = Shown(check.q[0], points, left_by(case["b"].true, predicted["b"]), noise=SIGMA)
+    shown = Shown(check.poses.q[0], points, left_by(case["b"].true, predicted["b"]), noise=SIGMA)
     files = {"Campaign": "campaign/campaign.toml", "Model": "model.toml", "Cells": "cells/cells.toml"}
     return tell(Path(__file__).with_name("story.md"), robot, n, items, shown, "errors", files)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from workbench import Array, Robot, by_joint, deflection_budget, planned
@@ -16,7 +14,9 @@ from .printed import TABLE_1, TABLE_2
 def what_bends(robot: Robot, seed: int, count: int) -> Chapter:
     """Motion of the tip by joint, bearing and link, in so many random poses."""
     plan = planned(robot, ARM.poses(count, seed), targets=ARM.targets[:1], payloads=ARM.payloads)
-    own, loaded = (deflection_budget(replace(plan, payload=np.full_like(plan.payload, k))) for k in (0, 1))
+    own, loaded = (
+        deflection_budget(plan.with_poses(payload=np.full_like(plan.poses.payload, k))) for k in (0, 1)
+    )
     size, size_loaded = ({kind: mean_mm(part) for kind, part in b.parts.items()} for b in (own, loaded))
     length = TABLE_2[:, 2:].max(axis=1)
     printed = 1e3 * own.moment.max(axis=0) * length**2 / 3 / TABLE_1  # eq. (21)

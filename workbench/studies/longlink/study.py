@@ -72,7 +72,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
 
     before, after = (zeros_and_offsets.error_of(fits[name], data.judged) for name in ("designed", "known"))
     judged = data.judged.points[:, 0] - STATION[1][0]
-    shown = Shown(data.judged.q[0], judged, {"as designed": before, "calibrated": after}, noise=SIGMA)
+    shown = Shown(data.judged.poses.q[0], judged, {"as designed": before, "calibrated": after}, noise=SIGMA)
     return tell(Path(__file__).with_name("story.md"), robot, numbers, items, shown, "twelve", FILES)
 
 

@@ -1,0 +1,81 @@
+"""What the robot was told, pose by pose: one object for all columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Column = Array | IntArray | tuple[str, ...] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """N poses of a robot with n joints. A new column is a field here and a column of the table.
+
+    ids           N names
+    q             (N, n) commanded joints [rad, m]
+    payload       (N,) index into the campaign's payload names; 0 is the tool only
+    wrench        (N, 6) fx fy fz mx my mz [N, N·m] on the robot at the flange origin, base frame
+    setup         (N,) index into the campaign's set-ups
+    side          (N, n) sign of the last motion, -1 0 +1 (0: none or not known)
+    time          (N,) [s], temperature (N,) [°C], torque (N, n) [N·m, N], readback (N, n) [rad, m]
+
+    The last five are None when not given at all; NaN where a cell is empty.
+    """
+
+    ids: tuple[str, ...]
+    q: Array
+    payload: IntArray
+    wrench: Array
+    setup: IntArray
+    side: Array | None = None
+    time: Array | None = None
+    temperature: Array | None = None
+    torque: Array | None = None
+    readback: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def columns(self) -> dict[str, Column]:
+        """All columns by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def some(self, chosen: IntArray) -> Poses:
+        """Only these poses, in this order."""
+        return replace(self, **{name: _some(column, chosen) for name, column in self.columns().items()})  # type: ignore[arg-type]
+
+    def repeat(self, count: int) -> Poses:
+        """All poses `count` times, one round after the other; the ids stay those of the first round."""
+        return self.some(np.tile(np.arange(len(self), dtype=np.int64), count))
+
+
+def join_poses(parts: Sequence[Poses]) -> Poses:
+    """One after the other. A column that some do not have is NaN there, sides 0, readback the command."""
+    lengths = [len(part) for part in parts]
+    out: dict[str, Column] = {"ids": tuple(name for part in parts for name in part.ids)}
+    for field in fields(Poses)[1:]:
+        columns = [getattr(part, field.name) for part in parts]
+        if all(column is None for column in columns):
+            out[field.name] = None
+            continue
+        shape = next(column.shape[1:] for column in columns if column is not None)
+        empty = 0.0 if field.name == "side" else np.nan
+        out[field.name] = np.concatenate(
+            [
+                np.full((length, *shape), empty) if column is None else column
+                for length, column in zip(lengths, columns, strict=True)
+            ]
+        )
+    return Poses(**out)  # type: ignore[arg-type]
+
+
+def _some(column: Column, chosen: IntArray) -> Column:
+    if isinstance(column, tuple):
+        return tuple(column[i] for i in chosen)
+    return None if column is None else column[chosen]
