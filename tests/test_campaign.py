@@ -20,8 +20,8 @@ def test_loads_in_si(tmp_path: Path) -> None:
     campaign = load_campaign(write_example(tmp_path))
     assert campaign.title == "Tiny"
     assert campaign.robot.name == "tiny"
-    assert campaign.pose_ids == ("a", "b", "c")
-    np.testing.assert_allclose(campaign.q[1], [np.deg2rad(-20), 0.25, 0.2])
+    assert campaign.poses.ids == ("a", "b", "c")
+    np.testing.assert_allclose(campaign.poses.q[1], [np.deg2rad(-20), 0.25, 0.2])
     assert campaign.targets == (Target("T1", (0.1, 0.0, 0.05)), Target("T2", None, "link_2"))
     np.testing.assert_allclose(campaign.points[0, 0], [1.0, 2.0, 3.0])
     assert campaign.shots.tolist() == [[1, 1], [1, 0], [1, 0]]
@@ -30,9 +30,9 @@ def test_loads_in_si(tmp_path: Path) -> None:
     assert campaign.payload_names == ("", "heavy")
     assert campaign.load_mass.tolist() == [0.0, 250.0]
     np.testing.assert_allclose(campaign.load_com, [[0, 0, 0], [0.15, 0, 0.01]])
-    assert campaign.payload.tolist() == [0, 0, 0]
+    assert campaign.poses.payload.tolist() == [0, 0, 0]
     assert campaign.setup_names == ("",)
-    assert campaign.wrench.tolist() == [[0.0] * 6] * 3
+    assert campaign.poses.wrench.tolist() == [[0.0] * 6] * 3
     optional = ("side", "time", "temperature", "torque", "readback")
     assert [getattr(campaign.poses, name) for name in optional] == [None] * 5
     assert campaign.sigma is campaign.noise_sigma is None
@@ -53,20 +53,20 @@ def test_optional_columns(tmp_path: Path) -> None:
     )
     toml = TOML + "[noise]\nsigma_mm = 0.03\npose = true\n[tool]\nmass_kg = 60\ncom_mm = [1, 2, 3]\n"
     campaign = load_campaign(write_example(tmp_path, toml, poses))
-    assert campaign.payload.tolist() == [1, 0, 1]
-    np.testing.assert_allclose(campaign.wrench[0], [0, 0, -5, 6, 0, 0])
-    assert campaign.direction is not None
-    assert campaign.direction.tolist() == [[1, 0, -1], [0, 0, 1], [-1, 0, 0]]
-    assert campaign.time is not None
-    assert campaign.time.tolist() == [0, 60, 61.5]
-    assert campaign.temperature is not None
-    assert np.isnan(campaign.temperature).tolist() == [False, True, False]
-    assert campaign.torque is not None
-    assert campaign.torque[2].tolist() == [1, 2, 3]
-    assert campaign.readback is not None
-    np.testing.assert_allclose(campaign.readback[0], [np.deg2rad(10.1), 0.35, 0.1001])
+    assert campaign.poses.payload.tolist() == [1, 0, 1]
+    np.testing.assert_allclose(campaign.poses.wrench[0], [0, 0, -5, 6, 0, 0])
+    assert campaign.poses.side is not None
+    assert campaign.poses.side.tolist() == [[1, 0, -1], [0, 0, 1], [-1, 0, 0]]
+    assert campaign.poses.time is not None
+    assert campaign.poses.time.tolist() == [0, 60, 61.5]
+    assert campaign.poses.temperature is not None
+    assert np.isnan(campaign.poses.temperature).tolist() == [False, True, False]
+    assert campaign.poses.torque is not None
+    assert campaign.poses.torque[2].tolist() == [1, 2, 3]
+    assert campaign.poses.readback is not None
+    np.testing.assert_allclose(campaign.poses.readback[0], [np.deg2rad(10.1), 0.35, 0.1001])
     assert campaign.setup_names == ("second", "first")
-    assert campaign.setup.tolist() == [0, 1, 0]
+    assert campaign.poses.setup.tolist() == [0, 1, 0]
     assert campaign.noise_sigma == pytest.approx(3e-5)
     assert campaign.six_dof
     assert campaign.tool_mass == 60.0
@@ -102,7 +102,7 @@ def test_blank_sigma_falls_back_on_the_noise_stated_for_all(tmp_path: Path) -> N
 def test_what_is_left_out_is_told(tmp_path: Path) -> None:
     points = "pose_id,target,x_mm,y_mm,z_mm\nc,T1,1000,2,3\nz,T1,1,2,3\nz,T1,1,2,3\na,t1,4,5,6\n"
     campaign = load_campaign(write_example(tmp_path, points=points))
-    assert campaign.pose_ids == ("a", "c")
+    assert campaign.poses.ids == ("a", "c")
     assert campaign.targets == (Target("T1", (0.1, 0.0, 0.05)), Target("t1"))
     assert campaign.shots.tolist() == [[0, 1], [1, 0]]
     assert warnings(campaign) == [
@@ -135,7 +135,7 @@ def test_numbers_as_names_stay_texts(tmp_path: Path) -> None:
     points = "pose_id,target,x_mm,y_mm,z_mm\n 1,1,1000,2,3\n1 , 2.0,1,2,3\n1.0,1,1,2,3\n"
     poses = "pose_id,q1_deg,q2_deg,q3_mm\n1,10,0.5,100\n1.0,-20,0.25,200\n"
     campaign = load_campaign(write_example(tmp_path, toml, poses, points))
-    assert campaign.pose_ids == ("1", "1.0")
+    assert campaign.poses.ids == ("1", "1.0")
     assert [target.name for target in campaign.targets] == ["1", "2.0"]
     assert campaign.shots.tolist() == [[1, 1], [1, 0]]
 

@@ -201,6 +201,6 @@ def test_whatever_the_files_hold_it_is_loaded_or_told(
         told = [str(fault) for fault in error.faults]
     else:
         told = []
-        assert np.isfinite(campaign.q).all()
+        assert np.isfinite(campaign.poses.q).all()
         assert np.array_equal(np.isfinite(campaign.points).all(axis=2), campaign.seen)
     assert not any("\n" in line for line in told)

@@ -19,21 +19,21 @@ def test_join_keeps_set_ups_and_what_differs_apart(tmp_path: Path) -> None:
     points = "pose_id,target,x_mm,y_mm,z_mm\nd,T1,1000,2,3\nd,T1,1000,2,3\ne,T2,1,2,3\n"
     two = load_campaign(write_example(tmp_path / "two", toml, poses, points))
     both = join([one, two])
-    assert both.pose_ids == ("a", "b", "c", "d", "e")
+    assert both.poses.ids == ("a", "b", "c", "d", "e")
     assert both.setup_names == ("one", "two/s1", "two/s2")
-    assert both.setup.tolist() == [0, 0, 0, 1, 2]
+    assert both.poses.setup.tolist() == [0, 0, 0, 1, 2]
     assert [target.name for target in both.targets] == ["T1 (one)", "T2", "T1 (two)"]
     assert both.shots.tolist() == [[1, 1, 0], [1, 0, 0], [1, 0, 0], [0, 0, 2], [0, 1, 0]]
     np.testing.assert_array_equal(both.points[3, 2], two.points[0, 0])
     assert np.isnan(both.points).all(axis=2).tolist() == (both.shots == 0).tolist()
     assert both.payload_names == ("", "heavy (one)", "heavy (two)")
-    assert both.payload.tolist() == [0, 0, 0, 2, 0]
+    assert both.poses.payload.tolist() == [0, 0, 0, 2, 0]
     assert both.load_mass.tolist() == [0.0, 250.0, 100.0]
-    assert both.direction is not None
-    assert both.direction[:, 0].tolist() == [0, 0, 0, 1, 1]
-    assert both.time is not None
-    assert np.isnan(both.time).tolist() == [True, True, True, False, False]
-    assert both.torque is None
+    assert both.poses.side is not None
+    assert both.poses.side[:, 0].tolist() == [0, 0, 0, 1, 1]
+    assert both.poses.time is not None
+    assert np.isnan(both.poses.time).tolist() == [True, True, True, False, False]
+    assert both.poses.torque is None
     assert both.sigma is not None
     np.testing.assert_allclose(both.sigma[[0, 3, 4], [0, 2, 1], 0], [1e-4, 2e-4 / 2**0.5, 2e-4])
     assert np.isnan(both.sigma).tolist() == np.isnan(both.points).tolist()
@@ -51,9 +51,9 @@ def test_join_of_like_campaigns_shares_targets_and_noise(tmp_path: Path) -> None
     both = join([one, two])
     assert [target.name for target in both.targets] == ["T1", "T2"]
     assert (both.sigma, both.noise_sigma) == (None, 1e-4)
-    assert len(set(both.pose_ids)) == 6
+    assert len(set(both.poses.ids)) == 6
     assert both.setup_names == ("x/run", "y/run")
-    assert both.pose_ids[0] == "x/run/a"
+    assert both.poses.ids[0] == "x/run/a"
     assert len(both.files) == 6  # the second poses.csv differs, all else is the same
     assert join([one]) is one
 

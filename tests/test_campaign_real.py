@@ -29,7 +29,7 @@ def test_real_campaigns_load(name: str) -> None:
     campaign = load_campaign(DATA / name / "campaign.toml")
     assert (campaign.n_poses, campaign.n_points, len(campaign.targets)) == REAL[name]
     assert campaign.warnings == ()
-    assert np.isfinite(campaign.q).all()
+    assert np.isfinite(campaign.poses.q).all()
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason=NO_DATA)
@@ -37,7 +37,7 @@ def test_real_campaigns_of_one_robot_join() -> None:
     both = join([load_campaign(DATA / name / "campaign.toml") for name in ("iiwa7-torque", "iiwa7-payload0")])
     assert [target.name for target in both.targets][::3] == ["P0 (iiwa7-torque)", "P0 (iiwa7-payload0)"]
     assert both.setup_names == ("iiwa7-torque/torque", "iiwa7-payload0/load0")
-    assert both.pose_ids[0] == "iiwa7-torque/0"
+    assert both.poses.ids[0] == "iiwa7-torque/0"
     assert both.six_dof
 
 

@@ -20,13 +20,14 @@ from workbench.robot.description import load_robot
 
 def assert_same(one: Campaign, other: Campaign) -> None:
     """Equal but for the path, the hashes and the last digits."""
-    for name in ("title", "pose_ids", "payload_names", "setup_names", "six_dof"):
+    for name in ("title", "payload_names", "setup_names", "six_dof"):
         assert getattr(one, name) == getattr(other, name), name
-    arrays = (
-        "q payload load_mass load_com tool_mass tool_com wrench direction time temperature torque readback"
-    )
-    for name in f"{arrays} setup points shots sigma noise_sigma".split():
-        mine, theirs = getattr(one, name), getattr(other, name)
+    assert one.poses.ids == other.poses.ids
+    names = ("load_mass", "load_com", "tool_mass", "tool_com", "points", "shots", "sigma", "noise_sigma")
+    pairs = {name: (getattr(one, name), getattr(other, name)) for name in names}
+    columns = other.poses.columns()
+    pairs |= {name: (mine, columns[name]) for name, mine in one.poses.columns().items() if name != "ids"}
+    for name, (mine, theirs) in pairs.items():
         assert (mine is None) == (theirs is None), name
         if mine is not None:
             np.testing.assert_allclose(mine, theirs, rtol=1e-11, atol=1e-14, err_msg=name)
@@ -152,7 +153,7 @@ def test_a_campaign_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.setattr(os, "replace", failing)
     with pytest.raises(OSError, match="No space left"):
-        write_campaign(folder, campaign.with_poses(q=campaign.q + 0.1))
+        write_campaign(folder, campaign.with_poses(q=campaign.poses.q + 0.1))
     assert {file: file.read_bytes() for file in folder.iterdir()} == before
 
 

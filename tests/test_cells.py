@@ -97,12 +97,12 @@ def test_bad_boxes_are_refused(box: np.ndarray, counts: tuple[int, ...], said: s
 
 def test_external_load_is_the_weight_at_its_place(measured: Campaign) -> None:
     told = external(measured)
-    half = len(told.q) // 2
-    assert not told.wrench[:half].any()
-    np.testing.assert_allclose(told.wrench[half:, :3], [[0, 0, -50 * 9.80665]] * half, atol=1e-12)
-    assert not told.wrench[:, 5].any()  # a weight turns nothing about the vertical
+    half = len(told.poses.q) // 2
+    assert not told.poses.wrench[:half].any()
+    np.testing.assert_allclose(told.poses.wrench[half:, :3], [[0, 0, -50 * 9.80665]] * half, atol=1e-12)
+    assert not told.poses.wrench[:, 5].any()  # a weight turns nothing about the vertical
     again = external(told)
-    np.testing.assert_array_equal(again.wrench, told.wrench)
+    np.testing.assert_array_equal(again.poses.wrench, told.poses.wrench)
 
 
 def test_stiffness_is_found_where_the_mass_shows_it(model: CellModel) -> None:
@@ -161,7 +161,7 @@ def test_commands_bring_the_loaded_robot_onto_the_path(model: CellModel, truth: 
     run = Run(frame, speed=0.1, period=0.5, R_WT=frame[:3, :3].T @ tilted(0.0))
     near = plan(np.array([[1.7, -0.2, 1.3]] * 2), (0.0,))
     path = line(0.5, run)
-    weight, start = external(near).wrench[-1], near.q[0]
+    weight, start = external(near).poses.wrench[-1], near.poses.q[0]
     made = model.compensate(path, weight, start=start)
     assert [cell for _, cell, _ in made.pieces] == [0, 1]
     assert len(made.jump_mm) == 1
@@ -204,7 +204,7 @@ def test_cells_without_poses_are_named(measured: Campaign) -> None:
         "cell 3 (x 1500 … 1900, y 900 … 1500, z 1100 … 1500 mm): has 0 poses without load and 0 with; "
         "measure 3 of each at least, or take larger cells"
     )
-    only = measured.with_poses(payload=np.zeros_like(measured.payload))
+    only = measured.with_poses(payload=np.zeros_like(measured.poses.payload))
     with pytest.raises(InputError, match="with; measure 3 of each"):
         fit_cells(only, BOX, (1, 1, 1), instrument=IN_BASE)
     unknown = replace(measured, targets=(Target("T"),))

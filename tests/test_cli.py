@@ -108,7 +108,7 @@ def test_simulated_campaign_loads(folder):
     assert (campaign.n_poses, campaign.n_points) == (80, 240)
     assert campaign.payload_names == ("", "heavy")
     assert campaign.tool_mass == 60.0
-    assert campaign.direction is not None
+    assert campaign.poses.side is not None
     assert campaign.noise_sigma == pytest.approx(3e-5)
     assert "# hidden: backlash:joint=joint_5," in (folder / "one/campaign.toml").read_text()
 
@@ -387,11 +387,11 @@ def test_simulate_takes_all_that_a_file_of_poses_says(tmp_path, capsys):
     assert "--payload heavy=KG" in fault
     call(capsys, *command, "--payload", "heavy=200")
     made = load_campaign(tmp_path / "made/campaign.toml")
-    assert [made.payload_names[k] for k in made.payload] == ["", "heavy", "heavy"]
-    assert made.direction[:, 1].tolist() == [1, -1, 1]
-    assert made.time.tolist() == [0, 60, 120]
-    assert made.temperature.tolist() == [20, 25, 26]
-    assert made.wrench[:, 2].tolist() == [0, -100, 0]
+    assert [made.payload_names[k] for k in made.poses.payload] == ["", "heavy", "heavy"]
+    assert made.poses.side[:, 1].tolist() == [1, -1, 1]
+    assert made.poses.time.tolist() == [0, 60, 120]
+    assert made.poses.temperature.tolist() == [20, 25, 26]
+    assert made.poses.wrench[:, 2].tolist() == [0, -100, 0]
 
 
 def test_simulate_on_a_grid_and_from_a_file(folder, tmp_path, capsys):
@@ -407,19 +407,19 @@ def test_simulate_on_a_grid_and_from_a_file(folder, tmp_path, capsys):
     assert status == 0
     grid = load_campaign(tmp_path / "grid/campaign.toml")
     assert grid.n_poses == 6
-    assert grid.q[0] == pytest.approx([-0.5235987756, -1.5707963268, 0, 0, 0, 0], abs=1e-9)
+    assert grid.poses.q[0] == pytest.approx([-0.5235987756, -1.5707963268, 0, 0, 0, 0], abs=1e-9)
     status, *_ = call(
         capsys, "simulate", "kr500", "--poses", tmp_path / "grid/poses.csv", "--out", tmp_path / "same"
     )
     assert status == 0
-    assert load_campaign(tmp_path / "same/campaign.toml").q == pytest.approx(grid.q)
+    assert load_campaign(tmp_path / "same/campaign.toml").poses.q == pytest.approx(grid.poses.q)
 
 
 def test_a_failure_is_not_the_user_s(folder, capsys, monkeypatch):
     def broken(*_):
         raise ArithmeticError("the fit does not converge")
 
-    monkeypatch.setattr(sys.modules["workbench.diagnosis.run"], "problem", broken)
+    monkeypatch.setattr(sys.modules["workbench.diagnosis.prepared"], "problem", broken)
     status, out, err = call(capsys, "diagnose", folder / "one/campaign.toml", "--json")
     assert (status, out) == (1, "")
     assert "failed: ArithmeticError: the fit does not converge" in err
@@ -580,7 +580,7 @@ def test_ctrl_c_in_a_command(capsys, monkeypatch):
     def stopped():
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("workbench.robot.description.list_robots", stopped)
+    monkeypatch.setattr("workbench.robot.find.list_robots", stopped)
     assert call(capsys, "robots") == (130, "", "interrupted\n")
 
 

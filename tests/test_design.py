@@ -127,14 +127,14 @@ def test_better_than_chance_on_a_robot(name):
 def test_a_plan_for_a_robot():
     robot = load_robot("kr500")
     made = plan(robot, 14, quick=True)
-    assert made.records.q.shape == (14, 6)
+    assert made.records.poses.q.shape == (14, 6)
     assert made.now_mm is None
     assert 0.01 < made.plan_mm < 0.9 * made.random_mm < 0.1
     assert made.same > 14
     assert "after this plan" in made.text
     again = plan(robot, 14, quick=True)
-    assert np.array_equal(made.records.q, again.records.q)
-    assert not np.array_equal(made.records.q, plan(robot, 14, quick=True, seed=1).records.q)
+    assert np.array_equal(made.records.poses.q, again.records.poses.q)
+    assert not np.array_equal(made.records.poses.q, plan(robot, 14, quick=True, seed=1).records.poses.q)
     with pytest.raises(InputError, match="give a number of poses"):
         plan(robot, 0)
 
@@ -163,7 +163,7 @@ def test_what_was_measured_counts(campaign):
     assert made.plan_mm < made.random_mm < made.now_mm
     assert set(made.to_json()["payloads"]) == {"", "heavy"}
     # measured in a narrow cone of joint 1: the plan turns it further
-    assert np.ptp(made.records.q[:, 0]) > 3 * np.ptp(campaign.q[:, 0])
+    assert np.ptp(made.records.poses.q[:, 0]) > 3 * np.ptp(campaign.poses.q[:, 0])
 
 
 # ---------------------------------------------------------------- rivals
@@ -205,16 +205,16 @@ def test_a_plan_that_tells(kr500):
         kr500.robot, 12, tell="backlash:joint=joint_3,lost_motion:joint=joint_3,variant=cubic", quick=True
     )
     assert made.least > 1.3 * min(pair.random for pair in made.hardest)
-    assert np.ptp(made.records.direction[:, 2]) == 2
+    assert np.ptp(made.records.poses.side[:, 2]) == 2
     assert {pair.effect.cause for pair in made.hardest} == {"backlash", "lost_motion"}
 
 
 def test_cold_and_warm(kr500):
     made = plan(kr500.robot, 12, tell="thermal_growth,drift:variant=shift", quick=True)
     records = made.records
-    assert np.all(np.diff(records.time) > 0)
-    assert np.ptp(records.temperature) == 10
-    assert records.time.max() > 7200
+    assert np.all(np.diff(records.poses.time) > 0)
+    assert np.ptp(records.poses.temperature) == 10
+    assert records.poses.time.max() > 7200
     assert made.least > 80
     assert "This plan tells them apart." in made.text
 
@@ -278,7 +278,7 @@ def test_wrong_causes_are_refused(kr500, text, said):
 def test_short_travel(kr500):
     records = candidates(kr500, 60, Factors(), np.random.default_rng(1))
     short = ordered(records)
-    assert sorted(map(tuple, short.q)) == sorted(map(tuple, records.q))
+    assert sorted(map(tuple, short.poses.q)) == sorted(map(tuple, records.poses.q))
     assert travel(short) < 0.8 * travel(records)
 
 

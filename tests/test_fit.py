@@ -282,7 +282,7 @@ def test_loads_and_repeats_of_a_pose_are_held_out_together():
     c = job.campaign
     twice = np.repeat(np.arange(40), 2)
     points = c.points[twice] + SIGMA * np.random.default_rng(0).normal(size=(80, 3, 3))
-    double = problem(replace(planned(job.robot, c.q[twice]), points=points, shots=c.shots[twice]))
+    double = problem(replace(planned(job.robot, c.poses.q[twice]), points=points, shots=c.shots[twice]))
     result = fitted(double)
     out = heldout(result, folds=40)
     left = fit(Model(double), result.state, noise_of(double).without(double.positions == 3), tolerance=1e-4)

@@ -9,7 +9,8 @@ from diagnosis_cases import measured, with_points
 from workbench.campaign import write_campaign
 from workbench.cli.main import main
 from workbench.diagnosis.run import diagnose
-from workbench.measurement.design import knowledge, plan
+from workbench.measurement.design import plan
+from workbench.measurement.design.prior_information import from_campaign
 
 LATE = 75  # poses before the instrument was moved
 
@@ -40,9 +41,9 @@ def spoilt(change, **options):
 
 def test_a_plan_takes_a_moved_instrument_for_two_set_ups(tmp_path, capsys):
     campaign = spoilt(moved)
-    known = knowledge.measured(campaign)
+    known = from_campaign(campaign)
     assert known.fit.chi2 / known.fit.point_rows < 1.2
-    assert known.problem.campaign.setup.tolist() == [0] * LATE + [1] * (len(campaign.q) - LATE)
+    assert known.problem.campaign.poses.setup.tolist() == [0] * LATE + [1] * (len(campaign.poses.q) - LATE)
     (fault,) = plan(campaign, 8, quick=True).to_json()["faults"]
     assert (fault["kind"], fault["pose_id"]) == ("moved_instrument", str(LATE + 1))
     assert "1.00 mm" in fault["what"]
@@ -69,10 +70,10 @@ def test_a_plan_takes_a_moved_instrument_for_two_set_ups(tmp_path, capsys):
 )
 def test_plan_and_diagnosis_start_from_the_same(change, options):
     campaign = spoilt(change, **options)
-    outcome, known = diagnose(campaign), knowledge.measured(campaign)
+    outcome, known = diagnose(campaign), from_campaign(campaign)
     assert outcome.diagnosis.verdict == "nothing_missing"  # so its last fit is that of the geometry
     ours, theirs = known.fit, outcome.fit
-    assert np.array_equal(ours.model.problem.campaign.setup, theirs.model.problem.campaign.setup)
+    assert np.array_equal(ours.model.problem.campaign.poses.setup, theirs.model.problem.campaign.poses.setup)
     np.testing.assert_array_equal(ours.model.problem.campaign.points, theirs.model.problem.campaign.points)
     assert np.array_equal(ours.state.geometry, theirs.state.geometry)
     assert np.array_equal(ours.noise.sigma, theirs.noise.sigma)

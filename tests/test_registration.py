@@ -161,7 +161,9 @@ def test_both_in_a_wrong_unit_are_named_at_once():
     job, _, _ = measured(seed=8)
     c = job.campaign
     with pytest.raises(InputError) as caught:
-        check_units(replace(job, campaign=replace(c.with_poses(q=np.degrees(c.q)), points=c.points * 1e3)))
+        check_units(
+            replace(job, campaign=replace(c.with_poses(q=np.degrees(c.poses.q)), points=c.points * 1e3))
+        )
     assert len(caught.value.faults) == 2
 
 

@@ -44,7 +44,7 @@ def test_a_seed_gives_the_same_campaign_and_another_seed_another():
     truth = Truth(sigma=3e-5)
     one, same, other = (simulate(plan, truth, seed=seed, torque_sigma=0.03) for seed in (1, 1, 2))
     assert np.array_equal(one.points, same.points)
-    assert np.array_equal(one.torque, same.torque)
+    assert np.array_equal(one.poses.torque, same.poses.torque)
     assert not np.isclose(one.points, other.points, atol=1e-6).any()
 
 
@@ -96,7 +96,7 @@ def test_torques_are_those_that_hold_the_arm():
     plan = planned(robot, random_poses(robot, 3, np.random.default_rng(5)), tool=(10.0, (0.0, 0.0, 0.1)))
     measured = simulate(plan, Truth(), torque_sigma=0.0)
     arm, twin = arrays(robot), elastic_twin(arrays(robot), robot, [])
-    for q, torque in zip(plan.q, measured.torque, strict=True):
+    for q, torque in zip(plan.poses.q, measured.poses.torque, strict=True):
         loads = Loads(np.array([10.0]), np.array([[0, 0, 1.0]]), np.zeros((1, 6)), np.zeros((1, 7)))
         twin.equilibrium(q, np.zeros((arm.slots, 6)), loads, np.zeros_like)
         up = twin.plant.CalcPotentialEnergy(twin.context)
@@ -156,8 +156,8 @@ def test_a_written_campaign_loads_as_it_was(tmp_path):
     measured = simulate(plan_of(6, direction=np.ones((6, 6))), Truth(sigma=3e-5), seed=4, torque_sigma=0.03)
     loaded = load_campaign(write_campaign(tmp_path, measured))
     assert np.allclose(loaded.points, measured.points, atol=1e-12)
-    assert np.allclose(loaded.torque, measured.torque)
-    assert np.allclose(loaded.q, measured.q)
+    assert np.allclose(loaded.poses.torque, measured.poses.torque)
+    assert np.allclose(loaded.poses.q, measured.poses.q)
     assert loaded.noise_sigma == pytest.approx(3e-5)
 
 

@@ -101,7 +101,7 @@ def test_files_are_there_and_can_be_used(found: Study, folder: Path) -> None:
     for link in found.files.values():
         assert (folder / link).exists()
     assert len(load_cells(folder / "cells/cells.toml").robots) == 128
-    assert len(load_campaign(folder / "campaign/campaign.toml").q) == found.numbers["named_records"]
+    assert len(load_campaign(folder / "campaign/campaign.toml").poses.q) == found.numbers["named_records"]
     assert [e.cause for e in load_robot(folder / "model.toml").effects] == ["lost_motion"] * len(
         load_robot(folder / "model.toml").effects
     )

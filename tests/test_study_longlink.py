@@ -94,7 +94,7 @@ def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
     for link in found.files.values():
         assert (folder / link).exists()
     written = load_campaign(folder / "campaign" / "campaign.toml")
-    assert len(written.q) == 50
+    assert len(written.poses.q) == 50
     stiffness = [joint.data.stiffness for joint in written.robot.joints]
     assert stiffness[1] == pytest.approx(2e5 / found.numbers["share"])
     assert np.isfinite(list(found.numbers.values())).all()

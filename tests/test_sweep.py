@@ -42,7 +42,7 @@ def swept() -> Campaign:
 
 
 def test_joint_error_is_the_gears_where_the_robot_yields_as_it_should(swept: Campaign) -> None:
-    expected = gear(swept.q[:, 1])
+    expected = gear(swept.poses.q[:, 1])
     found = joint_error(swept, "joint_2")
     assert np.abs(found - (expected - expected.mean())).max() < 6e-6  # 4 σ of 1 µm at 0.95 m, and the circle
     assert found.mean() == pytest.approx(0.0, abs=1e-12)

@@ -125,4 +125,5 @@ def _written(records: Campaign, out: Path) -> str:
     carried = f" ({', '.join(loads)})" if len(records.payload_names) > 1 else ""
     steps = "" if records.poses.time is None else "session by session, "
     steps += "load by load, " if len(loads) > 1 else ""
-    return f"{len(records.poses.q)} poses{carried} written to {out}: {steps}from each to the nearest that is left."
+    count = len(records.poses)
+    return f"{count} poses{carried} written to {out}: {steps}from each to the nearest that is left."

@@ -110,9 +110,9 @@ def separate(robot: Robot, swept: Campaign, believed: Fit, joint: str) -> Separa
 
 def _wave(found: Fit, i: int, q: Array) -> Array:
     effect = found.model.effects[i]
-    assert isinstance(effect, GearKinematicError)
+    order = effect.where.order or 0.0
     sine, cosine = found.state.values[i]
-    return np.asarray(sine * np.sin(effect.order * q) + cosine * np.cos(effect.order * q))
+    return np.asarray(sine * np.sin(order * q) + cosine * np.cos(order * q))
 
 
 def _alone(swept: Campaign, lines: list[Effect], joint: str) -> dict[str, Alone]:

@@ -87,7 +87,7 @@ def gear_of(campaign: Campaign, joint: str) -> Fit:
     lines: list[Effect] = [
         effect
         for effect in diagnose(campaign).fit.model.effects
-        if isinstance(effect, GearKinematicError) and effect.where.joint == joint
+        if effect.cause == GearKinematicError.cause and effect.where.joint == joint
     ]
     with_run_out = fit_sweep(campaign, [*lines, GearEccentricity(Where(joint=joint), "1")])
     return with_run_out if with_run_out.wald(len(lines)) > SURE else fit_sweep(campaign, lines)
@@ -112,20 +112,20 @@ def gear_lines(found: Fit) -> list[GearLine]:
     """The gear lines of a fit, largest first, with the interval of each order."""
     lines = []
     for i, effect in enumerate(found.model.effects):
-        if isinstance(effect, GearKinematicError):
+        if effect.where.order is not None:
             values, covariance = found.effect_values(i)
             amplitude = effect.report(values, covariance)[0]
             low, high = _order_interval(found, effect)
-            lines.append(GearLine(effect.order, low, high, amplitude.value, amplitude.std))
+            lines.append(GearLine(effect.where.order, low, high, amplitude.value, amplitude.std))
     return sorted(lines, key=lambda line: -line.amplitude)
 
 
-def _order_interval(found: Fit, effect: GearKinematicError) -> tuple[float, float]:
+def _order_interval(found: Fit, effect: Effect) -> tuple[float, float]:
     """95 % interval of a line's order, from the likelihood along the order, the other lines kept."""
     without = refit(found, [e for e in found.model.effects if e is not effect])
     j = found.model.problem.joint(effect.where.joint)
     width = 2 * np.pi / float(np.ptp(found.model.problem.q[:, j]))
-    orders = effect.order + np.linspace(-width / 2, width / 2, 401)
+    orders = (effect.where.order or 0.0) + np.linspace(-width / 2, width / 2, 401)
     T = spectrum(without, j, orders)
     inside = orders[T.max() - DROP <= T]
     return float(inside.min()), float(inside.max())

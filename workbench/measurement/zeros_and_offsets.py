@@ -90,7 +90,7 @@ class SimulatedArm:
 def told(robot: Robot, nominal: Array, rows: Array, ratio: Array) -> Robot:
     """The robot with DH rows (n, 4) instead of the URDF's `nominal` and travel over commanded travel (n,)."""
     ratios = tuple(
-        EffectRecord(cause="gear_ratio", joint=name, values={"relative": float(r - 1)})
+        EffectRecord(cause=GearRatio.cause, joint=name, values={"relative": float(r - 1)})
         for name, r in zip(robot.joint_names, ratio, strict=True)
     )
     return replace(with_rows(robot, nominal, rows), effects=ratios)

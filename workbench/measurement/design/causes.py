@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from ...campaign.problem import Problem
 from ...effects import catalogue
-from ...effects.base import Effect
+from ...effects.base import NOTHING, Depends, Effect
 from ...effects.records import PLACE, parse_effect
 from ...files.faults import Fault, InputError
 from .candidates import Factors
@@ -45,18 +45,9 @@ class NamedCause:
         # an order of its own, or a place that is not there (then with the fault of it)
         return self.sites(whole) or [parse_effect(self.text, whole)[0]]
 
-    def depends(self, trial: Problem) -> frozenset[str]:
-        """Which of side, time and temperature it is tried by; trial: a campaign that varies all three."""
-        columns = {"side": "direction", "time": "time", "temperature": "temperature"}
-        varied = self.sites(trial)
-        return frozenset(
-            word for word, column in columns.items() if self.sites(_without(trial, column)) != varied
-        )
-
-
-def _without(whole: Problem, column: str) -> Problem:
-    missing: dict[str, Any] = {column: None}
-    return replace(whole, campaign=replace(whole.campaign, **missing))
+    def depends(self, trial: Problem) -> Depends:
+        """What its places and forms depend on; trial: a campaign that varies side, time and temperature."""
+        return NOTHING.union(*(effect.uses for effect in self.sites(trial)))
 
 
 def named_causes(text: str) -> tuple[NamedCause, NamedCause]:
