@@ -112,7 +112,7 @@ def measure(nominal: Robot, folder: Path, seed: int, twist: bool) -> tuple[Probl
     parts = []
     for here in (slice(0, FIT), slice(FIT, None)):
         plan = planned(nominal, q[here], targets=tuple(Target(name) for name in ("T1", "T2", "T3")))
-        shots = np.ones((len(plan.q), 3), dtype=np.int64)
+        shots = np.ones((len(plan.poses.q), 3), dtype=np.int64)
         parts.append(replace(plan, points=points[here], shots=shots))
     first = problem(parts[0])
     return first, Problem(nominal, first.arm, parts[1])

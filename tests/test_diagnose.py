@@ -332,8 +332,8 @@ def test_little_data_do_not_lead_to_absurd_parameters(name, q, options):
 
 def test_a_tool_mounted_anew_is_found_and_mended():
     plan = measured(seed=3)
-    late = np.arange(len(plan.q)) >= 50
-    flange = 6 * (plan.q.shape[1] + 1)
+    late = np.arange(len(plan.poses.q)) >= 50
+    flange = 6 * (plan.poses.q.shape[1] + 1)
     moved = {flange: np.where(late, 4e-4, 0.0), flange + 4: np.where(late, 1e-3, 0.0)}
     diagnosis = found(measured(seed=3, motion=lambda _: moved))
     assert [(fault.kind, fault.pose_id) for fault in diagnosis.faults] == [("changed_setup", "51")]
