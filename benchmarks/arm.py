@@ -14,7 +14,7 @@ from timing import shortest
 
 from workbench.campaign import Target
 from workbench.campaign.planned import planned, random_poses
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.identification.fit import fit
 from workbench.identification.model import Model, State
@@ -36,14 +36,14 @@ def loaded_model() -> tuple[Model, State]:
         payloads={"heavy": (250.0, (0.1, 0.0, 0.2))},
         payload=["heavy"] * LOADED_POSES,
     )
-    job = problem(plan)
-    model = Model(job, tuple(JointCompliance.sites(job)))
-    state = model.start(np.eye(3)[None], np.zeros((1, 3)), job.stated_targets[None])
+    problem = problem_of(plan)
+    model = Model(problem, tuple(JointCompliance.sites(problem)))
+    state = model.start(np.eye(3)[None], np.zeros((1, 3)), problem.stated_targets[None])
     geometry = 3e-4 * rng.normal(size=state.geometry.shape)
     geometry[[0, -1]] = 0.0
     true = replace(state, geometry=geometry, values=tuple(0.2 * rng.normal(size=(6, 1))))
     points = model.predict(true) + 3e-5 * rng.normal(size=(LOADED_POSES, 1, 3))
-    measured = replace(job, campaign=replace(plan, points=points))
+    measured = replace(problem, campaign=replace(plan, points=points))
     return replace(model, problem=measured), state
 
 

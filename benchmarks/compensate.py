@@ -13,10 +13,10 @@ from scipy.optimize import least_squares
 from timing import shortest
 
 from workbench.correction import Conditions, compensate
-from workbench.correction.course import Course, ready
 from workbench.correction.path_shapes import Run, spiral, work_frame
 from workbench.correction.paths import Path
 from workbench.correction.solve import settle
+from workbench.correction.trajectory import Trajectory, ready
 from workbench.robot.description import Robot, load_robot
 from workbench.robot.kinematics import Array
 from workbench.robot.schema import EffectRecord
@@ -44,18 +44,19 @@ TWELVE_EFFECTS = (
 )
 
 
-def pose_by_pose(course: Course, direction: Array | None) -> Array:
+def pose_by_pose(trajectory: Trajectory, direction: Array | None) -> Array:
     """Commanded joints of every sample by SciPy, finite differences, from the nominal joints."""
-    found = np.empty_like(course.q)
-    for i in range(len(course.q)):
-        here = course.extended.at(course.q[i : i + 1], None, slice(i, i + 1))
-        one = replace(course, X=course.X[i : i + 1], extended=replace(course.extended, whole=here))
+    found = np.empty_like(trajectory.q)
+    for i in range(len(trajectory.q)):
+        here = trajectory.extended.at(trajectory.q[i : i + 1], None, slice(i, i + 1))
+        extended = replace(trajectory.extended, problem=here)
+        one = replace(trajectory, X=trajectory.X[i : i + 1], extended=extended)
         side = None if direction is None else direction[i : i + 1]
 
-        def error(q: Array, one: Course = one, side: Array | None = side) -> Array:
+        def error(q: Array, one: Trajectory = one, side: Array | None = side) -> Array:
             return one.tip.scaled(settle(one, q[None], side).error)[0]
 
-        found[i] = least_squares(error, course.q[i], xtol=1e-12, ftol=1e-12, gtol=1e-12).x
+        found[i] = least_squares(error, trajectory.q[i], xtol=1e-12, ftol=1e-12, gtol=1e-12).x
     return found
 
 
@@ -69,10 +70,10 @@ def main() -> None:
     given = shortest(lambda: compensate(robot, path, HEAVY, tool=X_FT, start=done.q_nominal[0]))
     some = np.linspace(0, POINTS - 1, SOLVED_BY_SCIPY).astype(int)
     few = Path(path.time[some], X=path.X[some]) if path.X is not None else path
-    course = ready(robot, few, HEAVY, X_FT, done.q_nominal[0])
+    trajectory = ready(robot, few, HEAVY, X_FT, done.q_nominal[0])
     sides = None if done.direction is None else done.direction[some]
-    single = shortest(lambda: pose_by_pose(course, sides), 1) / SOLVED_BY_SCIPY
-    apart = np.abs(pose_by_pose(course, sides) - done.q_command[some]).max()
+    single = shortest(lambda: pose_by_pose(trajectory, sides), 1) / SOLVED_BY_SCIPY
+    apart = np.abs(pose_by_pose(trajectory, sides) - done.q_command[some]).max()
     square = np.random.default_rng(0).normal(size=(1000, 1000))
     product = shortest(lambda: square @ square)
     print(f"{len(path)} samples, error {done.before_mm.mean():.3f} -> {done.after_mm.max():.1e} mm")

@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 
 from workbench.campaign import Target
 from workbench.campaign.planned import planned
-from workbench.campaign.problem import Problem, problem
+from workbench.campaign.problem import Problem, problem_of
 from workbench.identification.fit import Fit, fit, start_state
 from workbench.identification.model import Model, State, move_frame
 from workbench.identification.noise import Covariance
@@ -114,7 +114,7 @@ def measure(nominal: Robot, folder: Path, seed: int, twist: bool) -> tuple[Probl
         plan = planned(nominal, q[here], targets=tuple(Target(name) for name in ("T1", "T2", "T3")))
         shots = np.ones((len(plan.poses.q), 3), dtype=np.int64)
         parts.append(replace(plan, points=points[here], shots=shots))
-    first = problem(parts[0])
+    first = problem_of(parts[0])
     return first, Problem(nominal, first.arm, parts[1])
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.campaign import Campaign
 from workbench.campaign.planned import TARGETS, planned, random_poses
-from workbench.campaign.problem import Problem, problem
+from workbench.campaign.problem import Problem, problem_of
 from workbench.diagnosis.result import Diagnosis
 from workbench.diagnosis.run import diagnose
 from workbench.effects.records import parse_effect
@@ -69,7 +69,7 @@ def measured(
         direction=np.tile(side, (repeats, 1)),
         **columns,
     )
-    job = problem(plan)
+    job = problem_of(plan)
     truth = Truth(
         geometry=random_geometry(job.arm, rng),
         effects=tuple(parse_effect(text, job) for text in effects),

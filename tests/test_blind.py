@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.diagnosis.run import diagnose
 from workbench.effects import catalogue
 from workbench.identification.fit import fit, start_state
@@ -97,7 +97,7 @@ def test_a_key_gives_the_same_case_and_another_seed_another(tmp_path):
 
 def test_the_bound_is_what_the_noise_alone_does(tmp_path):
     case = draw_case("clean-stated/0", 0, tmp_path)
-    job = problem(case.sight.fit.model.problem.campaign)
+    job = problem_of(case.sight.fit.model.problem.campaign)
     result = fit(Model(job), start_state(job), case.design.noise)
     J = sensitivity(result, case.judge)
     # as the model moves when one number changes: a joint's angle, a target's place

@@ -14,7 +14,7 @@ from test_effects import CASES, job, values_of
 import workbench
 from workbench import diagnose, effects, planned, random_poses, simulate
 from workbench.campaign import Target
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.diagnosis.evidence import evidence
 from workbench.effects import catalogue, rivals, separation
 from workbench.identification.fit import fit, start_state
@@ -93,11 +93,11 @@ def test_evidence_shows_the_hidden_curve(effect):
         direction=rng.choice([-1.0, 1.0], (n_poses, n)), time=np.linspace(0, 7200, n_poses),
         temperature=rng.uniform(20, 30, n_poses), readback=q + 1e-4 * rng.normal(size=q.shape),
     )  # fmt: skip
-    whole = problem(plan)
+    whole = problem_of(plan)
     large = 5.0 if effect.cause != "readback_joints" else 1.0
     values = large * values_of(effect)
     truth = Truth(effects=((effect, values),), sigma=2e-6, repeatability=np.zeros(n))
-    whole = problem(simulate(plan, truth, seed=1))
+    whole = problem_of(simulate(plan, truth, seed=1))
     found = fit(Model(whole, (effect,)), start_state(whole), required_noise(whole))
     seen = evidence(found, effect, found.state.values[0])
     shown = effect.drawn(whole, found.line.prediction, values)
@@ -209,7 +209,7 @@ def test_a_new_cause_is_one_new_file(tmp_path, monkeypatch):
             robot, random_poses(robot, 80, rng), targets=targets,
             direction=rng.choice([-1.0, 1.0], (80, len(robot.joints))),
         )  # fmt: skip
-        (effect,) = catalogue()["dress_pack"].sites(problem(plan))
+        (effect,) = catalogue()["dress_pack"].sites(problem_of(plan))
         truth = Truth(effects=((effect, np.array([3e-4])),), sigma=2e-5)
         diagnosis = diagnose(simulate(plan, truth, seed=4)).diagnosis
         (finding,) = diagnosis.causes

@@ -10,7 +10,7 @@ import pytest
 
 from workbench.campaign import Campaign, Target
 from workbench.campaign.planned import planned
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.correction import nominal_joints
 from workbench.correction.path_shapes import Run, line, tilted, work_frame
 from workbench.correction.paths import Path as Course
@@ -52,7 +52,7 @@ def plan(points: np.ndarray, tilts: tuple[float, ...] = (-10.0, 0.0, 10.0)) -> C
 
 @pytest.fixture(scope="module")
 def truth() -> Truth:
-    arm = problem(plan(cells(BOX, (1, 1, 1)).samples)).arm
+    arm = problem_of(plan(cells(BOX, (1, 1, 1)).samples)).arm
     return Truth(random_geometry(arm, np.random.default_rng(3)), sigma=1e-6, repeatability=np.zeros(6))
 
 
@@ -146,7 +146,7 @@ def test_a_prepared_campaign_gives_the_same_cells(model: CellModel, measured: Ca
 
 
 def test_seated_geometry_stands_where_the_frame_put_it(truth: Truth) -> None:
-    job = problem(simulate(plan(cells(BOX, (1, 1, 1)).samples), truth, seed=2, instrument=IN_BASE))
+    job = problem_of(simulate(plan(cells(BOX, (1, 1, 1)).samples), truth, seed=2, instrument=IN_BASE))
     model = Model(job)
     state = fit(model).state
     assert np.linalg.norm(state.R[0] - np.eye(3)) > 1e-6

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from workbench.campaign import Target
 from workbench.campaign.planned import planned
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.files.faults import InputError
 from workbench.identification.deflection import deflection, deflection_budget, with_compliance
 from workbench.identification.denavit_hartenberg import (
@@ -137,7 +137,7 @@ def test_fit_gives_the_rows_back() -> None:
     q = np.random.default_rng(2).uniform(-1.5, 1.5, (20, 7))
     plan = planned(with_rows(robot, TABLE_2, practical), q, targets=[*hand, *base])
     campaign = simulate(plan, Truth(sigma=1e-6, repeatability=np.zeros(7)), seed=1)
-    start = problem(replace(campaign, robot=with_rows(robot, TABLE_2, TABLE_2)))
+    start = problem_of(replace(campaign, robot=with_rows(robot, TABLE_2, TABLE_2)))
     found, covariance = fitted_rows(fit(Model(start), geometry=axial_columns(robot)), TABLE_2)
     np.testing.assert_allclose(found[:, 0], practical[:, 0], atol=2e-5)
     np.testing.assert_allclose(found[[0, 3, 4, 5, 6], 3], practical[[0, 3, 4, 5, 6], 3], atol=2e-5)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench import Truth, load_campaign, load_robot, plan, planned, problem, random_poses, simulate
+from workbench import Truth, load_campaign, load_robot, plan, planned, problem_of, random_poses, simulate
 from workbench.cli.main import main
 from workbench.diagnosis.screen import screen
 from workbench.effects.joint_compliance import JointCompliance
@@ -143,11 +143,11 @@ def test_the_expected_error_is_the_error(kr500):
     """What a plan promises is what fits to simulated noise reach, frame and targets fitted anew."""
     made = plan(kr500.robot, 14, quick=True)
     fresh = planned(kr500.robot, random_poses(kr500.robot, 60, np.random.default_rng(9)))
-    exact = problem(simulate(fresh, Truth(repeatability=np.zeros(6)), seed=0))
+    exact = problem_of(simulate(fresh, Truth(repeatability=np.zeros(6)), seed=0))
     sharp = Covariance(np.full(exact.seen.shape, 1e-5), np.zeros(6), np.ones(60))
     errors = []
     for seed in range(6):
-        job = problem(simulate(made.records, Truth(sigma=3e-5), seed=seed))
+        job = problem_of(simulate(made.records, Truth(sigma=3e-5), seed=seed))
         effects = tuple(JointCompliance.sites(job))
         noise = Covariance(np.full(job.seen.shape, 3e-5), kr500.joint, np.ones(14))
         found = fit(Model(job, effects), start_state(job), noise)
@@ -193,7 +193,7 @@ def test_lambda_is_that_of_the_diagnosis(kr500):
     text = "gear_ratio:joint=joint_5,joint_compliance:joint=joint_2"
     space, pair, offered = space_of(kr500, text, 60)
     chosen = np.arange(40)
-    job = problem(simulate(take(offered, chosen), Truth(sigma=3e-5), seed=2))
+    job = problem_of(simulate(take(offered, chosen), Truth(sigma=3e-5), seed=2))
     noise = Covariance(np.full(job.seen.shape, 3e-5), kr500.joint, np.ones(40))
     S = screen(fit(Model(job), start_state(job), noise), pair, known=True).S
     alone = [S[0, 0] - S[0, 1] ** 2 / S[1, 1], S[1, 1] - S[0, 1] ** 2 / S[0, 0]]

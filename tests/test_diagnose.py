@@ -8,7 +8,7 @@ import pytest
 from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
 
 from workbench.campaign.planned import random_poses
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.diagnosis.families import FamilyTest, families
 from workbench.diagnosis.result import Diagnosis
 from workbench.diagnosis.verdict import Remainder, stands_alone
@@ -181,7 +181,7 @@ def test_what_no_cause_explains_is_unknown(name, load, stated):
 
 def test_joint_10_is_not_near_joint_1():
     """What is left beside joint 10 says nothing of a cause in joint 1."""
-    told = Model(problem(measured(effects=("gear_ratio:joint=joint_1,relative=1e-4",))))
+    told = Model(problem_of(measured(effects=("gear_ratio:joint=joint_1,relative=1e-4",))))
     arm = replace(told.problem.arm, names=tuple(f"joint_{n}" for n in (1, 10, 3, 4, 5, 6)))
     result = fit(Model(replace(told.problem, arm=arm), (GearRatio(Where(joint="joint_1")),)))
     for joint, alone in (("joint_10", True), ("joint_1", False)):
@@ -192,7 +192,7 @@ def test_joint_10_is_not_near_joint_1():
 
 
 def test_families_say_what_they_are_about():
-    result = fit(Model(problem(measured(time=60.0 * np.arange(120)))))
+    result = fit(Model(problem_of(measured(time=60.0 * np.arange(120)))))
     found = list(families(result))
     kinds = {"joint", "tilt", "pair", "torque", "clock", "side", "payload"}
     assert {family.kind for family in found} == kinds

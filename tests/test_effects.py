@@ -11,7 +11,7 @@ import pytest
 
 from workbench.campaign import Target
 from workbench.campaign.planned import planned, random_poses
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.effects import catalogue
 from workbench.effects.records import effect_text, from_record, parse_effect, record, stated_effects
 from workbench.files.faults import InputError
@@ -53,7 +53,7 @@ def job(name):
         temperature=rng.uniform(20, 30, N_POSES),
         readback=q + 1e-4 * rng.normal(size=q.shape),
     )
-    case = problem(plan)
+    case = problem_of(plan)
     geometry = 1e-3 * rng.normal(size=(case.arm.slots, 6))
     geometry[[0, -1]] = 0.0
     R = np.linalg.qr(rng.normal(size=(3, 3)))[0]
@@ -188,7 +188,7 @@ def test_text_takes_the_contract_s_names():
 
 def test_what_the_data_cannot_show_is_said():
     robot = load_robot("kr500")
-    bare = problem(planned(robot, np.zeros((4, 6))))
+    bare = problem_of(planned(robot, np.zeros((4, 6))))
     whys = {cause: kind.needs(bare) for cause, kind in catalogue().items()}
     assert whys["backlash"] == "no column dir1..dir6: record the side of approach"
     missing = {cause for cause, why in whys.items() if why}
@@ -201,7 +201,7 @@ def test_a_robot_s_own_effects_act_in_its_campaigns():
     case, _ = job("kr500")
     robot = replace(case.robot, effects=(record(*parse_effect("foundation:compliance=1e-8", case)),))
     changed = replace(case.campaign, robot=robot)
-    assert [effect.cause for effect, _ in stated_effects(problem(changed))] == ["foundation"]
+    assert [effect.cause for effect, _ in stated_effects(problem_of(changed))] == ["foundation"]
     still = np.zeros(6)
     with_it = simulate(changed, Truth(repeatability=still)).points
     without = simulate(case.campaign, Truth(repeatability=still)).points

@@ -7,7 +7,7 @@ import pytest
 from extended_example import extended, extended_kr500
 
 from workbench.campaign.planned import planned, random_poses
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.correction import compensate, conditions_of, stated_conditions
 from workbench.correction.paths import Path
 from workbench.diagnosis.run import diagnose
@@ -63,7 +63,7 @@ def test_a_fit_is_written_with_the_loads_of_its_campaign(tmp_path):
     q = random_poses(robot, 20, np.random.default_rng(1))
     plan = planned(robot, q, payloads=LOADS, payload=["heavy"] * 20, tool=TOOL)
     measured = simulate(plan, Truth(sigma=3e-5))
-    whole = problem(measured)
+    whole = problem_of(measured)
     noise = Covariance(np.full(whole.seen.shape, 3e-5), np.zeros(6), np.ones(20))
     write_fit(tmp_path / "model.toml", fit(Model(whole), start_state(whole), noise))
     model = load_robot(tmp_path / "model.toml")
@@ -84,7 +84,7 @@ def test_a_gear_line_of_unknown_order_survives_its_model(tmp_path):
     )
     robot = replace(robot, joints=bare)
     plan = planned(robot, random_poses(robot, 120, np.random.default_rng(2)))
-    hidden = parse_effect("gear_kinematic_error:joint=joint_3,order=88.4,amplitude=3e-4", problem(plan))
+    hidden = parse_effect("gear_kinematic_error:joint=joint_3,order=88.4,amplitude=3e-4", problem_of(plan))
     measured = simulate(plan, Truth(effects=(hidden,), sigma=3e-5))
     outcome = diagnose(measured)
     (found,) = outcome.diagnosis.causes
@@ -119,7 +119,7 @@ def test_lost_motion_stays_on_a_joint_that_carries_nothing_on_this_path():
     path = line(robot)
     assert compensate(robot, path).after_mm.max() < 1e-6
     assert not any("lost_motion" in note for note in compensate(robot, path).notes)
-    sites = {place.where.joint for place in LostMotion.sites(problem(planned(robot, path.q)))}
+    sites = {place.where.joint for place in LostMotion.sites(problem_of(planned(robot, path.q)))}
     assert "joint_1" not in sites
     pushed = compensate(robot, replace(path, wrench=np.tile([0.0, 900, 0, 0, 0, 0], (50, 1))))
     free = compensate(replace(robot, effects=()), pushed.path)

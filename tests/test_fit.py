@@ -7,7 +7,7 @@ import pytest
 
 from workbench.campaign import Target
 from workbench.campaign.planned import TARGETS, planned, random_poses
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.place import Where
@@ -31,10 +31,10 @@ def measured(robot="ur5", poses=120, seed=0, targets=TARGETS, judge=60, joint=0.
     rng = np.random.default_rng(seed)
     q = random_poses(robot, poses + judge, rng)
     plan = replace(planned(robot, q[:poses], targets=targets, **columns), six_dof=six_dof)
-    geometry = random_geometry(problem(plan).arm, rng)
+    geometry = random_geometry(problem_of(plan).arm, rng)
     still = np.zeros(len(robot.joints))
     truth = Truth(geometry, targets=true_places(targets), sigma=SIGMA, repeatability=still + joint)
-    job = problem(simulate(plan, truth, seed=seed))
+    job = problem_of(simulate(plan, truth, seed=seed))
     exact = replace(truth, sigma=0.0, repeatability=still)
     other = replace(planned(robot, q[poses:], targets=targets), setup_names=plan.setup_names)
     return job, replace(job, campaign=simulate(other, exact, seed=seed))
@@ -186,9 +186,9 @@ def test_compliances_are_found_and_joint_1_says_that_it_is_not_seen():
     heavy = {"heavy": (250.0, (0.1, 0.0, 0.2))}
     q = random_poses(robot, 60, np.random.default_rng(4))
     plan = planned(robot, q, payloads=heavy, payload=["", "heavy"] * 30)
-    sites = JointCompliance.sites(problem(plan))
+    sites = JointCompliance.sites(problem_of(plan))
     truth = Truth(effects=((sites[2], np.array([0.3])),), sigma=SIGMA, repeatability=np.zeros(6))
-    result = fitted(problem(simulate(plan, truth, seed=4)), tuple(sites))
+    result = fitted(problem_of(simulate(plan, truth, seed=4)), tuple(sites))
     names = [f"joint_compliance/{name}" for name in robot.joint_names]
     values = np.array([result.value(name) for name in names])
     std = np.array([result.std(name) for name in names])
@@ -252,8 +252,8 @@ def test_a_hand_that_never_turns_stays_near_the_stated_nominal():
     q[:, 1:3] += rng.uniform(-0.6, 0.6, (100, 2))
     q[:, 3] = 0.2 - q[:, 1] - q[:, 2]  # axes 2, 3, 4 are parallel: the hand keeps its tilt
     plan = planned(robot, q, targets=TARGETS[:1])
-    geometry = random_geometry(problem(plan).arm, rng, 5e-4, 5e-4)
-    job = problem(simulate(plan, Truth(geometry, sigma=SIGMA, repeatability=np.zeros(6)), seed=11))
+    geometry = random_geometry(problem_of(plan).arm, rng, 5e-4, 5e-4)
+    job = problem_of(simulate(plan, Truth(geometry, sigma=SIGMA, repeatability=np.zeros(6)), seed=11))
     result = fitted(job)
     assert np.abs(result.state.targets[0, 0] - PLACES[0]).max() < 2e-3
     assert np.abs(result.state.geometry[:, :3]).max() < 2e-3
@@ -282,7 +282,7 @@ def test_loads_and_repeats_of_a_pose_are_held_out_together():
     c = job.campaign
     twice = np.repeat(np.arange(40), 2)
     points = c.points[twice] + SIGMA * np.random.default_rng(0).normal(size=(80, 3, 3))
-    double = problem(replace(planned(job.robot, c.poses.q[twice]), points=points, shots=c.shots[twice]))
+    double = problem_of(replace(planned(job.robot, c.poses.q[twice]), points=points, shots=c.shots[twice]))
     result = fitted(double)
     out = heldout(result, folds=40)
     left = fit(Model(double), result.state, noise_of(double).without(double.positions == 3), tolerance=1e-4)

@@ -9,7 +9,7 @@ import pytest
 
 from workbench.campaign import Campaign
 from workbench.campaign.planned import TARGETS, planned, random_poses
-from workbench.campaign.problem import Problem, problem
+from workbench.campaign.problem import Problem, problem_of
 from workbench.files.faults import InputError
 from workbench.identification.gravity_compensator.charge import EFFECTS, identify_charge
 from workbench.identification.gravity_compensator.gas_spring import Linkage, added_stiffness, bias, linkage
@@ -34,7 +34,7 @@ GAS, LENGTH = EFFECTS
 def job() -> Problem:
     q = np.zeros((6, 6))
     q[:, 1] = ANGLES
-    return problem(planned(load_robot("kr120"), q))
+    return problem_of(planned(load_robot("kr120"), q))
 
 
 def triangle_of(job: Problem) -> Linkage:

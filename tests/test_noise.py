@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.campaign.planned import planned, random_poses
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.diagnosis.noise_choice import choose, from_residual
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
@@ -32,7 +32,7 @@ def measured(seed=0, poses=10, returns=5, shots=3, once=0, sigma=SIGMA, joint=JO
     q = np.concatenate([np.repeat(q[:poses], returns, axis=0), q[poses:]])
     q = q[rng.permutation(len(q))]
     truth = Truth(sigma=sigma, repeatability=np.full(6, joint))
-    return problem(simulate(planned(robot, q), truth, seed=seed, shots=shots, **said))
+    return problem_of(simulate(planned(robot, q), truth, seed=seed, shots=shots, **said))
 
 
 def started(job):
@@ -206,7 +206,7 @@ def test_noise_from_the_residual_of_one_target_is_one_sigma():
     robot = load_robot("ur5")
     rng = np.random.default_rng(3)
     plan = planned(robot, random_poses(robot, 120, rng), targets=measured().campaign.targets[:1])
-    job = problem(simulate(plan, Truth(sigma=SIGMA, repeatability=np.zeros(6)), state_sigma=False))
+    job = problem_of(simulate(plan, Truth(sigma=SIGMA, repeatability=np.zeros(6)), state_sigma=False))
     noise, _ = from_residual(fit(Model(job), start_state(job), choose(job, started(job))[0]))
     assert abs(noise.sigma[0, 0] / SIGMA - 1) < 0.15
     assert not noise.joint.any()

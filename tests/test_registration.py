@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from workbench.campaign import Target
 from workbench.campaign.planned import TARGETS, planned, random_poses
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.files.faults import InputError
 from workbench.identification.registration import check_units, register
 from workbench.robot.description import load_robot
@@ -34,8 +34,8 @@ def measured(R=None, targets=TARGETS, poses=40, seed=0, robot="ur5", share=0.9, 
     R = Rotation.random(count, random_state=np.random.RandomState(seed)).as_matrix() if R is None else R[None]
     t = rng.normal(size=(count, 3))
     t *= 4 / np.linalg.norm(t, axis=1, keepdims=True)
-    truth = Truth(random_geometry(problem(plan).arm, rng, off, off), targets=places(targets), sigma=3e-5)
-    return problem(simulate(plan, truth, seed=seed, instrument=(R, t))), R, t
+    truth = Truth(random_geometry(problem_of(plan).arm, rng, off, off), targets=places(targets), sigma=3e-5)
+    return problem_of(simulate(plan, truth, seed=seed, instrument=(R, t))), R, t
 
 
 def places(targets):
@@ -122,7 +122,7 @@ def test_a_hand_that_never_turns_keeps_its_stated_target():
     q = np.tile(job.q[:1], (30, 1))
     q[:, 0] = np.linspace(-2, 2, 30)
     plan = job.campaign.with_poses(q=q)
-    one = problem(simulate(plan, Truth(sigma=3e-5), instrument=(np.eye(3)[None], np.zeros((1, 3)))))
+    one = problem_of(simulate(plan, Truth(sigma=3e-5), instrument=(np.eye(3)[None], np.zeros((1, 3)))))
     _, t, targets = register(one)
     assert np.abs(targets[0, 0] - PLACES[0]).max() < 1e-3
     assert np.linalg.norm(t) < 5
@@ -180,7 +180,7 @@ def test_a_small_range_is_legal(seed, targets):
     job, _, _ = measured(targets=targets, seed=seed)
     q = job.q[:1] + np.radians(3) * np.random.default_rng(seed).uniform(-1, 1, job.q.shape)
     plan = job.campaign.with_poses(q=q)
-    check_units(problem(simulate(plan, Truth(sigma=3e-5, targets=places(targets)), seed=seed)))
+    check_units(problem_of(simulate(plan, Truth(sigma=3e-5, targets=places(targets)), seed=seed)))
 
 
 def test_few_poses_are_not_judged():

@@ -7,7 +7,7 @@ import pytest
 
 from workbench.campaign import Target, load_campaign, write_campaign
 from workbench.campaign.planned import planned, random_poses
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.effects.records import parse_effect
 from workbench.files.faults import InputError
 from workbench.identification.registration import register
@@ -60,7 +60,7 @@ def test_repeatability_moves_all_targets_of_a_pose_together():
     exact = simulate(plan, Truth(repeatability=STILL)).points
     moved = simulate(plan, Truth(repeatability=sigma)).points - exact
     # one joint's error: the three targets of a pose tell the same angle
-    job = problem(plan)
+    job = problem_of(plan)
     axis, pivot = job.rigid.axes[:, 2, 5], job.rigid.origin[:, 2]
     R, t = _frame(simulate(plan, Truth(repeatability=STILL)), job)
     arms = np.einsum("ji,ntj->nti", R, exact - t) - pivot[:, None]
@@ -109,7 +109,7 @@ def test_torques_are_those_that_hold_the_arm():
 
 def test_hooks_do_what_the_effects_do():
     plan = plan_of(4, payloads={"heavy": (200.0, (0.1, 0.0, 0.2))}, payload=["heavy"] * 4)
-    job = problem(plan)
+    job = problem_of(plan)
     tilt = np.diag([0, 0, 0, 2e-8, 2e-8, 0])
     pairs = {
         "gear_ratio:joint=joint_3,relative=1e-4": {"joints": lambda p: 1e-4 * p.q * np.eye(6)[2]},
@@ -133,7 +133,7 @@ def test_the_hook_for_motions_moves_a_frame():
 
 def test_random_geometry_moves_the_hand_by_millimetres():
     plan = plan_of(20)
-    job = problem(plan)
+    job = problem_of(plan)
     geometry = random_geometry(job.arm, np.random.default_rng(2))
     assert not geometry[[0, -1]].any()
     moved = simulate(plan, Truth(geometry=geometry)).points - simulate(plan, Truth()).points
@@ -142,7 +142,7 @@ def test_random_geometry_moves_the_hand_by_millimetres():
 
 def test_an_effect_that_does_nothing_is_refused():
     plan = plan_of(3)
-    effect = parse_effect("backlash:joint=joint_1,half_width=1e-4", problem(plan))
+    effect = parse_effect("backlash:joint=joint_1,half_width=1e-4", problem_of(plan))
     with pytest.raises(InputError, match=r"no column dir1\.\.dir6"):
         simulate(plan, Truth(effects=(effect,)))
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from workbench.campaign import load_campaign
-from workbench.campaign.problem import problem
+from workbench.campaign.problem import problem_of
 from workbench.effects.foundation import Foundation
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.identification.cells import cells, fit_cells, load_cells
@@ -135,7 +135,7 @@ def test_size_of_an_effect_that_leaves_so_much() -> None:
     robot = restated(load_robot("kr500"), repeatability=None)
     ours = plan(robot, cells(box, (1, 1, 1)).samples)
     check = plan(robot, cells(box, (2, 2, 2)).samples, (0.0,))
-    effect = Foundation.sites(problem(ours))[0]
+    effect = Foundation.sites(problem_of(ours))[0]
     (one,) = left_over(ours, check, [effect], 2e-5)
     hidden = Truth(effects=((effect, np.array([one.size])),), sigma=1e-7, repeatability=np.zeros(6))
     model = fit_cells(simulate(ours, hidden, instrument=IN_BASE), box, (1, 1, 1), instrument=IN_BASE)
@@ -143,5 +143,5 @@ def test_size_of_an_effect_that_leaves_so_much() -> None:
     assert np.linalg.norm(true, axis=1).mean() == pytest.approx(one.raw, rel=0.05)
     left = np.linalg.norm(true - model.deflection(check)[len(true) :], axis=1).mean()
     assert left == pytest.approx(2e-5, rel=0.3)  # the fit weighs K1 and K6 in, which the estimate leaves out
-    springs = JointCompliance.sites(problem(ours))
+    springs = JointCompliance.sites(problem_of(ours))
     assert not left_over(ours, check, springs[:1], 2e-5)  # takes itself over

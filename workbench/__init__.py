@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .campaign.planned import random_poses as random_poses
     from .campaign.problem import Problem as Problem
     from .campaign.problem import problem as problem
+    from .campaign.problem import problem_of as problem_of
     from .cli.study import run_study as run_study
     from .correction import Compensation as Compensation
     from .correction import Conditions as Conditions
@@ -117,7 +118,7 @@ _MODULES = {
     "cli.study": "run_study",
     "campaign": "Campaign Target load_campaign write_campaign",
     "campaign.planned": "planned random_poses",
-    "campaign.problem": "Problem problem",
+    "campaign.problem": "Problem problem problem_of",
     "correction": "Compensation Conditions compensate compensate_file "
     "conditions_of nominal_joints path_shapes stated_conditions",
     "correction.paths": "Path load_path write_path",

@@ -100,10 +100,13 @@ def filled(column: Array | None, reference: float) -> Array | None:
     return np.where(np.isfinite(column), column, np.nanmean(column)) - reference
 
 
-def problem(campaign: Campaign) -> Problem:
+def problem_of(campaign: Campaign) -> Problem:
     """The campaign with its robot's arrays (reads Drake once)."""
     from ..robot.compensator import compensator_law
     from ..robot.rigid_plant import arrays
 
     arm = arrays(campaign.robot)
     return Problem(campaign.robot, arm, campaign, compensator_law(campaign.robot, arm))
+
+
+problem = problem_of  # the shorter name, for scripts without a variable of that name

@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     from ..campaign import write_campaign
     from ..campaign.planned import planned
-    from ..campaign.problem import problem
+    from ..campaign.problem import problem_of
     from ..effects.records import effect_text, parse_effect
     from ..robot.description import load_robot
     from ..robot.schema import stated_load
@@ -100,11 +100,11 @@ def run(arguments: argparse.Namespace) -> None:
         temperature=poses.temperature,
         title=f"{robot.title}, simulated, {len(poses.q)} poses",
     )
-    whole = problem(plan)
-    effects = tuple(parse_effect(text, whole) for text in arguments.effect)
+    problem = problem_of(plan)
+    effects = tuple(parse_effect(text, problem) for text in arguments.effect)
     lengths, angles = 1e-3 * arguments.geometry_mm, 1e-3 * arguments.geometry_mrad
     truth = Truth(
-        geometry=random_geometry(whole.arm, rng, lengths, angles),
+        geometry=random_geometry(problem.arm, rng, lengths, angles),
         effects=effects,
         sigma=1e-3 * arguments.sigma_mm,
     )

@@ -2,9 +2,9 @@
 
 from .command import Compensation, compensate
 from .conditions import Conditions, conditions_of, stated_conditions
-from .course import nominal_joints
 from .file import Written, compensate_file
 from .ripple import LeftOut
+from .trajectory import nominal_joints
 from .trouble import Trouble
 
 __all__ = [

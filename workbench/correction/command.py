@@ -13,12 +13,12 @@ from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from .conditions import Conditions, stated_conditions
-from .course import Course, ready
 from .mirror import METHODS
 from .paths import Path
 from .programs import Program
 from .ripple import LeftOut, frequency, left_out, ripple_shares, speeds
 from .solve import Rest, correct, first_step, settle, turning_sides
+from .trajectory import Trajectory, ready
 from .trouble import Trouble, impossible, near_singular, out_of_range, too_fast, unreached
 
 EXACT = "exact"
@@ -119,42 +119,42 @@ def compensate(
     Raises `InputError` with the lines of the path that cannot be run; lesser troubles are in the result.
     """
     _check_call(method, bandwidth_hz)
-    course = ready(robot, path, conditions or stated_conditions(robot), tool, start, seed)
-    needs_side = course.extended.sided
-    direction = turning_sides(course.q) if needs_side else None
-    before = settle(course, course.q, direction, still=ROUGH)
-    speed = speeds(course.q, path.time)
+    trajectory = ready(robot, path, conditions or stated_conditions(robot), tool, start, seed)
+    needs_side = trajectory.extended.sided
+    direction = turning_sides(trajectory.q) if needs_side else None
+    before = settle(trajectory, trajectory.q, direction, still=ROUGH)
+    speed = speeds(trajectory.q, path.time)
     shares: dict[int, Array] = {}
     if method == EXACT:
-        shares = ripple_shares(course.extended, speed, bandwidth_hz)
-        first = first_step(course, before, direction, shares)
+        shares = ripple_shares(trajectory.extended, speed, bandwidth_hz)
+        first = first_step(trajectory, before, direction, shares)
         if direction is not None:
-            direction = turning_sides(_behind_play(course, first, direction))
-        rest = correct(course, first, direction, before.sag, shares)
-        after = settle(course, rest.q, direction, rest.sag) if shares else rest
+            direction = turning_sides(_behind_play(trajectory, first, direction))
+        rest = correct(trajectory, first, direction, before.sag, shares)
+        after = settle(trajectory, rest.q, direction, rest.sag) if shares else rest
     else:
-        q, there = METHODS[method](course, before, direction)
-        after = settle(course, q, direction, before.sag)
+        q, there = METHODS[method](trajectory, before, direction)
+        after = settle(trajectory, q, direction, before.sag)
         rest = Rest(q, after.sag, after.error, there & after.there, after.rounds)
-    troubles = _troubles(course, before, rest)
+    troubles = _troubles(trajectory, before, rest)
     return Compensation(
         path=path,
         method=method,
         tool=np.eye(4) if tool is None else np.asarray(tool, dtype=np.float64),
-        X_desired=course.X,
-        q_nominal=course.q,
+        X_desired=trajectory.X,
+        q_nominal=trajectory.q,
         q_command=rest.q,
-        X_command=course.forward(rest.q),
+        X_command=trajectory.forward(rest.q),
         before=before.error,
         after=after.error,
         direction=direction,
-        left_out=left_out(course.extended, rest.q, speed, shares, course.J[:, :3]) if shares else (),
+        left_out=left_out(trajectory.extended, rest.q, speed, shares, trajectory.J[:, :3]) if shares else (),
         troubles=troubles,
-        notes=(*course.extended.notes, *_coarse(course, speed, shares)),
+        notes=(*trajectory.extended.notes, *_coarse(trajectory, speed, shares)),
         rounds=rest.rounds,
-        forward=course.forward,
-        sliding=tuple(bool(slides) for slides in course.nominal.prismatic),
-        position_only=course.tip.rows == 3,
+        forward=trajectory.forward,
+        sliding=tuple(bool(slides) for slides in trajectory.nominal.prismatic),
+        position_only=trajectory.tip.rows == 3,
     )
 
 
@@ -167,17 +167,17 @@ def _check_call(method: str, bandwidth_hz: float) -> None:
         raise InputError(Fault("bandwidth", f"is {bandwidth_hz} Hz", "give a number above zero"))
 
 
-def _behind_play(course: Course, q: Array, direction: Array) -> Array:
+def _behind_play(trajectory: Trajectory, q: Array, direction: Array) -> Array:
     """(N, n) joints on the arm's side of what depends on the side of approach: which way the arm goes."""
-    ext, part = course.extended, slice(0, len(q))
+    ext, part = trajectory.extended, slice(0, len(q))
     play = ext.direct(ext.at(q, direction, part)) - ext.direct(ext.at(q, np.zeros_like(q), part))
-    return np.asarray(q + play.reshape(len(q), -1)[:, course.nominal.axial])
+    return np.asarray(q + play.reshape(len(q), -1)[:, trajectory.nominal.axial])
 
 
-def _troubles(course: Course, before: Rest, rest: Rest) -> tuple[Trouble, ...]:
+def _troubles(trajectory: Trajectory, before: Rest, rest: Rest) -> tuple[Trouble, ...]:
     """What is not well; raises `InputError` when the path cannot be run."""
-    robot, path = course.robot, course.path
-    singular = near_singular(course.nominal, course.tip, course.J)
+    robot, path = trajectory.robot, trajectory.path
+    singular = near_singular(trajectory.nominal, trajectory.tip, trajectory.J)
     found = unreached(before.there, "the loaded arm finds no rest: a stiffness is far too small for its load")
     names = {trouble.index for trouble in singular}
     for trouble in unreached(rest.there & before.there | ~before.there, ""):
@@ -189,14 +189,14 @@ def _troubles(course: Course, before: Rest, rest: Rest) -> tuple[Trouble, ...]:
     return (*singular, *too_fast(robot, rest.q, path.time))
 
 
-def _coarse(course: Course, speed: Array, shares: Shares) -> list[str]:
+def _coarse(trajectory: Trajectory, speed: Array, shares: Shares) -> list[str]:
     """Ripples that are commanded, and faster than the path's samples can draw."""
     found = []
-    rate = 1 / np.gradient(course.path.time)
-    for i, (effect, _) in enumerate(course.extended.acting):
+    rate = 1 / np.gradient(trajectory.path.time)
+    for i, (effect, _) in enumerate(trajectory.extended.acting):
         if effect.where.order is None:
             continue
-        joint = course.nominal.names.index(str(effect.where.joint))
+        joint = trajectory.nominal.names.index(str(effect.where.joint))
         commanded = shares.get(i, np.ones(len(rate))) > 0.01
         cycles = frequency(effect.where.order, speed[:, joint])
         few = commanded & (cycles * COARSE > rate)

@@ -32,21 +32,21 @@ def parts(count: int) -> Iterator[slice]:
 class ExtendedArm:
     """The robot with its corrections and effects, on a path's samples.
 
-    whole: the path as a problem (loads, time, temperature; its joints and directions are replaced);
+    problem: of the whole path (loads, time, temperature; its joints and directions are replaced);
     acting: the effects that act on a tool. notes: what is left out for want of data.
     """
 
-    whole: Problem
+    problem: Problem
     acting: Acting = Acting()  # noqa: RUF009
     notes: tuple[str, ...] = ()
 
     @property
     def arm(self) -> Arm:
-        return self.whole.arm
+        return self.problem.arm
 
     def at(self, q: Array, direction: Array | None, part: Select) -> Problem:
         """The problem of some samples: joints q (K, n) and sides of approach (K, n)."""
-        c = self.whole.campaign
+        c = self.problem.campaign
         campaign = replace(
             c.with_poses(
                 q=q,
@@ -61,7 +61,7 @@ class ExtendedArm:
             points=c.points[part],
             shots=c.shots[part],
         )
-        return replace(self.whole, campaign=campaign)
+        return replace(self.problem, campaign=campaign)
 
     def direct(self, problem: Problem, shares: Shares = WHOLE) -> Array:
         """(K, S, 6) motions that do not depend on load; `shares` (K,) of some effects, by their number."""
@@ -95,17 +95,17 @@ def extended_arm(problem: Problem) -> ExtendedArm:
     something that is not given for the path are named in the notes. Raises `InputError` for a model that
     is not this robot's.
     """
-    few = _few(problem)
+    thinned = _thinned(problem)
     acting, notes = [], []
     for item in problem.robot.effects:
         kind = catalogue().get(item.cause)
         seen_only = kind is not None and kind.acts == "instrument"
-        if seen_only or item.payload not in (None, *few.campaign.payload_names):
+        if seen_only or item.payload not in (None, *thinned.campaign.payload_names):
             continue
-        if kind is not None and not kind.places(few):
-            notes.append(f"{item.cause} is left out: {kind.needs(few) or 'it has no place on this path'}")
+        if kind is not None and not kind.places(thinned):
+            notes.append(f"{item.cause} is left out: {kind.needs(thinned) or 'it has no place on this path'}")
             continue
-        effect, values = from_record(item, few, f"{problem.robot.path}: effects.{item.cause}")
+        effect, values = from_record(item, thinned, f"{problem.robot.path}: effects.{item.cause}")
         acting.append((effect, values))
         for what, lacking in LACKING.items():
             if getattr(problem.campaign.poses, what) is None and what in effect.uses:
@@ -113,7 +113,7 @@ def extended_arm(problem: Problem) -> ExtendedArm:
     return ExtendedArm(problem, Acting(tuple(acting)), tuple(notes))
 
 
-def _few(problem: Problem) -> Problem:
+def _thinned(problem: Problem) -> Problem:
     """Some samples of a path: enough to place the effects."""
     some = np.unique(np.linspace(0, len(problem.q) - 1, FEW).astype(np.int64))
     return ExtendedArm(problem).at(problem.q[some], None, some)

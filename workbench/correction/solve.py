@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from ..campaign.problem import Problem
 from ..effects.acting import Shares
 from ..robot.kinematics import Array
-from .course import Course
 from .extended_arm import parts
 from .inverse import limited
+from .trajectory import Trajectory
 
 TOLERANCE = 1e-10  # m, turns with the tip's length
 STILL = 1e-11  # rad, m: a smaller change under load is rest
@@ -40,36 +40,38 @@ class Rest:
 
 
 def settle(
-    course: Course, q: Array, direction: Array | None, sag: Array | None = None, still: float = STILL
+    trajectory: Trajectory, q: Array, direction: Array | None, sag: Array | None = None, still: float = STILL
 ) -> Rest:
     """Where the extended robot's tool comes to rest at commanded joints (N, n)."""
-    return _run(course, q, direction, sag, {}, still, None)
+    return _run(trajectory, q, direction, sag, {}, still, None)
 
 
-def first_step(course: Course, rest: Rest, direction: Array | None, shares: Shares) -> Array:
+def first_step(trajectory: Trajectory, rest: Rest, direction: Array | None, shares: Shares) -> Array:
     """(N, n) joints that take the error at rest off, to first order; `shares` of effects."""
     q = rest.q.copy()
     for part in parts(len(q)):
         some = np.arange(part.start, part.stop)
-        problem = course.extended.at(q[part], None if direction is None else direction[part], some)
+        problem = trajectory.extended.at(q[part], None if direction is None else direction[part], some)
         here = {i: share[part] for i, share in shares.items()}
-        q[part] += _step(course, problem, course.gain[part], course.tip.scaled(rest.error[part]), here)
+        scaled = trajectory.tip.scaled(rest.error[part])
+        q[part] += _step(trajectory, problem, trajectory.gain[part], scaled, here)
     return q
 
 
-def correct(course: Course, q: Array, direction: Array | None, sag: Array, shares: Shares) -> Rest:
+def correct(trajectory: Trajectory, q: Array, direction: Array | None, sag: Array, shares: Shares) -> Rest:
     """Joints that put the extended robot's tool on the path, from a guess of joints and sag."""
-    return _run(course, q, direction, sag, shares, STILL, TOLERANCE)
+    return _run(trajectory, q, direction, sag, shares, STILL, TOLERANCE)
 
 
-def _step(course: Course, problem: Problem, gain: Array, scaled: Array, shares: Shares) -> Array:
+def _step(trajectory: Trajectory, problem: Problem, gain: Array, scaled: Array, shares: Shares) -> Array:
     """(K, n) change of the command that takes the error (K, rows) [m] off."""
-    step = np.einsum("kij,kj->ki", gain, scaled) / (1 + course.extended.acting.ripple_slope(problem, shares))
-    return limited(course.nominal, course.tip, step)
+    slope = trajectory.extended.acting.ripple_slope(problem, shares)
+    step = np.einsum("kij,kj->ki", gain, scaled) / (1 + slope)
+    return limited(trajectory.nominal, trajectory.tip, step)
 
 
 def _run(
-    course: Course,
+    trajectory: Trajectory,
     q: Array,
     direction: Array | None,
     sag: Array | None,
@@ -78,15 +80,15 @@ def _run(
     tolerance: float | None,
 ) -> Rest:
     """All parts; without a tolerance the joints stay."""
-    count, slots = len(q), course.nominal.slots
+    count, slots = len(q), trajectory.nominal.slots
     sag = np.zeros((count, slots, 6)) if sag is None else sag.copy()
     out = Rest(q.copy(), sag, np.empty((count, 6)), np.ones(count, bool), 0)
-    rounds = [_part(course, out, part, direction, shares, still, tolerance) for part in parts(count)]
+    rounds = [_part(trajectory, out, part, direction, shares, still, tolerance) for part in parts(count)]
     return replace(out, rounds=max(rounds))
 
 
 def _part(
-    course: Course,
+    trajectory: Trajectory,
     out: Rest,
     part: slice,
     direction: Array | None,
@@ -95,14 +97,14 @@ def _part(
     tolerance: float | None,
 ) -> int:
     """Rounds on one part until all its samples are at rest (and on the path); writes into `out`."""
-    tip, nominal = course.tip, course.nominal
-    active, gain = np.arange(part.start, part.stop), course.gain[part]
+    tip, nominal = trajectory.tip, trajectory.nominal
+    active, gain = np.arange(part.start, part.stop), trajectory.gain[part]
     for count in range(1, ROUNDS + 1):
         q, sag = out.q[active], out.sag[active]
-        problem = course.extended.at(q, None if direction is None else direction[active], active)
+        problem = trajectory.extended.at(q, None if direction is None else direction[active], active)
         here = {i: share[active] for i, share in shares.items()}
-        where, new = course.extended.move(problem, sag, here)
-        error = tip.error(where, course.X[active])
+        where, new = trajectory.extended.move(problem, sag, here)
+        error = tip.error(where, trajectory.X[active])
         out.sag[active], out.error[active] = new, error
         change = (new - sag).reshape(len(q), -1)
         busy = np.abs(change).max(axis=1) > still
@@ -112,7 +114,7 @@ def _part(
             if count % REFRESH == 0:
                 gain = tip.gain(nominal, tip.jacobian(nominal, where))
             # what the joints yield more than they did is taken off before it shows
-            step = _step(course, problem, gain, scaled, here) - change[:, nominal.axial]
+            step = _step(trajectory, problem, gain, scaled, here) - change[:, nominal.axial]
             out.q[active[busy]] += step[busy]
             gain = gain[busy]
         active = active[busy]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..campaign import Campaign
-from ..campaign.problem import Problem, problem
+from ..campaign.problem import Problem, problem_of
 from ..effects.records import stated_effects
 from ..robot.beam import bending_compliance
 from ..robot.description import Robot
@@ -29,21 +29,21 @@ class Budget:
 
 def places(campaign: Campaign) -> Array:
     """(N, T, 3) [m] where the targets are under the stated loads, as modelled, in the base frame."""
-    return _loaded(problem(campaign)).base
+    return _loaded(problem_of(campaign)).base
 
 
 def deflection(campaign: Campaign) -> Array:
     """(N, T, 3) [m] how far the stated loads and the arm's own weight move the targets, in the base frame."""
-    job = problem(campaign)
-    return _loaded(job).base - _unloaded(job)
+    problem = problem_of(campaign)
+    return _loaded(problem).base - _unloaded(problem)
 
 
 def deflection_budget(campaign: Campaign) -> Budget:
     """Who moves the campaign's first target by how much: each part's own yield, seen at the target."""
-    job = problem(campaign)
-    arm, robot, now = job.arm, job.robot, _loaded(job)
-    J = point_jacobian(now.where.axes, now.where.origin, now.base[:, :1], job.on[:1])
-    J = J.reshape(len(job.q), 3, arm.slots, 6)
+    problem = problem_of(campaign)
+    arm, robot, now = problem.arm, problem.robot, _loaded(problem)
+    J = point_jacobian(now.where.axes, now.where.origin, now.base[:, :1], problem.on[:1])
+    J = J.reshape(len(problem.q), 3, arm.slots, 6)
     parts = {}
     for kind in ("torsion", "overturning", "link"):
         C = np.zeros((arm.slots, 6, 6))
@@ -59,7 +59,7 @@ def deflection_budget(campaign: Campaign) -> Budget:
         moved = np.einsum("ncsk,skl,nsl->nsc", J, C, now.load.local)
         parts[kind] = moved[:, 2:] if kind == "link" else moved[:, 1:-1]
     moment = np.linalg.norm(now.load.local[:, 1:-1, 3:], axis=2)
-    return Budget(parts, now.base[:, 0] - _unloaded(job)[:, 0], moment)
+    return Budget(parts, now.base[:, 0] - _unloaded(problem)[:, 0], moment)
 
 
 def with_compliance(robot: Robot, share: float) -> Robot:
@@ -72,13 +72,13 @@ def with_compliance(robot: Robot, share: float) -> Robot:
     return replace(robot, joints=tuple(joints), bending_stiffness=robot.bending_stiffness if share else {})
 
 
-def _loaded(job: Problem) -> Prediction:
-    model = Model(job, (), tuple(stated_effects(job)))
+def _loaded(problem: Problem) -> Prediction:
+    model = Model(problem, (), tuple(stated_effects(problem)))
     return model.loaded(model.in_base())
 
 
-def _unloaded(job: Problem) -> Array:
+def _unloaded(problem: Problem) -> Array:
     """(N, T, 3) the targets of the same robot, ratios and all, if nothing pulled on it."""
-    arm = replace(job.arm, compliance=np.zeros_like(job.arm.compliance), gravity=np.zeros(3))
-    campaign = job.campaign.with_poses(wrench=np.zeros_like(job.campaign.poses.wrench))
-    return _loaded(replace(job, arm=arm, campaign=campaign, compensator=None)).base
+    arm = replace(problem.arm, compliance=np.zeros_like(problem.arm.compliance), gravity=np.zeros(3))
+    campaign = problem.campaign.with_poses(wrench=np.zeros_like(problem.campaign.poses.wrench))
+    return _loaded(replace(problem, arm=arm, campaign=campaign, compensator=None)).base

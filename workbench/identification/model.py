@@ -80,8 +80,8 @@ class Linearisation:
     target: Array
     centre: Array
 
-    def hasten(self, change: Array) -> Array:
-        """Motions (N, S, 6) to where the arm rests, of the change that its wrenches ask for now."""
+    def precondition(self, change: Array) -> Array:
+        """(N, S, 6) Newton step to where the arm rests, of the change that its wrenches ask for now."""
         out = change.reshape(len(change), -1).copy()
         out[:, self.rows] = np.matmul(self.answer, out[:, self.rows, None])[..., 0]
         return out.reshape(change.shape)
@@ -122,7 +122,7 @@ class Model:
         else:
             start = near.prediction.motion
             motion, where, load = equilibrium(
-                arm, problem.q, direct, loads, law, near=start, hasten=near.hasten
+                arm, problem.q, direct, loads, law, near=start, preconditioner=near.precondition
             )
         base = self._place(where, state)
         points = acting.seen(problem, self._see(base, state))

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..campaign import Campaign, Target
 from ..campaign.planned import planned
-from ..campaign.problem import problem
+from ..campaign.problem import problem_of
 from ..effects.joint_compliance import JointCompliance
 from ..identification.fit import fit
 from ..identification.model import Model
@@ -69,17 +69,17 @@ def levels(robot: Robot, q: ArrayLike, joint: str) -> tuple[Target, Target]:
     sees the turn about the vertical, which a level does not; in these tests nothing turns that way.) Raises
     ValueError for a joint that stands upright: a level sees no turn about the vertical.
     """
-    job = problem(planned(robot, np.array([q], dtype=np.float64), targets=()))
-    slot = job.joint(joint) + 1
-    across = np.cross([0.0, 0.0, 1.0], job.rigid.axes[0, slot, RZ])
+    problem = problem_of(planned(robot, np.array([q], dtype=np.float64), targets=()))
+    slot = problem.joint(joint) + 1
+    across = np.cross([0.0, 0.0, 1.0], problem.rigid.axes[0, slot, RZ])
     if np.linalg.norm(across) < 0.5:
         raise ValueError(f"{joint} stands upright: a level sees no turn about the vertical")
     across *= POINTER / np.linalg.norm(across)
     found = []
     for name, k in (("before", slot - 1), ("behind", slot)):
-        end = job.rigid.origin[0, slot] + across  # both start at the joint: what shifts it shifts both
-        place = job.arm.R_link[k].T @ job.rigid.R[k, 0].T @ (end - job.rigid.p[k, 0])
-        found.append(Target(name, (float(place[0]), float(place[1]), float(place[2])), job.arm.links[k]))
+        end = problem.rigid.origin[0, slot] + across  # both start at the joint: what shifts it shifts both
+        place = problem.arm.R_link[k].T @ problem.rigid.R[k, 0].T @ (end - problem.rigid.p[k, 0])
+        found.append(Target(name, (float(place[0]), float(place[1]), float(place[2])), problem.arm.links[k]))
     return found[0], found[1]
 
 
@@ -90,20 +90,20 @@ def identify(campaign: Campaign, joint: str, levelled: bool = False) -> LocalSti
     Levels don't see joints that turn across their axis: these keep the model's stiffness. Noise as the
     campaign states it; the arm stands still throughout, so its repeatability counts nothing.
     """
-    job = problem(campaign)
-    j = job.joint(joint)
-    axes = job.rigid.axes[0, 1 : j + 2, RZ]
+    problem = problem_of(campaign)
+    j = problem.joint(joint)
+    axes = problem.rigid.axes[0, 1 : j + 2, RZ]
     beside = [i for i in range(j + 1) if not levelled or abs(axes[i] @ axes[j]) > 0.1]
-    sites = JointCompliance.sites(job)
-    model = Model(job, tuple(sites[i] for i in beside))
+    sites = JointCompliance.sites(problem)
+    model = Model(problem, tuple(sites[i] for i in beside))
     in_base = model.in_base()
-    sigma = np.full(job.seen.shape, campaign.noise_sigma or 1e-5)
-    noise = Covariance(sigma, np.zeros(job.arm.n), np.ones(len(job.q)))
+    sigma = np.full(problem.seen.shape, campaign.noise_sigma or 1e-5)
+    noise = Covariance(sigma, np.zeros(problem.arm.n), np.ones(len(problem.q)))
     found = fit(model, in_base if levelled else None, noise, geometry=False)
     values, covariance = found.effect_values(len(beside) - 1)
     compliance, std = 1 + float(values[0]), float(np.sqrt(covariance[0, 0]))
-    stated = job.robot.joints[j].data.stiffness or np.inf
-    torque = float(np.ptp(job.nominal_load.local.reshape(len(job.q), -1)[:, job.arm.axial[j]]))
+    stated = problem.robot.joints[j].data.stiffness or np.inf
+    torque = float(np.ptp(problem.nominal_load.local.reshape(len(problem.q), -1)[:, problem.arm.axial[j]]))
     return LocalStiffness(
         joint,
         stated / compliance,

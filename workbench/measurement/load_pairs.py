@@ -15,7 +15,7 @@ import numpy as np
 
 from ..campaign import Campaign, Target
 from ..campaign.planned import planned
-from ..campaign.problem import Problem, problem
+from ..campaign.problem import Problem, problem_of
 from ..effects.base import Effect, Param
 from ..effects.joint_compliance import JointCompliance
 from ..effects.kinds import AxialYield
@@ -86,17 +86,17 @@ def pairs(
         setup=[f"P{i + 1}" for i in range(count)] * 2,
         title=title,
     )
-    where = problem(plan).rigid
+    where = problem_of(plan).rigid
     lever = where.R[-1][count:] @ np.asarray(load[1])
     wrench = np.zeros((2 * count, 6))
     wrench[count:] = np.hstack([pull, np.cross(lever, pull)])
     return plan.with_poses(wrench=wrench)
 
 
-def grouped(job: Problem, joint: str, group: Sequence[int]) -> list[Effect]:
+def grouped(problem: Problem, joint: str, group: Sequence[int]) -> list[Effect]:
     """One compliance per joint, and for `joint` one per group; group: N numbers of the poses', from 0."""
     out: list[Effect] = []
-    for whole in JointCompliance.sites(job):
+    for whole in JointCompliance.sites(problem):
         if whole.where.joint != joint:
             out.append(whole)
             continue
@@ -108,23 +108,23 @@ def grouped(job: Problem, joint: str, group: Sequence[int]) -> list[Effect]:
 
 def fit_pairs(campaign: Campaign, effects: Callable[[Problem], Sequence[Effect]], sigma: float) -> Fit:
     """Effects from loaded minus unloaded poses; sigma: noise per axis [m]. Geometry stays as it is."""
-    job = problem(campaign)
+    problem = problem_of(campaign)
     setups = len(campaign.setup_names)
-    start = start_state(problem(as_one_setup(campaign)))  # the instrument stood still: one start serves all
+    start = start_state(problem_of(as_one_setup(campaign)))  # the instrument stood still: one serves all
     R, t, targets = (np.repeat(part, setups, axis=0) for part in (start.R, start.t, start.targets))
     start = replace(start, R=R, t=t, targets=targets)
-    noise = Covariance(np.full(job.seen.shape, sigma), np.zeros(job.arm.n), np.ones(len(job.q)))
-    return fit(Model(job, tuple(effects(job))), start, noise, geometry=False)
+    noise = Covariance(np.full(problem.seen.shape, sigma), np.zeros(problem.arm.n), np.ones(len(problem.q)))
+    return fit(Model(problem, tuple(effects(problem))), start, noise, geometry=False)
 
 
 def fit_beside(campaign: Campaign, effect: Effect, sigma: float) -> Fit:
     """One compliance per joint, and one effect beside them: the last of the fit."""
-    return fit_pairs(campaign, lambda job: [*JointCompliance.sites(job), effect], sigma)
+    return fit_pairs(campaign, lambda problem: [*JointCompliance.sites(problem), effect], sigma)
 
 
 def fit_soft_zone(campaign: Campaign, joint: str, sigma: float) -> Fit:
     """One compliance per joint and a soft zone of `joint`, in the catalogue's width that fits best."""
-    zones = [zone for zone in LostMotion.sites(problem(campaign)) if zone.where.joint == joint]
+    zones = [zone for zone in LostMotion.sites(problem_of(campaign)) if zone.where.joint == joint]
     return min((fit_beside(campaign, zone, sigma) for zone in zones), key=lambda found: found.chi2)
 
 
@@ -158,10 +158,10 @@ def compliances(found: Fit) -> tuple[Array, Array]:
 def difference_rows(campaign: Campaign) -> Array:
     """(C, 3T, n) motion of the targets by the load of C pairs, per unit of each joint's compliance over the
     model's. The rows A of that paper's criteria (14), (17), (18), about the nominal loaded pose."""
-    job = problem(as_one_setup(campaign))
-    model = Model(job)
+    problem = problem_of(as_one_setup(campaign))
+    model = Model(problem)
     line = model.linearise(model.in_base())
-    parts = [model.effect_jacobian(line, effect, np.zeros(1)) for effect in JointCompliance.sites(job)]
+    parts = [model.effect_jacobian(line, effect, np.zeros(1)) for effect in JointCompliance.sites(problem)]
     rows = np.concatenate(parts, axis=2)
-    half = len(job.q) // 2
+    half = len(problem.q) // 2
     return np.asarray(rows[half:] - rows[:half])

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..campaign import Campaign
-from ..campaign.problem import problem
+from ..campaign.problem import problem_of
 from ..diagnosis.scan import spectrum
 from ..effects.base import Effect
 from ..effects.gear_eccentricity import GearEccentricity
@@ -77,7 +77,7 @@ def separate(robot: Robot, swept: Campaign, believed: Fit, joint: str) -> Separa
 
     robot: nominal; swept: names the robot with the stiffness that is known; believed: the gear's fit to it.
     """
-    j, job = robot.joint_names.index(joint), problem(swept)
+    j, problem = robot.joint_names.index(joint), problem_of(swept)
     nominal = robot.joints[j].data.stiffness
     if robot.compensator is None or nominal is None:
         raise ValueError(f"{robot.name}: needs a compensator, and a stiffness of {joint}")
@@ -85,13 +85,13 @@ def separate(robot: Robot, swept: Campaign, believed: Fit, joint: str) -> Separa
     stronger = robot.compensator.model_copy(update={"rate": 1.01 * (robot.compensator.rate or 0.0)})
     torque, other = (
         p.nominal_load.local.reshape(len(p.q), -1)[:, p.arm.axial[j]]
-        for p in (job, problem(replace(swept, robot=replace(swept.robot, compensator=stronger))))
+        for p in (problem, problem_of(replace(swept, robot=replace(swept.robot, compensator=stronger))))
     )
-    waves = [_wave(believed, i, job.q[:, j]) for i in range(len(lines))]
+    waves = [_wave(believed, i, problem.q[:, j]) for i in range(len(lines))]
     bare = fit_sweep(swept, [e for e in believed.model.effects if e not in lines])
-    column = believed.line.direct[:, :3, int(job.arm.axial[j])]
+    column = believed.line.direct[:, :3, int(problem.arm.axial[j])]
     return Separation(
-        q=job.q[:, j],
+        q=problem.q[:, j],
         error=joint_error(replace(swept, robot=restated(robot, stiffness=None)), joint),
         gear=joint_error(swept, joint),
         torque=torque,
@@ -119,7 +119,7 @@ def _alone(swept: Campaign, lines: list[Effect], joint: str) -> dict[str, Alone]
     """The joint's stiffness from the sweep, for what the gear is allowed to do besides."""
     place = Where(joint=joint)
     smooth: list[Effect] = [GearEccentricity(place, "1"), GearEccentricity(place, "2"), GearRatio(place)]
-    [yields] = [e for e in JointCompliance.sites(problem(swept)) if e.where == place]
+    [yields] = [e for e in JointCompliance.sites(problem_of(swept)) if e.where == place]
     found = {}
     for said, count in GEARS.items():
         result = fit_sweep(swept, [*lines, *smooth[:count], yields])

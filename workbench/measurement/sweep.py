@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..campaign import Campaign, Target
 from ..campaign.planned import planned
-from ..campaign.problem import Problem, problem
+from ..campaign.problem import Problem, problem_of
 from ..diagnosis.run import diagnose
 from ..diagnosis.scan import spectrum
 from ..effects.base import Effect
@@ -64,12 +64,12 @@ def joint_error(campaign: Campaign, joint: str) -> Array:
     What the campaign's robot says of loads and gears is in the prediction: a rigid robot leaves the whole
     error, one with its stiffness leaves the gear's.
     """
-    job, model, noise = _ready(campaign)
-    j = job.joint(joint)
-    free = np.where(np.arange(job.arm.n) == j, FREE, noise.joint)
+    problem, model, noise = _ready(campaign)
+    j = problem.joint(joint)
+    free = np.where(np.arange(problem.arm.n) == j, FREE, noise.joint)
     circle = fit(model, None, replace(noise, joint=free), geometry=False)
-    rows = 3 * job.seen.shape[1]
-    g = circle.line.direct[:, :rows, int(job.arm.axial[j])]
+    rows = 3 * problem.seen.shape[1]
+    g = circle.line.direct[:, :rows, int(problem.arm.axial[j])]
     r = np.nan_to_num(circle.residual).reshape(len(g), -1)
     error = (g * r).sum(axis=1) / (g**2).sum(axis=1)
     return np.asarray(error - error.mean())
@@ -132,8 +132,8 @@ def _order_interval(found: Fit, effect: Effect) -> tuple[float, float]:
 
 
 def _ready(campaign: Campaign) -> tuple[Problem, Model, Covariance]:
-    job = problem(campaign)
-    noise = stated_noise(job)
+    problem = problem_of(campaign)
+    noise = stated_noise(problem)
     if noise is None:
         raise ValueError(f"{campaign.title}: state the instrument's noise")
-    return job, Model(job, (), tuple(stated_effects(job))), noise
+    return problem, Model(problem, (), tuple(stated_effects(problem))), noise

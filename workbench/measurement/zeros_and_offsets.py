@@ -14,7 +14,7 @@ import numpy as np
 
 from ..campaign import Campaign, Target, join
 from ..campaign.planned import planned
-from ..campaign.problem import problem
+from ..campaign.problem import problem_of
 from ..effects.base import Effect
 from ..effects.bearing_tilt import BearingTilt
 from ..effects.gear_ratio import GearRatio
@@ -70,12 +70,14 @@ class SimulatedArm:
         """
         payloads = self.payloads if payload else None
         plan = planned(robot, q, targets=targets or self.targets, payloads=payloads, payload=payload)
-        job = problem(plan)
-        geometry, behind = corrections(job.arm, self.nominal, self.practical)
-        places = job.stated_targets.copy()
-        hand = np.array(job.on) == job.arm.n + 1
+        problem = problem_of(plan)
+        geometry, behind = corrections(problem.arm, self.nominal, self.practical)
+        places = problem.stated_targets.copy()
+        hand = np.array(problem.on) == problem.arm.n + 1
         places[hand] = places[hand] @ behind[:3, :3].T + behind[:3, 3]
-        ratios = zip(GearRatio.sites(job), [] if ratio is None else ratio[:, None], strict=ratio is not None)
+        ratios = zip(
+            GearRatio.sites(problem), [] if ratio is None else ratio[:, None], strict=ratio is not None
+        )
         truth = Truth(
             geometry,
             tuple(ratios),
@@ -106,11 +108,11 @@ def identified(campaign: Campaign, robot: Robot, free: Sequence[int] | None = No
 
     Raises `InputError` where the campaign states no noise.
     """
-    job = problem(replace(campaign, robot=robot))
-    noise = required_noise(job)
+    problem = problem_of(replace(campaign, robot=robot))
+    noise = required_noise(problem)
     weight = np.where([target.on == "base" for target in campaign.targets], FRAME, 1.0)
     columns = axial_columns(robot) if free is None else free
-    model = Model(job, (), tuple(stated_effects(job)))
+    model = Model(problem, (), tuple(stated_effects(problem)))
     return fit(model, noise=replace(noise, sigma=noise.sigma * weight), geometry=columns)
 
 
@@ -121,24 +123,26 @@ def everything(campaigns: Sequence[Campaign], robot: Robot, compliance: bool = T
         replace(c, robot=robot, targets=tuple(replace(t, fixed=t.on == "base") for t in c.targets))
         for c in campaigns
     ]
-    job = problem(join(freed) if len(freed) > 1 else freed[0])
-    effects: list[Effect] = list(GearRatio.sites(job))
+    problem = problem_of(join(freed) if len(freed) > 1 else freed[0])
+    effects: list[Effect] = list(GearRatio.sites(problem))
     if compliance:
-        effects += [*JointCompliance.sites(job)[1:-1], *BearingTilt.sites(job)[:-1]]
-    return fit(Model(job, tuple(effects)))
+        effects += [*JointCompliance.sites(problem)[1:-1], *BearingTilt.sites(problem)[:-1]]
+    return fit(Model(problem, tuple(effects)))
 
 
 def error_of(found: Fit, judged: Campaign, ball: str = "ball") -> Array:
     """(N, 3) [m] measured minus predicted ball in poses that were not fitted, seen from the last set-up."""
-    job, own = problem(replace(judged, robot=found.model.problem.robot)), found.model.problem.campaign
+    problem, own = problem_of(replace(judged, robot=found.model.problem.robot)), found.model.problem.campaign
     place = [target.name for target in own.targets].index(ball)
     state = replace(
         found.state,
         R=found.state.R[-1:],
         t=found.state.t[-1:],
-        targets=np.concatenate([found.state.targets[-1:, place, None], job.stated_targets[None, 1:]], axis=1),
+        targets=np.concatenate(
+            [found.state.targets[-1:, place, None], problem.stated_targets[None, 1:]], axis=1
+        ),
     )
-    return np.asarray((judged.points - replace(found.model, problem=job).predict(state))[:, 0])
+    return np.asarray((judged.points - replace(found.model, problem=problem).predict(state))[:, 0])
 
 
 def misses(found: Fit, judged: Campaign) -> Array:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..campaign.planned import planned
-from ..campaign.problem import Problem, problem
+from ..campaign.problem import Problem, problem_of
 from ..effects import catalogue, rivals, separation
 from ..effects.base import Effect
 from ..files.whole import put
@@ -58,21 +58,21 @@ def readme_with_table(text: str) -> str:
 def _campaigns() -> tuple[Problem, ...]:
     """Nothing but poses, on robots that lack more and more."""
     robots = load_robot("kr500"), load_robot("cylindrical")
-    full, slim = (problem(planned(robot, np.zeros((2, len(robot.joints))))) for robot in robots)
+    full, slim = (problem_of(planned(robot, np.zeros((2, len(robot.joints))))) for robot in robots)
     arm = full.arm
     light = replace(arm, mass=0 * arm.mass, moment=0 * arm.moment)
     return full, slim, replace(full, arm=light, compensator=None)
 
 
-def _place(kind: type[Effect], whole: Problem) -> str:
+def _place(kind: type[Effect], problem: Problem) -> str:
     """joint, link, payload, or the whole robot."""
     carried = replace(
-        whole.campaign.with_poses(payload=np.ones(2, dtype=np.int64)),
+        problem.campaign.with_poses(payload=np.ones(2, dtype=np.int64)),
         payload_names=("", "any"),
         load_mass=np.array([0.0, 1.0]),
         load_com=np.zeros((2, 3)),
     )
-    keys = kind.places(replace(whole, campaign=carried))[0].where.keys()
+    keys = kind.places(replace(problem, campaign=carried))[0].where.keys()
     if "other" in keys:
         return "two joints"
     return next((key for key in keys if key != "order"), "robot")

@@ -23,14 +23,14 @@ def equilibrium(
     law: Law,
     tolerance: float = 1e-13,
     near: Array | None = None,
-    hasten: Law | None = None,
+    preconditioner: Law | None = None,
 ) -> tuple[Array, Frames, Wrenches]:
     """Loaded motions (N, S, 6), frames and wrenches.
 
     `direct`: (N, S, 6) motions that do not depend on load; `law` gives the motions (N, S, 6) under
     the local wrenches (N, S, 6). Fixed point; the load moves the wrenches by about 1e-3 of
     themselves, so each round gains three digits. An arm that is almost the same saves rounds: `near`, its
-    motions, and `hasten`, which makes of a round's change (N, S, 6) the whole way to rest. Raises
+    motions, and `preconditioner`, which makes a Newton step of a round's change (N, S, 6). Raises
     ArithmeticError when an arm is so soft that it does not come to rest.
     """
     motion, last = direct if near is None else near, np.inf
@@ -42,5 +42,5 @@ def equilibrium(
         if step < tolerance or (step < 1e3 * tolerance and step > 0.5 * last):  # as still as rounding allows
             return motion + change, where, load
         last = step
-        motion = motion + (change if hasten is None else hasten(change))
+        motion = motion + (change if preconditioner is None else preconditioner(change))
     raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")

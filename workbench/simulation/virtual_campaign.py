@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..campaign import Campaign
-from ..campaign.problem import Problem, problem
+from ..campaign.problem import Problem, problem_of
 from ..effects.acting import Acting
 from ..effects.base import Effect
 from ..effects.records import stated_effects
@@ -73,15 +73,15 @@ def simulate(
     noise as a share of each joint's largest torque. The robot's own effects (model.toml) act too.
     Raises `InputError` when an effect does nothing in these poses.
     """
-    job = problem(plan)
-    _check_acting(job, truth)
-    truth = replace(truth, effects=(*stated_effects(job), *truth.effects))
+    problem = problem_of(plan)
+    _check_acting(problem, truth)
+    truth = replace(truth, effects=(*stated_effects(problem), *truth.effects))
     draw = _Draws(seed)
-    direct = _direct(job, truth) + draw.repeatability(job, truth)
-    base, torque = _settle(job, truth, direct)
-    R, t = instrument if instrument is not None else draw.instrument(job)
+    direct = _direct(problem, truth) + draw.repeatability(problem, truth)
+    base, torque = _settle(problem, truth, direct)
+    R, t = instrument if instrument is not None else draw.instrument(problem)
     points = _see(
-        job, truth, np.einsum("nij,ntj->nti", R[plan.poses.setup], base) + t[plan.poses.setup][:, None]
+        problem, truth, np.einsum("nij,ntj->nti", R[plan.poses.setup], base) + t[plan.poses.setup][:, None]
     )
     shot = points[:, :, None] + draw.noise(points, truth.sigma, shots, plan.six_dof)
     mean = shot.mean(axis=2)
@@ -112,17 +112,17 @@ class _Draws:
     def _rng(self, stream: int) -> np.random.Generator:
         return np.random.default_rng([self.seed, stream])
 
-    def repeatability(self, job: Problem, truth: Truth) -> Array:
+    def repeatability(self, problem: Problem, truth: Truth) -> Array:
         """(N, S, 6) joint errors of each standstill, common to its targets and shots."""
-        stated = np.array([joint.data.repeatability or 0.0 for joint in job.robot.joints])
+        stated = np.array([joint.data.repeatability or 0.0 for joint in problem.robot.joints])
         sigma = stated if truth.repeatability is None else truth.repeatability
-        out = np.zeros((len(job.q), 6 * job.arm.slots))
-        out[:, job.arm.axial] = sigma * self._rng(0).normal(size=job.q.shape)
-        return out.reshape(len(job.q), -1, 6)
+        out = np.zeros((len(problem.q), 6 * problem.arm.slots))
+        out[:, problem.arm.axial] = sigma * self._rng(0).normal(size=problem.q.shape)
+        return out.reshape(len(problem.q), -1, 6)
 
-    def instrument(self, job: Problem) -> tuple[Array, Array]:
+    def instrument(self, problem: Problem) -> tuple[Array, Array]:
         """R (K, 3, 3), t (K, 3): on its tripod, 3–5 m away, turned about the vertical as it comes."""
-        rng, count = self._rng(1), len(job.campaign.setup_names)
+        rng, count = self._rng(1), len(problem.campaign.setup_names)
         turn, bearing = rng.uniform(-np.pi, np.pi, (2, count))
         distance, height = rng.uniform(3, 5, count), rng.uniform(-1.5, 0, count)
         R = Rotation.from_euler("z", turn[:, None]).as_matrix()
@@ -150,37 +150,37 @@ class _Draws:
         return torque + share * np.abs(torque).max(axis=0) * self._rng(3).normal(size=torque.shape)
 
 
-def _check_acting(job: Problem, truth: Truth) -> None:
+def _check_acting(problem: Problem, truth: Truth) -> None:
     """Raises `InputError` for effects that were asked for and do nothing here."""
     faults = []
     for effect, values in truth.effects:
         if effect.acts not in ("transmission", "geometry") or not values.any():
             continue
-        if not any(basis.any() for basis in effect.motion(job).values()):
-            why = type(effect).needs(job) or "it needs other poses"
+        if not any(basis.any() for basis in effect.motion(problem).values()):
+            why = type(effect).needs(problem) or "it needs other poses"
             faults.append(Fault(effect.label, "does nothing in these poses", why))
     if faults:
         raise InputError(faults)
 
 
-def _direct(job: Problem, truth: Truth) -> Array:
+def _direct(problem: Problem, truth: Truth) -> Array:
     """(N, S, 6) motions that do not depend on load."""
-    n_poses = len(job.q)
-    out = truth.acting.direct(job).reshape(n_poses, -1)
+    n_poses = len(problem.q)
+    out = truth.acting.direct(problem).reshape(n_poses, -1)
     if truth.joints is not None:
-        out[:, job.arm.axial] += truth.joints(job)
+        out[:, problem.arm.axial] += truth.joints(problem)
     if truth.motion is not None:
-        for column, motion in truth.motion(job).items():
+        for column, motion in truth.motion(problem).items():
             out[:, column] += motion
     return out.reshape(n_poses, -1, 6)
 
 
-def _settle(job: Problem, truth: Truth, direct: Array) -> tuple[Array, Array]:
+def _settle(problem: Problem, truth: Truth, direct: Array) -> tuple[Array, Array]:
     """Targets (N, T, 3) [m] in the base frame and torques of the drives (N, n), from Drake."""
-    geometry = job.arm.geometry if truth.geometry is None else job.arm.geometry + truth.geometry
-    arm, loads = truth.acting.loads(job, job.arm)
+    geometry = problem.arm.geometry if truth.geometry is None else problem.arm.geometry + truth.geometry
+    arm, loads = truth.acting.loads(problem, problem.arm)
     if truth.torque is not None:
-        loads = replace(loads, torque=loads.torque + truth.torque(job))
+        loads = replace(loads, torque=loads.torque + truth.torque(problem))
     yielding = truth.acting.yielding(arm)
     columns = yielding.columns
     for slot in truth.yields:
@@ -193,26 +193,26 @@ def _settle(job: Problem, truth: Truth, direct: Array) -> tuple[Array, Array]:
             out[0, slot] += form(wrench[0, slot])
         return out
 
-    twin = elastic_twin(job.arm, job.robot, [divmod(int(column), 6) for column in moving])
+    twin = elastic_twin(problem.arm, problem.robot, [divmod(int(column), 6) for column in moving])
     twin.set_geometry(geometry)
     twin.set_masses(arm)
-    targets = _targets(job, truth)
-    points = np.empty((len(direct), len(job.on), 3))
-    torque = np.empty(job.q.shape)
+    targets = _targets(problem, truth)
+    points = np.empty((len(direct), len(problem.on), 3))
+    torque = np.empty(problem.q.shape)
     for i in range(len(direct)):
         one = pose_loads(loads, i)
-        twin.equilibrium(job.q[i], direct[i], one, law)
-        points[i] = twin.points(targets, job.on)
+        twin.equilibrium(problem.q[i], direct[i], one, law)
+        points[i] = twin.points(targets, problem.on)
         torque[i] = -twin.wrenches(one).reshape(-1)[arm.axial]
     return points, torque
 
 
-def _targets(job: Problem, truth: Truth) -> Array:
+def _targets(problem: Problem, truth: Truth) -> Array:
     """True places of the targets (T, 3) in the frames behind their slots."""
-    targets = job.stated_targets if truth.targets is None else truth.targets
+    targets = problem.stated_targets if truth.targets is None else truth.targets
     faults = [
         Fault(f"target {target.name}", "has no place to simulate", "state its xyz_mm")
-        for target, place in zip(job.campaign.targets, targets, strict=True)
+        for target, place in zip(problem.campaign.targets, targets, strict=True)
         if not np.isfinite(place).all()
     ]
     if faults:
@@ -229,7 +229,7 @@ def pose_loads(loads: Loads, i: int) -> Loads:
     return Loads(loads.mass[here], loads.moment[here], loads.wrench[here], loads.torque[here], law)
 
 
-def _see(job: Problem, truth: Truth, points: Array) -> Array:
+def _see(problem: Problem, truth: Truth, points: Array) -> Array:
     """The points as the instrument shows them, without noise."""
-    out = truth.acting.seen(job, points)
-    return out if truth.seen is None else truth.seen(job, out)
+    out = truth.acting.seen(problem, points)
+    return out if truth.seen is None else truth.seen(problem, out)

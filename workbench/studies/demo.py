@@ -17,7 +17,7 @@ from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from ..campaign import Campaign, Target, load_campaign, write_campaign
 from ..campaign.planned import TARGETS, planned, random_poses
-from ..campaign.problem import problem
+from ..campaign.problem import problem_of
 from ..correction import compensate_file
 from ..correction.path_shapes import Run, circle, work_frame
 from ..correction.paths import write_path
@@ -99,11 +99,11 @@ def measured(seed: int, poses: int) -> tuple[Campaign, Truth, tuple[Array, Array
         direction=rng.choice([-1.0, 1.0], size=q.shape),
         title="KR 500, laser tracker, two loads",
     )
-    job = problem(plan)
+    problem = problem_of(plan)
     order = 2 * (robot.joints[3].data.gear_ratio or 100.0)
     truth = Truth(
-        geometry=random_geometry(job.arm, rng),
-        effects=tuple(parse_effect(text.format(order=order, double=2 * order), job) for text in HIDDEN),
+        geometry=random_geometry(problem.arm, rng),
+        effects=tuple(parse_effect(text.format(order=order, double=2 * order), problem) for text in HIDDEN),
         sigma=3e-5,
     )
     R = RotationMatrix.MakeZRotation(2.2).matrix()[None]
@@ -147,15 +147,15 @@ def _write_truth(path: Path, outcome: Outcome, truth: Truth, frame: tuple[Array,
     A tracker sees where the robot is, not where its base's drawing is: what the fit put into the frame
     instead of the first joint is the same robot in other coordinates.
     """
-    job, state = outcome.problem, outcome.fit.state
+    problem, state = outcome.problem, outcome.fit.state
     assert truth.geometry is not None
     X_TB = _pose(frame[0][0], frame[1][0]).inverse() @ _pose(state.R[0], state.t[0])
     geometry = truth.geometry.copy()
-    slot = slot_pose(job.arm, 1, np.zeros(6))
-    moved = slot.inverse() @ X_TB.inverse() @ slot_pose(job.arm, 1, geometry[1])
+    slot = slot_pose(problem.arm, 1, np.zeros(6))
+    moved = slot.inverse() @ X_TB.inverse() @ slot_pose(problem.arm, 1, geometry[1])
     geometry[1] = _correction(moved)
     records = [record(effect, values) for effect, values in truth.effects]
-    write_model(path, loaded(job.robot, job.campaign), geometry, records)
+    write_model(path, loaded(problem.robot, problem.campaign), geometry, records)
 
 
 def _pose(R: Array, t: Array) -> RigidTransform:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...campaign import Campaign, Target
 from ...campaign.planned import planned
-from ...campaign.problem import problem
+from ...campaign.problem import problem_of
 from ...correction import Compensation, Conditions, compensate, nominal_joints
 from ...correction.paths import Path
 from ...files.faults import Fault, InputError
@@ -125,7 +125,7 @@ def fit_cells(
     """
     grid, tool = cells(box, counts), _tool_point(campaign)
     if instrument is None:
-        state = start_state(problem(campaign))
+        state = start_state(problem_of(campaign))
         instrument = state.R, state.t
     R, t = (given[campaign.poses.setup] for given in instrument)
     points = np.einsum("nji,ntj->nti", R, campaign.points - t[:, None])
@@ -159,5 +159,5 @@ def _tool_point(campaign: Campaign) -> Array:
 def _places(plan: Campaign, tool: Array) -> Array:
     """(N, 3) [m] nominal places of the tool point, base frame."""
     nominal = replace(plan.robot, geometry={}, effects=())
-    where = problem(replace(plan, robot=nominal)).rigid
+    where = problem_of(replace(plan, robot=nominal)).rigid
     return np.asarray(where.points(tool[None], [where.arm.n + 1])[:, 0])

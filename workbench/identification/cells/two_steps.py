@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...campaign import Campaign
-from ...campaign.problem import problem
+from ...campaign.problem import problem_of
 from ...effects.joint_compliance import JointCompliance
 from ...effects.records import record
 from ...files.faults import Fault, InputError
@@ -35,7 +35,7 @@ def external(campaign: Campaign) -> Campaign:
     What is external already stays as it is.
     """
     robot = campaign.robot
-    where = problem(campaign).rigid
+    where = problem_of(campaign).rigid
     weight = campaign.load_mass[campaign.poses.payload, None] * np.array(robot.gravity)
     lever = (where.R[-1] @ campaign.load_com[campaign.poses.payload][..., None])[..., 0]
     wrench = campaign.poses.wrench + np.hstack([weight, np.cross(lever, weight)])
@@ -65,7 +65,7 @@ def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]
     robot = campaign.robot
     empty = np.asarray(~campaign.poses.wrench.any(axis=1))
     if kinematics:
-        model = Model(problem(part(campaign, empty)))
+        model = Model(problem_of(part(campaign, empty)))
         found = fit(model, model.in_base())
         rows = zip(robot.joint_names, seated(model.problem.arm, found.state)[1:-1].tolist(), strict=True)
         robot = replace(robot, geometry={name: dict(zip(GEOMETRY, row, strict=True)) for name, row in rows})
@@ -76,7 +76,7 @@ def identified(campaign: Campaign, kinematics: bool = True) -> tuple[Robot, Fit]
 
 def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
     """The joints' compliances from loaded minus unloaded places, both put where the kinematics has them."""
-    same = problem(campaign).positions
+    same = problem_of(campaign).positions
     first = {number: i for i, number in reversed(list(enumerate(same))) if empty[i]}
     pair = np.array([first.get(number, -1) for number in same])
     used = empty | (pair >= 0)
@@ -84,7 +84,7 @@ def _from_differences(campaign: Campaign, empty: NDArray[np.bool_]) -> Fit:
         raise InputError(Fault(campaign.title, "no pose was measured with and without load", "measure both"))
     rest = places(campaign.with_poses(wrench=np.zeros_like(campaign.poses.wrench)))
     moved = rest + np.where(empty[:, None, None], 0.0, campaign.points - campaign.points[pair])
-    differences = problem(part(replace(campaign, points=moved), used))
+    differences = problem_of(part(replace(campaign, points=moved), used))
     noise = required_noise(differences)
     both = Covariance(
         np.sqrt(2) * noise.sigma, np.sqrt(2) * noise.joint, np.where(empty[used], COMPUTED_WEIGHT, 1.0)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ...campaign import Campaign, drive_torque
-from ...campaign.problem import problem
+from ...campaign.problem import problem_of
 from ...effects.base import Effect
 from ...effects.gravity_compensator import GravityCompensator
 from ...files.faults import Fault, InputError
@@ -63,15 +63,15 @@ def identify_charge(
 
 
 def _fitted(campaign: Campaign, witness: Witness, torque_share: float, unknown: Sequence[Effect]) -> Fit:
-    job = problem(campaign)
-    noise = required_noise(job)
+    problem = problem_of(campaign)
+    noise = required_noise(problem)
     if campaign.poses.torque is not None:
-        believed = np.isfinite(drive_torque.noise(job))
+        believed = np.isfinite(drive_torque.noise(problem))
         largest = np.nanmax(np.abs(campaign.poses.torque), axis=0)
         noise = replace(noise, torque=np.where(believed, torque_share * largest, np.inf))
     if witness == "torque":
         noise = replace(noise, sigma=np.full_like(noise.sigma, BLIND))
-    return fit(Model(job, (*EFFECTS, *unknown)), noise=noise)
+    return fit(Model(problem, (*EFFECTS, *unknown)), noise=noise)
 
 
 def _recharged(robot: Robot, charge: float, length: float) -> Robot:

@@ -25,9 +25,9 @@ class NamedCause:
     kind: type[Effect]
     asked: tuple[tuple[str, str], ...]
 
-    def sites(self, whole: Problem) -> list[Effect]:
+    def sites(self, problem: Problem) -> list[Effect]:
         """Those of its sites in this campaign that are as asked."""
-        return [effect for effect in self.kind.sites(whole) if self._fits(effect)]
+        return [effect for effect in self.kind.sites(problem) if self._fits(effect)]
 
     def _fits(self, effect: Effect) -> bool:
         for key, value in self.asked:
@@ -37,13 +37,13 @@ class NamedCause:
                 return False
         return True
 
-    def effects(self, whole: Problem) -> list[Effect]:
+    def effects(self, problem: Problem) -> list[Effect]:
         """What the cause may be: at every place and in every form left open. Raises InputError."""
-        why = self.kind.needs(whole)
+        why = self.kind.needs(problem)
         if why is not None:
             raise InputError(Fault(f"--tell {self.text}", why))
         # an order of its own, or a place that is not there (then with the fault of it)
-        return self.sites(whole) or [parse_effect(self.text, whole)[0]]
+        return self.sites(problem) or [parse_effect(self.text, problem)[0]]
 
     def depends(self, trial: Problem) -> Depends:
         """What its places and forms depend on; trial: a campaign that varies side, time and temperature."""

@@ -176,8 +176,8 @@ def _offered(
     everything = candidates(prior, 0, Factors(True, True, True), np.random.default_rng(search.seed))
     needed = factors(causes, replace(prior.problem, campaign=everything))
     offered = candidates(prior, search.pool, needed, np.random.default_rng([search.seed, 21]))
-    whole = replace(prior.problem, campaign=offered)
-    first, second = (cause.effects(whole) for cause in causes)
+    problem = replace(prior.problem, campaign=offered)
+    first, second = (cause.effects(problem) for cause in causes)
     return offered, first, second
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...campaign.planned import TARGETS, planned
-from ...campaign.problem import Problem, problem
+from ...campaign.problem import Problem, problem_of
 from ...diagnosis.prepared import prepare
 from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
@@ -178,7 +178,7 @@ def from_robot(robot: Robot) -> PriorInformation:
     """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker."""
     loads = {name: stated_load(load) for name, load in robot.payloads.items()}
     blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=stated_load(robot.tool))
-    nothing = problem(blank)
+    nothing = problem_of(blank)
     joint = np.array([item.data.repeatability or 0.0 for item in robot.joints])
     noise = f"{1e3 * ASSUMED_SIGMA:.3f} mm per axis assumed, and the joints' repeatability as stated"
     sigma = np.full(len(TARGETS), ASSUMED_SIGMA)

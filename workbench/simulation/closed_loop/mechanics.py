@@ -94,8 +94,8 @@ class Mechanics:
 def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mechanics:
     """The robot as its model has it, along a path with commanded joints q (N, n)."""
     arm = arrays(robot)
-    whole = Problem(robot, arm, path_campaign(robot, path, q, conditions), compensator_law(robot, arm))
-    extended = extended_arm(whole)
+    problem = Problem(robot, arm, path_campaign(robot, path, q, conditions), compensator_law(robot, arm))
+    extended = extended_arm(problem)
     here = extended.at(q, np.zeros_like(q), slice(0, len(q)))
     loaded, loads = extended.loads(here)
     gear = extended.acting.those(_of_a_gear)

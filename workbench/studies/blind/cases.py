@@ -15,7 +15,7 @@ from zlib import crc32
 import numpy as np
 
 from ...campaign import Campaign
-from ...campaign.problem import Problem, problem
+from ...campaign.problem import Problem, problem_of
 from ...effects import catalogue
 from ...effects.base import Effect
 from ...simulation.virtual_campaign import Truth, simulate
@@ -114,8 +114,8 @@ def _draw(key: str, what: str, rng: np.random.Generator, folder: Path) -> Case |
     if causes == ["thermal_growth"] and rng.random() < 0.3:
         needs = {"clock only"}
     design = draw_design(draw_robot(kind, folder, rng), kind, needs, rng, stated)
-    job = problem(design.plan)
-    hidden = _hide(job, causes, what, rng)
+    problem = problem_of(design.plan)
+    hidden = _hide(problem, causes, what, rng)
     if hidden is None:
         return None
     seed = int(rng.integers(2**31))
@@ -130,19 +130,21 @@ def _can(robot: str, causes: list[str]) -> bool:
     return robot != "ur5" or not YIELDS & set(causes)
 
 
-def _hide(job: Problem, causes: list[str], what: str, rng: np.random.Generator) -> tuple[Hidden, ...] | None:
+def _hide(
+    problem: Problem, causes: list[str], what: str, rng: np.random.Generator
+) -> tuple[Hidden, ...] | None:
     """What is hidden, at any of its places; None where a cause has no place in this design."""
     if what.startswith("unknown"):
-        return (UNKNOWNS[what.partition("-")[2]](job, rng),)
+        return (UNKNOWNS[what.partition("-")[2]](problem, rng),)
     found = []
     for cause in causes:
         by_key: dict[Any, list[Effect]] = {}
-        for effect in catalogue()[cause].sites(job):
+        for effect in catalogue()[cause].sites(problem):
             by_key.setdefault(effect.key, []).append(effect)
         if not by_key:
             return None
         places = list(by_key.values())[int(rng.integers(len(by_key)))]
-        found.append(FORMS[cause](job, places[int(rng.integers(len(places)))], rng))
+        found.append(FORMS[cause](problem, places[int(rng.integers(len(places)))], rng))
     return tuple(found)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign, Target
 from ...campaign.planned import TARGETS, planned, random_poses
-from ...campaign.problem import problem
+from ...campaign.problem import problem_of
 from ...identification.noise import Covariance
 from ...robot.description import Robot, load_robot
 from ...robot.kinematics import Array
@@ -86,12 +86,12 @@ def draw_design(
     plan = cell.campaign(poses[index], load, direction, clock, rng)
     side = rng.choice([-1.0, 1.0], other.shape)
     judge = cell.campaign(other, other_load, side, np.sort(rng.uniform(0, clock[-1], HELDOUT)), rng)
-    job = problem(plan)
+    problem = problem_of(plan)
     off = [np.zeros(3) if target.fixed else 5e-4 * rng.normal(size=3) for target in cell.targets]
     size = float(np.exp(rng.uniform(np.log(1e-4), np.log(1e-3))))
     sigma = float(np.exp(rng.uniform(np.log(1e-5), np.log(5e-5))))
-    geometry = random_geometry(job.arm, rng, size, size)
-    return Design(plan, judge, repeatability, sigma, stated, geometry, job.stated_targets + off)
+    geometry = random_geometry(problem.arm, rng, size, size)
+    return Design(plan, judge, repeatability, sigma, stated, geometry, problem.stated_targets + off)
 
 
 @dataclass(frozen=True)

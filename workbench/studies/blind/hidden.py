@@ -65,14 +65,14 @@ def together(*truths: Truth) -> Truth:
 
 
 def _sum(hooks: list[Callable[[Problem], Array]]) -> Callable[[Problem], Array] | None:
-    return (lambda job: np.sum([hook(job) for hook in hooks], axis=0)) if hooks else None
+    return (lambda problem: np.sum([hook(problem) for hook in hooks], axis=0)) if hooks else None
 
 
 def _sum_columns(hooks: list[Any]) -> Callable[[Problem], Mapping[int, Array]] | None:
-    def columns(job: Problem) -> Mapping[int, Array]:
+    def columns(problem: Problem) -> Mapping[int, Array]:
         out: dict[int, Array] = {}
         for hook in hooks:
-            for column, motion in hook(job).items():
+            for column, motion in hook(problem).items():
                 out[column] = out.get(column, 0.0) + motion
         return out
 
@@ -92,9 +92,9 @@ def _both(a: Callable[[Array], Array], b: Callable[[Array], Array]) -> Callable[
 
 
 def _chain(hooks: list[Any]) -> Callable[[Problem, Array], Array] | None:
-    def seen(job: Problem, points: Array) -> Array:
+    def seen(problem: Problem, points: Array) -> Array:
         for hook in hooks:
-            points = hook(job, points)
+            points = hook(problem, points)
         return points
 
     return seen if hooks else None
@@ -104,9 +104,9 @@ def joint_error(joint: int, error: Callable[[Problem], Array]) -> Callable[[floa
     """A form that errs in one joint: error(problem) → (N,) [rad, m] at size 1."""
 
     def form(size: float) -> Truth:
-        def joints(job: Problem) -> Array:
-            out = np.zeros_like(job.q)
-            out[:, joint] = size * error(job)
+        def joints(problem: Problem) -> Array:
+            out = np.zeros_like(problem.q)
+            out[:, joint] = size * error(problem)
             return out
 
         return Truth(joints=joints)
@@ -119,13 +119,13 @@ def slot_yield(slot: int, law: Callable[[Array], Array]) -> Callable[[float], Tr
     return lambda size: Truth(yields={slot: lambda wrench: size * law(wrench)})
 
 
-def largest_torque(job: Problem, joint: int) -> float:
+def largest_torque(problem: Problem, joint: int) -> float:
     """Largest torque [N·m, N] of a joint in the campaign; of one that carries none, a thousandth of all."""
-    torque = np.abs(axial_torque(job)).max(axis=0)
+    torque = np.abs(axial_torque(problem)).max(axis=0)
     return float(max(torque[joint], 1e-3 * torque.max(), 1e-6))
 
 
-def axial_torque(job: Problem) -> Array:
+def axial_torque(problem: Problem) -> Array:
     """(N, n) torques [N·m, N] of the joints, arm and loads as stated."""
-    local = job.nominal_load.local
-    return np.asarray(local.reshape(len(local), -1)[:, job.arm.axial])
+    local = problem.nominal_load.local
+    return np.asarray(local.reshape(len(local), -1)[:, problem.arm.axial])

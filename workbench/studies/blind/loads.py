@@ -23,28 +23,28 @@ from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden, largest_torque, slot_yield
 
 
-def joint_compliance(job: Problem, effect: JointCompliance, rng: np.random.Generator) -> Hidden:
+def joint_compliance(problem: Problem, effect: JointCompliance, rng: np.random.Generator) -> Hidden:
     """c τ that saturates or hardens by a tenth."""
-    axial = int(job.arm.axial[job.joint(effect.where.joint)] % 6)
+    axial = int(problem.arm.axial[problem.joint(effect.where.joint)] % 6)
     down = effect.nominal > 0 and rng.random() < 0.4
     unit = -0.1 if down else effect.params[0].typical
     c, bend = unit * (effect.nominal or 1.0), rng.uniform(-0.1, 0.1)
-    most = largest_torque(job, job.joint(effect.where.joint))
+    most = largest_torque(problem, problem.joint(effect.where.joint))
 
     def law(wrench: Array) -> Array:
         out, tau = np.zeros(6), wrench[axial]
         out[axial] = c * tau * (1 + bend * (2 * abs(tau) / most - 1))
         return out
 
-    form = slot_yield(effect.slot(job.arm), law)
+    form = slot_yield(effect.slot(problem.arm), law)
     return Hidden("joint_compliance", effect, np.array([unit]), form, 5.0)
 
 
-def lost_motion(job: Problem, effect: LostMotion, rng: np.random.Generator) -> Hidden:
+def lost_motion(problem: Problem, effect: LostMotion, rng: np.random.Generator) -> Hidden:
     """A soft zone as an arctan of any width, play with soft edges, or hardening with the power 2.6."""
-    j = job.joint(effect.where.joint)
-    axial = int(job.arm.axial[j] % 6)
-    most = largest_torque(job, j)
+    j = problem.joint(effect.where.joint)
+    axial = int(problem.arm.axial[j] % 6)
+    most = largest_torque(problem, j)
     kind = str(rng.choice(["soft", "play", "power"], p=[0.5, 0.25, 0.25]))
     width = most * float(np.exp(rng.uniform(np.log(0.05), np.log(0.4)))) * (0.3 if kind == "play" else 1.0)
     amplitude = 5e-5 * (float(rng.choice([-1.0, 1.0])) if kind == "power" else 1.0)
@@ -58,14 +58,15 @@ def lost_motion(job: Problem, effect: LostMotion, rng: np.random.Generator) -> H
         return out
 
     variant = {"soft": "soft 0.15", "play": "play", "power": "cubic"}[kind]
-    named = next((e for e in LostMotion.sites(job) if e.key == effect.key and e.variant == variant), effect)
-    form = slot_yield(effect.slot(job.arm), law)
+    same = (e for e in LostMotion.sites(problem) if e.key == effect.key and e.variant == variant)
+    named = next(same, effect)
+    form = slot_yield(effect.slot(problem.arm), law)
     return Hidden("lost_motion", named, np.array([amplitude]), form, 20.0)
 
 
-def gravity_compensator(job: Problem, effect: GravityCompensator, rng: np.random.Generator) -> Hidden:
+def gravity_compensator(problem: Problem, effect: GravityCompensator, rng: np.random.Generator) -> Hidden:
     """A gas whose loss follows a polytrope, friction that grows with the stroke, warm gas likewise."""
-    law = job.compensator
+    law = problem.compensator
     assert law is not None
     sign = -1.0 if effect.variant == "charge" and rng.random() < 0.75 else 1.0
     unit = sign * effect.params[0].typical
@@ -75,35 +76,39 @@ def gravity_compensator(job: Problem, effect: GravityCompensator, rng: np.random
         law = replace(law, data=law.data.model_copy(update={"exponent": float(rng.uniform(1.2, 1.3))}))
     grow = rng.uniform(-0.3, 0.3)  # of the preload, per 0.1 m of stroke
 
-    def torque(job: Problem) -> Array:
-        changed = replace(job.loads, compensator=law)
-        column = effect.wrench(job, job.rigid, changed)[..., 0].reshape(len(job.q), -1)[:, job.arm.axial]
+    def torque(problem: Problem) -> Array:
+        changed = replace(problem.loads, compensator=law)
+        wrench = effect.wrench(problem, problem.rigid, changed)[..., 0]
+        column = wrench.reshape(len(problem.q), -1)[:, problem.arm.axial]
         if effect.variant == "preload":
-            s = law.ends(job.rigid)[2]
+            s = law.ends(problem.rigid)[2]
             column = column * (1 + grow * (s - s.mean()) / 0.1)[:, None]
         return np.asarray(unit * column)
 
     def form(size: float) -> Truth:
-        return Truth(torque=lambda job: size * torque(job))
+        return Truth(torque=lambda problem: size * torque(problem))
 
     return Hidden("gravity_compensator", effect, np.array([unit]), form, 8.0)
 
 
-def payload(job: Problem, effect: Payload, rng: np.random.Generator) -> Hidden:
+def payload(problem: Problem, effect: Payload, rng: np.random.Generator) -> Hidden:
     """Mostly a mass, or mostly a centre of mass, and a little of the other."""
-    return _mass_and_place("payload", job, effect, rng, 6.0)
+    return _mass_and_place("payload", problem, effect, rng, 6.0)
 
 
-def link_mass(job: Problem, effect: LinkMass, rng: np.random.Generator) -> Hidden:
+def link_mass(problem: Problem, effect: LinkMass, rng: np.random.Generator) -> Hidden:
     """Mostly a mass, or mostly a centre of mass, and a little of the other."""
-    return _mass_and_place("link_mass", job, effect, rng, 10.0)
+    return _mass_and_place("link_mass", problem, effect, rng, 10.0)
 
 
-def _mass_and_place(name: str, job: Problem, effect: Any, rng: np.random.Generator, largest: float) -> Hidden:
+def _mass_and_place(
+    name: str, problem: Problem, effect: Any, rng: np.random.Generator, largest: float
+) -> Hidden:
     way = rng.normal(size=3)
     shift = way / np.linalg.norm(way)
     mass = float(rng.choice([-1.0, 1.0]))
-    other = next(e for e in type(effect).sites(job) if e.key == effect.key and e.variant != effect.variant)
+    sites = type(effect).sites(problem)
+    other = next(e for e in sites if e.key == effect.key and e.variant != effect.variant)
     by_mass, by_place = (effect, other) if effect.variant == "mass" else (other, effect)
     m = mass * np.array([by_mass.params[0].typical]) * (1.0 if effect is by_mass else 0.15)
     d = shift * by_place.params[0].typical * (1.0 if effect is by_place else 0.15)
@@ -115,39 +120,39 @@ def _mass_and_place(name: str, job: Problem, effect: Any, rng: np.random.Generat
     return Hidden(name, effect, unit, form, largest, more=(other,))
 
 
-def hose_torque(job: Problem, effect: HoseTorque, rng: np.random.Generator) -> Hidden:
+def hose_torque(problem: Problem, effect: HoseTorque, rng: np.random.Generator) -> Hidden:
     """−k q that stiffens towards the ends of the joint's range."""
-    j, bend = job.joint(effect.where.joint), rng.uniform(0.0, 0.2)
-    far = float(np.abs(job.q[:, j]).max())
+    j, bend = problem.joint(effect.where.joint), rng.uniform(0.0, 0.2)
+    far = float(np.abs(problem.q[:, j]).max())
 
-    def torque(job: Problem) -> Array:
-        out, q = np.zeros_like(job.q), job.q[:, j]
+    def torque(problem: Problem) -> Array:
+        out, q = np.zeros_like(problem.q), problem.q[:, j]
         out[:, j] = -10.0 * q * (1 + bend * (2 * (q / far) ** 2 - 1))
         return out
 
     def form(size: float) -> Truth:
-        return Truth(torque=lambda job: size * torque(job))
+        return Truth(torque=lambda problem: size * torque(problem))
 
     return Hidden("hose_torque", effect, np.array([10.0]), form, 30.0)
 
 
-def link_bending(job: Problem, effect: LinkBending, rng: np.random.Generator) -> Hidden:
+def link_bending(problem: Problem, effect: LinkBending, rng: np.random.Generator) -> Hidden:
     """Timoshenko rather than Bernoulli, and not equally stiff both ways."""
-    C = effect.compliance(job.arm)
+    C = effect.compliance(problem.arm)
     stretch = np.diag(rng.uniform(0.9, 1.1, 6))  # of the axes: stays symmetric and positive
     C = stretch @ C @ stretch
     C[:3, :3] *= rng.uniform(1.0, 1.15)  # shear
-    return _linear("link_bending", effect, C, job, 100.0)
+    return _linear("link_bending", effect, C, problem, 100.0)
 
 
-def bearing_tilt(job: Problem, effect: BearingTilt, rng: np.random.Generator) -> Hidden:
+def bearing_tilt(problem: Problem, effect: BearingTilt, rng: np.random.Generator) -> Hidden:
     """Not equally stiff about both axes, and a little of one moment turns the other axis."""
-    return _linear("bearing_tilt", effect, _uneven(rng), job, 100.0)
+    return _linear("bearing_tilt", effect, _uneven(rng), problem, 100.0)
 
 
-def foundation(job: Problem, effect: Foundation, rng: np.random.Generator) -> Hidden:
+def foundation(problem: Problem, effect: Foundation, rng: np.random.Generator) -> Hidden:
     """A floor that is stiffer one way than the other."""
-    return _linear("foundation", effect, _uneven(rng), job, 100.0)
+    return _linear("foundation", effect, _uneven(rng), problem, 100.0)
 
 
 def _uneven(rng: np.random.Generator) -> Array:
@@ -157,7 +162,7 @@ def _uneven(rng: np.random.Generator) -> Array:
     return C
 
 
-def _linear(name: str, effect: LinearYield, C: Array, job: Problem, largest: float) -> Hidden:
+def _linear(name: str, effect: LinearYield, C: Array, problem: Problem, largest: float) -> Hidden:
     unit = effect.params[0].typical
-    form = slot_yield(effect.slot(job.arm), lambda wrench: unit * C @ wrench)
+    form = slot_yield(effect.slot(problem.arm), lambda wrench: unit * C @ wrench)
     return Hidden(name, effect, np.array([unit]), form, largest)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign import Campaign
-from ...campaign.problem import problem
+from ...campaign.problem import problem_of
 from ...diagnosis.run import testable
 from ...diagnosis.screen import quadratic, reduce_columns
 from ...effects.base import Effect
@@ -121,8 +121,8 @@ def look(design: Design, hidden: Sequence[Hidden], seed: int, even: bool = False
     noise = design.noise
     if even:
         noise = Covariance(noise.sigma, np.zeros_like(noise.joint), noise.weight)
-    job = problem(planned_for(campaign, hidden, [1.0] * len(hidden)))
-    return Sight(design, truth, seed, fit(Model(job), start_state(job), noise))
+    problem = problem_of(planned_for(campaign, hidden, [1.0] * len(hidden)))
+    return Sight(design, truth, seed, fit(Model(problem), start_state(problem), noise))
 
 
 def clean(
@@ -142,9 +142,9 @@ def planned_for(campaign: Campaign, hidden: Sequence[Hidden], sizes: Sequence[fl
 
 def seen_at(sight: Sight, hidden: Sequence[Hidden], sizes: Sequence[float]) -> Sight:
     """The same sight with the columns as they are at these sizes."""
-    job = sight.fit.model.problem
-    job = replace(job, campaign=planned_for(job.campaign, hidden, sizes))
-    return replace(sight, fit=replace(sight.fit, model=replace(sight.fit.model, problem=job)))
+    problem = sight.fit.model.problem
+    problem = replace(problem, campaign=planned_for(problem.campaign, hidden, sizes))
+    return replace(sight, fit=replace(sight.fit, model=replace(sight.fit.model, problem=problem)))
 
 
 def candidates(sight: Sight, hidden: Sequence[Hidden]) -> list[Effect]:

@@ -15,46 +15,46 @@ from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden
 
 
-def thermal_growth(job: Problem, effect: ThermalGrowth, rng: np.random.Generator) -> Hidden:
+def thermal_growth(problem: Problem, effect: ThermalGrowth, rng: np.random.Generator) -> Hidden:
     """Each link with a coefficient of its own, within 15 %; without thermometer over any time constant."""
-    each = rng.uniform(0.85, 1.15, job.arm.slots)
+    each = rng.uniform(0.85, 1.15, problem.arm.slots)
     timed = effect.variant.startswith("warmup")
     unit = effect.params[0].typical
-    constant = rng.uniform(0.2, 0.8) * (0.0 if job.time is None else float(np.ptp(job.time)))
+    constant = rng.uniform(0.2, 0.8) * (0.0 if problem.time is None else float(np.ptp(problem.time)))
 
-    def motion(job: Problem) -> Mapping[int, Array]:
-        span = job.arm.span
+    def motion(problem: Problem) -> Mapping[int, Array]:
+        span = problem.arm.span
         if timed:
-            assert job.time is not None
-            warmth = 1 - np.exp(-job.time / constant)
+            assert problem.time is not None
+            warmth = 1 - np.exp(-problem.time / constant)
         else:
-            assert job.warmth is not None
-            warmth = job.warmth
+            assert problem.warmth is not None
+            warmth = problem.warmth
         return {
             6 * slot + c: unit * each[slot] * warmth * span[slot, c]
-            for slot in range(job.arm.slots)
+            for slot in range(problem.arm.slots)
             for c in range(3)
             if abs(span[slot, c]) > 1e-9
         }
 
     def form(size: float) -> Truth:
-        return Truth(motion=lambda job: {k: size * v for k, v in motion(job).items()})
+        return Truth(motion=lambda problem: {k: size * v for k, v in motion(problem).items()})
 
     return Hidden("thermal_growth", effect, np.array([unit]), form, 5.0 if timed else 2.5)
 
 
-def drift(job: Problem, effect: Drift, rng: np.random.Generator) -> Hidden:
+def drift(problem: Problem, effect: Drift, rng: np.random.Generator) -> Hidden:
     """A way that is slightly curved in time."""
-    assert job.time is not None
-    span = float(np.ptp(job.time))
+    assert problem.time is not None
+    span = float(np.ptp(problem.time))
     way = rng.normal(size=len(effect.params))
     unit = 1e-8 * way / np.linalg.norm(way[:3])
     bend = rng.uniform(-0.4, 0.4)
 
     def form(size: float) -> Truth:
-        def motion(job: Problem) -> Mapping[int, Array]:
-            assert job.time is not None
-            since = job.time * (1 + bend * (job.time / span - 0.5))
+        def motion(problem: Problem) -> Mapping[int, Array]:
+            assert problem.time is not None
+            since = problem.time * (1 + bend * (problem.time / span - 0.5))
             return {c: size * v * since for c, v in enumerate(unit)}
 
         return Truth(motion=motion)
@@ -62,12 +62,12 @@ def drift(job: Problem, effect: Drift, rng: np.random.Generator) -> Hidden:
     return Hidden("drift", effect, unit, form, 20.0)
 
 
-def tracker_scale(job: Problem, effect: TrackerScale, rng: np.random.Generator) -> Hidden:
+def tracker_scale(problem: Problem, effect: TrackerScale, rng: np.random.Generator) -> Hidden:
     """Refraction that is not quite the same at all heights."""
     unit, layer = float(rng.choice([-1e-5, 1e-5])), rng.uniform(-0.1, 0.1)
 
     def form(size: float) -> Truth:
-        def seen(job: Problem, points: Array) -> Array:
+        def seen(problem: Problem, points: Array) -> Array:
             height = points[..., 2:] - np.nanmean(points[..., 2])
             return points + size * unit * points * (1 + layer * height)
 

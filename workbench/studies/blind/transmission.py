@@ -19,77 +19,77 @@ from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden, axial_torque, joint_error, largest_torque
 
 
-def gear_ratio(job: Problem, effect: GearRatio, rng: np.random.Generator) -> Hidden:
+def gear_ratio(problem: Problem, effect: GearRatio, rng: np.random.Generator) -> Hidden:
     """ε q, with a tenth of it bent: the pitch of the teeth is not quite even."""
-    j, unit = job.joint(effect.where.joint), _sign(rng) * 5e-5
-    far, bend = float(np.abs(job.q[:, j]).max()), rng.uniform(-0.12, 0.12)
+    j, unit = problem.joint(effect.where.joint), _sign(rng) * 5e-5
+    far, bend = float(np.abs(problem.q[:, j]).max()), rng.uniform(-0.12, 0.12)
 
-    def error(job: Problem) -> Array:
-        q = job.q[:, j]
+    def error(problem: Problem) -> Array:
+        q = problem.q[:, j]
         return unit * q * (1 + bend * (2 * (q / far) ** 2 - 1))
 
     return Hidden("gear_ratio", effect, np.array([unit]), joint_error(j, error), 20.0)
 
 
-def gear_eccentricity(job: Problem, effect: GearEccentricity, rng: np.random.Generator) -> Hidden:
+def gear_eccentricity(problem: Problem, effect: GearEccentricity, rng: np.random.Generator) -> Hidden:
     """One or two cycles per turn, with a small third harmonic."""
-    j, k = job.joint(effect.where.joint), effect.cycles
+    j, k = problem.joint(effect.where.joint), effect.cycles
     phase, third, other = rng.uniform(-np.pi, np.pi), rng.uniform(0.05, 0.12), rng.uniform(-np.pi, np.pi)
 
-    def error(job: Problem) -> Array:
-        q = job.q[:, j]
+    def error(problem: Problem) -> Array:
+        q = problem.q[:, j]
         return 1e-4 * (np.sin(k * q + phase) + third * np.sin(3 * k * q + other))
 
     unit = 1e-4 * np.array([np.cos(phase), np.sin(phase)])
     return Hidden("gear_eccentricity", effect, unit, joint_error(j, error), 10.0)
 
 
-def gear_kinematic_error(job: Problem, effect: GearKinematicError, rng: np.random.Generator) -> Hidden:
+def gear_kinematic_error(problem: Problem, effect: GearKinematicError, rng: np.random.Generator) -> Hidden:
     """A gear line with a harmonic of 15–25 % at twice its order; one in three of no known order."""
-    j = job.joint(effect.where.joint)
+    j = problem.joint(effect.where.joint)
     if rng.random() < 1 / 3:
         effect = replace(effect, where=replace(effect.where, order=float(rng.uniform(12, 330))), variant="")
     order = effect.order
     double = replace(effect, where=replace(effect.where, order=2 * order), variant="")
     phase, share, other = rng.uniform(-np.pi, np.pi), rng.uniform(0.15, 0.25), rng.uniform(-np.pi, np.pi)
 
-    def error(job: Problem) -> Array:
-        q = job.q[:, j]
+    def error(problem: Problem) -> Array:
+        q = problem.q[:, j]
         return 3e-5 * (np.sin(order * q + phase) + share * np.sin(2 * order * q + other))
 
     unit = 3e-5 * np.array([np.cos(phase), np.sin(phase)])
     return Hidden("gear_kinematic_error", effect, unit, joint_error(j, error), 20.0, more=(double,))
 
 
-def wrist_coupling(job: Problem, effect: WristCoupling, rng: np.random.Generator) -> Hidden:
+def wrist_coupling(problem: Problem, effect: WristCoupling, rng: np.random.Generator) -> Hidden:
     """c q of the other joint, with a ripple: the coupled gears run out a little."""
-    j, other, unit = job.joint(effect.where.joint), job.joint(effect.where.other), _sign(rng) * 1e-4
+    j, other, unit = problem.joint(effect.where.joint), problem.joint(effect.where.other), _sign(rng) * 1e-4
     ripple, phase = rng.uniform(0.05, 0.15), rng.uniform(-np.pi, np.pi)
 
-    def error(job: Problem) -> Array:
-        q = job.q[:, other]
+    def error(problem: Problem) -> Array:
+        q = problem.q[:, other]
         return unit * (q + ripple * np.sin(2 * q + phase))
 
     return Hidden("wrist_coupling", effect, np.array([unit]), joint_error(j, error), 20.0)
 
 
-def backlash(job: Problem, effect: Backlash, rng: np.random.Generator) -> Hidden:
+def backlash(problem: Problem, effect: Backlash, rng: np.random.Generator) -> Hidden:
     """Against the last motion, 15 % more or less of it as the joint's torque goes."""
-    j, share = job.joint(effect.where.joint), rng.uniform(-0.2, 0.2)
-    most = largest_torque(job, j)
+    j, share = problem.joint(effect.where.joint), rng.uniform(-0.2, 0.2)
+    most = largest_torque(problem, j)
 
-    def error(job: Problem) -> Array:
-        direction = job.campaign.poses.side
+    def error(problem: Problem) -> Array:
+        direction = problem.campaign.poses.side
         if direction is None:
-            return np.zeros(len(job.q))
-        return -3e-5 * direction[:, j] * (1 + share * axial_torque(job)[:, j] / most)
+            return np.zeros(len(problem.q))
+        return -3e-5 * direction[:, j] * (1 + share * axial_torque(problem)[:, j] / most)
 
     return Hidden("backlash", effect, np.array([3e-5]), joint_error(j, error), 20.0)
 
 
-def readback_joints(job: Problem, effect: ReadbackJoints, rng: np.random.Generator) -> Hidden:
+def readback_joints(problem: Problem, effect: ReadbackJoints, rng: np.random.Generator) -> Hidden:
     """The servo stops off the command and the encoders see it; each joint's a little wrongly."""
-    weight = rng.uniform(0.9, 1.1, job.arm.n)
+    weight = rng.uniform(0.9, 1.1, problem.arm.n)
     seed = int(rng.integers(1_000_000))
 
     def plan(campaign: Campaign, size: float) -> Campaign:
@@ -97,7 +97,10 @@ def readback_joints(job: Problem, effect: ReadbackJoints, rng: np.random.Generat
         return campaign.with_poses(readback=campaign.poses.q + size * off)
 
     def form(size: float) -> Truth:
-        return Truth(joints=lambda job: weight * (np.asarray(job.campaign.poses.readback) - job.q))
+        def error(problem: Problem) -> Array:
+            return np.asarray(weight * (np.asarray(problem.campaign.poses.readback) - problem.q))
+
+        return Truth(joints=error)
 
     return Hidden("readback_joints", effect, np.ones(1), form, 50.0, plan=plan, fixed=True)
 

@@ -14,46 +14,46 @@ from .hidden import Hidden, axial_torque, joint_error
 LARGEST = 1e6  # the size is set by what is seen at the tool
 
 
-def product(job: Problem, rng: np.random.Generator) -> Hidden:
+def product(problem: Problem, rng: np.random.Generator) -> Hidden:
     """A joint errs with the product of two other joints' angles."""
-    j, a, b = rng.permutation(job.arm.n)[:3]
-    middle = job.q.mean(axis=0)
+    j, a, b = rng.permutation(problem.arm.n)[:3]
+    middle = problem.q.mean(axis=0)
     return _joint("product", int(j), lambda p: (p.q[:, a] - middle[a]) * (p.q[:, b] - middle[b]))
 
 
-def sawtooth(job: Problem, rng: np.random.Generator) -> Hidden:
+def sawtooth(problem: Problem, rng: np.random.Generator) -> Hidden:
     """A joint errs as a saw, with slow teeth that fit no turn."""
-    j, cycles, phase = _joint_of(job, rng), rng.uniform(1.3, 1.7), rng.uniform()
+    j, cycles, phase = _joint_of(problem, rng), rng.uniform(1.3, 1.7), rng.uniform()
     return _joint("sawtooth", j, lambda p: (p.q[:, j] * cycles / (2 * np.pi) + phase) % 1.0 - 0.5)
 
 
-def uneven_cycles(job: Problem, rng: np.random.Generator) -> Hidden:
+def uneven_cycles(problem: Problem, rng: np.random.Generator) -> Hidden:
     """A joint errs 2.7 times per turn (or nearly so)."""
-    j, cycles, phase = _joint_of(job, rng), rng.uniform(2.45, 2.75), rng.uniform(-np.pi, np.pi)
+    j, cycles, phase = _joint_of(problem, rng), rng.uniform(2.45, 2.75), rng.uniform(-np.pi, np.pi)
     return _joint("uneven_cycles", j, lambda p: np.sin(cycles * p.q[:, j] + phase))
 
 
-def tooth(job: Problem, rng: np.random.Generator) -> Hidden:
+def tooth(problem: Problem, rng: np.random.Generator) -> Hidden:
     """A damaged stretch of a joint's gear: a bump at one place."""
-    j = _joint_of(job, rng)
-    at = float(np.quantile(job.q[:, j], rng.uniform(0.3, 0.7)))
-    width = 0.12 * float(np.ptp(job.q[:, j]))
+    j = _joint_of(problem, rng)
+    at = float(np.quantile(problem.q[:, j], rng.uniform(0.3, 0.7)))
+    width = 0.12 * float(np.ptp(problem.q[:, j]))
     return _joint("tooth", j, lambda p: np.exp(-0.5 * ((p.q[:, j] - at) / width) ** 2))
 
 
-def other_torque(job: Problem, rng: np.random.Generator) -> Hidden:
+def other_torque(problem: Problem, rng: np.random.Generator) -> Hidden:
     """A joint yields to the torque of another one."""
-    torque = axial_torque(job)
+    torque = axial_torque(problem)
     loaded = np.flatnonzero(np.ptp(torque, axis=0) > 1e-3 * np.ptp(torque))
     other = int(rng.choice(loaded))
-    j = int(rng.choice([i for i in range(job.arm.n) if i != other]))
+    j = int(rng.choice([i for i in range(problem.arm.n) if i != other]))
     most = float(np.abs(torque[:, other]).max())
     return _joint("other_torque", j, lambda p: axial_torque(p)[:, other] / most)
 
 
-def memory(job: Problem, rng: np.random.Generator) -> Hidden:
+def memory(problem: Problem, rng: np.random.Generator) -> Hidden:
     """A joint rests on either side, as where it came from, which nobody recorded."""
-    j, seed = _joint_of(job, rng), int(rng.integers(1_000_000))
+    j, seed = _joint_of(problem, rng), int(rng.integers(1_000_000))
 
     def side(p: Problem) -> Array:
         return np.random.default_rng([seed, len(p.q)]).choice([-1.0, 1.0], len(p.q))
@@ -61,11 +61,11 @@ def memory(job: Problem, rng: np.random.Generator) -> Hidden:
     return _joint("memory", j, side)
 
 
-def slip(job: Problem, rng: np.random.Generator) -> Hidden:
+def slip(problem: Problem, rng: np.random.Generator) -> Hidden:
     """The tool slips on the flange whenever the hand points one way, and back."""
     way = rng.normal(size=3)
     way /= np.linalg.norm(way)
-    column, axis = 6 * (job.arm.n + 1), int(rng.integers(3))
+    column, axis = 6 * (problem.arm.n + 1), int(rng.integers(3))
 
     def form(size: float) -> Truth:
         def motion(p: Problem) -> Mapping[int, Array]:
@@ -77,7 +77,7 @@ def slip(job: Problem, rng: np.random.Generator) -> Hidden:
     return Hidden("slip", None, np.zeros(0), form, LARGEST)
 
 
-def tracker_angle(job: Problem, rng: np.random.Generator) -> Hidden:
+def tracker_angle(problem: Problem, rng: np.random.Generator) -> Hidden:
     """The instrument's bearing circle is out of centre: it turns by a sine of the bearing, twice as fast."""
     phase = rng.uniform(-np.pi, np.pi)
 
@@ -98,10 +98,10 @@ UNKNOWNS: dict[str, Callable[[Problem, np.random.Generator], Hidden]] = {
 }
 
 
-def _joint_of(job: Problem, rng: np.random.Generator) -> int:
-    return int(rng.integers(job.arm.n))
+def _joint_of(problem: Problem, rng: np.random.Generator) -> int:
+    return int(rng.integers(problem.arm.n))
 
 
 def _joint(name: str, joint: int, error: Callable[[Problem], Array]) -> Hidden:
-    form = joint_error(joint, lambda job: 1e-4 * error(job))
+    form = joint_error(joint, lambda problem: 1e-4 * error(problem))
     return Hidden(name, None, np.zeros(0), form, LARGEST)

@@ -33,7 +33,7 @@ from workbench import (
     load_robot,
     path_shapes,
     planned,
-    problem,
+    problem_of,
     restated,
     run_study,
     simulate,
@@ -102,8 +102,8 @@ def loaded_poses(robot: Robot, seed: int) -> Campaign:
 
 def identified(campaign: Campaign) -> Fit:
     """Compliances of a robot that is thought to be rigid; the paper's robot has no errors of geometry."""
-    job = problem(replace(campaign, robot=restated(campaign.robot, stiffness=None)))
-    return fit(Model(job, tuple(catalogue()["joint_compliance"].sites(job))), geometry=False)
+    problem = problem_of(replace(campaign, robot=restated(campaign.robot, stiffness=None)))
+    return fit(Model(problem, tuple(catalogue()["joint_compliance"].sites(problem))), geometry=False)
 
 
 def stiffness(found: Fit) -> tuple[Array, Array]:

@@ -23,7 +23,7 @@ from workbench import (
     identify_charge,
     load_pairs,
     planned,
-    problem,
+    problem_of,
     random_poses,
     simulate,
 )
@@ -50,11 +50,11 @@ def charge_by_witness(
     plan = planned(robot, q, targets=rig.targets, tool=rig.tool)
     other = (GAS, np.array([OTHER_CHARGE])), (GAS_LENGTH, np.array([OTHER_LENGTH]))
     measured = simulate(plan, replace(usual, effects=other), seed=seed, torque_sigma=drive_noise)
-    job = problem(plan)
-    masses = catalogue()["link_mass"].sites(job)
+    problem = problem_of(plan)
+    masses = catalogue()["link_mass"].sites(problem)
     beside: dict[str, Sequence[Effect]] = {
         "": (),
-        "_stiffness": catalogue()["joint_compliance"].sites(job)[1:2],
+        "_stiffness": catalogue()["joint_compliance"].sites(problem)[1:2],
         "_mass": [e for e in masses if e.where.link == "link_2" and e.variant == "com"],
     }
     numbers: dict[str, float] = {"other_charge": OTHER_CHARGE, "other_length": OTHER_LENGTH}

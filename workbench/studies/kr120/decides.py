@@ -56,7 +56,7 @@ def diagnosed(
     return found
 
 
-def reversing(job: Problem) -> dict[str, float]:
+def reversing(problem: Problem) -> dict[str, float]:
     """In how many of the poses the loads reverse joint 2's torque."""
-    bare, _, full = job.nominal_load.local[:, 2, 5].reshape(3, -1)
+    bare, _, full = problem.nominal_load.local[:, 2, 5].reshape(3, -1)
     return {"rich_poses": float(len(bare)), "reversing": float((bare * full < 0).sum())}

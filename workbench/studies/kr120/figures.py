@@ -22,7 +22,7 @@ from workbench import (
     load_pairs,
     numbers,
     planned,
-    problem,
+    problem_of,
 )
 
 from .printed import NAMES
@@ -104,12 +104,13 @@ def spring_numbers(springs: Mapping[str, FittedSpring]) -> dict[str, float]:
     return by_name
 
 
-def own_spring_numbers(job: Problem, angles: Array) -> dict[str, float]:
+def own_spring_numbers(problem: Problem, angles: Array) -> dict[str, float]:
     """What the robot's own gas spring does at these angles: force, torque, stiffness, and shift of the
     stretched arm."""
-    law, joint = job.compensator, compensated_joint(job.robot)
+    law, joint = problem.compensator, compensated_joint(problem.robot)
     assert law is not None
-    triangle, gear = gas_spring.linkage(job.arm, law), job.robot.joints[joint].data.stiffness or np.inf
+    triangle = gas_spring.linkage(problem.arm, law)
+    gear = problem.robot.joints[joint].data.stiffness or np.inf
     torque, added = gas_spring.bias(triangle, law, angles), gas_spring.added_stiffness(triangle, law, angles)
     return {
         "a_mm": 1e3 * triangle.a,
@@ -119,7 +120,7 @@ def own_spring_numbers(job: Problem, angles: Array) -> dict[str, float]:
         "added_least_kNm": 1e-3 * float(added.min()),
         "added_most_kNm": 1e-3 * float(added.max()),
         "added_share": float(added.max()) / gear,
-        "bias_shift_mm": 1e3 * float(np.abs(torque).max()) / gear * reach(job, joint),
+        "bias_shift_mm": 1e3 * float(np.abs(torque).max()) / gear * reach(problem, joint),
     }
 
 
@@ -133,15 +134,16 @@ def _strength(name: str, force: Array, torque: Array, gear: float) -> dict[str, 
 
 
 def stiffness_figure(
-    job: Problem, angles: Array, six: Mapping[str, WithHalf], needed: FittedSpring
+    problem: Problem, angles: Array, six: Mapping[str, WithHalf], needed: FittedSpring
 ) -> Figure:
     """Joint 2's stiffness at the angles: Table I, ours, the robot's gas spring, the one that is needed."""
 
     def bars(k: Array, half: Array, colour: str) -> charts.Series:
         return charts.Series(1e-6 / k, 1e-6 / (k + half), 1e-6 / (k - half), colour, "o")
 
-    assert job.compensator is not None
-    added = gas_spring.added_stiffness(gas_spring.linkage(job.arm, job.compensator), job.compensator, angles)
+    law = problem.compensator
+    assert law is not None
+    added = gas_spring.added_stiffness(gas_spring.linkage(problem.arm, law), law, angles)
     alone, needs = 1 / six["printed"][0].mean() + added, 1 / needed.compliance
     series = {
         "gas spring alone": charts.Series(1e-6 * alone, colour=charts.MIDDLE),
@@ -160,9 +162,9 @@ def compensated_joint(robot: Robot) -> int:
     return robot.joint_names.index(robot.compensator.joint)
 
 
-def reach(job: Problem, joint: int) -> float:
+def reach(problem: Problem, joint: int) -> float:
     """From a joint to the flange in the first pose [m]."""
-    return float(np.linalg.norm(job.rigid.p[-1][0] - job.rigid.origin[0, joint + 1]))
+    return float(np.linalg.norm(problem.rigid.p[-1][0] - problem.rigid.origin[0, joint + 1]))
 
 
 def stretched(angles: Array) -> Array:
@@ -177,8 +179,8 @@ def torque_figure(robot: Robot, q: Array, load: load_pairs.Load, tool: load_pair
     joint, bare = compensated_joint(robot), replace(robot, compensator=None)
 
     def torque(used: Robot, payload: str) -> Array:
-        job = problem(planned(used, q, payloads={"load": load}, payload=[payload] * len(q), tool=tool))
-        return job.nominal_load.local.reshape(len(q), -1)[:, job.arm.axial[joint]]
+        problem = problem_of(planned(used, q, payloads={"load": load}, payload=[payload] * len(q), tool=tool))
+        return problem.nominal_load.local.reshape(len(q), -1)[:, problem.arm.axial[joint]]
 
     series = {
         "with compensator": charts.Series(1e-3 * torque(robot, "")),
@@ -192,11 +194,12 @@ def torque_figure(robot: Robot, q: Array, load: load_pairs.Load, tool: load_pair
 
 def bias_figure(robot: Robot, q: Array, shares: Sequence[float] = (-0.05, -0.1, -0.2)) -> Figure:
     """Shift of the flange over poses q: (N, n), arm stretched, where the charge is off by these shares."""
-    job, joint = problem(planned(robot, q)), compensated_joint(robot)
-    assert job.compensator is not None
-    s, slope, _ = gas_spring.linkage(job.arm, job.compensator).stretch(q[:, joint])
+    problem, joint = problem_of(planned(robot, q)), compensated_joint(robot)
+    assert problem.compensator is not None
+    s, slope, _ = gas_spring.linkage(problem.arm, problem.compensator).stretch(q[:, joint])
     stiffness = robot.joints[joint].data.stiffness or np.inf
-    shift = 1e3 * reach(job, joint) * job.compensator.force(s)[2] * slope / stiffness  # mm per unit of charge
+    force = problem.compensator.force(s)[2]  # per unit of charge
+    shift = 1e3 * reach(problem, joint) * force * slope / stiffness  # mm
     series = {f"{100 * share:.0f} %".replace("-", "−"): charts.Series(-share * shift) for share in shares}
     title = "A lost charge moves the unloaded tool; loaded minus unloaded does not see it"
     x, y = f"joint {joint + 1}, °", "shift of the flange, mm"

@@ -17,7 +17,7 @@ from workbench import (
     load_robot,
     parse_effect,
     planned,
-    problem,
+    problem_of,
     random_geometry,
     stored,
 )
@@ -42,15 +42,15 @@ def charged(path: Path) -> Robot:
 
 def machines(robot: Robot, seed: int) -> dict[str, Truth]:
     """As the paper models it; with a soft gear in joint 2; with a leak; and two without noise."""
-    job = problem(planned(robot, np.zeros((1, 6))))
-    usual = Truth(geometry=random_geometry(job.arm, np.random.default_rng([seed, 1])), sigma=SIGMA)
+    problem = problem_of(planned(robot, np.zeros((1, 6))))
+    usual = Truth(geometry=random_geometry(problem.arm, np.random.default_rng([seed, 1])), sigma=SIGMA)
 
     def soft_zone(wrench: Array) -> Array:
         x = wrench[5] / SOFT_TORQUE
         return np.array([0.0, 0.0, 0.0, 0.0, 0.0, SOFT_ZONE * x / np.sqrt(1 + x**2)])
 
     nominal = 1 / (robot.joints[1].data.stiffness or np.inf)
-    stiffer = parse_effect(f"joint_compliance:joint=joint_2,relative={GEAR / nominal - 1}", job)
+    stiffer = parse_effect(f"joint_compliance:joint=joint_2,relative={GEAR / nominal - 1}", problem)
     soft = replace(usual, effects=(stiffer,), yields={2: soft_zone})
     at_100_bar = GAS, np.array([-1 / 6])
     return {

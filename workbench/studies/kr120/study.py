@@ -32,7 +32,7 @@ from workbench import (
     group_plan,
     load_pairs,
     planned,
-    problem,
+    problem_of,
     run_study,
     shown_of,
     simulate,
@@ -100,7 +100,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
 
     progress("fitting gas springs to six stiffnesses")
     stretched = figures.stretched(ANGLES)
-    arm = problem(planned(robot, stretched))
+    arm = problem_of(planned(robot, stretched))
     six = {name: (values[SIX], half[SIX]) for name, (values, half) in k.items()}
     springs = needed_springs(arm, six)
     numbers |= figures.spring_numbers(springs) | figures.own_spring_numbers(arm, ANGLES)
@@ -132,7 +132,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
 def by_angle(campaign: Campaign) -> Fit:
     """The paper's model: a serial chain without compensator, joint 2 with a compliance at each angle."""
     serial = replace(campaign, robot=replace(campaign.robot, compensator=None))
-    return load_pairs.fit_pairs(serial, lambda job: load_pairs.grouped(job, "joint_2", GROUP), SIGMA)
+    return load_pairs.fit_pairs(serial, lambda problem: load_pairs.grouped(problem, "joint_2", GROUP), SIGMA)
 
 
 def with_half(found: Fit) -> tuple[Array, Array]:
@@ -141,10 +141,11 @@ def with_half(found: Fit) -> tuple[Array, Array]:
     return values, 1.96 * std
 
 
-def needed_springs(job: Problem, six: Mapping[str, tuple[Array, Array]]) -> dict[str, FittedSpring]:
+def needed_springs(problem: Problem, six: Mapping[str, tuple[Array, Array]]) -> dict[str, FittedSpring]:
     """Eq. (12): the gas springs that Table I would need, and the one that the soft gear's values would."""
-    assert job.compensator is not None
-    gas = gas_spring.linkage(job.arm, job.compensator), job.compensator.data.piston_area or 0.0, ANGLES
+    law = problem.compensator
+    assert law is not None
+    gas = gas_spring.linkage(problem.arm, law), law.data.piston_area or 0.0, ANGLES
     (k, half), (soft, soft_half) = six["printed"], six["soft"]
     return {
         "table_1": fit_spring(*gas, k, half / 1.96),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from workbench import Array, Campaign, CellModel, Figure, Table, charts, numbers, problem
+from workbench import Array, Campaign, CellModel, Figure, Table, charts, numbers, problem_of
 
 from .count import Trade
 from .loads import Case
@@ -101,7 +101,7 @@ def errors_figure(n: Mapping[str, float]) -> Figure:
 def torque_figure(centres: Campaign, model: CellModel, law: Callable[[Array], Array]) -> Figure:
     """Joint 2's compliance in the cells over its torque; centres: a plan at the cells' centres, without load
     and then with it; law: the true motion (6,) beside its spring under a wrench (6,)."""
-    torque = problem(centres).nominal_load.local[:, 2, 5].reshape(2, -1)
+    torque = problem_of(centres).nominal_load.local[:, 2, 5].reshape(2, -1)
     low, high = torque[:, np.argsort(torque.mean(axis=0))]
     soft = [np.array([law(np.array([0, 0, 0, 0, 0, t]))[5] for t in ends]) for ends in (low, high)]
     nominal = 1e6 / (centres.robot.joints[1].data.stiffness or np.inf)

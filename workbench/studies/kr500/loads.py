@@ -19,7 +19,7 @@ from workbench import (
     load_pairs,
     numbers,
     places,
-    problem,
+    problem_of,
     simulate,
 )
 
@@ -108,7 +108,7 @@ def on_axis(plan: Campaign) -> Campaign:
 
 def pushed(plan: Campaign, force: Array) -> Campaign:
     """The plan with a force (3,) [N] at the target, as in machining, instead of the payload."""
-    lever = problem(plan).rigid.R[-1] @ np.array(plan.targets[0].xyz)
+    lever = problem_of(plan).rigid.R[-1] @ np.array(plan.targets[0].xyz)
     wrench = np.hstack([np.tile(force, (len(lever), 1)), np.cross(lever, force)])
     return plan.with_poses(
         wrench=wrench * (plan.poses.payload > 0)[:, None], payload=np.zeros_like(plan.poses.payload)

@@ -21,7 +21,7 @@ from workbench import (
     load_robot,
     loaded,
     numbers,
-    problem,
+    problem_of,
     record,
     two_steps,
     write_model,
@@ -42,9 +42,11 @@ def diagnosed(case: Mapping[str, Case], quick: bool, seed: int) -> dict[tuple[st
 
 def extended(path: Path, found: Outcome) -> Robot:
     """The diagnosed robot, standing where the instrument is known to stand, written and read."""
-    fit, job = found.fit, found.problem
+    fit, problem = found.fit, found.problem
     records = [record(e, v) for e, v in zip(fit.model.effects, fit.state.values, strict=True)]
-    write_model(path, loaded(job.robot, job.campaign), two_steps.seated(job.arm, fit.state), records)
+    write_model(
+        path, loaded(problem.robot, problem.campaign), two_steps.seated(problem.arm, fit.state), records
+    )
     return load_robot(path)
 
 
@@ -80,7 +82,7 @@ def candidates(measured: Campaign, check: Campaign, most: int = 8) -> Table:
     floor = 1e-3 * ERRORS["128"][0]  # the paper's noise at the most
     wanted = float(np.sqrt((1e-3 * ERRORS["constant"][0]) ** 2 - floor**2))
     kinds = [k for k in catalogue().values() if k.acts == "yielding" and k.cause != "joint_compliance"]
-    sites = [site for kind in kinds for site in kind.sites(problem(measured))]
+    sites = [site for kind in kinds for site in kind.sites(problem_of(measured))]
     best: dict[str, Left] = {}
     for one in left_over(measured, check, sites, wanted):
         best.setdefault(one.effect.label, one)
@@ -127,10 +129,10 @@ class _Moved:
 
 
 def _moved(plan: Campaign, effects: Sequence[Effect]) -> _Moved:
-    job = problem(replace(plan, points=plan.points[:, :1], targets=plan.targets[:1]))
-    model, half = Model(job), len(job.q) // 2
+    problem = problem_of(replace(plan, points=plan.points[:, :1], targets=plan.targets[:1]))
+    model, half = Model(problem), len(problem.q) // 2
     line = model.linearise(model.in_base())
-    every = [*effects, *catalogue()["joint_compliance"].sites(job)]
+    every = [*effects, *catalogue()["joint_compliance"].sites(problem)]
     one = [model.effect_jacobian(line, e, np.zeros(len(e.params)))[..., 0] for e in every]
     by = np.stack([(rows[half:] - rows[:half]).ravel() for rows in one], axis=1)
     points = line.prediction.base[:, 0]

@@ -23,7 +23,7 @@ from workbench import (
     as_package,
     cells,
     load_robot,
-    problem,
+    problem_of,
     random_geometry,
     run_study,
     tell,
@@ -62,7 +62,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
     fine = cells(BOX, CUTS["128"])
     points = fine.draw(rng)
     grid, check = plan(robot, fine.samples), plan(robot, points, (0.0,))
-    geometry = random_geometry(problem(check).arm, rng)
+    geometry = random_geometry(problem_of(check).arm, rng)
 
     case, models, predicted = {}, {}, {}
     for name, yields in {"a": {}, "b": {2: soft_zone}}.items():

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from workbench import Array, Path, Robot, Shown, path_shapes, planned, problem
+from workbench import Array, Path, Robot, Shown, path_shapes, planned, problem_of
 
 from .causes import one_cause_each, standing_error
 from .draw import Drawn, draw_corrected
@@ -96,8 +96,9 @@ def spiral_numbers(spirals: Spirals, seed: int) -> Numbers:
 def printed_numbers(robot: Robot, spirals: Spirals) -> Numbers:
     """What the printed R_a and R_z say by themselves."""
     run = spirals.slow
-    job = problem(planned(robot, run.q[len(run.q) // 2][None], targets=()))
-    lever = float(np.linalg.norm((job.rigid.p[-1, 0] - job.rigid.origin[0, 3])[:2]))  # joint 3 to tool
+    problem = problem_of(planned(robot, run.q[len(run.q) // 2][None], targets=()))
+    where = problem.rigid
+    lever = float(np.linalg.norm((where.p[-1, 0] - where.origin[0, 3])[:2]))  # joint 3 to tool
     span = 2 * float(stats.norm.isf(0.56 / len(run.q)))  # in σ, of as many readings as samples (Blom)
     (ra, *_, ra_both), (rz, *_, rz_both) = TABLE_2["ra"], TABLE_2["rz"]
     constant = least_mean(ra, rz)
@@ -105,7 +106,7 @@ def printed_numbers(robot: Robot, spirals: Spirals) -> Numbers:
         "constant": constant,
         "constant_share": constant / ra,
         "torque_3_printed": 1e-3 * ra_both / lever * TABLE_1[2],
-        "torque_3_ours": float(abs(job.nominal_load.local.ravel()[job.arm.axial[2]])),
+        "torque_3_ours": float(abs(problem.nominal_load.local.ravel()[problem.arm.axial[2]])),
         "noise_most": 1e3 * rz_both / span,
         "noise_ours": 1e6 * ALONG,
         "samples": float(len(run.q)),

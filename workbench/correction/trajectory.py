@@ -22,7 +22,7 @@ from .trouble import Trouble, impossible, out_of_range, ranges_of, unreached
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class Trajectory:
     """A path of N samples, and all that its correction starts from.
 
     nominal: the rigid arm as the controller believes it. X: (N, 4, 4) wanted tool poses; q: (N, n) joints
@@ -66,7 +66,7 @@ def ready(
     tool: Array | None = None,
     start: Array | None = None,
     seed: int = 0,
-) -> Course:
+) -> Trajectory:
     """The path made ready. Raises `InputError` with all that makes it impossible."""
     arm = arrays(robot)
     nominal, tip, X, q = _nominal(robot, arm, path, tool, start, seed)
@@ -77,7 +77,7 @@ def ready(
     for part in parts(len(q)):
         J[part] = tip.jacobian(nominal, frames(nominal, q[part]))
         gain[part] = tip.gain(nominal, J[part])
-    return Course(robot, path, nominal, tip, X, q, J, gain, extended)
+    return Trajectory(robot, path, nominal, tip, X, q, J, gain, extended)
 
 
 def _nominal(
