@@ -12,6 +12,7 @@ from ..effects.acting import Shares
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from ..robot.kinematics import Array
+from ..robot.rotations import tool_pose
 from .conditions import Conditions, stated_conditions
 from .mirror import METHODS
 from .paths import Path
@@ -140,7 +141,7 @@ def compensate(
     return Compensation(
         path=path,
         method=method,
-        tool=np.eye(4) if tool is None else np.asarray(tool, dtype=np.float64),
+        tool=tool_pose(tool),
         X_desired=trajectory.X,
         q_nominal=trajectory.q,
         q_command=rest.q,
@@ -196,7 +197,7 @@ def _coarse(trajectory: Trajectory, speed: Array, shares: Shares) -> list[str]:
     for i, (effect, _) in enumerate(trajectory.extended.acting):
         if effect.where.order is None:
             continue
-        joint = trajectory.nominal.names.index(str(effect.where.joint))
+        joint = trajectory.extended.problem.joint(effect.where.joint)
         commanded = shares.get(i, np.ones(len(rate))) > 0.01
         cycles = frequency(effect.where.order, speed[:, joint])
         few = commanded & (cycles * COARSE > rate)

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ..robot.kinematics import Arm, Array, Frames, frames
-from ..robot.rotations import cross, pose
+from ..robot.rotations import cross, pose, vectors
 
 DAMPING = 1e-4  # of a joint motion, relative to the arm's length: only felt at a singularity
 STEP = 0.3  # rad, or of the arm's length: the longest step of any joint
@@ -45,7 +44,7 @@ class Tip:
         R, p = self.place(where)
         out = np.empty((len(p), 6))
         out[:, :3] = X[:, :3, 3] - p
-        out[:, 3:] = turn_vector(X[:, :3, :3] @ R.transpose(0, 2, 1))
+        out[:, 3:] = vectors(X[:, :3, :3] @ R.transpose(0, 2, 1))
         return out
 
     def scaled(self, error: Array) -> Array:
@@ -79,17 +78,6 @@ def damped_inverse(J: Array, damping: float) -> Array:
     np.einsum("kii->ki", square)[...] += damping**2
     inverse = np.linalg.inv(square)
     return np.asarray(JT @ inverse if m <= n else inverse @ JT)
-
-
-def turn_vector(R: Array) -> Array:
-    """(K, 3) rotation vectors [rad] of (K, 3, 3), quick and exact for small turns."""
-    v = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
-    sine, cosine = np.sqrt(np.einsum("ki,ki->k", v, v)), 0.5 * (np.einsum("kii->k", R) - 1)
-    out = v * np.where(sine > 1e-6, np.arctan2(sine, cosine) / np.maximum(sine, 1e-6), 1.0)[:, None]
-    half = (sine <= 1e-6) & (cosine < 0)  # a half turn: v says nothing of its axis
-    if half.any():
-        out[half] = Rotation.from_matrix(R[half]).as_rotvec()
-    return np.asarray(out)
 
 
 def limited(arm: Arm, tip: Tip, step: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.kinematics import Array
-from ..robot.rotations import pose
+from ..robot.rotations import from_vectors, pose
 from .extended_arm import ExtendedArm, parts
 from .inverse import newton
 from .solve import Rest, correct
@@ -59,9 +59,7 @@ METHODS: Mapping[str, Callable[[Trajectory, Rest, Array | None], Command]] = {
 
 def _resting(trajectory: Trajectory, rest: Rest) -> Array:
     """(N, 4, 4) tool poses of the extended robot, from its error to the path."""
-    from scipy.spatial.transform import Rotation
-
-    turn = Rotation.from_rotvec(-rest.error[:, 3:]).as_matrix()
+    turn = from_vectors(-rest.error[:, 3:])
     return pose(trajectory.X[:, :3, 3] - rest.error[:, :3], turn @ trajectory.X[:, :3, :3])
 
 

@@ -14,11 +14,10 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from ..files.faults import Fault, InputError
 from ..robot.kinematics import Array
-from ..robot.rotations import pose
+from ..robot.rotations import about, pose
 from .paths import Path
 
 Piece = tuple[float, Callable[[Array], Array]]  # length [m], and distances (K,) → points (K, 2) [m] in W
@@ -173,4 +172,4 @@ def _check(title: str, pieces: Sequence[Piece], run: Run) -> None:
 
 def tilted(angle_deg: float, axis: str = "y") -> Array:
     """R_WT of a tool that looks down onto the plane and is tilted about one of W's axes."""
-    return np.asarray(Rotation.from_euler(axis, angle_deg, degrees=True).as_matrix() @ DOWN)
+    return np.asarray(about(axis, np.radians(angle_deg)) @ DOWN)

@@ -54,7 +54,7 @@ def ripple_shares(arm: ExtendedArm, speed: Array, bandwidth_hz: float) -> dict[i
     shares = {}
     for i, (effect, _) in enumerate(arm.acting):
         if effect.where.order is not None and effect.where.joint in arm.arm.names:
-            joint = arm.arm.names.index(effect.where.joint)
+            joint = arm.problem.joint(effect.where.joint)
             share = followed(frequency(effect.where.order, speed[:, joint]), bandwidth_hz)
             if (share < 1).any():
                 shares[i] = share
@@ -66,7 +66,7 @@ def left_out(arm: ExtendedArm, q: Array, speed: Array, shares: Shares, J: Array)
     found = []
     for i, share in shares.items():
         effect, values = arm.acting.items[i]
-        joint = arm.arm.names.index(str(effect.where.joint))
+        joint = arm.problem.joint(effect.where.joint)
         motion = effect.motion(arm.at(q, np.zeros_like(q), slice(0, len(q))))
         angle = motion[int(arm.arm.axial[joint])] @ values
         error = 1e3 * np.linalg.norm(J[:, :, joint], axis=1) * np.abs((1 - share) * angle)

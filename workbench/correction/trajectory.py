@@ -12,6 +12,7 @@ from ..robot.compensator import compensator_law
 from ..robot.description import Robot
 from ..robot.kinematics import Arm, Array, frames
 from ..robot.rigid_plant import arrays
+from ..robot.rotations import tool_pose
 from .check import check_path, reach
 from .conditions import Conditions, path_campaign
 from .extended_arm import ExtendedArm, extended_arm, parts
@@ -84,7 +85,7 @@ def _nominal(
     robot: Robot, arm: Arm, path: Path, tool: Array | None, start: Array | None, seed: int
 ) -> tuple[Arm, Tip, Array, Array]:
     """Rigid arm, tip, wanted poses and joints."""
-    X_FT = np.eye(4) if tool is None else np.asarray(tool, dtype=np.float64)
+    X_FT = tool_pose(tool)
     check_path(robot, arm, path, X_FT)
     nominal = replace(
         arm.with_geometry(np.zeros_like(arm.geometry)), compliance=np.zeros_like(arm.compliance)

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ..campaign import drive_torque
 from ..campaign.problem import Problem
@@ -24,6 +23,7 @@ from ..effects.base import Effect
 from ..robot.equilibrium import equilibrium
 from ..robot.kinematics import Arm, Array, Frames, point_jacobian
 from ..robot.loads import Loads, Wrenches
+from ..robot.rotations import body_jacobian, from_vectors
 from ..robot.wrench_jacobian import wrench_jacobian
 
 
@@ -180,10 +180,7 @@ class Model:
         setup = self.problem.campaign.poses.setup
         n_poses, n_targets = prediction.points.shape[:2]
         centre = np.stack([prediction.points[setup == k].mean(axis=(0, 1)) for k in range(len(state.R))])
-        arms = prediction.points - centre[setup][:, None]
-        frame = np.zeros((n_poses, n_targets, 3, 6))
-        frame[..., :3] = np.eye(3)
-        frame[..., 3:] = -_skew(arms)
+        frame = body_jacobian(prediction.points - centre[setup][:, None])
         target = np.empty((n_poses, n_targets, 3, 3))
         for i, k in enumerate(self.problem.on):
             target[:, i] = turn @ prediction.where.R[k]
@@ -208,16 +205,8 @@ class Model:
 
 def move_frame(state: State, setup: int, centre: Array, change: Array) -> State:
     """The state with one set-up's frame shifted and turned about `centre` by change (6,)."""
-    turn = Rotation.from_rotvec(change[3:]).as_matrix()
+    turn = from_vectors(change[3:])
     R, t = state.R.copy(), state.t.copy()
     R[setup] = turn @ R[setup]
     t[setup] = turn @ (t[setup] - centre) + centre + change[:3]
     return replace(state, R=R, t=t)
-
-
-def _skew(v: Array) -> Array:
-    out = np.zeros((*v.shape, 3))
-    out[..., 0, 1], out[..., 0, 2] = -v[..., 2], v[..., 1]
-    out[..., 1, 0], out[..., 1, 2] = v[..., 2], -v[..., 0]
-    out[..., 2, 0], out[..., 2, 1] = -v[..., 1], v[..., 0]
-    return out

@@ -66,14 +66,17 @@ def _given(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def write_fit(path: Path, fit: Fit) -> None:
-    """Writes a fit as the extended robot: what it found, beside what the robot's model had already.
+    """Writes a fit as the extended robot; see `fit_text`."""
+    put(path, fit_text(path, fit))
 
-    Tool and payloads are the campaign's: the effects were found under them.
-    """
+
+def fit_text(path: Path, fit: Fit) -> str:
+    """A fit as the extended robot that is to stand at `path`: what it found, beside what the robot's model
+    had already. Tool and payloads are the campaign's: the effects were found under them."""
     model = fit.model
     found = [record(e, v) for e, v in zip(model.effects, fit.state.values, strict=True)]
     robot = loaded(model.problem.robot, model.problem.campaign)
-    write_model(path, robot, fit.state.geometry, [*robot.effects, *found])
+    return model_text(path, robot, fit.state.geometry, [*robot.effects, *found])
 
 
 def loaded(robot: Robot, campaign: Campaign) -> Robot:

@@ -15,6 +15,7 @@ from scipy.optimize import minimize
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
 from ..robot.kinematics import Array
+from ..robot.rotations import body_jacobian
 
 
 @dataclass(frozen=True)
@@ -88,12 +89,8 @@ def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Arr
 
 def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:
     """Projection on the six motions of a rigid pose, each with its own noise."""
-    n_poses, n_targets = problem.seen.shape
-    A = np.zeros((n_poses, n_targets, 3, 6))
-    A[..., :3] = np.eye(3)
-    for c in range(3):
-        A[..., 3 + c] = np.cross(np.eye(3)[c], turned)
-    Q, R = np.linalg.qr(np.where(problem.seen[..., None, None], A, 0.0).reshape(n_poses, -1, 6))
+    A = np.where(problem.seen[..., None, None], body_jacobian(turned), 0.0)
+    Q, R = np.linalg.qr(A.reshape(len(A), -1, 6))
     Q = Q * np.sign(np.diagonal(R, axis1=1, axis2=2))[:, None, :]
     count = problem.seen.sum(axis=1)
     sigma = np.where(problem.seen, covariance.sigma, 0.0).sum(axis=1) / np.maximum(count, 1)

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from ..campaign.problem import Problem
 from ..effects.base import Effect, Param
 from ..robot.kinematics import Array
+from ..robot.rotations import body_jacobian
+from ..robot.schema import GEOMETRY
 from .registration import STATED_TARGET, UNKNOWN_TARGET
 
 GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
 FRAME_PRIOR = 10.0  # m, rad: as good as none
-MOTION_KEYS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequen
     names: list[str] = []
     prior: list[float] = []
     for setup in campaign.setup_names:
-        names += [f"frame/{setup}/{key}" for key in MOTION_KEYS]
+        names += [f"frame/{setup}/{key}" for key in GEOMETRY]
         prior += [FRAME_PRIOR] * 6
     targets: list[tuple[int, int | None, slice]] = []
     for k, setup in enumerate(campaign.setup_names):
@@ -74,7 +75,7 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequen
     which = np.array(chosen, dtype=np.int64)
     for column in which:
         slot, component = divmod(int(column), 6)
-        names.append(f"geometry/{arm.names[slot - 1]}/{MOTION_KEYS[component]}")
+        names.append(f"geometry/{arm.names[slot - 1]}/{GEOMETRY[component]}")
         prior.append(GEOMETRY_PRIOR[component // 3])
     slices, start = [], len(names)
     for effect in effects:
@@ -111,7 +112,7 @@ def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, t
     stated = [campaign.targets[i].xyz is not None for i in free]
     if campaign.six_dof and free:
         spread = [STATED_TARGET] * 3 + [0.2] * 3 if all(stated) else [UNKNOWN_TARGET] * 3 + [FRAME_PRIOR] * 3
-        return [(None, "body", MOTION_KEYS, spread)]
+        return [(None, "body", GEOMETRY, spread)]
     return [
         (i, campaign.targets[i].name, ("x", "y", "z"), [STATED_TARGET if known else UNKNOWN_TARGET] * 3)
         for i, known in zip(free, stated, strict=True)
@@ -120,8 +121,4 @@ def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, t
 
 def body_motion(places: Array) -> Array:
     """(3T, 6) motion of places (T, 3) by shift and turn of all about their centroid."""
-    arms = places - places.mean(axis=0)
-    out = np.zeros((len(places), 3, 6))
-    out[..., :3] = np.eye(3)
-    out[..., 3:] = np.cross(np.eye(3)[None], arms[:, None]).transpose(0, 2, 1)
-    return out.reshape(-1, 6)
+    return body_jacobian(places - places.mean(axis=0)).reshape(-1, 6)

@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
-from ..robot.kinematics import RX, RY, RZ, Array, Frames, frames
+from ..robot.kinematics import Array, Frames, frames
+from ..robot.rotations import body_jacobian, from_vectors
 
 STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists
 UNKNOWN_TARGET = 1.0  # m, how far an unknown target may be from its frame
@@ -138,11 +139,7 @@ def _refine(
         misfit, last = float(np.median(length[seen])), misfit
         weight = seen / np.sqrt(length**2 + (1.5 * misfit + 1e-9) ** 2)
         J = np.zeros((*z.shape, 6 + 3 * n_targets))
-        J[..., :3] = np.eye(3)
-        arm = points - t
-        J[..., 0, RY], J[..., 0, RZ] = arm[..., 2], -arm[..., 1]
-        J[..., 1, RX], J[..., 1, RZ] = -arm[..., 2], arm[..., 0]
-        J[..., 2, RX], J[..., 2, RY] = arm[..., 1], -arm[..., 0]
+        J[..., :6] = body_jacobian(points - t)
         for i in range(n_targets):
             J[:, i, :, 6 + 3 * i : 9 + 3 * i] = R @ R_k[:, i]
         scale = misfit + 1e-6
@@ -154,7 +151,7 @@ def _refine(
         A[6:, 6:] += np.diag(hold)
         g[6:] -= hold * (targets - start).ravel()
         step = np.linalg.solve(A, g)
-        R = Rotation.from_rotvec(step[3:6]).as_matrix() @ R
+        R = from_vectors(step[3:6]) @ R
         t = t + step[:3]
         targets = targets + step[6:].reshape(-1, 3)
         if float(np.abs(step).max()) < 1e-9 or (_ > 15 and misfit > 0.999 * last):

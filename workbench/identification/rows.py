@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
+from ..robot.rotations import from_vectors
 from .model import Linearisation, Model, State, move_frame
 from .noise import Covariance, whitener
 from .parameters import Columns, body_motion
@@ -121,8 +121,8 @@ def moved(problem: Problem, cols: Columns, state: State, centre: Array, step: Ar
             targets[k, i] += step[part]
             continue
         centre = targets[k].mean(axis=0)
-        turn = Rotation.from_rotvec(step[part][3:])
-        targets[k] = turn.apply(targets[k] - centre) + centre + step[part][:3]
+        turn = from_vectors(step[part][3:])
+        targets[k] = (targets[k] - centre) @ turn.T + centre + step[part][:3]
     geometry = state.geometry.copy()
     geometry.reshape(-1)[cols.geometry] += step[cols.geometry_slice]
     values = tuple(v + step[part] for v, part in zip(state.values, cols.effect, strict=True))

@@ -70,7 +70,7 @@ def levels(robot: Robot, q: ArrayLike, joint: str) -> tuple[Target, Target]:
     ValueError for a joint that stands upright: a level sees no turn about the vertical.
     """
     problem = problem_of(planned(robot, np.array([q], dtype=np.float64), targets=()))
-    slot = problem.joint(joint) + 1
+    slot = problem.arm.slot_of_joint(joint)
     across = np.cross([0.0, 0.0, 1.0], problem.rigid.axes[0, slot, RZ])
     if np.linalg.norm(across) < 0.5:
         raise ValueError(f"{joint} stands upright: a level sees no turn about the vertical")

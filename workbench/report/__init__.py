@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from ..diagnosis.result import Array, Diagnosis
 from ..robot.description import Robot
@@ -16,11 +18,12 @@ def write_all(
     q: Array | None = None,
     ghost_q: Array | None = None,
     ghost_label: str = "",
+    beside: Mapping[str, bytes] = MappingProxyType({}),
 ) -> tuple[Path, ...]:
     """Write `result.json`, `index.html`, `report.pdf` and `scene.html`; their paths.
 
     Everything is made before anything is written, so a failure leaves the folder as it was.
-    `q`, `ghost_q`, `ghost_label`: poses of the scene, see `scene.scene`.
+    `q`, `ghost_q`, `ghost_label`: poses of the scene, see `scene.scene`. beside: more files, by name.
     """
     from .content import gather
     from .page import page
@@ -33,5 +36,6 @@ def write_all(
         "index.html": page(material).encode(),
         "report.pdf": pdf(material),
         "scene.html": scene(diagnosis, robot, q, ghost_q, ghost_label).encode(),
+        **beside,
     }
     return write_together({Path(folder) / name: data for name, data in made.items()})

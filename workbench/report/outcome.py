@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from ..diagnosis.run import Outcome
-from ..identification.model_file import write_fit
+from ..identification.model_file import fit_text
 from . import write_all
 
 
 def write_outcome(outcome: Outcome, folder: str | Path) -> None:
-    """Writes result.json, index.html, report.pdf, scene.html and model.toml.
+    """Writes result.json, index.html, report.pdf, scene.html and model.toml: all, or none.
 
     The scene shows the pose that bends most, rigid, and its loaded twin with the deflection enlarged.
     """
@@ -25,5 +25,5 @@ def write_outcome(outcome: Outcome, folder: str | Path) -> None:
     if bend > 1e-7:
         factor = float(f"{0.1 / bend:.1g}")
         ghost, label = q + factor * axial[n], f"loaded, deflection × {factor:g}"
-    write_all(outcome.diagnosis, outcome.problem.robot, folder, q, ghost, label or "")
-    write_fit(folder / "model.toml", fit)
+    model = {"model.toml": fit_text(folder / "model.toml", fit).encode()}
+    write_all(outcome.diagnosis, outcome.problem.robot, folder, q, ghost, label or "", model)

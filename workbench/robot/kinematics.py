@@ -34,6 +34,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from .rotations import from_xyz, xyz_angles
+
 Array = NDArray[np.float64]
 TX, TY, TZ, RX, RY, RZ = range(6)
 
@@ -102,6 +104,16 @@ class Arm:
     def with_geometry(self, geometry: Array) -> Arm:
         """The same arm with other corrections G: (S, 6)."""
         return replace(self, geometry=geometry)
+
+
+def moved_base(arm: Arm, geometry: Array, R: Array, t: Array) -> Array:
+    """Corrections (S, 6) of the arm with the corrections `geometry`, its base turned by R (3, 3) and then
+    shifted by t (3,) [m]: the first joint's alone are others."""
+    out = geometry.copy()
+    placed = R @ (arm.p[1] + arm.R[1] @ geometry[1, :RX]) + t
+    out[1, :RX] = arm.R[1].T @ (placed - arm.p[1])
+    out[1, RX:] = xyz_angles((arm.R[1].T @ R @ arm.R[1] @ from_xyz(geometry[1:2, RX:])[0])[None])[0]
+    return out
 
 
 @dataclass(frozen=True)

@@ -56,13 +56,25 @@ def from_quaternions(quaternion: Array) -> Array:
 
 
 def vectors(R: Array) -> Array:
-    """(N, 3) rotation vectors [rad], axis times angle, length ≤ π."""
-    return np.asarray(Rotation.from_matrix(R).as_rotvec())
+    """(N, 3) rotation vectors [rad], axis times angle, length ≤ π (for small turns faster than SciPy's)."""
+    v = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
+    sine, cosine = np.sqrt(np.einsum("ki,ki->k", v, v)), 0.5 * (np.einsum("kii->k", R) - 1)
+    out = v * np.where(sine > 1e-6, np.arctan2(sine, cosine) / np.maximum(sine, 1e-6), 1.0)[:, None]
+    half = (sine <= 1e-3) & (cosine < 0)  # near a half turn v says little of its axis
+    if half.any():
+        out[half] = Rotation.from_matrix(R[half]).as_rotvec()
+    return np.asarray(out)
 
 
 def from_vectors(vector: Array) -> Array:
-    """(N, 3, 3) from (N, 3) rotation vectors [rad]."""
+    """(N, 3, 3) from (N, 3) rotation vectors [rad], (3, 3) from one (3,)."""
     return np.asarray(Rotation.from_rotvec(vector).as_matrix())
+
+
+def about(axis: str, angle: Array | float) -> Array:
+    """(..., 3, 3) turns by `angle` (...) [rad] about the axis "x", "y" or "z"."""
+    turn = Rotation.from_euler(axis, np.reshape(angle, (-1, 1))).as_matrix()
+    return np.asarray(turn.reshape(*np.shape(angle), 3, 3))
 
 
 def angle_between(A: Array, B: Array) -> Array:
@@ -104,5 +116,19 @@ def pose(p: Array, R: Array) -> Array:
 
 def screw(axis: str, angle: Array | float, shift: float) -> Array:
     """(..., 4, 4) turn by `angle` (...) [rad] about the axis "x", "y" or "z", and shift [m] along it."""
-    turn = Rotation.from_euler(axis, np.reshape(angle, (-1, 1))).as_matrix()
-    return pose(shift * np.eye(3)["xyz".index(axis)], turn.reshape(*np.shape(angle), 3, 3))
+    return pose(shift * np.eye(3)["xyz".index(axis)], about(axis, angle))
+
+
+def body_jacobian(arms: Array) -> Array:
+    """(..., 3, 6) motion of points per shift (3) and turn (3) of the rigid body that carries them.
+
+    arms: (..., 3) [m] from the pivot of the turn to the points.
+    """
+    out = np.empty((*np.shape(arms), 6))
+    out[..., :3], out[..., 3:] = np.eye(3), -skew(arms)
+    return out
+
+
+def tool_pose(X_FT: Array | None) -> Array:
+    """(4, 4) pose of the tool in the flange frame; of None the flange's own."""
+    return np.eye(4) if X_FT is None else np.asarray(X_FT, dtype=np.float64)

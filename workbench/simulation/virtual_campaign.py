@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..campaign import Campaign
 from ..campaign.problem import Problem, problem_of
@@ -21,6 +20,7 @@ from ..files.faults import Fault, InputError
 from ..robot.elastic_plant import elastic_twin
 from ..robot.kinematics import Arm, Array
 from ..robot.loads import Loads
+from ..robot.rotations import about, body_jacobian
 
 Values = tuple[Effect, Array]
 
@@ -125,9 +125,8 @@ class _Draws:
         rng, count = self._rng(1), len(problem.campaign.setup_names)
         turn, bearing = rng.uniform(-np.pi, np.pi, (2, count))
         distance, height = rng.uniform(3, 5, count), rng.uniform(-1.5, 0, count)
-        R = Rotation.from_euler("z", turn[:, None]).as_matrix()
         t = np.stack([distance * np.cos(bearing), distance * np.sin(bearing), height], axis=1)
-        return R, t
+        return about("z", turn), t
 
     def noise(self, points: Array, sigma: float, shots: int, six_dof: bool) -> Array:
         """(N, T, shots, 3) noise of the instrument."""
@@ -136,11 +135,7 @@ class _Draws:
         if not six_dof:
             return sigma * rng.normal(size=(n_poses, n_targets, shots, 3))
         # six independent errors of a rigid pose, as large at the targets as `sigma` says
-        arms = points - points.mean(axis=1, keepdims=True)
-        A = np.zeros((n_poses, n_targets, 3, 6))
-        A[..., :3] = np.eye(3)
-        for c in range(3):
-            A[..., 3 + c] = np.cross(np.eye(3)[c], arms)
+        A = body_jacobian(points - points.mean(axis=1, keepdims=True))
         Q = np.linalg.qr(A.reshape(n_poses, -1, 6))[0]
         error = np.sqrt(n_targets) * sigma * Q @ rng.normal(size=(n_poses, 6, shots))
         return error.reshape(n_poses, n_targets, 3, shots).transpose(0, 1, 3, 2)

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from ..campaign import Campaign, Target, load_campaign, write_campaign
 from ..campaign.planned import TARGETS, planned, random_poses
@@ -28,8 +27,8 @@ from ..report.numbers import mm
 from ..report.outcome import write_outcome
 from ..report.terminal import short_verdict
 from ..robot.description import load_robot
-from ..robot.kinematics import Array
-from ..robot.plant_parts import slot_pose
+from ..robot.kinematics import Array, moved_base
+from ..robot.rotations import about
 from ..simulation.closed_loop import Verified, verify_file
 from ..simulation.virtual_campaign import Truth, random_geometry, simulate
 
@@ -106,8 +105,7 @@ def measured(seed: int, poses: int) -> tuple[Campaign, Truth, tuple[Array, Array
         effects=tuple(parse_effect(text.format(order=order, double=2 * order), problem) for text in HIDDEN),
         sigma=3e-5,
     )
-    R = RotationMatrix.MakeZRotation(2.2).matrix()[None]
-    frame = R, np.array([[3.2, -1.4, -0.6]])
+    frame = about("z", 2.2)[None], np.array([[3.2, -1.4, -0.6]])
     return simulate(plan, truth, seed=seed, instrument=frame, torque_sigma=0.03), truth, frame
 
 
@@ -149,22 +147,7 @@ def _write_truth(path: Path, outcome: Outcome, truth: Truth, frame: tuple[Array,
     """
     problem, state = outcome.problem, outcome.fit.state
     assert truth.geometry is not None
-    X_TB = _pose(frame[0][0], frame[1][0]).inverse() @ _pose(state.R[0], state.t[0])
-    geometry = truth.geometry.copy()
-    slot = slot_pose(problem.arm, 1, np.zeros(6))
-    moved = slot.inverse() @ X_TB.inverse() @ slot_pose(problem.arm, 1, geometry[1])
-    geometry[1] = _correction(moved)
+    back, (R, t) = state.R[0].T, frame
+    geometry = moved_base(problem.arm, truth.geometry, back @ R[0], back @ (t[0] - state.t[0]))
     records = [record(effect, values) for effect, values in truth.effects]
     write_model(path, loaded(problem.robot, problem.campaign), geometry, records)
-
-
-def _pose(R: Array, t: Array) -> RigidTransform:
-    X: Any = t  # Drake's stubs ask for a dtype that NumPy's arrays do not declare
-    return RigidTransform(RotationMatrix(R), X)
-
-
-def _correction(G: RigidTransform) -> Array:
-    """(6,) tx ty tz rx ry rz of G = Trans Rx Ry Rz: the angles of the inverse rotation, backwards."""
-    # (Rx Ry Rz)⁻¹ = Rz(−c) Ry(−b) Rx(−a) = RollPitchYaw(−a, −b, −c)
-    back = np.asarray(RollPitchYaw(G.rotation().inverse()).vector(), dtype=np.float64)
-    return np.concatenate([np.asarray(G.translation(), dtype=np.float64), -back])

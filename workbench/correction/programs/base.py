@@ -49,6 +49,11 @@ class Program:
     blend: float = 1e-3
     share: float = 0.1
 
+    @property
+    def at_flange(self) -> bool:
+        """No tool: the poses are the flange's."""
+        return bool((self.tool == np.eye(4)).all())
+
     def __post_init__(self) -> None:
         points = self.X if self.kind == "poses" else self.q
         if points is None:

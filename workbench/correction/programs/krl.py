@@ -60,7 +60,7 @@ class Krl(Format):
 
     def write(self, program: Program) -> dict[str, str]:
         body = self._joints(program) if program.kind == "joints" else self._path(program)
-        tool = "$NULLFRAME" if (program.tool == np.eye(4)).all() else self._pose(program.tool, np.empty(0))
+        tool = "$NULLFRAME" if program.at_flange else self._pose(program.tool, np.empty(0))
         head = [
             *("&ACCESS RVP", "&REL 1", f"DEF {program.name} ( )", "EXT BAS (BAS_COMMAND :IN,REAL :IN )"),
             *(";FOLD INI", "BAS (#INITMOV,0 )", ";ENDFOLD (INI)"),

@@ -62,7 +62,7 @@ class Ls(Format):
 
     def warnings(self, program: Program) -> list[str]:
         found = super().warnings(program)
-        if program.kind == "poses" and not (program.tool == np.eye(4)).all():
+        if program.kind == "poses" and not program.at_flange:
             place, turn = self._numbers(program.tool)
             found.append(f"UTOOL[{self.tool}] on the controller has to be {', '.join(place + turn)}")
         if program.kind == "poses" and legs_of(program).blend.any():

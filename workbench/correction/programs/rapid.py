@@ -56,7 +56,7 @@ class Rapid(Format):
 
     def write(self, program: Program) -> dict[str, str]:
         data, moves = self._joints(program) if program.kind == "joints" else self._path(program)
-        if not (program.tool == np.eye(4)).all():
+        if not program.at_flange:
             frame = self._pose(program.tool, rotations.quaternions(program.tool[None, :3, :3])[0])
             data = [
                 "! Enter the tool's mass and centre of mass before running: 0.001 kg stands for unknown.",
@@ -87,7 +87,7 @@ class Rapid(Format):
         return f"[[{joints}],{self._external(rails)}]"
 
     def _tool(self, program: Program) -> str:
-        return "tool0" if (program.tool == np.eye(4)).all() else "tProgram"
+        return "tool0" if program.at_flange else "tProgram"
 
     def _joints(self, program: Program) -> tuple[list[str], list[str]]:
         speed = (

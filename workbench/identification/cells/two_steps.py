@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ...campaign import Campaign
 from ...campaign.problem import problem_of
@@ -19,7 +18,7 @@ from ...effects.joint_compliance import JointCompliance
 from ...effects.records import record
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
-from ...robot.kinematics import RX, Arm, Array
+from ...robot.kinematics import Arm, Array, moved_base
 from ...robot.schema import GEOMETRY
 from ..deflection import places
 from ..fit import Fit, fit
@@ -98,10 +97,4 @@ def seated(arm: Arm, state: State) -> Array:
 
     For an instrument that is known to stand in the base frame: then the robot stands where it was seen.
     """
-    geometry = state.geometry.copy()
-    turn = Rotation.from_euler("XYZ", geometry[1, RX:]).as_matrix()
-    R = state.R[0] @ arm.R[1] @ turn
-    p = state.R[0] @ (arm.p[1] + arm.R[1] @ geometry[1, :RX]) + state.t[0]
-    geometry[1, :RX] = arm.R[1].T @ (p - arm.p[1])
-    geometry[1, RX:] = Rotation.from_matrix(arm.R[1].T @ R).as_euler("XYZ")
-    return geometry
+    return moved_base(arm, state.geometry, state.R[0], state.t[0])

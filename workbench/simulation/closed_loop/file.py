@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any
 from ...correction import Conditions
 from ...correction.paths import load_path
 from ...files.faults import Fault, InputError
-from ...files.whole import put
+from ...report.folder import json_bytes, write_together
 from ...report.numbers import mm
 from ...robot.description import Robot, load_robot
 from ...robot.kinematics import Array
@@ -115,16 +114,13 @@ def verify_file(
 
 
 def write_verification(found: Verification, folder: Path) -> tuple[Path, ...]:
-    """Writes `verify.json`, `verify.html`, `scene.html`, all made before any is written; their paths."""
+    """Writes `verify.json`, `verify.html`, `scene.html`, all of them or none; their paths."""
     from .page import page
     from .scene import scene
 
     made = {
-        "verify.json": (json.dumps(found.to_json(), indent=2, ensure_ascii=False) + "\n").encode(),
+        "verify.json": json_bytes(found.to_json()),
         "verify.html": page(found).encode(),
         "scene.html": scene(found).encode(),
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, data in made.items():
-        put(folder / name, data)
-    return tuple(folder / name for name in made)
+    return write_together({folder / name: data for name, data in made.items()})

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 from ...correction import Conditions
 from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from ..processes import one_thread_each, spawn_pool
 from .control import Controller, nominal_mechanics
 from .mechanics import mechanics
 from .motion import motion
@@ -79,9 +78,12 @@ def simulate_all(
             progress(f"run {number} of {len(tasks)}: {task.said}")
             out.append(simulate(world, task))
         return out
-    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+    with one_thread_each(), spawn_pool(workers) as pool:
         waiting = [pool.submit(simulate, world, task) for task in tasks]
-        for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
-            out.append(future.result())
-            progress(f"run {number} of {len(tasks)} done: {task.said}")
+        try:
+            for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
+                out.append(future.result())
+                progress(f"run {number} of {len(tasks)} done: {task.said}")
+        finally:
+            pool.shutdown(cancel_futures=True)  # after a failure nobody waits for the runs that did not start
     return out

@@ -11,6 +11,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Integrator, LogVectorOutput, MatrixGain, VectorLogSink
 
 from ...robot.kinematics import Array
+from ...robot.rotations import tool_pose
 from .control import Controller, drives, feed_forward
 from .forces import Forces, table_at
 from .machine import Machine, machine
@@ -130,7 +131,7 @@ def _seen(
     context = plant.CreateDefaultContext()
     half = states.shape[1] // 2
     positions = _between(times, states[:, :half], states[:, half:], motion.sample_times)
-    X_FT = np.eye(4) if tool is None else np.asarray(tool, float)
+    X_FT = tool_pose(tool)
     X = np.empty((len(positions), 4, 4))
     for i, q in enumerate(positions):
         plant.SetPositions(context, q)

@@ -8,8 +8,8 @@ from functools import partial
 from pathlib import Path
 
 from ...files.faults import Fault, InputError
+from ...simulation.processes import one_thread_each, spawn_pool
 from . import case_keys
-from .runner import one_thread_each, spawn_pool
 from .score import Record, run_case
 
 

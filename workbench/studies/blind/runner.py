@@ -10,26 +10,24 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import sqlite3
 import sys
 import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass, field
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 from ...files.faults import Fault, InputError
+from ...simulation.processes import one_thread_each, spawn_pool
 
 TRIES = 3
 LINE_EVERY = 15.0  # s between progress lines where there is no terminal
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 Work = Callable[[str], Any]
 
 
@@ -41,12 +39,6 @@ class Done:
     result: Any
     error: str | None
     seconds: float
-
-
-def spawn_pool(workers: int) -> Executor:
-    """Processes that start fresh, and leave Ctrl-C to the one that started them."""
-    spawn = get_context("spawn")
-    return ProcessPoolExecutor(workers, spawn, signal.signal, (signal.SIGINT, signal.SIG_IGN))
 
 
 def run_tasks(
@@ -124,21 +116,6 @@ def _there(work: Work, keys: Sequence[str], pool: Callable[[], Executor], worker
                     yield Done(key, None, f"its worker died {TRIES} times", 0.0)
         finally:
             executor.shutdown(wait=False, cancel_futures=True)
-
-
-@contextmanager
-def one_thread_each() -> Iterator[None]:
-    """Processes that start in here use one BLAS thread each."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 def _open(store: Path, study: Mapping[str, Any], resume: bool) -> sqlite3.Connection:

@@ -18,6 +18,7 @@ from ...diagnosis.run import Outcome, diagnose
 from ...effects.base import Effect
 from ...identification.fit import Fit, refit
 from ...robot.kinematics import Array
+from ...robot.rotations import body_jacobian
 from .cases import Case, draw_case
 from .sight import Key, Products
 
@@ -226,8 +227,7 @@ def sensitivity(result: Fit, campaign: Campaign) -> Array:
     line, cols = model.linearise(result.state), result.columns
     J = np.zeros((*line.direct.shape[:2], len(cols.names)))
     arms = line.prediction.points - result.line.centre[0]  # the fit's frame turned about its own centre
-    J[:, :, :3] = np.tile(np.eye(3), (arms.shape[1], 1))
-    J[:, :, 3:6] = np.cross(np.eye(3), arms[:, :, None]).swapaxes(2, 3).reshape(*J.shape[:2], 3)
+    J[:, :, :6] = body_jacobian(arms).reshape(*J.shape[:2], 6)
     for _, i, part in cols.targets:
         assert i is not None
         J[:, 3 * i : 3 * i + 3, part] = line.target[:, i]
