@@ -17,7 +17,7 @@ from ...robot.kinematics import Array
 from .control import Drives
 from .machine import Machine
 from .mechanics import Mechanics
-from .motion import Motion
+from .motion import Motion, between
 
 SLOPE = 1e-6  # rad, m: half the step of the numerical slope of gear errors
 
@@ -191,4 +191,4 @@ class Forces(LeafSystem):
 
 def table_at(motion: Motion, values: Array) -> Array:
     """Values (N, m) at the path's samples as a table (K, m) at the motion's instants."""
-    return np.stack([np.interp(motion.times, motion.sample_times, c) for c in values.T], axis=1)
+    return between(motion.times, motion.sample_times, values)

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import find_peaks
 
 from ...robot.kinematics import Array
+from .motion import between
 
 LEAST_SHARE = 0.3  # of what is left near a line, that a gear has to explain to be named
 LEAST_CYCLES = 3.0  # of a gear along the path
@@ -92,7 +94,7 @@ def spectrum(time: Array, error: Array) -> tuple[Array, Array]:
     """Frequencies [Hz] and amplitudes [mm] of an error (N, 3) [m] at times (N,) [s], slow trend taken out."""
     count = min(len(time), 8192)
     t = np.linspace(time[0], time[-1], count)
-    even = _even(t, time, error)
+    even = between(t, time, error)
     u = np.linspace(-1, 1, count)
     even -= np.polynomial.polynomial.polyval(u, np.polynomial.polynomial.polyfit(u, even, 3)).T
     window = np.hanning(count)
@@ -109,8 +111,7 @@ def main_lines(
     A line is laid to a gear when the gear runs at that frequency and its sine takes most of the line away.
     """
     frequency, amplitude = spectrum(time, error)
-    inner = amplitude[1:-1]
-    peaks = 1 + np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:]))
+    peaks = find_peaks(amplitude)[0]
     peaks = peaks[frequency[peaks] * (time[-1] - time[0]) > 3.5]
     chosen = peaks[np.argsort(-amplitude[peaks])][:most]
     found = []
@@ -126,7 +127,7 @@ def _cause(
 ) -> str:
     """The gear order that explains most of the error between half and twice the frequency."""
     t = np.linspace(time[0], time[-1], 8192)
-    wanted = _band(t, _even(t, time, error), frequency)
+    wanted = _band(t, between(t, time, error), frequency)
     best, share = "", LEAST_SHARE
     for name, joint, order in orders:
         angle = order * np.interp(t, time, q[:, joint])
@@ -139,10 +140,6 @@ def _cause(
         if explained > share:
             best, share = name, explained
     return best
-
-
-def _even(t: Array, time: Array, values: Array) -> Array:
-    return np.stack([np.interp(t, time, column) for column in values.T], axis=1)
 
 
 def _band(t: Array, values: Array, frequency: float) -> Array:

@@ -103,6 +103,11 @@ def _instants(time: Array, length: float, ramp: float) -> Array:
     return t
 
 
+def between(at: Array, times: Array, values: Array) -> Array:
+    """Values (K, m) at instants `at` (K,), straight between those (N, m) at `times` (N,)."""
+    return np.stack([np.interp(at, times, column) for column in values.T], axis=1)
+
+
 def sides(q: Array) -> Array:
     """(K, n) side of approach along joints q (K, n), −1 … 1: goes over as `CROSSING` says."""
     # what is faster than the crossing itself does not count as turning round

@@ -9,6 +9,7 @@ import numpy as np
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Integrator, LogVectorOutput, MatrixGain, VectorLogSink
+from scipy.interpolate import CubicHermiteSpline
 
 from ...robot.kinematics import Array
 from ...robot.rotations import tool_pose
@@ -16,7 +17,7 @@ from .control import Controller, drives, feed_forward
 from .forces import Forces, table_at
 from .machine import Machine, machine
 from .mechanics import Mechanics
-from .motion import Motion
+from .motion import Motion, between
 
 INTEGRATION_STEP = 1e-3  # s
 
@@ -130,27 +131,16 @@ def _seen(
     plant = plant_of.plant
     context = plant.CreateDefaultContext()
     half = states.shape[1] // 2
-    positions = _between(times, states[:, :half], states[:, half:], motion.sample_times)
+    way = CubicHermiteSpline(times, states[:, :half], states[:, half:])
+    positions = way(np.clip(motion.sample_times, times[0], times[-1]))
     X_FT = tool_pose(tool)
     X = np.empty((len(positions), 4, 4))
     for i, q in enumerate(positions):
         plant.SetPositions(context, q)
         X[i] = plant_of.flange.CalcPoseInWorld(context).GetAsMatrix4() @ X_FT
     joints = positions[:, plant_of.motors].copy()
-    commanded = np.stack([np.interp(motion.sample_times, motion.times, c) for c in motion.q.T], axis=1)
+    commanded = between(motion.sample_times, motion.times, motion.q)
     motor = joints - commanded
     sprung = np.flatnonzero(plant_of.own >= 0)
     joints[:, sprung] += positions[:, plant_of.springs[plant_of.own[sprung]]]
     return X, joints, motor
-
-
-def _between(times: Array, q: Array, v: Array, at: Array) -> Array:
-    """Positions at instants between the steps, by their values and speeds at both."""
-    k = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
-    h = (times[k + 1] - times[k])[:, None]
-    u = np.clip((at - times[k])[:, None] / h, 0.0, 1.0)
-    a, b = q[k], q[k + 1]
-    da, db = h * v[k], h * v[k + 1]
-    return np.asarray(
-        a * (1 + 2 * u) * (1 - u) ** 2 + da * u * (1 - u) ** 2 + b * u**2 * (3 - 2 * u) + db * u**2 * (u - 1)
-    )
