@@ -588,7 +588,7 @@ SLEEPY = """
 import sys, time
 from pathlib import Path
 from workbench.cli.status import guarded
-from workbench.studies.blind.runner import run_tasks
+from workbench.studies.tasks import run_tasks
 
 def work(key):
     Path(f"{key}.started").touch()

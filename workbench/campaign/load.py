@@ -16,10 +16,8 @@ from ..robot.description import Robot, load_robot
 from ..robot.find import find_robot, list_robots
 from .check import check_points, check_poses, check_targets, doubts
 from .data import Array, Campaign, IntArray, Target
-from .file import CampaignFile, point_columns, pose_columns, read_campaign_file
+from .file import WRENCH_COLUMNS, CampaignFile, point_columns, pose_columns, read_campaign_file
 from .poses import Poses
-
-WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 def load_campaign(path: str | Path) -> Campaign:
@@ -90,7 +88,8 @@ def _assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points
         f"{path}: payload {name!r} is at no measured pose" for name in file.payloads if name not in payloads
     ]
     n = len(robot.joints)
-    wrench = [poses.numbers.get(name, np.zeros(len(poses))) for name in WRENCH]
+    nothing = np.zeros(len(poses))
+    wrench = [poses.numbers.get(column.name, nothing) for column in WRENCH_COLUMNS]
     direction = _joints(poses, "dir", n, absent=0.0)
     return Campaign(
         title=file.title or path.resolve().parent.name,

@@ -112,10 +112,10 @@ def run_study(script: Script) -> NoReturn:
     _script_options(parser, f"reports/{Path(module.__file__ or 'study/study.py').resolve().parent.name}")
 
     def action() -> None:
-        from ..studies.running import run as run_script
-
         given = parser.parse_args()
         check_folder(given.out)
+        from ..studies.running import run as run_script  # only now: a wrong call is answered at once
+
         found = run_script(script, given.out, given.seed, given.quick, progress)
         print(json.dumps(found.to_json()) if given.json else found.text)
 

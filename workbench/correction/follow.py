@@ -22,7 +22,7 @@ SPACING = 0.1  # way between knots, in rad and lengths of the tip
 STARTS = 128  # random postures that are tried for the first pose
 BRANCHES = 16  # solutions of it that are followed
 MENDED = 4  # of these that are looked at knot by knot
-TRIES = 3  # knots in a row that are tried in vain
+TRIES_IN_A_ROW = 3  # knots in a row that are tried in vain
 JUMP = 0.15  # rad or lengths: joints that move by so much more than the way asks for change the branch
 SAME = 1e-3
 
@@ -136,7 +136,7 @@ def _mended(arm: Arm, tip: Tip, X: Array, first: int, q: Array, solved: Bools, s
                 last = k
                 continue
             solved[k] = solved[k] and one_branch(arm, tip, X[[k]], q[[last]], q[[k]])[0]
-            touched = not solved[k] and misses < TRIES
+            touched = not solved[k] and misses < TRIES_IN_A_ROW
             if touched:
                 again, reached = newton(arm, tip, X[[k]], q[[last]], rounds=12)
                 solved[k] = reached[0] and one_branch(arm, tip, X[[k]], q[[last]], again)[0]

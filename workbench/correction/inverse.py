@@ -12,8 +12,8 @@ from ..robot.rotations import cross, pose, vectors
 
 DAMPING = 1e-4  # of a joint motion, relative to the arm's length: only felt at a singularity
 STEP = 0.3  # rad, or of the arm's length: the longest step of any joint
-TOLERANCE = 1e-11  # m
-REFRESH = 5  # rounds that one Jacobian serves
+REACHED_WITHIN = 1e-11  # m
+JACOBIAN_ROUNDS = 5  # rounds that one Jacobian serves
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ def limited(arm: Arm, tip: Tip, step: Array) -> Array:
 
 
 def newton(
-    arm: Arm, tip: Tip, X: Array, q: Array, rounds: int = 30, refresh: int = REFRESH
+    arm: Arm, tip: Tip, X: Array, q: Array, rounds: int = 30, refresh: int = JACOBIAN_ROUNDS
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Joints (K, n) that put the tool on X: (K, 4, 4), from the guess q, and which of them do."""
     q = q.copy()
@@ -98,7 +98,7 @@ def newton(
         error = tip.scaled(tip.error(where, X[active]))
         if count % refresh == 0:
             gain = tip.gain(arm, tip.jacobian(arm, where))
-        far = np.abs(error).max(axis=1) > TOLERANCE
+        far = np.abs(error).max(axis=1) > REACHED_WITHIN
         active, error, gain = active[far], error[far], gain[far]
         if not len(active):
             break

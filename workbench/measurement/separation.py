@@ -27,7 +27,11 @@ from ..robot.kinematics import Array
 from .sweep import GearLine, fit_sweep, gear_lines, joint_error
 
 # What the gear may do besides its lines: in words, and how many of the smooth forms are free.
-GEARS = {"errs in its lines only": 0, "may also run out once per turn": 1, "…, twice, and in its ratio": 3}
+GEAR_FORMS = {
+    "errs in its lines only": 0,
+    "may also run out once per turn": 1,
+    "…, twice, and in its ratio": 3,
+}
 ORDERS = np.arange(3.0, 700.0, 0.5)
 
 
@@ -121,7 +125,7 @@ def _alone(swept: Campaign, lines: list[Effect], joint: str) -> dict[str, Alone]
     smooth: list[Effect] = [GearEccentricity(place, "1"), GearEccentricity(place, "2"), GearRatio(place)]
     [yields] = [e for e in JointCompliance.sites(problem_of(swept)) if e.where == place]
     found = {}
-    for said, count in GEARS.items():
+    for said, count in GEAR_FORMS.items():
         result = fit_sweep(swept, [*lines, *smooth[:count], yields])
         (value,), covariance = result.effect_values(len(lines) + count)
         compliance = 1 + float(value)

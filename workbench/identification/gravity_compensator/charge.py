@@ -21,7 +21,7 @@ from .gas_spring import GasLength
 
 Witness = Literal["points", "torque", "both"]
 BLIND = 1e3  # m: noise with which points say nothing
-ROUNDS = 3
+LENGTH_ROUNDS = 3
 EFFECTS = GravityCompensator(variant="charge"), GasLength(variant="gas_length")
 
 
@@ -49,7 +49,7 @@ def identify_charge(
     used = campaign.with_poses(torque=None) if witness == "points" else campaign
     charge = length = 1.0
     # torques follow the length along a tangent: each round starts where the last ended
-    for _ in range(ROUNDS):
+    for _ in range(LENGTH_ROUNDS):
         here = replace(used, robot=_recharged(campaign.robot, charge, length))
         found = _fitted(here, witness, torque_share, unknown)
         (more, charge_variance), (longer, length_variance) = (found.effect_values(i) for i in range(2))

@@ -24,7 +24,7 @@ from .prior_information import PriorInformation, Sensitivity, ValuedEffects, pri
 
 TYPICAL = 300  # poses whose mean squared error counts
 DRAWS = 25  # random plans behind a median
-MOST = 100  # times the plan's number of random poses that are tried
+MOST_TRIED = 100  # times the plan's number of random poses that are tried
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class AccuracyPlan:
     """Records for accuracy, in the order to measure them, and the expected errors [mm]: one sigma, 3-D, of
     the model's prediction from noise alone. now_mm: from the campaign (None: there is none); random_mm: the
     median after as many random records; same: random records for the error of this plan (None: more than
-    `MOST` times as many); faults: of the campaign's data."""
+    `MOST_TRIED` times as many); faults: of the campaign's data."""
 
     records: Campaign
     noise: str
@@ -58,7 +58,7 @@ class AccuracyPlan:
     @property
     def text(self) -> str:
         n = len(self.records.poses.q)
-        same = f"about {self.same}" if self.same else f"more than {MOST * n}"
+        same = f"about {self.same}" if self.same else f"more than {MOST_TRIED * n}"
         lines = [
             "Expected error of the calibrated model, 3-D, one sigma, from noise alone",
             f"({self.noise}):",
@@ -125,7 +125,7 @@ class _Chance:
         """Fewest records, `count` or more, with a median of `wanted`; None where that takes too many."""
         low, high = count, count
         while self.median(high) > wanted:
-            if high >= MOST * count:
+            if high >= MOST_TRIED * count:
                 return None
             low, high = high, 2 * high
         while high - low > max(1, low // 50):

@@ -22,7 +22,7 @@ from .fedorov import Records, Search, check_count, information
 from .prior_information import PriorInformation
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 
-MOST = 1000  # poses that anyone would measure for this
+MOST_MEASURED = 1000  # poses that anyone would measure for this
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Power:
     surely: float = 80.0  # from here it names the right one in most campaigns, and never the wrong one
 
 
-POWER = Power()
+LEVELS = Power()
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class DiscriminationPlan:
 
     hardest: both ways of the pair with the least λ after the plan; hopeless: pairs that all candidates
     together do not tell; unseen: effects that no pose shows beside geometry; needed: planned poses after
-    which the hardest λ is `POWER.mostly`; separate_by: measurements of another kind that tell them apart;
+    which the hardest λ is `LEVELS.mostly`; separate_by: measurements of another kind that tell them apart;
     faults: of the campaign's data.
     """
 
@@ -89,7 +89,7 @@ class DiscriminationPlan:
             "payloads": {} if self.records is None else payload_counts(self.records),
             "noise": self.noise,
             "faults": [fault.to_json() for fault in self.faults],
-            "told_apart": self.least >= POWER.least and not self.hopeless and not self.unseen,
+            "told_apart": self.least >= LEVELS.least and not self.hopeless and not self.unseen,
             "hardest": [pair.to_json() for pair in self.hardest],
             "hopeless": [{**keys(a), "rival": keys(b)} for a, b in self.hopeless],
             "unseen": [keys(effect) for effect in self.unseen],
@@ -102,7 +102,7 @@ class DiscriminationPlan:
         lines = [f"No pose shows {label(effect)}." for effect in self.unseen]
         lines += [f"No poses tell {label(a)} from {label(b)}." for a, b in self.hopeless]
         if self.hardest:
-            alike, apart = f"below {POWER.least:g} alike", f"above {POWER.surely:g} apart"
+            alike, apart = f"below {LEVELS.least:g} alike", f"above {LEVELS.surely:g} apart"
             lines.append(f"λ, how far apart these causes are ({alike}, {apart}), if of")
             lines.append(f"typical size ({self._sizes()}), with {self.noise}:")
             for pair in self.hardest:
@@ -112,7 +112,7 @@ class DiscriminationPlan:
                     f"{self.count} random poses, {pair.plan:.3g} after this plan"
                 )
             lines.append(self._meaning())
-        if self.least < POWER.mostly or self.hopeless or self.unseen:
+        if self.least < LEVELS.mostly or self.hopeless or self.unseen:
             lines.append(f"Another kind of measurement tells more: {self.separate_by}.")
         return "\n".join(lines)
 
@@ -124,11 +124,11 @@ class DiscriminationPlan:
     def _meaning(self) -> str:
         """λ in words; it goes with the square of the causes' size."""
         more = f"about {self.needed} planned poses" if self.needed else "more poses than anyone measures"
-        if self.least >= POWER.surely:
+        if self.least >= LEVELS.surely:
             return "This plan tells them apart."
-        if self.least >= POWER.mostly:
+        if self.least >= LEVELS.mostly:
             return "This plan tells them apart, mostly; smaller causes it may not."
-        if self.least >= POWER.least:
+        if self.least >= LEVELS.least:
             return f"This plan may tell them apart; to be fairly sure takes {more}, or larger causes."
         return f"So few poses do not tell them apart: that takes {more}, or larger causes."
 
@@ -142,12 +142,12 @@ def plan_discrimination(prior: PriorInformation, text: str, count: int, search: 
     at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
     space = design_space(prior.of_records(offered, at_zero), prior.of_campaign(at_zero))
     everything = space.before + information(space.rows)
-    unseen = [effect for effect in effects if space.alone(everything, effect) < POWER.least]
+    unseen = [effect for effect in effects if space.alone(everything, effect) < LEVELS.least]
     pairs = _pairs(first, second, unseen)
     if not pairs and not unseen:
         raise InputError(Fault("--tell", f"{text!r} names one cause at one place", EXAMPLE))
     reached = space.criterion(everything, pairs)
-    lost = {frozenset(pair) for pair, power in zip(pairs, reached, strict=True) if power < POWER.least}
+    lost = {frozenset(pair) for pair, power in zip(pairs, reached, strict=True) if power < LEVELS.least}
     hopeless = [pair for pair in pairs[::2] if frozenset(pair) in lost]
     open_pairs = [pair for pair in pairs if frozenset(pair) not in lost]
     found = DiscriminationPlan(
@@ -210,12 +210,12 @@ def _hardest(
 
 
 def _needed(hardest: Sequence[Discrimination], count: int) -> int | None:
-    """Planned records for a λ of `POWER.mostly`, were each worth as much as one of this plan."""
+    """Planned records for a λ of `LEVELS.mostly`, were each worth as much as one of this plan."""
     worst = min(hardest, key=lambda pair: pair.plan)
     now = worst.now or 0.0
     gain = (worst.plan - now) / count
-    needed = (POWER.mostly - now) / gain if gain > 0 else np.inf
-    return int(np.ceil(needed)) if needed < MOST else None
+    needed = (LEVELS.mostly - now) / gain if gain > 0 else np.inf
+    return int(np.ceil(needed)) if needed < MOST_MEASURED else None
 
 
 def _advice(pairs: Sequence[Pair]) -> str:

@@ -25,7 +25,7 @@ Cost = Callable[[Records], Array]
 RIDGE = 1e-10  # information that stands in for none while a plan cannot identify everything yet
 UNSEEN = 1e-11  # information, of what all candidates together give, below which a direction is unseen
 BETTER = 1e-7  # relative gain below which an exchange is rounding, no improvement
-SWEEPS = 50
+PASSES = 50
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def search(cost: Cost, C: int, count: int, starts: int, seed: int) -> Records:
 def improve(cost: Cost, plan: Records) -> tuple[float, Records]:
     """Every record in turn gives way to the best candidate in its place, until none does: cost and plan."""
     plan, value, kept = plan.copy(), np.inf, 0
-    for step in range(SWEEPS * len(plan)):
+    for step in range(PASSES * len(plan)):
         k = step % len(plan)
         rest = np.delete(plan, k)
         costs = cost(rest)

@@ -16,7 +16,7 @@ from ...robot.description import Robot, load_robot
 from ...robot.kinematics import Array
 from .control import Controller
 from .proof import SPEEDS, verify
-from .verification import NAMES, Verification
+from .verification import COMMAND_NAMES, Verification
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +43,11 @@ class Verified:
             for name, trial in series.trials.items():
                 f = trial.figures
                 values = (f.mean_mm, f.rms_mm, f.p95_mm, f.max_mm, f.ra_mm, f.rz_mm)
-                lines.append(f"  {NAMES[name]:<31}" + "".join(f"{mm(value):>8}" for value in values))
+                lines.append(f"  {COMMAND_NAMES[name]:<31}" + "".join(f"{mm(value):>8}" for value in values))
         for r in found.repeats:
             rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"
-            lines.append(
-                f"  {NAMES[r.name]}, {r.count} runs at {r.speed:.3g} m/s: AT {mm(r.at_mm)} mm, RT {rt}"
-            )
+            what = f"{COMMAND_NAMES[r.name]}, {r.count} runs at {r.speed:.3g} m/s"
+            lines.append(f"  {what}: AT {mm(r.at_mm)} mm, RT {rt}")
         ratio = found.slow.ratio_to_perfect
         if ratio is not None:
             lines.append(f"  {ratio:.2f} times what a perfect model would reach")

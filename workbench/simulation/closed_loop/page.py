@@ -8,7 +8,7 @@ from ...report.markup import render
 from ...report.numbers import mm
 from ...report.study import Table, Tile
 from .pictures import pictures, speed_text
-from .verification import NAMES, Series, Verification
+from .verification import COMMAND_NAMES, Series, Verification
 
 
 def page(found: Verification) -> str:
@@ -73,7 +73,7 @@ def _numbers(series: Series) -> Table:
     for name, trial in series.trials.items():
         f = trial.figures
         values = (f.mean_mm, f.rms_mm, f.p95_mm, f.max_mm, f.across_max_mm)
-        rows.append([NAMES[name], *(mm(value) for value in values)])
+        rows.append([COMMAND_NAMES[name], *(mm(value) for value in values)])
     return Table(
         f"At {speed_text(series.speed)}, {series.time[-1]:.3g} s. Distance of the tool from where it should "
         "be at that instant; across: from the path, whenever it passes.",
@@ -89,7 +89,7 @@ def _roughness(found: Verification) -> Table:
         "deepest valley.",
         ("Speed", "Command", "R_a, mm", "R_z, mm"),
         [
-            [speed_text(series.speed), NAMES[name], mm(trial.figures.ra_mm), mm(trial.figures.rz_mm)]
+            [speed_text(series.speed), COMMAND_NAMES[name], mm(trial.figures.ra_mm), mm(trial.figures.rz_mm)]
             for series in found.series
             for name, trial in series.trials.items()
         ],
@@ -104,7 +104,7 @@ def _repeats(found: Verification) -> Table:
         ("Command", "Runs", "Speed", "AT, mm", "RT, mm"),
         [
             [
-                NAMES[r.name],
+                COMMAND_NAMES[r.name],
                 str(r.count),
                 speed_text(r.speed),
                 mm(r.at_mm),

@@ -10,7 +10,7 @@ from ...report.drawing import AFTER, BEFORE, MIDDLE, NOISE, Figure, drawing, pla
 from ...report.numbers import mm
 from ...robot.kinematics import Array
 from .measures import spectrum
-from .verification import NAMES, Series, Verification
+from .verification import COMMAND_NAMES, Series, Verification
 
 COMMAND_COLOURS = {"uncorrected": BEFORE, "geometry": MIDDLE, "corrected": AFTER, "perfect": NOISE}
 PATH_POINTS = 1000  # of a curve, at most
@@ -34,7 +34,7 @@ def _along(series: Series, number: int) -> Figure:
             size = np.maximum(1e3 * np.linalg.norm(trial.error, axis=1), LEAST_SHOWN)
             t, shown = _thinned(series.time, size)
             style = "--" if name == "perfect" else "-"
-            axes.plot(t, shown, style, color=COMMAND_COLOURS[name], lw=1.4, label=NAMES[name])
+            axes.plot(t, shown, style, color=COMMAND_COLOURS[name], lw=1.4, label=COMMAND_NAMES[name])
         axes.set_yscale("log")
         plain_log(axes.yaxis)
         axes.set(xlabel="time along the path, s", ylabel="3-D error of the tool, mm")
@@ -54,7 +54,7 @@ def _along(series: Series, number: int) -> Figure:
 def _heights(found: Verification) -> Figure:
     """R_a and R_z per command at the slowest speed, as Olabi et al. (2012) tabulate them."""
     trials = found.slow.trials
-    names = [name for name in NAMES if name in trials]
+    names = [name for name in COMMAND_NAMES if name in trials]
     with drawing("heights", 0.9 + 0.34 * len(names)) as (axes, svg):
         for row, name in enumerate(names):
             f = trials[name].figures
@@ -65,7 +65,7 @@ def _heights(found: Verification) -> Figure:
             place = {"va": "center", "fontweight": "bold", "color": COMMAND_COLOURS[name]}
             axes.annotate(said, (1.0, row), (6, 0), ("axes fraction", "data"), "offset points", **place)
         axes.set(yticks=range(len(names)), ylim=(len(names) - 0.5, -0.6), xscale="log")
-        axes.set_yticklabels([NAMES[name] for name in names])
+        axes.set_yticklabels([COMMAND_NAMES[name] for name in names])
         axes.grid(axis="y", visible=False)
         plain_log(axes.xaxis)
         axes.set_xlabel("error normal to the path's plane, mm: R_a (dot), R_z (bar)")
@@ -90,7 +90,7 @@ def _spectra(series: Series) -> Figure:
                 *_thinned(f[used], np.maximum(1e3 * amplitude[used], 1e-3)),
                 color=COMMAND_COLOURS[name],
                 lw=1.2,
-                label=NAMES[name],
+                label=COMMAND_NAMES[name],
             )
             top = max(top, float(amplitude[used].max()))
         axes.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel="error across the path, µm")

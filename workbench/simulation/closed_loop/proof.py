@@ -17,7 +17,7 @@ from .control import Controller
 from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
 from .runs import Outcome, Task, World, simulate_all
 from .simulation import INTEGRATION_STEP
-from .verification import NAMES, Repeats, Series, Trial, Verification
+from .verification import COMMAND_NAMES, Repeats, Series, Trial, Verification
 
 SPEEDS = (0.03, 0.3)  # m/s: as slow as source 003 drew, and ten times as fast
 LONGEST = 60.0  # s that a run may take in the simulated world
@@ -53,7 +53,7 @@ def verify(
     timed, notes = plans.at_speeds(speeds)
     commands = [plans.commands(p) for p, _ in timed]
     tasks = [
-        Task(f"{NAMES[name].lower()}, {speed:.3g} m/s", p, q)
+        Task(f"{COMMAND_NAMES[name].lower()}, {speed:.3g} m/s", p, q)
         for (p, speed), variants in zip(timed, commands, strict=True)
         for name, q in variants.items()
     ]
@@ -180,7 +180,7 @@ def _repeated(
         return []
     offsets = sigma * np.random.default_rng([seed, 11]).normal(size=(count, len(sigma)))
     return [
-        Task(f"{NAMES[name].lower()}, repeat {i} of {count}", path, commands[name], offset=offset)
+        Task(f"{COMMAND_NAMES[name].lower()}, repeat {i} of {count}", path, commands[name], offset=offset)
         for name in ("uncorrected", "corrected")
         for i, offset in enumerate(offsets, 1)
     ]

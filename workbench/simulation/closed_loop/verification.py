@@ -12,7 +12,7 @@ from ...robot.description import Robot
 from ...robot.kinematics import Array
 from .measures import Figures, Line
 
-NAMES = {
+COMMAND_NAMES = {
     "uncorrected": "Uncorrected",
     "geometry": "Corrected by geometry only",
     "corrected": "Corrected by everything",

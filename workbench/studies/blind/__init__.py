@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from ...files.whole import put
+from ..tasks import Done, run_tasks
 from .blind_page import miss_cells, page
 from .cases import FORMS
 from .plots import write_figures
-from .runner import Done, run_tasks
 from .score import Record, run_case
 from .tally import Rate, aims, by_cause, by_strength, confusion, figures, missed
 from .unknowns import UNKNOWNS

@@ -39,7 +39,7 @@ NEEDS: dict[str, Set[str]] = {
     "thermal_growth": {"temperature"},
     "tracker_scale": {"scale bar"},
 }
-YIELDS = {"payload", "link_mass", "hose_torque"}  # seen only where joints yield
+NEED_COMPLIANCE = {"payload", "link_mass", "hose_torque"}  # seen only where joints yield
 WEAKEST, STRONGEST = 20.0, 2000.0  # λ of one cause
 WEAKEST_OF_TWO = 40.0
 UNKNOWN_MM = (0.04, 0.12)  # rms at the tool that an unknown leaves after geometry
@@ -127,7 +127,7 @@ def _draw(key: str, what: str, rng: np.random.Generator, folder: Path) -> Case |
 def _can(robot: str, causes: list[str]) -> bool:
     if "gravity_compensator" in causes and robot != "kr500":
         return False
-    return robot != "ur5" or not YIELDS & set(causes)
+    return robot != "ur5" or not NEED_COMPLIANCE & set(causes)
 
 
 def _hide(

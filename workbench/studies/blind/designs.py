@@ -20,7 +20,7 @@ from ...simulation.virtual_campaign import random_geometry
 
 Ints = NDArray[np.int64]
 ROBOTS = ("kr500", "ur5", "6R", "7R")
-PAYLOADS = {"kr500": (60.0, 400.0), "ur5": (1.0, 5.0), "6R": (8.0, 50.0), "7R": (8.0, 50.0)}  # kg
+LOAD_MASSES = {"kr500": (60.0, 400.0), "ur5": (1.0, 5.0), "6R": (8.0, 50.0), "7R": (8.0, 50.0)}  # kg
 REPEATED, RETURNS = 10, 5  # poses that are returned to, and how often they are measured
 HELDOUT = 60  # poses of the campaign that judges
 SCALE_BAR = (
@@ -141,7 +141,7 @@ def _draw_cell(
 ) -> _Cell:
     warm = float(rng.uniform(18, 23)), float(rng.uniform(4, 12)), float(rng.uniform(0.2, 0.8) * span)
     targets = _targets(scale_bar, rng)
-    mass = float(np.exp(rng.uniform(*np.log(PAYLOADS[kind]))))
+    mass = float(np.exp(rng.uniform(*np.log(LOAD_MASSES[kind]))))
     com = tuple(float(x) for x in rng.uniform([-0.08, -0.08, 0.05], [0.08, 0.08, 0.2]))
     return _Cell(robot, targets, mass, com, two, columns, warm)
 

@@ -49,7 +49,7 @@ from .printed import FORCE, NUMBERS, POSES, SIGMA, TABLE_1, TABLE_2
 from .question import IN_BASE, explained, noise_needed
 
 WRENCH = np.concatenate([FORCE, np.zeros(3)])  # N, N·m, at the flange
-HAND = [Target("E", (0.0, 0.0, 0.0), fixed=True)]
+HAND_TARGETS = [Target("E", (0.0, 0.0, 0.0), fixed=True)]
 CIRCLE = path_shapes.circle(0.15, path_shapes.Run(path_shapes.work_frame([0.75, 0.0, 0.75])))
 ENLARGED = 60.0
 
@@ -96,7 +96,7 @@ def loaded_poses(robot: Robot, seed: int) -> Campaign:
     lower, upper = np.array([(joint.lower, joint.upper) for joint in robot.joints]).T
     q = np.random.default_rng([seed, 0]).uniform(lower, upper, size=(POSES, 3))
     return planned(
-        robot, np.tile(q, (2, 1)), targets=HAND, wrench=np.repeat([0 * WRENCH, WRENCH], POSES, axis=0)
+        robot, np.tile(q, (2, 1)), targets=HAND_TARGETS, wrench=np.repeat([0 * WRENCH, WRENCH], POSES, axis=0)
     )
 
 
@@ -127,7 +127,7 @@ def drawn(robot: Robot, beliefs: dict[str, Array]) -> tuple[Array, dict[str, Arr
         done = compensate(with_stiffness(robot, k), CIRCLE, Conditions(wrench=WRENCH))
         wanted = done.X_desired[:, :3, 3]
         for which, q in (("uncompensated", done.q_nominal), (name, done.q_command)):
-            plan = planned(robot, q, targets=HAND, wrench=np.tile(WRENCH, (len(q), 1)))
+            plan = planned(robot, q, targets=HAND_TARGETS, wrench=np.tile(WRENCH, (len(q), 1)))
             errors[which] = simulate(plan, Truth(), instrument=IN_BASE).points[:, 0] - wanted
     return wanted, errors
 

@@ -25,7 +25,7 @@ from workbench import (
     problem_of,
 )
 
-from .printed import NAMES
+from .printed import SPRING_NAMES
 
 WithHalf = tuple[Array, Array]  # compliances [rad/(N·m)] and half widths of their intervals
 
@@ -63,9 +63,9 @@ def compliance_numbers(k: Mapping[str, WithHalf], constant: Array) -> dict[str, 
         "soft_misses": float((abs(soft - constant) / soft_half)[7:].max()),
     }
     for machine, (values, half) in k.items():
-        six = [value for name, value in zip(NAMES, values, strict=True) if name.startswith("k2")]
-        by_name |= {f"{name}_{machine}": float(v) for name, v in zip(NAMES, values, strict=True)}
-        by_name |= {f"{name}_{machine}_half": float(h) for name, h in zip(NAMES, half, strict=True)}
+        six = [value for name, value in zip(SPRING_NAMES, values, strict=True) if name.startswith("k2")]
+        by_name |= {f"{name}_{machine}": float(v) for name, v in zip(SPRING_NAMES, values, strict=True)}
+        by_name |= {f"{name}_{machine}_half": float(h) for name, h in zip(SPRING_NAMES, half, strict=True)}
         by_name[f"spread_{machine}"] = float(np.ptp(six) / np.mean(six))
     return by_name
 
@@ -73,10 +73,10 @@ def compliance_numbers(k: Mapping[str, WithHalf], constant: Array) -> dict[str, 
 def compliance_table(k: Mapping[str, WithHalf], constant: Array) -> Table:
     """Table I with intervals beside ours, 1e-6 rad/(N·m)."""
     columns = [*k["printed"], *k["gas"], constant, *k["soft"]]
-    places = [2 if name in ("k1", "k4", "k5", "k6") else 3 for name in NAMES]
+    places = [2 if name in ("k1", "k4", "k5", "k6") else 3 for name in SPRING_NAMES]
     rows = [
         [name, *(numbers.decimals(1e6 * float(column[i]), places[i]) for column in columns)]
-        for i, name in enumerate(NAMES)
+        for i, name in enumerate(SPRING_NAMES)
     ]
     head = ("10⁻⁶ rad/(N·m)", "Table I", "±", "Gas spring alone", "±", "True", "With soft gear", "±")
     note = (

@@ -28,7 +28,7 @@ SIGMA = 3e-5  # m, of a reading, per axis
 CHARGE = 120e5  # Pa, of the gas spring
 GEAR, SOFT_ZONE, SOFT_TORQUE = 0.23e-6, float(np.radians(0.5 / 60)), 500.0  # rad/(N·m), rad, N·m
 LEAK = 0.15  # of the charge
-HIDDEN = {"gas": "Gas spring alone", "soft": "Soft gear", "leak": f"Leak, {100 * LEAK:.0f} % of the charge"}
+MACHINES = {"gas": "Gas spring alone", "soft": "Soft gear", "leak": f"Leak, {100 * LEAK:.0f} % of the charge"}
 
 
 def charged(path: Path) -> Robot:

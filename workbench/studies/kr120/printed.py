@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-NAMES = ("k1", "k21", "k22", "k23", "k24", "k25", "k26", "k3", "k4", "k5", "k6")
+SPRING_NAMES = ("k1", "k21", "k22", "k23", "k24", "k25", "k26", "k3", "k4", "k5", "k6")
 """[-] Table I: the compliances, of joint 2 at six angles."""
 
 TABLE_1 = 1e-6 * np.array([1.13, 0.34, 0.36, 0.35, 0.28, 0.32, 0.26, 0.43, 0.95, 3.82, 4.01])

@@ -46,7 +46,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 from . import figures
 from .compensator import blind_to_charge, charge_by_witness
 from .decides import WAYS, diagnosed, reversing, three_loads
-from .machines import HIDDEN, LEAK, SIGMA, charged, machines, true_compliances
+from .machines import LEAK, MACHINES, SIGMA, charged, machines, true_compliances
 from .printed import CONFIGURATIONS, HALF_1, LOAD, MARKERS_APART, MARKERS_BEFORE, NUMBERS, TABLE_1
 from .verdicts import verdict_table
 
@@ -57,13 +57,13 @@ GROUP = [group for group, count in enumerate(PER_ANGLE) for _ in range(count)] *
 # not in the paper: the story says why
 ANGLES = np.radians(np.linspace(-140, -5, 6))
 ACROSS, BEFORE = MARKERS_APART / 2, MARKERS_BEFORE
-PLACES = (ACROSS, 0.0, BEFORE), (-ACROSS, 0.0, BEFORE), (0.0, ACROSS, BEFORE)  # m, on the flange
+MARKER_PLACES = (ACROSS, 0.0, BEFORE), (-ACROSS, 0.0, BEFORE), (0.0, ACROSS, BEFORE)  # m, on the flange
 DRIVE_NOISE = 0.03  # share of a joint's largest torque
 RIG = Rig(
-    targets=[Target(f"M{i}", place, fixed=True) for i, place in enumerate(PLACES, start=1)],
-    load=(LOAD, PLACES[0]),
+    targets=[Target(f"M{i}", place, fixed=True) for i, place in enumerate(MARKER_PLACES, start=1)],
+    load=(LOAD, MARKER_PLACES[0]),
     sideways=np.array([0.0, 200.0, 0.0]),
-    tool=(25.0, PLACES[0]),
+    tool=(25.0, MARKER_PLACES[0]),
     sigma=SIGMA,
     limits={"joint_1": 0.7, "joint_4": np.pi, "joint_5": 1.9, "joint_6": np.pi},
 )
@@ -111,7 +111,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
 
     progress("diagnosing richer campaigns")
     loads = three_loads(robot, RIG, 30 if quick else 70, seed)
-    rich = {name: simulate(loads, truth[name], seed=seed + 1, torque_sigma=DRIVE_NOISE) for name in HIDDEN}
+    rich = {name: simulate(loads, truth[name], seed=seed + 1, torque_sigma=DRIVE_NOISE) for name in MACHINES}
     outcomes = diagnosed(folder / "campaign", data, rich, seed)
     best = outcomes[WAYS[-1]]["soft"]
     write_fit(folder / "model.toml", best.fit)
@@ -123,7 +123,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
         "table_1": figures.compliance_table(k, constant),
         "stiffness": figures.stiffness_figure(arm, ANGLES, six, springs["table_1"]),
         "bias": figures.bias_figure(robot, stretched),
-        "verdicts": verdict_table("Verdicts, by what is hidden in the machine", HIDDEN, outcomes),
+        "verdicts": verdict_table("Verdicts, by what is hidden in the machine", MACHINES, outcomes),
     }
     shown = shown_of(best.diagnosis, best.problem.q[0])
     return tell(Path(__file__).with_name("story.md"), robot, numbers, items, shown, "stiffness", FILES)

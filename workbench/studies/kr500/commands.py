@@ -27,7 +27,7 @@ from .loads import exact
 from .protocol import BOX, HAND, clock
 
 LABELS = {"constant": "constant stiffness", "128": "128 cells", "named": "soft zone named"}
-COLOURS = {"constant": charts.MIDDLE, "128": charts.PRINTED, "named": charts.OURS}
+LINE_COLOURS = {"constant": charts.MIDDLE, "128": charts.PRINTED, "named": charts.OURS}
 
 
 def commanded(
@@ -87,6 +87,6 @@ def _carrying(plan: Campaign, payload: str, q: Array) -> Campaign:
 
 
 def _line_figure(way: Array, error: Mapping[str, Array]) -> Figure:
-    series = {label: charts.Series(error[key], colour=COLOURS[key]) for key, label in LABELS.items()}
+    series = {label: charts.Series(error[key], colour=LINE_COLOURS[key]) for key, label in LABELS.items()}
     title = "The corrected line under 50 kg: cells step at their walls, a physical model does not"
     return charts.curves("line", title, way, series, "along the line, mm", "distance from the line, mm")

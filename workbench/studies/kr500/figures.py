@@ -16,7 +16,7 @@ MEGA = 1e-6
 NOTE = "In 10⁶ N·m/rad. In brackets: not decided, the compliance is uncertain by more than its nominal value."
 Models = Mapping[str, Mapping[str, CellModel]]  # by true robot, then by cut
 CELL = {"(18)": ("theory", 0), "(19)": ("constant", 0), "(20)": ("2", 0), "(21)": ("2", 1)}  # cut, cell
-NAMES = {
+MODEL_NAMES = {
     "raw": "no model",
     "theory": "constant, nominal kinematics",
     "constant": "constant",
@@ -87,14 +87,16 @@ def compared(
 
 def errors_figure(n: Mapping[str, float]) -> Figure:
     """Mean errors by model."""
-    printed = [ERRORS.get(key, (np.nan,))[0] for key in NAMES]
+    printed = [ERRORS.get(key, (np.nan,))[0] for key in MODEL_NAMES]
     series = {"printed": charts.Series(printed, colour=charts.PRINTED)}
     for case, colour in (("a", charts.NOISE), ("b", charts.OURS)):
-        mean, true = ([n.get(f"{case}_{key}_{what}", np.nan) for key in NAMES] for what in ("mm", "true_mm"))
+        mean, true = (
+            [n.get(f"{case}_{key}_{what}", np.nan) for key in MODEL_NAMES] for what in ("mm", "true_mm")
+        )
         series[f"({case}), line: without noise"] = charts.Series(mean, true, mean, colour)
     title = "Cells remove error in (b), where an effect is missing; in (a) they have none to remove"
     return charts.rows(
-        "errors", title, list(NAMES.values()), series, "mean error at the 128 verification points, mm"
+        "errors", title, list(MODEL_NAMES.values()), series, "mean error at the 128 verification points, mm"
     )
 
 

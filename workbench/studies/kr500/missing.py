@@ -31,7 +31,7 @@ from .loads import Case
 from .printed import ERRORS
 from .protocol import at
 
-NOTHING = 1e-6  # m: so little motion per typical size says nothing of a stiffness
+TOO_LITTLE = 1e-6  # m: so little motion per typical size says nothing of a stiffness
 
 
 def diagnosed(case: Mapping[str, Case], quick: bool, seed: int) -> dict[tuple[str, str], Outcome]:
@@ -107,12 +107,12 @@ def left_over(measured: Campaign, check: Campaign, effects: Sequence[Effect], wa
     rows, probe = _moved(measured, effects), _moved(check, effects)
     springs, out = slice(len(effects), None), []
     A, B = rows.by[:, springs], probe.by[:, springs]
-    firm = np.linalg.norm(A, axis=0) > NOTHING
+    firm = np.linalg.norm(A, axis=0) > TOO_LITTLE
     for i, effect in enumerate(effects):
         k = np.linalg.lstsq(A[:, firm], rows.by[:, i])[0]
         left = (probe.by[:, i] - B[:, firm] @ k).reshape(-1, 3)
         mean, typical = float(np.linalg.norm(left, axis=1).mean()), effect.params[0].typical
-        if mean * typical < 1e-3 * NOTHING:
+        if mean * typical < 1e-3 * TOO_LITTLE:
             continue
         value = wanted / mean
         raw = probe.nominal + value * probe.by[:, i].reshape(-1, 3)

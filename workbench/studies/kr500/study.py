@@ -45,14 +45,14 @@ from .protocol import BOX, at, fitted, plan
 # not in the paper: the story says why
 SIGMA = 20e-6  # m
 SIDE = np.array([200.0, 200.0, -400.0])  # N: a load that K1 would feel
-SOFT, WIDTH = 4e-4, 200.0  # rad, N·m: what joint 2 yields beside its spring, and below which torque
+SOFT_YIELD, WIDTH = 4e-4, 200.0  # rad, N·m: what joint 2 yields beside its spring, and below which torque
 USED = {"": "128", "named_": "2", "few_": "constant"}  # records behind the cells, the diagnosis, the least
 
 
 def soft_zone(wrench: Array) -> Array:
     """(6,) motion of joint 2 beyond τ/K: a law that the catalogue does not have."""
     x = wrench[5] / WIDTH
-    return np.array([0, 0, 0, 0, 0, SOFT * x / np.sqrt(1 + x**2)])
+    return np.array([0, 0, 0, 0, 0, SOFT_YIELD * x / np.sqrt(1 + x**2)])
 
 
 def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:

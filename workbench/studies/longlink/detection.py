@@ -24,7 +24,7 @@ from .arm import ARM
 from .figures import Chapter, plans_figure
 
 ON_LINKS = (Target("on link 2", (1.0, 0.0, 0.1), "link_2"), Target("on link 4", (0.9, 0.0, 0.1), "link_4"))
-SOFT = 5  # joint 6, from 0
+SOFT_JOINT = 5  # joint 6, from 0
 HARDENS, AT = 0.2, 100.0  # assumed: so much less compliant at so many N·m, a form the catalogue does not have
 
 
@@ -85,7 +85,7 @@ def measured(robot: Robot, plan: Plan, seed: Sequence[int], soft: bool = False) 
     """The plan's campaign, the ball's place unknown; soft: joint 6 yields twice as much, hardening."""
     q = np.tile(ARM.poses(plan.count, [*seed, 7]), (len(plan.loads), 1))
     payload = [load for load in plan.loads for _ in range(plan.count)]
-    compliance = 1 / (robot.joints[SOFT].data.stiffness or np.inf)
+    compliance = 1 / (robot.joints[SOFT_JOINT].data.stiffness or np.inf)
 
     def law(wrench: Array) -> Array:
         torque = wrench[5]  # about the joint's axis, z
@@ -93,7 +93,7 @@ def measured(robot: Robot, plan: Plan, seed: Sequence[int], soft: bool = False) 
 
     ball, *ring = ARM.targets
     targets = [replace(ball, fixed=False), *ring, *plan.on]
-    further = {SOFT + 1: law} if soft else {}
+    further = {SOFT_JOINT + 1: law} if soft else {}
     return ARM.measured(robot, q, [*seed, 8], targets, payload=payload, yields=further)
 
 

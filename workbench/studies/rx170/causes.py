@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from workbench import Array, Path, Robot, compensate, restated
 
-YIELDS = ("joint_compliance", "lost_motion")
+YIELDING = ("joint_compliance", "lost_motion")
 
 
 def one_cause_each(robot: Robot, joint: str) -> dict[str, Robot]:
@@ -15,8 +15,8 @@ def one_cause_each(robot: Robot, joint: str) -> dict[str, Robot]:
     others = [name for name in robot.joint_names if name != joint]
     found = {}
     for here, away, said in (([joint], others, joint), (others, [joint], "others")):
-        yields = [e for e in robot.effects if e.joint in here and e.cause in YIELDS]
-        gears = [e for e in robot.effects if e.joint in here and e.cause not in YIELDS]
+        yields = [e for e in robot.effects if e.joint in here and e.cause in YIELDING]
+        gears = [e for e in robot.effects if e.joint in here and e.cause not in YIELDING]
         found[f"yield_{said}"] = replace(restated(robot, away, stiffness=None), effects=tuple(yields))
         found[f"gear_{said}"] = replace(restated(robot, stiffness=None), effects=tuple(gears))
     return found

@@ -20,7 +20,7 @@ from workbench import (
 
 from .heights import height_figure
 from .printed import SPEED, TABLE_1, TABLE_2
-from .spiral import COMMANDS, FAST, SLOW, Spirals
+from .spiral import CORRECTIONS, FAST, SLOW, Spirals
 
 DEGREE = np.rad2deg(1e3)  # 1/1000 deg per rad
 CLOSE = np.deg2rad(10.0)  # rad of the sweep that are shown close
@@ -192,7 +192,7 @@ def along_figure(name: str, spirals: Spirals, by_name: Mapping[str, float]) -> F
     """z along the spiral, the paper's Fig. 13; name: slow or fast."""
     speed, run = {"slow": (SLOW, spirals.slow), "fast": (FAST, spirals.fast)}[name]
     ra = ", ".join(numbers.mm(by_name[f"ra_{key}_{name}"]) for key in CORRECTED)
-    error = {COMMANDS[key]: run.error[key] for key in CORRECTED}
+    error = {CORRECTIONS[key]: run.error[key] for key in CORRECTED}
     return height_figure(name, f"At {speed:g} m/s the mean of |z| is {ra} mm", run.time, error, spirals.zero)
 
 
@@ -206,7 +206,7 @@ def ra_rz_figure(by_name: Mapping[str, float]) -> Figure:
         f"ours, {SPEED:g} m/s": charts.Series(slow, colour=charts.OURS),
         "ours, ten times as fast": charts.Series(fast, colour=charts.NOISE),
     }
-    names = [f"R{r[1]}, {COMMANDS[key].lower()}" for r, key in which]
+    names = [f"R{r[1]}, {CORRECTIONS[key].lower()}" for r, key in which]
     ours, theirs = (f"{numbers.mm(ra[0])} to {numbers.mm(ra[4])} mm" for ra in (slow, printed))
     title = f"Ra falls from {ours}; printed: {theirs}"
     return charts.rows("heights", title, names, series, "mm", log=True)

@@ -23,7 +23,7 @@ LOCAL = {
     "joint_5": ((0, 0, 90, 0, 0, 0), (0, 0, -1, 0, 0.5, 0), 300.0, ()),
     "joint_6": ((0, 0, 90, 0, 0, 0), (0, 0, -1, -0.2, 0, 0), 50.0, ()),
 }
-PLACES = {  # m, of tracker targets on the links
+TARGET_PLACES = {  # m, of tracker targets on the links
     "base": ((0.3, 0.2, 0.1), (-0.3, 0.1, 0.3), (0.1, -0.3, 0.3)),
     "link_1": ((0.3, -0.2, 0.1), (-0.3, 0.15, 0.1), (0.0, -0.35, 0.2)),
     "link_2": ((0.1, -0.2, 0.8), (-0.1, -0.2, 0.6), (0.0, -0.3, 0.9)),
@@ -41,7 +41,7 @@ def stiffness(robot: Robot, truth: Robot, joint: str, rounds: int, seed: int) ->
     """One joint's stiffness: the load goes up in ten steps and down again, `rounds` times."""
     degrees, wrench, largest, links = LOCAL[joint]
     q, steps, level = np.deg2rad(degrees), largest * np.linspace(0, 1, 11), not links
-    points = [Target(f"{on}_{i}", xyz, on) for on in links for i, xyz in enumerate(PLACES[on])]
+    points = [Target(f"{on}_{i}", xyz, on) for on in links for i, xyz in enumerate(TARGET_PLACES[on])]
     targets = axis_by_axis.levels(robot, q, joint) if level else points
     plan = axis_by_axis.local_plan(truth, q, wrench, np.tile([*steps, *steps[::-1]], rounds), targets)
     seen = simulate(

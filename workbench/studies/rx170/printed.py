@@ -19,7 +19,7 @@ SWEPT, POSES = (-50, 50), 2001
 SPIRAL = {"start": 0.024, "growth": 0.15}
 """[m, 1/rad] section IV.A: R = start · exp(growth · θ)."""
 
-TURNS = 2
+SPIRAL_TURNS = 2
 """[1] section IV.A: θ ends at 4π."""
 
 HEIGHT = 0.2

@@ -20,7 +20,7 @@ from .heights import heights, least_mean
 from .printed import ACCELERATION, HEIGHT, SPEED, SPIRAL, TABLE_1, TABLE_2
 
 Numbers = dict[str, float]
-COMMANDS = {
+CORRECTIONS = {
     "none": "Without correction",
     "stiffness": "Stiffness correction",
     "both": "Stiffness and kinematic correction",
@@ -52,7 +52,7 @@ class Spirals:
     @property
     def shown(self) -> Shown:
         """The slow run in space."""
-        error = {COMMANDS[key]: e for key, e in self.slow.error.items()}
+        error = {CORRECTIONS[key]: e for key, e in self.slow.error.items()}
         return Shown(self.slow.q[len(self.slow.q) // 2], self.slow.wanted, error, noise=ALONG)
 
 
@@ -85,7 +85,7 @@ def spiral_numbers(spirals: Spirals, seed: int) -> Numbers:
         for name, error in run.error.items():
             found = heights(run.wanted, error, spirals.zero, ALONG * rng.normal(size=len(error)))
             numbers |= {f"{key}_{name}_{speed}": value for key, value in found.items()}
-    pairs = [(r, *pair) for r in TABLE_2 for pair in zip(COMMANDS, TABLE_2[r], strict=False)]
+    pairs = [(r, *pair) for r in TABLE_2 for pair in zip(CORRECTIONS, TABLE_2[r], strict=False)]
     ratios = [numbers[f"{r}_{name}_slow"] / printed for r, name, printed in pairs]
     numbers["worst"] = float(np.exp(np.abs(np.log(ratios)).max()))
     for key, z in spirals.causes.items():

@@ -38,7 +38,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 from . import figures
 from .hidden import hidden
 from .measuring import LOCAL, SWEEPS, measured, stiffness
-from .printed import NUMBERS, POSES, TURNS
+from .printed import NUMBERS, POSES, SPIRAL_TURNS
 from .spiral import ELBOW_UP, draw_spirals, printed_numbers, spiral_numbers
 
 
@@ -64,7 +64,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
     apart = separate(robot, swept["joint_2"], gears["joint_2"], "joint_2")
 
     progress("drawing the spiral in closed loop")
-    turns = 1 if quick else TURNS
+    turns = 1 if quick else SPIRAL_TURNS
     spirals = draw_spirals(truth, robot, models(folder, known, truth, gears), turns, progress)
     write_path(folder / "spiral.csv", spirals.path)
     compensate_file(folder / "spiral.csv", folder / "model.toml", "val3", folder, start=ELBOW_UP)

@@ -23,8 +23,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...files.faults import Fault, InputError
-from ...simulation.processes import one_thread_each, spawn_pool
+from ..files.faults import Fault, InputError
+from ..simulation.processes import one_thread_each, spawn_pool
 
 TRIES = 3
 LINE_EVERY = 15.0  # s between progress lines where there is no terminal

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from workbench.files.faults import InputError
-from workbench.studies.blind.runner import run_tasks
+from workbench.studies.tasks import run_tasks
 
 STUDY = {"study": "test", "seed": 1}
 
@@ -83,7 +83,7 @@ def test_a_dead_worker_costs_nothing_but_its_own_task(tmp_path):
 
 
 def test_progress_is_told_in_plain_lines(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("workbench.studies.blind.runner.LINE_EVERY", 0.0)
+    monkeypatch.setattr("workbench.studies.tasks.LINE_EVERY", 0.0)
     run_tasks(str.upper, ["a", "b"], tmp_path / "tasks.sqlite", study=STUDY, workers=1, label="two")
     said = capsys.readouterr()
     assert said.out == ""
