@@ -13,7 +13,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 
 help:
 	@echo "make demo      the whole loop on a simulated KR 500, results in reports/demo"
-	@echo "make test      the tests (under 15 minutes on two cores)"
+	@echo "make test      the tests (under 5 minutes on two cores)"
 	@echo "make test-all  the tests and the slow studies"
 	@echo "make lint types bench models lock clean"
 
@@ -28,7 +28,7 @@ demo: $(STAMP)
 	$(RUN)workbench demo
 
 test: $(STAMP)
-	$(RUN)python -m pytest -n 2 -m "not slow" $(PYTEST_ARGS)
+	$(RUN)python -m pytest -n 2 --dist loadfile -m "not slow" $(PYTEST_ARGS)
 
 test-all: $(STAMP)
 	$(RUN)python -m pytest -n 2 $(PYTEST_ARGS)

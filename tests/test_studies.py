@@ -20,14 +20,6 @@ from workbench.studies import PUBLISHED
 STUDIES = Path(__file__).resolve().parents[1] / "workbench" / "studies"
 
 
-def test_a_study_by_name_gives_its_result_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["study", "cylindrical", "--quick", "--json", "--out", str(tmp_path)]) == 0
-    result = json.loads(capsys.readouterr().out)
-    assert (result["study"], result["robot"], result["schema"]) == ("cylindrical", "cylindrical", 1)
-    assert json.loads((tmp_path / "result.json").read_text(encoding="utf-8")) == result
-    assert all(result["box"].values())
-
-
 def test_a_folder_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "out").write_text("mine")
     assert main(["study", "kr120", "--quick", "--out", str(tmp_path / "out")]) == 2

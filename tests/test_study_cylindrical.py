@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from workbench.cli.main import main
 from workbench.report.study import Study
 from workbench.studies.cylindrical import printed
-from workbench.studies.cylindrical import study as cylindrical
-from workbench.studies.running import run
+from workbench.studies.running import run_published
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> Study:
-    return run(cylindrical.study, folder, 0, True, lambda _: None)
+    (study,) = run_published(("cylindrical",), folder, 0, True, lambda _: None)
+    return study
 
 
 def test_stiffness_is_found_within_what_the_noise_allows(found: Study) -> None:
@@ -56,3 +57,21 @@ def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
     assert json.loads((folder / "result.json").read_text())["numbers"] == pytest.approx(dict(found.numbers))
     for link in found.files.values():
         assert (folder / link).exists()
+
+
+def test_a_study_by_name_gives_its_result_alone(
+    found: Study, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def ran(*given: object) -> list[Study]:
+        asked.append(given[:4])
+        return [found]
+
+    monkeypatch.setattr("workbench.studies.running.run_published", ran)
+    assert main(["study", "cylindrical", "--quick", "--json", "--out", str(folder)]) == 0
+    assert asked == [(("cylindrical",), folder, 0, True)]
+    result = json.loads(capsys.readouterr().out)
+    assert (result["study"], result["robot"], result["schema"]) == ("cylindrical", "cylindrical", 1)
+    assert json.loads((folder / "result.json").read_text(encoding="utf-8")) == result
+    assert all(result["box"].values())
