@@ -16,7 +16,7 @@ from workbench.correction import Conditions, compensate
 from workbench.correction.path_shapes import Run, spiral, work_frame
 from workbench.correction.paths import Path
 from workbench.correction.solve import settle
-from workbench.correction.trajectory import Trajectory, ready
+from workbench.correction.trajectory import Trajectory, trajectory_of
 from workbench.robot.description import Robot, load_robot
 from workbench.robot.kinematics import Array
 from workbench.robot.schema import EffectRecord
@@ -70,7 +70,7 @@ def main() -> None:
     given = shortest(lambda: compensate(robot, path, HEAVY, tool=X_FT, start=done.q_nominal[0]))
     some = np.linspace(0, POINTS - 1, SOLVED_BY_SCIPY).astype(int)
     few = Path(path.time[some], X=path.X[some]) if path.X is not None else path
-    trajectory = ready(robot, few, HEAVY, X_FT, done.q_nominal[0])
+    trajectory = trajectory_of(robot, few, HEAVY, X_FT, done.q_nominal[0])
     sides = None if done.direction is None else done.direction[some]
     single = shortest(lambda: pose_by_pose(trajectory, sides), 1) / SOLVED_BY_SCIPY
     apart = np.abs(pose_by_pose(trajectory, sides) - done.q_command[some]).max()

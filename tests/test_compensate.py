@@ -14,7 +14,7 @@ from workbench.correction import Compensation, Conditions, compensate, nominal_j
 from workbench.correction.path_shapes import Run, pocket, raster, spiral, work_frame
 from workbench.correction.paths import Path
 from workbench.correction.solve import turning_sides
-from workbench.correction.trajectory import ready
+from workbench.correction.trajectory import trajectory_of
 from workbench.effects.backlash import Backlash
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.gear_kinematic_error import GearKinematicError
@@ -125,7 +125,7 @@ def test_seven_joints_keep_their_redundancy(tmp_path) -> None:
     assert np.array_equal(done.q_nominal, q)
     assert in_drake(bent, done, Conditions(), 20).max() < 1e-8
     # the correction has nothing along the null space of the nominal arm
-    trajectory = ready(bent, path, Conditions())
+    trajectory = trajectory_of(bent, path, Conditions())
     null = np.linalg.svd(trajectory.J)[2][:, -1]
     change = done.q_command - q
     along = np.abs(np.einsum("ni,ni->n", null, change))

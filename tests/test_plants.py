@@ -12,7 +12,7 @@ from workbench.report.meshcat_page import draw_robot, meshcat_alone
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
 from workbench.robot.loads import Loads
-from workbench.robot.plants import rigid
+from workbench.robot.plants import rigid_arm_plant
 from workbench.robot.rigid_plant import arrays, rigid_twin
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
@@ -46,9 +46,9 @@ def test_all_plants_have_the_links_of_the_urdf(tmp_path, kind):
     true = mechanics(robot, still, still.q, Conditions())
     motors = [f"{name}_motor" for name in robot.joint_names]
     plants = {
-        "rigid": (rigid(arm), robot.joint_names),
-        "elastic": (elastic_twin(arm, robot).grown, motors),
-        "closed loop": (machine(true, np.ones(arm.n)).grown, motors),
+        "rigid": (rigid_arm_plant(arm), robot.joint_names),
+        "elastic": (elastic_twin(arm, robot).built, motors),
+        "closed loop": (machine(true, np.ones(arm.n)).built, motors),
     }
     for grown, joints in plants.values():
         context = drives_alone(grown, joints)

@@ -19,7 +19,7 @@ from .paths import Path
 from .programs import Program
 from .ripple import LeftOut, frequency, left_out, ripple_shares, speeds
 from .solve import Rest, correct, first_step, settle, turning_sides
-from .trajectory import Trajectory, ready
+from .trajectory import Trajectory, trajectory_of
 from .trouble import Trouble, impossible, near_singular, out_of_range, too_fast, unreached
 
 EXACT = "exact"
@@ -120,7 +120,7 @@ def compensate(
     Raises `InputError` with the lines of the path that cannot be run; lesser troubles are in the result.
     """
     _check_call(method, bandwidth_hz)
-    trajectory = ready(robot, path, conditions or stated_conditions(robot), tool, start, seed)
+    trajectory = trajectory_of(robot, path, conditions or stated_conditions(robot), tool, start, seed)
     needs_side = trajectory.extended.sided
     direction = turning_sides(trajectory.q) if needs_side else None
     before = settle(trajectory, trajectory.q, direction, still=ROUGH)

@@ -60,7 +60,7 @@ def nominal_joints(
     return _nominal(robot, arrays(robot), path, tool, start, seed)[3]
 
 
-def ready(
+def trajectory_of(
     robot: Robot,
     path: Path,
     conditions: Conditions,

@@ -89,7 +89,7 @@ class SimulatedArm:
         return simulate(plan, truth, seed=number, instrument=self.instrument)
 
 
-def told(robot: Robot, nominal: Array, rows: Array, ratio: Array) -> Robot:
+def with_rows_and_ratios(robot: Robot, nominal: Array, rows: Array, ratio: Array) -> Robot:
     """The robot with DH rows (n, 4) instead of the URDF's `nominal` and travel over commanded travel (n,)."""
     ratios = tuple(
         EffectRecord(cause=GearRatio.cause, joint=name, values={"relative": float(r - 1)})
@@ -116,7 +116,7 @@ def identified(campaign: Campaign, robot: Robot, free: Sequence[int] | None = No
     return fit(model, noise=replace(noise, sigma=noise.sigma * weight), geometry=columns)
 
 
-def everything(campaigns: Sequence[Campaign], robot: Robot, compliance: bool = True) -> Fit:
+def fit_at_once(campaigns: Sequence[Campaign], robot: Robot, compliance: bool = True) -> Fit:
     """One fit instead of two steps: all geometry, ratios and targets, and the compliance of the joints and
     bearings that gravity loads: neither an upright first joint nor what turns the ball about itself."""
     freed = [
@@ -145,6 +145,6 @@ def error_of(found: Fit, judged: Campaign, ball: str = "ball") -> Array:
     return np.asarray((judged.points - replace(found.model, problem=problem).predict(state))[:, 0])
 
 
-def misses(found: Fit, judged: Campaign) -> Array:
+def error_lengths(found: Fit, judged: Campaign) -> Array:
     """(N,) [mm] length of these errors."""
     return np.asarray(1e3 * np.linalg.norm(error_of(found, judged), axis=1))

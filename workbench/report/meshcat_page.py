@@ -44,12 +44,12 @@ def draw_robot(meshcat: Any, robot: Robot, q: Array, prefix: str, time: Array | 
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
     from pydrake.systems.framework import DiagramBuilder
 
-    from ..robot.plants import parsed
+    from ..robot.plants import urdf_plant
     from ..robot.rigid_plant import Twin
 
     builder: Any = DiagramBuilder()
     plant, graph = AddMultibodyPlantSceneGraph(builder, 0.0)
-    parsed(robot, plant)
+    urdf_plant(robot, plant)
     params = MeshcatVisualizerParams(prefix=prefix, delete_on_initialization_event=False)
     drawn = MeshcatVisualizer.AddToBuilder(builder, graph, meshcat, params)
     diagram = builder.Build()

@@ -30,7 +30,7 @@ from .plant_parts import (
     point_inertia,
     slot_pose,
 )
-from .plants import Grown, grown
+from .plants import ArmPlant, arm_plant
 from .schema import GEOMETRY
 
 
@@ -43,14 +43,14 @@ class ElasticTwin:
     """
 
     arm: Arm
-    grown: Grown
+    built: ArmPlant
     context: Context
     yielding: dict[tuple[int, int], str]
     motors: tuple[str, ...]
 
     @property
     def plant(self) -> MultibodyPlant:
-        return self.grown.plant
+        return self.built.plant
 
     @cached_property
     def columns(self) -> NDArray[np.int64]:
@@ -73,17 +73,17 @@ class ElasticTwin:
         """Writes the corrections G of the joints: (S, 6) into the Context."""
         for slot in range(1, self.arm.n + 1):
             X = slot_pose(self.arm, slot, geometry[slot])
-            self.grown.corrected[slot].SetPoseInParentFrame(self.context, X)
+            self.built.corrected[slot].SetPoseInParentFrame(self.context, X)
 
     def set_masses(self, arm: Arm) -> None:
         """Writes the masses and centres of mass of base and links into the Context."""
         for slot in range(arm.n + 1):
             inertia = link_inertia(arm, slot)
-            self.grown.bodies[slot].SetSpatialInertiaInBodyFrame(self.context, inertia)
+            self.built.bodies[slot].SetSpatialInertiaInBodyFrame(self.context, inertia)
 
     def set_payload(self, mass: float, moment: Array) -> None:
         """Mass [kg] and mass times centre of mass (3,) [kg·m] of tool and payload, flange frame."""
-        self.grown.bodies[-1].SetSpatialInertiaInBodyFrame(self.context, point_inertia(mass, moment))
+        self.built.bodies[-1].SetSpatialInertiaInBodyFrame(self.context, point_inertia(mass, moment))
 
     def equilibrium(self, q: Array, direct: Array, loads: Loads, law: Law) -> Array:
         """Drake's loaded equilibrium of one pose: slot motions (S, 6). The plant stays in it.
@@ -132,10 +132,10 @@ class ElasticTwin:
         plant, context, world = self.plant, self.context, self.plant.world_frame()
         torque = np.zeros(plant.num_velocities())
         if loads.wrench.any():
-            J = self._jacobian(self.grown.slots[-1], np.zeros(3))
+            J = self._jacobian(self.built.slots[-1], np.zeros(3))
             torque += J.T @ np.concatenate([loads.wrench[0, 3:], loads.wrench[0, :3]])
         if (law := loads.compensator) is not None:
-            body, moving = self.grown.slots[law.body], self.grown.slots[law.arm]
+            body, moving = self.built.slots[law.body], self.built.slots[law.arm]
             b = plant.CalcPointsPositions(context, body, law.body_pivot, world)[:, 0]
             a = plant.CalcPointsPositions(context, moving, law.arm_pivot, world)[:, 0]
             s = float(np.linalg.norm(b - a))
@@ -155,7 +155,7 @@ class ElasticTwin:
     def points(self, targets: Array, on: Sequence[int]) -> Array:
         """Places of targets (T, 3) behind slots `on` at the present pose: (T, 3) [m]."""
         plant, context, world = self.plant, self.context, self.plant.world_frame()
-        frames = [self.grown.slots[k] for k in on]
+        frames = [self.built.slots[k] for k in on]
         return np.array(
             [
                 plant.CalcPointsPositions(context, frame, target, world)[:, 0]
@@ -197,5 +197,5 @@ def elastic_twin(arm: Arm, robot: Robot, yielding: Sequence[tuple[int, int]] | N
         joints[slot, axial] = spring.name()
         return spring.child_body().body_frame()
 
-    twin = grown(arm, moving)
+    twin = arm_plant(arm, moving)
     return ElasticTwin(arm, twin, twin.plant.CreateDefaultContext(), joints, tuple(motors))

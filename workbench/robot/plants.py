@@ -1,9 +1,9 @@
 """Drake plants of a robot: every plant of the workbench is built here.
 
-`parsed` is the URDF as Drake reads it: the rigid twin, and the picture. `grown` has the same links, with the
-same names, frames and masses, from the arrays that were taken from the parsed plant; between each slot and
-its link it lets the caller put what moves there (`plant_parts`): a joint, a motor and a spring, screws. So
-corrected lengths, changed masses and whatever yields come into one chain, and nothing is said twice.
+`urdf_plant` is the URDF as Drake reads it: the rigid twin, and the picture. `arm_plant` has the same links,
+with the same names, frames and masses, from the arrays that were taken from that plant; between each slot
+and its link it lets the caller put what moves there (`plant_parts`): a joint, a motor and a spring, screws.
+So corrected lengths, changed masses and whatever yields come into one chain, and nothing is said twice.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .plant_parts import axial_joint, link_inertia, motion_transform, slot_pose
 Moving = Callable[[MultibodyPlant, int, Frame], Frame]
 
 
-def parsed(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPlant:
+def urdf_plant(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPlant:
     """The robot's URDF in Drake, base welded to the world, gravity as the TOML says; finalised.
 
     plant: an empty one that is part of a diagram already.
@@ -38,11 +38,10 @@ def parsed(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPlant:
 
 
 @dataclass(frozen=True, eq=False)
-class Grown:
+class ArmPlant:
     """A plant that was built from an arm's arrays.
 
-    bodies: base, links (named and placed as in the URDF), then "tool and payload" at the
-    flange.
+    bodies: base, links (named and placed as in the URDF), then "tool and payload" at the flange.
     slots: (S,) frames L behind the slots, as `kinematics` has them. corrected: (S,) frames at the slots with
     their corrections G, in the frame behind the slot before.
     """
@@ -53,9 +52,9 @@ class Grown:
     corrected: tuple[FixedOffsetFrame, ...]
 
 
-def grown(
+def arm_plant(
     arm: Arm, moving: Moving, payload: SpatialInertia | None = None, placed: Array | None = None
-) -> Grown:
+) -> ArmPlant:
     """Builds an arm slot by slot; finalised.
 
     moving: adds what moves at a slot, on the frame given, and returns the frame that carries the link.
@@ -83,10 +82,10 @@ def grown(
         slots.append(parent)
         corrected.append(frame)
     plant.Finalize()
-    return Grown(plant, tuple(bodies), tuple(slots), tuple(corrected))
+    return ArmPlant(plant, tuple(bodies), tuple(slots), tuple(corrected))
 
 
-def rigid(arm: Arm, payload: SpatialInertia | None = None) -> Grown:
+def rigid_arm_plant(arm: Arm, payload: SpatialInertia | None = None) -> ArmPlant:
     """The arm with its joints alone, each under its own name."""
 
     def moving(plant: MultibodyPlant, slot: int, frame: Frame) -> Frame:
@@ -94,4 +93,4 @@ def rigid(arm: Arm, payload: SpatialInertia | None = None) -> Grown:
             return frame
         return axial_joint(plant, arm, slot, arm.names[slot - 1], frame).child_body().body_frame()
 
-    return grown(arm, moving, payload)
+    return arm_plant(arm, moving, payload)

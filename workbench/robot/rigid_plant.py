@@ -21,7 +21,7 @@ from pydrake.systems.framework import Context
 from .beam import bending_compliance
 from .description import Robot
 from .kinematics import RX, RY, RZ, TZ, Arm, Array
-from .plants import parsed
+from .plants import urdf_plant
 from .rotations import turn_z_to
 from .schema import GEOMETRY
 
@@ -43,7 +43,7 @@ class Twin:
 
 def rigid_twin(robot: Robot) -> Twin:
     """The rigid twin, as its URDF has it (not corrected by `[geometry]`)."""
-    plant = parsed(robot)
+    plant = urdf_plant(robot)
     return Twin(robot, plant, plant.CreateDefaultContext())
 
 

@@ -23,7 +23,7 @@ from ...robot.rigid_plant import arrays
 from ...robot.schema import STANDARD_GRAVITY
 from .machine import machine, rigid_machine, slowest_mode
 from .mechanics import Mechanics
-from .motion import Motion, between
+from .motion import Motion, interpolated
 
 FEED_FORWARD_PERIOD = 0.004  # s between the instants at which the nominal robot's torques are computed
 MOST_FRICTION = 300.0  # 1/s: slope of friction over the drive's inertia that a step of 1 ms bears
@@ -128,7 +128,7 @@ def feed_forward(nominal: Mechanics, motion: Motion, controller: Controller, dri
     a = np.gradient(v, motion.period, axis=0)
     at = np.unique(np.append(np.arange(0, len(slow), stride), len(slow) - 1))
     torque = static_torque(nominal, slow[at]) + _inertial(nominal, slow[at], v[at], a[at])
-    smooth = between(np.arange(len(slow)), at, torque)
+    smooth = interpolated(np.arange(len(slow)), at, torque)
     friction = drive.coulomb * np.tanh(motion.v / drive.sliding) + drive.viscous * motion.v
     return smooth + drive.rotor * motion.a + controller.friction_known * friction
 

@@ -17,7 +17,7 @@ from ...robot.kinematics import Array
 from .control import Drives
 from .machine import Machine
 from .mechanics import Mechanics
-from .motion import Motion, between
+from .motion import Motion, interpolated
 
 SLOPE = 1e-6  # rad, m: half the step of the numerical slope of gear errors
 
@@ -131,7 +131,7 @@ class Forces(LeafSystem):
 
     def at_points(self, positions: Array, k: int) -> Array:
         """Generalised forces of compensator and process force."""
-        plant, context, slots = self.machine.plant, self.scratch, self.machine.grown.slots
+        plant, context, slots = self.machine.plant, self.scratch, self.machine.built.slots
         plant.SetPositions(context, positions)
         force = np.zeros(plant.num_velocities())
         if (law := self.mechanics.compensator) is not None:
@@ -191,4 +191,4 @@ class Forces(LeafSystem):
 
 def table_at(motion: Motion, values: Array) -> Array:
     """Values (N, m) at the path's samples as a table (K, m) at the motion's instants."""
-    return between(motion.times, motion.sample_times, values)
+    return interpolated(motion.times, motion.sample_times, values)

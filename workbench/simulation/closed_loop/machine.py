@@ -16,7 +16,7 @@ from pydrake.multibody.tree import Frame, Joint
 
 from ...robot.kinematics import Arm, Array
 from ...robot.plant_parts import add_rotor, axial_joint, point_inertia, screw_joint
-from ...robot.plants import Grown, grown, rigid
+from ...robot.plants import ArmPlant, arm_plant, rigid_arm_plant
 from .mechanics import Mechanics, Screw
 
 FASTEST = 800.0  # rad/s
@@ -31,7 +31,7 @@ class Machine:
     the drives [kg·m², kg].
     """
 
-    grown: Grown
+    built: ArmPlant
     motors: NDArray[np.int64]
     springs: NDArray[np.int64]
     own: NDArray[np.int64]
@@ -40,18 +40,18 @@ class Machine:
 
     @property
     def plant(self) -> MultibodyPlant:
-        return self.grown.plant
+        return self.built.plant
 
     @property
     def flange(self) -> Frame:
         """The frame that carries the tool."""
-        return self.grown.slots[-1]
+        return self.built.slots[-1]
 
 
 def machine(mechanics: Mechanics, rotor: Array) -> Machine:
     """Builds the plant. rotor: (n,) reflected inertia of each drive [kg·m², kg]."""
     moving = _Moving(mechanics, rotor)
-    built = grown(
+    built = arm_plant(
         mechanics.arm, moving.at_slot, point_inertia(mechanics.mass, mechanics.moment), mechanics.placed
     )
     springs = [joint.position_start() for joint in (*moving.own, *moving.screws)]
@@ -84,7 +84,7 @@ def slowest_mode(built: Machine, q: Array) -> float:
 
 def rigid_machine(arm: Arm, mass: float, moment: Array) -> tuple[MultibodyPlant, NDArray[np.int64]]:
     """The arm without springs, drives and gravity, and its joints' places: for feed-forward."""
-    plant = rigid(replace(arm, gravity=np.zeros(3)), point_inertia(mass, moment)).plant
+    plant = rigid_arm_plant(replace(arm, gravity=np.zeros(3)), point_inertia(mass, moment)).plant
     return plant, np.array([plant.GetJointByName(name).position_start() for name in arm.names])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import find_peaks
 
 from ...robot.kinematics import Array
-from .motion import between
+from .motion import interpolated
 
 LEAST_SHARE = 0.3  # of what is left near a line, that a gear has to explain to be named
 LEAST_CYCLES = 3.0  # of a gear along the path
@@ -94,7 +94,7 @@ def spectrum(time: Array, error: Array) -> tuple[Array, Array]:
     """Frequencies [Hz] and amplitudes [mm] of an error (N, 3) [m] at times (N,) [s], slow trend taken out."""
     count = min(len(time), 8192)
     t = np.linspace(time[0], time[-1], count)
-    even = between(t, time, error)
+    even = interpolated(t, time, error)
     u = np.linspace(-1, 1, count)
     even -= np.polynomial.polynomial.polyval(u, np.polynomial.polynomial.polyfit(u, even, 3)).T
     window = np.hanning(count)
@@ -127,7 +127,7 @@ def _cause(
 ) -> str:
     """The gear order that explains most of the error between half and twice the frequency."""
     t = np.linspace(time[0], time[-1], 8192)
-    wanted = _band(t, between(t, time, error), frequency)
+    wanted = _band(t, interpolated(t, time, error), frequency)
     best, share = "", LEAST_SHARE
     for name, joint, order in orders:
         angle = order * np.interp(t, time, q[:, joint])

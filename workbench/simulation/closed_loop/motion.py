@@ -103,7 +103,7 @@ def _instants(time: Array, length: float, ramp: float) -> Array:
     return t
 
 
-def between(at: Array, times: Array, values: Array) -> Array:
+def interpolated(at: Array, times: Array, values: Array) -> Array:
     """Values (K, m) at instants `at` (K,), straight between those (N, m) at `times` (N,)."""
     return np.stack([np.interp(at, times, column) for column in values.T], axis=1)
 

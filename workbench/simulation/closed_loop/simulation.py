@@ -17,7 +17,7 @@ from .control import Controller, drives, feed_forward
 from .forces import Forces, table_at
 from .machine import Machine, machine
 from .mechanics import Mechanics
-from .motion import Motion, between
+from .motion import Motion, interpolated
 
 INTEGRATION_STEP = 1e-3  # s
 
@@ -139,7 +139,7 @@ def _seen(
         plant.SetPositions(context, q)
         X[i] = plant_of.flange.CalcPoseInWorld(context).GetAsMatrix4() @ X_FT
     joints = positions[:, plant_of.motors].copy()
-    commanded = between(motion.sample_times, motion.times, motion.q)
+    commanded = interpolated(motion.sample_times, motion.times, motion.q)
     motor = joints - commanded
     sprung = np.flatnonzero(plant_of.own >= 0)
     joints[:, sprung] += positions[:, plant_of.springs[plant_of.own[sprung]]]

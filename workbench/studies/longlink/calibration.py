@@ -82,7 +82,7 @@ def identified(data: Measured, robot: Robot, seed: int, shakes: int) -> Identifi
         axes = from_circles(circles.points - sag)
         circled, found = two_steps(data.thirteen, robot, axes)
         table, covariance = dh.fitted_rows(found, axes.rows(TABLE_2))
-        model = zeros_and_offsets.told(robot, TABLE_2, table, axes.ratio[:, 0])
+        model = zeros_and_offsets.with_rows_and_ratios(robot, TABLE_2, table, axes.ratio[:, 0])
     rng, shaken = np.random.default_rng([seed, 20]), []
     for _ in range(shakes):  # what the noise of the circles adds to the intervals of d and θ
         other = from_circles(circles.points - sag + rng.normal(scale=SIGMA, size=circles.points.shape))
@@ -100,7 +100,7 @@ def from_circles(points: Array) -> Axes:
 
 def two_steps(points: Campaign, robot: Robot, axes: Axes) -> tuple[Robot, Fit]:
     """The robot as the circles have it, and the fit of its d and θ to the points of the ball."""
-    circled = zeros_and_offsets.told(robot, TABLE_2, axes.rows(TABLE_2), axes.ratio[:, 0])
+    circled = zeros_and_offsets.with_rows_and_ratios(robot, TABLE_2, axes.rows(TABLE_2), axes.ratio[:, 0])
     return circled, zeros_and_offsets.identified(zeros_and_offsets.with_ball(points, axes.ball[0]), circled)
 
 
@@ -114,9 +114,9 @@ def stages(data: Measured, robot: Robot, found: Identified) -> dict[str, Fit]:
         "circles": zeros_and_offsets.identified(seen, rigid, []),
         "rigid": zeros_and_offsets.identified(seen, rigid),
         "known": found.fit,
-        "together": zeros_and_offsets.everything([data.circles, data.thirteen], robot, compliance=False),
-        "all_13": zeros_and_offsets.everything([data.thirteen], robot),
-        "all_40": zeros_and_offsets.everything([data.forty], robot),
+        "together": zeros_and_offsets.fit_at_once([data.circles, data.thirteen], robot, compliance=False),
+        "all_13": zeros_and_offsets.fit_at_once([data.thirteen], robot),
+        "all_40": zeros_and_offsets.fit_at_once([data.forty], robot),
     }
 
 

@@ -76,5 +76,5 @@ def one_fault(assumed: Robot, fault: Mapping[str, float], seed: Sequence[int]) -
     before = zeros_and_offsets.identified(made, rigid, [])
     seen = zeros_and_offsets.with_ball(made, TABLE_3[-1, 2])
     after = zeros_and_offsets.identified(seen, dh.with_rows(rigid, TABLE_2, known))
-    means = [float(zeros_and_offsets.misses(fit, judged).mean()) for fit in (before, after)]
+    means = [float(zeros_and_offsets.error_lengths(fit, judged).mean()) for fit in (before, after)]
     return means[0], means[1]

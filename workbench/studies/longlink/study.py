@@ -60,7 +60,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
     found = identified(data, robot, seed, 20 if quick else 60)
     fits = stages(data, robot, found)
     write_fit(folder / "model.toml", fits["all_40"])
-    miss = {name: zeros_and_offsets.misses(fit, data.judged) for name, fit in fits.items()}
+    miss = {name: zeros_and_offsets.error_lengths(fit, data.judged) for name, fit in fits.items()}
     numbers = NUMBERS | circle_numbers(data, found) | axial_numbers(found, fits["rigid"]) | miss_numbers(miss)
     items: dict[str, Table | Figure] = {"twelve": twelve_figure(miss, numbers["noise_mean_mm"])}
 
