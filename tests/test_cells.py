@@ -13,7 +13,7 @@ from workbench.campaign.planned import planned
 from workbench.campaign.problem import problem_of
 from workbench.correction import nominal_joints
 from workbench.correction.path_shapes import Run, line, tilted, work_frame
-from workbench.correction.paths import Path as Course
+from workbench.correction.paths import Path as DrawnPath
 from workbench.diagnosis.prepared import prepare
 from workbench.files.faults import InputError
 from workbench.identification.cells import CellModel, cells, fit_cells, load_cells, write_cells
@@ -38,7 +38,7 @@ ROBOT = replace(  # an instrument of 1 µm is of no use to a robot that does not
 def plan(points: np.ndarray, tilts: tuple[float, ...] = (-10.0, 0.0, 10.0)) -> Campaign:
     """All poses without load, then with 50 kg."""
     R = np.array([tilted(tilt) for tilt in tilts] * len(points))
-    path = Course(10.0 * np.arange(len(R)), X=pose(np.repeat(points, len(tilts), axis=0), R))
+    path = DrawnPath(10.0 * np.arange(len(R)), X=pose(np.repeat(points, len(tilts), axis=0), R))
     q = nominal_joints(ROBOT, path, HAND, start=np.deg2rad([0, -90, 90, 0, 60, 0]))
     return planned(
         ROBOT,
