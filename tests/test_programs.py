@@ -64,7 +64,7 @@ def assert_equal_poses(program: Program, name: str) -> None:
     assert rotations.angle_between(program.X[:, :3, :3], back.X[:, :3, :3]).max() <= angle + tiny
 
 
-def test_catalogue_is_the_contract() -> None:
+def test_catalogue_has_the_six_formats() -> None:
     assert set(ALL) == {"csv", "krl", "rapid", "val3", "ls", "urscript"}
     with pytest.raises(InputError, match="one of csv"):
         find_format("gcode")

@@ -19,21 +19,21 @@ Command = tuple[Array, NDArray[np.bool_]]
 
 
 def mirror(course: Course, rest: Rest, direction: Array | None) -> Command:
-    """P′ = P − ΔP (source 001, eq. 16): the tool's error is taken off the commanded pose."""
+    """P′ = P − ΔP (Jiao et al. 2020, eq. 16): the tool's error is taken off the commanded pose."""
     R, p = course.X[:, :3, :3], course.X[:, :3, 3]
     T = _resting(course, rest)
     return _inverse(course, pose(2 * p - T[:, :3, 3], R @ T[:, :3, :3].transpose(0, 2, 1) @ R))
 
 
 def double(course: Course, rest: Rest, direction: Array | None) -> Command:
-    """T_end = 2 T − T_7 (source 004): on the matrices; the nearest rotation is taken."""
+    """T_end = 2 T − T_7 (Liu et al.): on the matrices; the nearest rotation is taken."""
     T = 2 * course.X - _resting(course, rest)
     U, _, V = np.linalg.svd(T[:, :3, :3])
     return _inverse(course, pose(T[:, :3, 3], U @ V))
 
 
 def joint(course: Course, rest: Rest, direction: Array | None) -> Command:
-    """Q_ref = Q − ΔQ (source 003, eq. 4): each joint's own error, of stiffness and gear; no geometry."""
+    """Q_ref = Q − ΔQ (Olabi et al. 2012, eq. 4): each joint's error of stiffness and gear; no geometry."""
     problem = course.extended.at(rest.q, direction, slice(0, len(rest.q)))
     motion = course.extended.direct(problem) + rest.sag
     dq = motion.reshape(len(rest.q), -1)[:, course.nominal.axial]

@@ -75,7 +75,10 @@ def raster(length: float, width: float, spacing: float, run: Run) -> Path:
 
 
 def spiral(run: Run, start: float = 0.024, growth: float = 0.15, angle: float = 4 * np.pi) -> Path:
-    """Logarithmic spiral R = start · exp(growth · θ), θ from 0 to `angle`; source 003's by default [m]."""
+    """Logarithmic spiral R = start · exp(growth · θ) [m], θ from 0 to `angle`.
+
+    Without arguments it is that of Olabi et al. 2012.
+    """
     slope = np.hypot(1.0, growth) / growth
 
     def points(s: Array) -> Array:

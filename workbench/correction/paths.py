@@ -1,4 +1,4 @@
-"""Paths: joints or tool poses over time, read from and written to CSV (contract, section 3)."""
+"""Paths: joints or tool poses over time, read from and written to CSV."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The gas spring that a joint's apparent compliances would need: source 002, eq. (12)."""
+"""The gas spring that a joint's apparent compliances would need: Klimchik et al. 2017, eq. (12)."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from .runs import Outcome, Task, World, simulate_all
 from .simulation import INTEGRATION_STEP
 from .verification import NAMES, Repeats, Series, Trial, Verification
 
-SPEEDS = (0.03, 0.3)  # m/s: as slow as source 003 drew, and ten times as fast
+SPEEDS = (0.03, 0.3)  # m/s: as slow as Olabi et al. 2012 drew, and ten times as fast
 LONGEST = 60.0  # s that a run may take in the simulated world
 
 
