@@ -94,6 +94,7 @@ if TYPE_CHECKING:
     from .report.study import Shown as Shown
     from .report.study import Study as Study
     from .report.study import Table as Table
+    from .report.terminal import short_verdict as short_verdict
     from .robot.description import Robot as Robot
     from .robot.description import load_robot as load_robot
     from .robot.find import list_robots as list_robots
@@ -101,6 +102,8 @@ if TYPE_CHECKING:
     from .robot.rotations import pose as pose
     from .robot.schema import EffectRecord as EffectRecord
     from .simulation.closed_loop.control import Controller as Controller
+    from .simulation.closed_loop.file import Verified as Verified
+    from .simulation.closed_loop.file import verify_file as verify_file
     from .simulation.closed_loop.proof import verify as verify
     from .simulation.closed_loop.runs import Task as Task
     from .simulation.closed_loop.runs import World as World
@@ -152,12 +155,14 @@ _MODULES = {
     "report.scene": "shown_of",
     "report.story": "tell",
     "report.study": "Shown Study Table",
+    "report.terminal": "short_verdict",
     "robot.description": "Robot load_robot",
     "robot.find": "list_robots",
     "robot.schema": "EffectRecord",
     "robot.kinematics": "Array",
     "robot.rotations": "pose",
     "simulation.closed_loop.control": "Controller",
+    "simulation.closed_loop.file": "Verified verify_file",
     "simulation.closed_loop.proof": "verify",
     "simulation.closed_loop.runs": "Task World simulate_all",
     "simulation.virtual_campaign": "Truth random_geometry simulate",

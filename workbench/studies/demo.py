@@ -15,23 +15,34 @@ from typing import Any
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
-from ..campaign import Campaign, Target, load_campaign, write_campaign
-from ..campaign.planned import TARGETS, planned, random_poses
-from ..campaign.problem import problem
-from ..correction import compensate_file
-from ..correction.path_shapes import Run, circle, work_frame
-from ..correction.paths import write_path
-from ..diagnosis.run import Outcome, diagnose
-from ..effects.records import parse_effect, record
-from ..identification.model_file import loaded, write_fit, write_model
-from ..report.numbers import mm
-from ..report.outcome import write_outcome
-from ..report.terminal import short_verdict
-from ..robot.description import load_robot
-from ..robot.kinematics import Array
-from ..robot.plant_parts import slot_pose
-from ..simulation.closed_loop import Verified, verify_file
-from ..simulation.virtual_campaign import Truth, random_geometry, simulate
+from workbench import (
+    Array,
+    Campaign,
+    Outcome,
+    Truth,
+    Verified,
+    compensate_file,
+    diagnose,
+    load_campaign,
+    load_robot,
+    loaded,
+    numbers,
+    parse_effect,
+    path_shapes,
+    planned,
+    problem,
+    random_geometry,
+    random_poses,
+    record,
+    short_verdict,
+    simulate,
+    verify_file,
+    write_campaign,
+    write_fit,
+    write_model,
+    write_outcome,
+    write_path,
+)
 
 Progress = Callable[[str], None]
 
@@ -73,8 +84,8 @@ def demo(folder: Path, seed: int, progress: Progress, quick: bool = False) -> Su
     slow = proof.found.slow.trials
     before, after = slow["uncorrected"].figures.rms_mm, slow["corrected"].figures.rms_mm
     words = (
-        f"In closed loop the true robot draws a circle {mm(before)} mm off as it is, and "
-        f"{mm(after)} mm off with the commands that this model corrects (RMS)."
+        f"In closed loop the true robot draws a circle {numbers.mm(before)} mm off as it is, and "
+        f"{numbers.mm(after)} mm off with the commands that this model corrects (RMS)."
     )
     proven = replace(outcome.diagnosis, proof=(words, "path/verify.html"))
     outcome = replace(outcome, diagnosis=proven)
@@ -91,14 +102,14 @@ def measured(seed: int, poses: int) -> tuple[Campaign, Truth, tuple[Array, Array
     plan = planned(
         robot,
         q,
-        # the tool plate was measured beforehand: the targets' places are known
-        targets=[Target(t.name, t.xyz, t.on, fixed=True) for t in TARGETS],
         payloads=PAYLOADS,
         payload=[""] * poses + ["heavy"] * poses,
         tool=TOOL,
         direction=rng.choice([-1.0, 1.0], size=q.shape),
         title="KR 500, laser tracker, two loads",
     )
+    # the tool plate was measured beforehand: the targets' places are known
+    plan = replace(plan, targets=tuple(replace(target, fixed=True) for target in plan.targets))
     job = problem(plan)
     order = 2 * (robot.joints[3].data.gear_ratio or 100.0)
     truth = Truth(
@@ -124,8 +135,9 @@ def _prove(
     folder.mkdir(parents=True, exist_ok=True)
     write_fit(folder / "model.toml", outcome.fit)
     _write_truth(folder / "truth.toml", outcome, truth, frame)
-    run = Run(work_frame([1.9, 0.3, 1.1]), speed=0.05, acceleration=0.5, period=0.01)
-    shape = circle(0.03 if quick else 0.06, run)
+    frame_of_work = path_shapes.work_frame([1.9, 0.3, 1.1])
+    run = path_shapes.Run(frame_of_work, speed=0.05, acceleration=0.5, period=0.01)
+    shape = path_shapes.circle(0.03 if quick else 0.06, run)
     write_path(folder / "circle.csv", shape)
     compensate_file(folder / "circle.csv", folder / "model.toml", "krl", folder / "circle.src")
     return verify_file(
@@ -151,8 +163,8 @@ def _write_truth(path: Path, outcome: Outcome, truth: Truth, frame: tuple[Array,
     assert truth.geometry is not None
     X_TB = _pose(frame[0][0], frame[1][0]).inverse() @ _pose(state.R[0], state.t[0])
     geometry = truth.geometry.copy()
-    slot = slot_pose(job.arm, 1, np.zeros(6))
-    moved = slot.inverse() @ X_TB.inverse() @ slot_pose(job.arm, 1, geometry[1])
+    slot = _pose(job.arm.R[1], job.arm.p[1])
+    moved = slot.inverse() @ X_TB.inverse() @ slot @ _motion(geometry[1])
     geometry[1] = _correction(moved)
     records = [record(effect, values) for effect, values in truth.effects]
     write_model(path, loaded(job.robot, job.campaign), geometry, records)
@@ -163,8 +175,16 @@ def _pose(R: Array, t: Array) -> RigidTransform:
     return RigidTransform(RotationMatrix(R), X)
 
 
+def _motion(correction: Array) -> RigidTransform:
+    """G = Trans Rx Ry Rz of tx ty tz rx ry rz (6,)."""
+    x, y, z = correction[3:]
+    turn = RotationMatrix.MakeXRotation(x) @ RotationMatrix.MakeYRotation(y) @ RotationMatrix.MakeZRotation(z)
+    t: Any = correction[:3]  # as in _pose
+    return RigidTransform(turn, t)
+
+
 def _correction(G: RigidTransform) -> Array:
-    """(6,) tx ty tz rx ry rz of G = Trans Rx Ry Rz: the angles of the inverse rotation, backwards."""
+    """`_motion` the other way round: the angles of the inverse rotation, backwards."""
     # (Rx Ry Rz)⁻¹ = Rz(−c) Ry(−b) Rx(−a) = RollPitchYaw(−a, −b, −c)
     back = np.asarray(RollPitchYaw(G.rotation().inverse()).vector(), dtype=np.float64)
     return np.concatenate([np.asarray(G.translation(), dtype=np.float64), -back])
