@@ -65,9 +65,9 @@ def assert_equal_poses(program: Program, name: str) -> None:
 
 
 def test_catalogue_has_the_six_formats() -> None:
-    assert set(ALL) == {"csv", "krl", "rapid", "val3", "ls", "urscript"}
+    assert {"csv", "krl", "rapid", "val3", "ls", "urscript"} <= set(ALL)
     with pytest.raises(InputError, match="one of csv"):
-        find_format("gcode")
+        find_format("no_such_format")
 
 
 @pytest.mark.parametrize("name", ALL)
