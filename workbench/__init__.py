@@ -186,17 +186,17 @@ def __getattr__(name: str) -> Any:
 
 
 def _version() -> str:
-    """As installed; in a source tree that is not, as its pyproject.toml says."""
-    from importlib.metadata import PackageNotFoundError, version
+    """As its pyproject.toml says in a source tree, newer perhaps than its installation; else as installed."""
+    import tomllib
+    from importlib.metadata import version
+    from pathlib import Path
 
-    try:
-        return version("robot-workbench")
-    except PackageNotFoundError:
-        import tomllib
-        from pathlib import Path
-
-        project = Path(__file__).resolve().parents[1] / "pyproject.toml"
-        return str(tomllib.loads(project.read_text(encoding="utf-8"))["project"]["version"])
+    name, file = "robot-workbench", Path(__file__).resolve().parents[1] / "pyproject.toml"
+    if file.is_file():
+        project = tomllib.loads(file.read_text(encoding="utf-8")).get("project", {})
+        if project.get("name") == name:
+            return str(project["version"])
+    return version(name)
 
 
 def __dir__() -> list[str]:

@@ -19,13 +19,16 @@ from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
 
 
-def write_model(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
-    """Writes the extended robot; see `model_text`."""
-    put(path, model_text(path, robot, geometry, effects))
+def write_model(path: str | Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
+    """Writes the extended robot to `path`, the whole file or nothing; see `model_text`."""
+    put(Path(path), model_text(Path(path), robot, geometry, effects))
 
 
 def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> str:
-    """The extended robot as it is to stand at `path`. geometry: (S, 6) corrections; effects: all of them."""
+    """The extended robot as it is to stand at `path`, for any S slots of the arm.
+
+    geometry: (S, 6) tx ty tz rx ry rz [m, rad] corrections; effects: all of them.
+    """
     table: dict[str, Any] = {
         "schema": 1,
         "name": robot.name,
@@ -65,7 +68,7 @@ def _given(table: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def write_fit(path: Path, fit: Fit) -> None:
+def write_fit(path: str | Path, fit: Fit) -> None:
     """Writes a fit as the extended robot: what it found, beside what the robot's model had already.
 
     Tool and payloads are the campaign's: the effects were found under them.
