@@ -135,7 +135,11 @@ def write_path(
     robot: Robot | None = None,
     orientation: Literal["quaternion", "abc"] = "quaternion",
 ) -> None:
-    """Write a path as CSV, whole or not at all; `load_path` reads it back. See `path_text`."""
+    """Write a path as CSV, whole or not at all; `load_path` reads it back, digit by digit.
+
+    Joints stand in degrees, in mm where the robot's (or the path's own) joints slide; tool poses in mm with
+    quaternions, or with KUKA's angles (`orientation` "abc").
+    """
     put(pathlib.Path(file), path_text(path, robot, orientation))
 
 

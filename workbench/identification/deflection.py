@@ -39,7 +39,10 @@ def deflection(campaign: Campaign) -> Array:
 
 
 def deflection_budget(campaign: Campaign) -> Budget:
-    """Who moves the campaign's first target by how much: each part's own yield, seen at the target."""
+    """Who moves the first target of the campaign's N poses by how much: each part's own yield, seen there.
+
+    Under the stated loads, as modelled; in m. The loads are those of `deflection`.
+    """
     job = problem(campaign)
     arm, robot, now = job.arm, job.robot, _loaded(job)
     J = point_jacobian(now.where.axes, now.where.origin, now.base[:, :1], job.on[:1])

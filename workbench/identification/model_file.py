@@ -20,7 +20,10 @@ from .fit import Fit
 
 
 def write_model(path: str | Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
-    """Writes the extended robot to `path`, the whole file or nothing; see `model_text`."""
+    """Writes the extended robot to `path`, the whole file or nothing; `load_robot` reads it back.
+
+    geometry: (S, 6) tx ty tz rx ry rz [m, rad], corrections of the arm's slots; effects: all of them.
+    """
     put(Path(path), model_text(Path(path), robot, geometry, effects))
 
 
