@@ -8,11 +8,12 @@ export MPLBACKEND = Agg
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-all lint types bench models lock clean help
+.PHONY: demo example test test-all lint types bench models lock clean help
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo      the whole loop on a simulated KR 500, results in reports/demo"
+	@echo "make example   the page, report and scene of the demo that are kept in reports/example"
 	@echo "make test      the tests (under 5 minutes on two cores)"
 	@echo "make test-all  the tests and the slow studies"
 	@echo "make lint types bench models lock clean"
@@ -26,6 +27,12 @@ $(STAMP): pyproject.toml requirements.lock
 
 demo: $(STAMP)
 	$(RUN)workbench demo
+
+# Without the closed loop's own page, whose scene is as large again: its link becomes plain words.
+example: demo
+	mkdir -p reports/example
+	cp $(addprefix reports/demo/,report.pdf scene.html result.json model.toml) reports/example
+	sed 's|<a href="path/verify.html">\(.*\)</a>|\1|' reports/demo/index.html > reports/example/index.html
 
 test: $(STAMP)
 	$(RUN)python -m pytest -n 2 --dist loadfile -m "not slow" $(PYTEST_ARGS)
@@ -54,4 +61,5 @@ lock: $(STAMP)
 		--no-header --no-annotate --python-version 3.11 -o requirements.lock
 
 clean:
-	rm -rf $(VENV) reports .pytest_cache .mypy_cache .ruff_cache
+	find reports -mindepth 1 -maxdepth 1 ! -name README.md ! -name example -exec rm -rf {} +
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache

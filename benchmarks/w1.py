@@ -118,10 +118,10 @@ def measure(nominal: Robot, folder: Path, seed: int, twist: bool) -> tuple[Probl
     return first, Problem(nominal, first.arm, parts[1])
 
 
-def calibrate(job: Problem) -> Fit:
+def calibrate(problem: Problem) -> Fit:
     """The whole of what is timed."""
     noise = Covariance(np.full((FIT, 3), SIGMA), np.zeros(6), np.ones(FIT))
-    return fit(Model(job), start_state(job), noise)
+    return fit(Model(problem), start_state(problem), noise)
 
 
 def over_bound(result: Fit, judge: Problem, twist: bool) -> float:
@@ -144,7 +144,7 @@ def over_bound(result: Fit, judge: Problem, twist: bool) -> float:
     return float(np.sqrt(np.mean(error**2)) / bound)
 
 
-def moved(job: Problem, cols: Columns, start: State, step: Array) -> State:
+def moved(problem: Problem, cols: Columns, start: State, step: Array) -> State:
     """The state at fitted numbers `step` from the start."""
     state = move_frame(start, 0, start.t[0], step[:6])
     targets, geometry = start.targets.copy(), start.geometry.copy()
@@ -154,12 +154,12 @@ def moved(job: Problem, cols: Columns, start: State, step: Array) -> State:
     return replace(state, targets=targets, geometry=geometry)
 
 
-def plain_scipy(job: Problem) -> Array:
+def plain_scipy(problem: Problem) -> Array:
     """Least squares with finite differences from the same start; returns the fit's residuals."""
-    start, cols, model = start_state(job), columns(job, ()), Model(job)
+    start, cols, model = start_state(problem), columns(problem, ()), Model(problem)
 
     def misfit(x: Array) -> Array:
-        return (model.predict(moved(job, cols, start, x)) - job.campaign.points).ravel() / SIGMA
+        return (model.predict(moved(problem, cols, start, x)) - problem.campaign.points).ravel() / SIGMA
 
     return np.asarray(least_squares(misfit, np.zeros(len(cols.names)), method="trf", x_scale="jac").fun)
 
@@ -168,14 +168,14 @@ def series(nominal: Robot, folder: Path, seeds: int, twist: bool) -> None:
     """Fits and judges one campaign per seed, and prints what came out."""
     ratios, walls, others = np.empty(seeds), np.empty(seeds), []
     for seed in range(seeds):
-        job, judge = measure(nominal, folder, seed, twist)
+        problem, judge = measure(nominal, folder, seed, twist)
         begin = time.perf_counter()
-        result = calibrate(job)
+        result = calibrate(problem)
         walls[seed] = 1e3 * (time.perf_counter() - begin)
         ratios[seed] = over_bound(result, judge, twist)
         if seed < SCIPY_RUNS:
             begin = time.perf_counter()
-            plain_scipy(job)
+            plain_scipy(problem)
             others.append(1e3 * (time.perf_counter() - begin))
     rms, spread = np.sqrt(np.mean(ratios**2)), np.std(ratios) / np.sqrt(seeds)
     wall, other = np.median(walls[:SCIPY_RUNS]), np.median(others)

@@ -66,3 +66,11 @@ def test_import_costs_nothing():
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = workbench.nothing
+
+
+def test_the_version_is_that_of_the_source_tree():
+    """And the page of changes begins with it."""
+    root = Path(workbench.__file__).parents[1]
+    assert workbench.__version__ in (root / "pyproject.toml").read_text(encoding="utf-8")
+    changes = (root / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert changes.split("## ")[1].startswith(workbench.__version__)

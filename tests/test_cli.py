@@ -120,7 +120,7 @@ def test_diagnose_writes_everything(folder):
     assert (folder / "found/report.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_result_has_the_contract_s_keys(folder):
+def test_result_has_the_keys_of_its_schema(folder):
     result = json.loads((folder / "found/result.json").read_text(encoding="utf-8"))
     assert set(result) >= KEYS
     assert result["schema"] == 1

@@ -87,7 +87,7 @@ every = pytest.mark.parametrize(
 )
 
 
-def test_every_cause_of_the_contract_has_a_file():
+def test_every_cause_has_a_file():
     causes = {
         "joint_compliance", "gear_ratio", "gear_eccentricity", "gear_kinematic_error", "wrist_coupling",
         "backlash", "lost_motion", "gravity_compensator", "payload", "link_mass", "link_bending",
@@ -173,7 +173,7 @@ def test_wrong_text_is_refused_with_what_is_known(text, said):
     assert said in str(caught.value)
 
 
-def test_text_takes_the_contract_s_names():
+def test_text_takes_the_names_of_result_json():
     case, _ = job("kr500")
     text = "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.3"
     effect, values = parse_effect(text, case)

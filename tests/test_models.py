@@ -38,6 +38,17 @@ STATED = {
         ],
         ((-817.25, -191.45, -5.491), (1, 0, 0), (0, -1, 0)),
     ),
+    "ur10": (
+        [
+            ((0, 0, 1), (0, 0, 0)),
+            ((0, -1, 0), (0, 0, 127.3)),
+            ((0, -1, 0), (-612, 0, 127.3)),
+            ((0, -1, 0), (-1184.3, 0, 127.3)),
+            ((0, 0, -1), (-1184.3, -163.941, 127.3)),
+            ((0, -1, 0), (-1184.3, -163.941, 11.6)),
+        ],
+        ((-1184.3, -256.141, 11.6), (1, 0, 0), (0, -1, 0)),
+    ),
     "irb120": (
         [
             ((0, 0, 1), (0, 0, 0)),
@@ -155,7 +166,7 @@ def test_axes_and_flange_stand_where_they_are_stated(name):
 
 
 def tables():
-    for name in ("kr500", "ur5", "irb120", "iiwa7", "rx170", "longlink"):
+    for name in ("kr500", "ur5", "ur10", "irb120", "iiwa7", "rx170", "longlink"):
         yield name, importlib.import_module(f"generator.robots.{name}").KINEMATICS
     for side, table in importlib.import_module("generator.robots.ma1400").KINEMATICS.items():
         yield f"ma1400-{side}", table

@@ -95,13 +95,18 @@ if TYPE_CHECKING:
     from .report.study import Shown as Shown
     from .report.study import Study as Study
     from .report.study import Table as Table
+    from .report.terminal import short_verdict as short_verdict
     from .robot.description import Robot as Robot
     from .robot.description import load_robot as load_robot
     from .robot.find import list_robots as list_robots
     from .robot.kinematics import Array as Array
+    from .robot.kinematics import moved_base as moved_base
     from .robot.rotations import pose as pose
+    from .robot.rotations import rotation_about as rotation_about
     from .robot.schema import EffectRecord as EffectRecord
     from .simulation.closed_loop.control import Controller as Controller
+    from .simulation.closed_loop.file import Verified as Verified
+    from .simulation.closed_loop.file import verify_file as verify_file
     from .simulation.closed_loop.proof import verify as verify
     from .simulation.closed_loop.runs import Task as Task
     from .simulation.closed_loop.runs import World as World
@@ -153,12 +158,14 @@ _MODULES = {
     "report.scene": "shown_of",
     "report.story": "tell",
     "report.study": "Shown Study Table",
+    "report.terminal": "short_verdict",
     "robot.description": "Robot load_robot",
     "robot.find": "list_robots",
     "robot.schema": "EffectRecord",
-    "robot.kinematics": "Array",
-    "robot.rotations": "pose",
+    "robot.kinematics": "Array moved_base",
+    "robot.rotations": "pose rotation_about",
     "simulation.closed_loop.control": "Controller",
+    "simulation.closed_loop.file": "Verified verify_file",
     "simulation.closed_loop.proof": "verify",
     "simulation.closed_loop.runs": "Task World simulate_all",
     "simulation.virtual_campaign": "Truth random_geometry simulate",
@@ -182,17 +189,17 @@ def __getattr__(name: str) -> Any:
 
 
 def _version() -> str:
-    """As installed; in a source tree that is not, as its pyproject.toml says."""
-    from importlib.metadata import PackageNotFoundError, version
+    """As its pyproject.toml says in a source tree, newer perhaps than its installation; else as installed."""
+    import tomllib
+    from importlib.metadata import version
+    from pathlib import Path
 
-    try:
-        return version("robot-workbench")
-    except PackageNotFoundError:
-        import tomllib
-        from pathlib import Path
-
-        project = Path(__file__).resolve().parents[1] / "pyproject.toml"
-        return str(tomllib.loads(project.read_text(encoding="utf-8"))["project"]["version"])
+    name, file = "robot-workbench", Path(__file__).resolve().parents[1] / "pyproject.toml"
+    if file.is_file():
+        project = tomllib.loads(file.read_text(encoding="utf-8")).get("project", {})
+        if project.get("name") == name:
+            return str(project["version"])
+    return version(name)
 
 
 def __dir__() -> list[str]:

@@ -1,4 +1,4 @@
-"""`campaign.toml`, and the columns that its two tables may have (contract, section 2)."""
+"""`campaign.toml`, and the columns that its two tables may have."""
 
 from __future__ import annotations
 

@@ -21,7 +21,21 @@ from .poses import Poses
 
 
 def load_campaign(path: str | Path) -> Campaign:
-    """Load and check a campaign. Raises `InputError` with all faults of all its files at once."""
+    """Load and check a campaign.
+
+    path: its campaign.toml; the tables that it names lie beside it. Columns carry units (`q1_deg`, `x_mm`),
+    the campaign is in rad, m, kg, N and s. Raises `InputError` with all faults of all its files at once.
+
+    >>> import numpy as np
+    >>> from workbench import Truth, load_robot, planned, random_poses, simulate
+    >>> from workbench import load_campaign, write_campaign
+    >>> robot = load_robot("cylindrical")
+    >>> plan = planned(robot, random_poses(robot, 12, np.random.default_rng(0)))
+    >>> path = write_campaign("measured", simulate(plan, Truth(sigma=2e-5)))
+    >>> campaign = load_campaign("measured/campaign.toml")
+    >>> campaign.poses.q.shape, campaign.points.shape, campaign.noise_sigma
+    ((12, 3), (12, 3, 3), 2e-05)
+    """
     path = Path(path)
     file = read_campaign_file(path)
     points = read_table(path.parent / file.points.file, file.points, point_columns(file), f"{path}: points")

@@ -30,11 +30,17 @@ def random_poses(
     floor: float | None = None,
     clear: float | None = None,
 ) -> Array:
-    """Random joints (count, n) in the middle `share` of the limits (±π where there are none).
+    """Random joints (count, n) [rad, m] in the middle `share` of the limits (±π where there are none).
 
     All joints but the first, and the flange, stay above `floor` (z [m] in the base frame, by default
     5 % of the arm's reach) and the flange `clear` [m] (10 % of the reach) off the first axis. Raises
     `InputError` when hardly any pose does.
+
+    >>> import numpy as np
+    >>> from workbench import load_robot, random_poses
+    >>> q = random_poses(load_robot("cylindrical"), 20, np.random.default_rng(0), share=0.5)
+    >>> q.shape, bool((np.abs(q[:, 0]) <= np.pi / 2).all())
+    ((20, 3), True)
     """
     arm = arrays(robot)
     limit = [(j.lower, j.upper) if np.isfinite(j.upper - j.lower) else (-np.pi, np.pi) for j in robot.joints]
@@ -72,10 +78,20 @@ def planned(
     setup: Sequence[str] | None = None,
     title: str = "",
 ) -> Campaign:
-    """A campaign without points: what the robot is told, in N poses q: (N, n).
+    """A campaign without points: what the robot is told, in N poses q: (N, n) [rad, m].
 
     payloads: name → mass [kg] and centre of mass [m, flange frame]; payload: (N) names ("": none);
-    tool: mass and centre of mass, always mounted. The other columns are those of `Campaign`.
+    tool: mass and centre of mass, always mounted. wrench: (N, 6) [N, N·m] on the robot at the flange
+    origin, base frame; direction: (N, n) sign of the last motion; time: (N,) [s]; temperature: (N,) [°C];
+    readback: (N, n) [rad, m]; setup: (N) names of the instrument's set-ups.
+
+    >>> import numpy as np
+    >>> from workbench import load_robot, planned
+    >>> q = np.array([[0.0, 0.1, 0.2], [0.5, 0.2, 0.1]])
+    >>> plan = planned(load_robot("cylindrical"), q, payloads={"heavy": (8.0, (0.0, 0.0, 0.1))},
+    ...                payload=["", "heavy"])
+    >>> plan.n_poses, plan.n_points, [plan.payload_names[i] for i in plan.poses.payload]
+    (2, 0, ['', 'heavy'])
     """
     n_poses = len(q)
     loads = {"": (0.0, (0.0, 0.0, 0.0)), **(payloads or {})}

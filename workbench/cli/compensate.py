@@ -7,14 +7,13 @@ import json
 
 from .arguments import Commands, conditions, json_option, load_options, out_option, seed_option
 
-FORMATS = ("csv", "krl", "rapid", "val3", "ls", "urscript")
-
 
 def add(commands: Commands) -> None:
     parser = commands.add_parser("compensate", help="offline path modification")
     parser.add_argument("path", metavar="PATH.csv", help="t_s and joints, or tool poses in the base frame")
     parser.add_argument("--model", required=True, metavar="MODEL.toml", help="what diagnose wrote")
-    parser.add_argument("--format", default="csv", choices=FORMATS, help="of the program (csv)")
+    # no choices here: the formats are the files of correction/programs, which take long to import
+    parser.add_argument("--format", default="csv", help="csv (if not said), krl, rapid, val3, ls, urscript")
     load_options(parser)
     out_option(
         parser,

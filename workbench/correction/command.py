@@ -112,12 +112,23 @@ def compensate(
 ) -> Compensation:
     """The command that makes the extended robot's tool pass through the path.
 
-    robot: with the corrections and effects of its model.toml. conditions: what it carries (default: the
-    tool that the model states). tool: (4, 4) pose of the tool in the flange
-    frame (default: the flange). start: (n,) joints near the first pose, to choose the posture. method:
-    "exact", or for comparison "mirror", "double", "joint" (first order) or "geometry". bandwidth_hz: a gear
-    ripple that is faster at the path's speed is left out. seed: of the postures tried for the first pose.
+    robot: with the corrections and effects of its model.toml. path: N samples, joints [rad, m] or tool
+    poses [m]. conditions: what it carries (default: the tool that the model states). tool: (4, 4) pose of
+    the tool in the flange frame (default: the flange). start: (n,) joints near the first pose, to choose
+    the posture. method: "exact", or for comparison "mirror", "double", "joint" (first order) or "geometry".
+    bandwidth_hz: a gear ripple that is faster at the path's speed is left out. seed: of the postures tried
+    for the first pose.
     Raises `InputError` with the lines of the path that cannot be run; lesser troubles are in the result.
+
+    >>> import numpy as np
+    >>> from workbench import Path, compensate, load_robot, parse_effect, planned, problem, record, stored
+    >>> robot = load_robot("cylindrical")
+    >>> q = np.linspace([0.5, 0.2, 0.2], [1.0, 0.2, 0.3], 21)
+    >>> ratio = parse_effect("gear_ratio:joint=joint_1,relative=5e-4", problem(planned(robot, q)))
+    >>> model = stored("model.toml", robot, [record(*ratio)])  # diagnose writes such a file
+    >>> command = compensate(model, Path(np.linspace(0, 2, 21), q=q))
+    >>> f"{command.before_mm.max():.2f} mm uncorrected, {command.after_mm.max():.2f} mm corrected"
+    '0.46 mm uncorrected, 0.00 mm corrected'
     """
     _check_call(method, bandwidth_hz)
     trajectory = trajectory_of(robot, path, conditions or stated_conditions(robot), tool, start, seed)

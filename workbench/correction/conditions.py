@@ -39,7 +39,10 @@ class Conditions:
 
 
 def conditions_of(campaign: Campaign, payload: str = "") -> Conditions:
-    """The tool and the named payload as a campaign states them."""
+    """The tool and the named payload ("": none) as a campaign states them.
+
+    Raises `InputError` with the names that there are, when it has no such payload.
+    """
     if payload not in campaign.payload_names:
         known = ", ".join(campaign.payload_names[1:]) or "none"
         raise InputError(Fault(f"payload {payload!r}", "is not in the campaign", f"known: {known}"))
@@ -54,7 +57,10 @@ def conditions_of(campaign: Campaign, payload: str = "") -> Conditions:
 
 
 def stated_conditions(robot: Robot, payload: str = "") -> Conditions:
-    """The tool and the named payload as the robot's own TOML states them (a model.toml)."""
+    """The tool and the named payload ("": none) as the robot's own TOML states them (a model.toml).
+
+    Raises `InputError` with the names that there are, when it has no such payload.
+    """
     if payload and payload not in robot.payloads:
         known = ", ".join(robot.payloads) or "none"
         mend = f"known: {known}; or name the campaign that states it"

@@ -19,21 +19,21 @@ Command = tuple[Array, NDArray[np.bool_]]
 
 
 def mirror(trajectory: Trajectory, rest: Rest, direction: Array | None) -> Command:
-    """P′ = P − ΔP (source 001, eq. 16): the tool's error is taken off the commanded pose."""
+    """P′ = P − ΔP (Jiao et al. 2020, eq. 16): the tool's error is taken off the commanded pose."""
     R, p = trajectory.X[:, :3, :3], trajectory.X[:, :3, 3]
     T = _resting(trajectory, rest)
     return _inverse(trajectory, pose(2 * p - T[:, :3, 3], R @ T[:, :3, :3].transpose(0, 2, 1) @ R))
 
 
 def double(trajectory: Trajectory, rest: Rest, direction: Array | None) -> Command:
-    """T_end = 2 T − T_7 (source 004): on the matrices; the nearest rotation is taken."""
+    """T_end = 2 T − T_7 (Liu et al.): on the matrices; the nearest rotation is taken."""
     T = 2 * trajectory.X - _resting(trajectory, rest)
     U, _, V = np.linalg.svd(T[:, :3, :3])
     return _inverse(trajectory, pose(T[:, :3, 3], U @ V))
 
 
 def joint(trajectory: Trajectory, rest: Rest, direction: Array | None) -> Command:
-    """Q_ref = Q − ΔQ (source 003, eq. 4): each joint's own error, of stiffness and gear; no geometry."""
+    """Q_ref = Q − ΔQ (Olabi et al. 2012, eq. 4): each joint's error of stiffness and gear; no geometry."""
     problem = trajectory.extended.at(rest.q, direction, slice(0, len(rest.q)))
     motion = trajectory.extended.direct(problem) + rest.sag
     dq = motion.reshape(len(rest.q), -1)[:, trajectory.nominal.axial]

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..files.faults import Fault, InputError
 from ..robot.kinematics import Array
-from ..robot.rotations import about, pose
+from ..robot.rotations import pose, rotation_about
 from .paths import Path
 
 Piece = tuple[float, Callable[[Array], Array]]  # length [m], and distances (K,) → points (K, 2) [m] in W
@@ -74,7 +74,10 @@ def raster(length: float, width: float, spacing: float, run: Run) -> Path:
 
 
 def spiral(run: Run, start: float = 0.024, growth: float = 0.15, angle: float = 4 * np.pi) -> Path:
-    """Logarithmic spiral R = start · exp(growth · θ), θ from 0 to `angle`; source 003's by default [m]."""
+    """Logarithmic spiral R = start · exp(growth · θ) [m], θ from 0 to `angle`.
+
+    Without arguments it is that of Olabi et al. 2012.
+    """
     slope = np.hypot(1.0, growth) / growth
 
     def points(s: Array) -> Array:
@@ -172,4 +175,4 @@ def _check(title: str, pieces: Sequence[Piece], run: Run) -> None:
 
 def tilted(angle_deg: float, axis: str = "y") -> Array:
     """R_WT of a tool that looks down onto the plane and is tilted about one of W's axes."""
-    return np.asarray(about(axis, np.radians(angle_deg)) @ DOWN)
+    return np.asarray(rotation_about(axis, np.radians(angle_deg)) @ DOWN)

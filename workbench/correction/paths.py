@@ -1,4 +1,4 @@
-"""Paths: joints or tool poses over time, read from and written to CSV (contract, section 3)."""
+"""Paths: joints or tool poses over time, read from and written to CSV."""
 
 from __future__ import annotations
 
@@ -64,10 +64,20 @@ class Path:
 
 
 def load_path(file: str | pathlib.Path, robot: Robot | None = None) -> Path:
-    """Load and check a path. Raises `InputError` with all faults.
+    r"""Load and check a path.
 
-    With a robot, the joint columns have to be the robot's, each in a unit that fits. The columns
-    `fx_N fy_N fz_N mx_Nm my_Nm mz_Nm`, `temp_degC` and `dwell_s` may stand beside.
+    file: a table with `t_s` and either joints (`q1_deg` ..., `q2_mm` for a sliding one) or tool poses in the
+    base frame (`x_mm y_mm z_mm` with `qw qx qy qz` or `a_deg b_deg c_deg`). With a robot, the joint columns
+    have to be the robot's, each in a unit that fits. The columns `fx_N fy_N fz_N mx_Nm my_Nm mz_Nm`,
+    `temp_degC` and `dwell_s` may stand beside. Raises `InputError` with all faults.
+
+    >>> import pathlib
+    >>> from workbench import load_path, load_robot
+    >>> table = "t_s,q1_deg,q2_mm,q3_mm", "0,30,200,200", "0.5,32,200,210", "1,34,200,220"
+    >>> _ = pathlib.Path("path.csv").write_text("\n".join(table))
+    >>> path = load_path("path.csv", load_robot("cylindrical"))
+    >>> path.q.shape, path.q[-1].round(4).tolist()  # rad, m
+    ((3, 3), [0.5934, 0.2, 0.22])
     """
     return _checked(read_table(pathlib.Path(file), Layout(), path_columns(robot)), robot, fewest=2)
 
@@ -125,7 +135,11 @@ def write_path(
     robot: Robot | None = None,
     orientation: Literal["quaternion", "abc"] = "quaternion",
 ) -> None:
-    """Write a path as CSV, whole or not at all; `load_path` reads it back. See `path_text`."""
+    """Write a path as CSV, whole or not at all; `load_path` reads it back, digit by digit.
+
+    Joints stand in degrees, in mm where the robot's (or the path's own) joints slide; tool poses in mm with
+    quaternions, or with KUKA's angles (`orientation` "abc").
+    """
     put(pathlib.Path(file), path_text(path, robot, orientation))
 
 

@@ -188,5 +188,5 @@ class Diagnosis:
     inputs: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
-        """`result.json` as the contract fixes it (section 6)."""
+        """`result.json`, whose keys are fixed by its schema number."""
         return result_json(self)

@@ -1,4 +1,4 @@
-"""`result.json` as the contract fixes it (section 6)."""
+"""`result.json`: its keys stay the same within a schema number."""
 
 from __future__ import annotations
 

@@ -38,8 +38,21 @@ def diagnose(
 ) -> Outcome:
     """What the simulation gets wrong, why, and the gain of saying so.
 
-    Several campaigns of one robot are fitted together. Nothing is fitted on `test` but the frame and
-    targets of set-ups that the campaigns do not have. Raises InputError where the data are unusable.
+    campaigns: one, or several of one robot, which are fitted together. test: poses kept apart; nothing is
+    fitted on it but the frame and targets of set-ups that the campaigns do not have. progress: is told
+    each step in words. seed: of the groups of poses that are held out in turn. Raises `InputError` where
+    the data are unusable.
+
+    >>> import numpy as np
+    >>> from workbench import Truth, load_robot, parse_effect, planned, problem, random_poses
+    >>> from workbench import diagnose, simulate
+    >>> robot = load_robot("cylindrical")
+    >>> plan = planned(robot, random_poses(robot, 30, np.random.default_rng(1)))
+    >>> hidden = "gear_eccentricity:joint=joint_1,variant=1,amplitude=5e-4,phase=0.4"
+    >>> wheel = parse_effect(hidden, problem(plan))
+    >>> outcome = diagnose(simulate(plan, Truth(effects=(wheel,), sigma=2e-5), seed=1))
+    >>> [finding.label for finding in outcome.diagnosis.causes]
+    ['gear_eccentricity(joint_1)']
     """
     prepared = prepare(campaigns, progress)
     progress("testing causes")

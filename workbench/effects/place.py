@@ -33,7 +33,7 @@ class Where:
     order: float | None = None
 
     def keys(self) -> dict[str, Any]:
-        """The keys that are set, in the contract's order."""
+        """The keys that are set, in the order of `result.json`."""
         names = ("joint", "other", "link", "payload", "order")
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 

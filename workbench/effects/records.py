@@ -34,7 +34,7 @@ def effect_text(effect: Effect, values: Array) -> str:
 
 
 def parse_effect(text: str, problem: Problem) -> tuple[Effect, Array]:
-    """An effect and its values from `cause:joint=...,amplitude=...`, names as in the contract.
+    """An effect and its values from `cause:joint=...,amplitude=...`, names as in `result.json`.
 
     Without any number the effect has its typical size. Raises `InputError`.
     """

@@ -15,7 +15,7 @@ from .table_units import NO_UNIT, UNITS, USUAL, Unit
 
 
 class Layout(BaseModel):
-    """How a text table is laid out; the defaults are our own layout (contract, section 2)."""
+    """How a text table is laid out; the defaults are our own layout."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

@@ -39,7 +39,10 @@ def deflection(campaign: Campaign) -> Array:
 
 
 def deflection_budget(campaign: Campaign) -> Budget:
-    """Who moves the campaign's first target by how much: each part's own yield, seen at the target."""
+    """Who moves the first target of the campaign's N poses by how much: each part's own yield, seen there.
+
+    Under the stated loads, as modelled; in m. The loads are those of `deflection`.
+    """
     problem = problem_of(campaign)
     arm, robot, now = problem.arm, problem.robot, _loaded(problem)
     J = point_jacobian(now.where.axes, now.where.origin, now.base[:, :1], problem.on[:1])

@@ -19,13 +19,19 @@ from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
 
 
-def write_model(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
-    """Writes the extended robot; see `model_text`."""
-    put(path, model_text(path, robot, geometry, effects))
+def write_model(path: str | Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
+    """Writes the extended robot to `path`, the whole file or nothing; `load_robot` reads it back.
+
+    geometry: (S, 6) tx ty tz rx ry rz [m, rad], corrections of the arm's slots; effects: all of them.
+    """
+    put(Path(path), model_text(Path(path), robot, geometry, effects))
 
 
 def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> str:
-    """The extended robot as it is to stand at `path`. geometry: (S, 6) corrections; effects: all of them."""
+    """The extended robot as it is to stand at `path`, for any S slots of the arm.
+
+    geometry: (S, 6) tx ty tz rx ry rz [m, rad] corrections; effects: all of them.
+    """
     table: dict[str, Any] = {
         "schema": 1,
         "name": robot.name,
@@ -65,9 +71,9 @@ def _given(table: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def write_fit(path: Path, fit: Fit) -> None:
+def write_fit(path: str | Path, fit: Fit) -> None:
     """Writes a fit as the extended robot; see `fit_text`."""
-    put(path, fit_text(path, fit))
+    put(Path(path), fit_text(Path(path), fit))
 
 
 def fit_text(path: Path, fit: Fit) -> str:

@@ -25,7 +25,7 @@ def restated(robot: Robot, joints: Iterable[str] | None = None, **data: float | 
     )
 
 
-def stored(path: Path, robot: Robot, effects: Sequence[EffectRecord] = ()) -> Robot:
+def stored(path: str | Path, robot: Robot, effects: Sequence[EffectRecord] = ()) -> Robot:
     """The robot with these effects and without corrections of its geometry, written and read again."""
     write_model(path, robot, np.zeros((len(robot.joints) + 2, 6)), effects)
     return load_robot(path)

@@ -138,7 +138,10 @@ def link_between(first: Circle, second: Circle, along: Array) -> Link:
 
 
 def sweeps(home: Array, spans: Array, stops: int) -> Array:
-    """(n · stops, n) joints: one after the other turns by ± its span about `home`, the others rest there."""
+    """(n · stops, n) joints [rad]: one after the other turns by ± its span about `home`, while others rest.
+
+    home, spans: (n,) [rad]; stops: how many standstills a sweep has.
+    """
     way = np.linspace(-1, 1, stops)
     return np.concatenate([home + np.outer(way, span) for span in np.diag(spans)])
 

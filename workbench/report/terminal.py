@@ -9,7 +9,7 @@ from .content import place
 
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
-    """A few lines: verdict, causes with gain, faults, where the report lies."""
+    """A few lines: verdict, causes with gain, faults, and where the report lies (`folder`, if written)."""
     first, last = diagnosis.stages[0], diagnosis.stages[-1]
     geometry = diagnosis.stages[1]
     lines = [

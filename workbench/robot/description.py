@@ -64,7 +64,15 @@ class Robot:
 def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
     """Load a robot by name or by path and check it.
 
-    Raises `InputError` with every fault of the TOML and the URDF.
+    robot: a name that `list_robots` has, or the path of a robot's TOML, a model.toml included; beside: the
+    folder from which a relative path counts. Raises `InputError` with every fault of the TOML and the URDF.
+
+    >>> from workbench import load_robot
+    >>> robot = load_robot("cylindrical")
+    >>> [(joint.name, joint.kind) for joint in robot.joints]
+    [('joint_1', 'revolute'), ('joint_2', 'prismatic'), ('joint_3', 'prismatic')]
+    >>> robot.joint("joint_1").data.stiffness  # N·m/rad
+    1000000.0
     """
     path = find_robot(robot, beside)
     file = parse_robot(path)

@@ -71,7 +71,7 @@ def from_vectors(vector: Array) -> Array:
     return np.asarray(Rotation.from_rotvec(vector).as_matrix())
 
 
-def about(axis: str, angle: Array | float) -> Array:
+def rotation_about(axis: str, angle: Array | float) -> Array:
     """(..., 3, 3) turns by `angle` (...) [rad] about the axis "x", "y" or "z"."""
     turn = Rotation.from_euler(axis, np.reshape(angle, (-1, 1))).as_matrix()
     return np.asarray(turn.reshape(*np.shape(angle), 3, 3))
@@ -116,7 +116,7 @@ def pose(p: Array, R: Array) -> Array:
 
 def screw(axis: str, angle: Array | float, shift: float) -> Array:
     """(..., 4, 4) turn by `angle` (...) [rad] about the axis "x", "y" or "z", and shift [m] along it."""
-    return pose(shift * np.eye(3)["xyz".index(axis)], about(axis, angle))
+    return pose(shift * np.eye(3)["xyz".index(axis)], rotation_about(axis, angle))
 
 
 def body_jacobian(arms: Array) -> Array:

@@ -20,7 +20,7 @@ from ..files.faults import Fault, InputError
 from ..robot.elastic_plant import elastic_twin
 from ..robot.kinematics import Arm, Array
 from ..robot.loads import Loads
-from ..robot.rotations import about, body_jacobian
+from ..robot.rotations import body_jacobian, rotation_about
 
 Values = tuple[Effect, Array]
 
@@ -68,10 +68,20 @@ def simulate(
 ) -> Campaign:
     """The plan's poses, measured on the true robot.
 
-    instrument: R (K, 3, 3), t (K, 3) [m] of the base in the instrument's frame per set-up; None: drawn.
-    state_sigma: the campaign says its noise. torque_sigma: adds the torques of the drives, with this
-    noise as a share of each joint's largest torque. The robot's own effects (model.toml) act too.
+    plan: N poses without points (`planned`), or a campaign to be measured again. shots: readings of each
+    point, whose mean is kept. instrument: R (K, 3, 3), t (K, 3) [m] of the base in the instrument's frame
+    per set-up; None: drawn. state_sigma: the campaign says its noise. torque_sigma: adds the torques of the
+    drives, with this noise as a share of each joint's largest torque. The robot's own effects (model.toml)
+    act too.
     Raises `InputError` when an effect does nothing in these poses.
+
+    >>> import numpy as np
+    >>> from workbench import Truth, load_robot, planned, random_poses, simulate
+    >>> robot = load_robot("cylindrical")
+    >>> plan = planned(robot, random_poses(robot, 10, np.random.default_rng(0)))
+    >>> measured = simulate(plan, Truth(sigma=3e-5), seed=1)  # an exact robot, 30 µm noise
+    >>> measured.points.shape  # (N, T, 3) [m], in the instrument's frame
+    (10, 3, 3)
     """
     problem = problem_of(plan)
     _check_acting(problem, truth)
@@ -97,7 +107,7 @@ def simulate(
 
 
 def random_geometry(arm: Arm, rng: np.random.Generator, length: float = 5e-4, angle: float = 5e-4) -> Array:
-    """Corrections (S, 6) of the joints' frames with these standard deviations [m, rad]."""
+    """Corrections (S, 6) of the joints' frames, with standard deviations `length` [m] and `angle` [rad]."""
     geometry = rng.normal(size=(arm.slots, 6)) * ([length] * 3 + [angle] * 3)
     geometry[[0, -1]] = 0.0
     return geometry
@@ -126,7 +136,7 @@ class _Draws:
         turn, bearing = rng.uniform(-np.pi, np.pi, (2, count))
         distance, height = rng.uniform(3, 5, count), rng.uniform(-1.5, 0, count)
         t = np.stack([distance * np.cos(bearing), distance * np.sin(bearing), height], axis=1)
-        return about("z", turn), t
+        return rotation_about("z", turn), t
 
     def noise(self, points: Array, sigma: float, shots: int, six_dof: bool) -> Array:
         """(N, T, shots, 3) noise of the instrument."""

@@ -14,23 +14,36 @@ from typing import Any
 
 import numpy as np
 
-from ..campaign import Campaign, Target, load_campaign, write_campaign
-from ..campaign.planned import TARGETS, planned, random_poses
-from ..campaign.problem import problem_of
-from ..correction import compensate_file
-from ..correction.path_shapes import Run, circle, work_frame
-from ..correction.paths import write_path
-from ..diagnosis.run import Outcome, diagnose
-from ..effects.records import parse_effect, record
-from ..identification.model_file import loaded, write_fit, write_model
-from ..report.numbers import mm
-from ..report.outcome import write_outcome
-from ..report.terminal import short_verdict
-from ..robot.description import load_robot
-from ..robot.kinematics import Array, moved_base
-from ..robot.rotations import about
-from ..simulation.closed_loop import Verified, verify_file
-from ..simulation.virtual_campaign import Truth, random_geometry, simulate
+from workbench import (
+    Array,
+    Campaign,
+    Outcome,
+    Truth,
+    Verified,
+    compensate_file,
+    diagnose,
+    load_campaign,
+    load_robot,
+    loaded,
+    moved_base,
+    numbers,
+    parse_effect,
+    path_shapes,
+    planned,
+    problem_of,
+    random_geometry,
+    random_poses,
+    record,
+    rotation_about,
+    short_verdict,
+    simulate,
+    verify_file,
+    write_campaign,
+    write_fit,
+    write_model,
+    write_outcome,
+    write_path,
+)
 
 Progress = Callable[[str], None]
 
@@ -72,8 +85,8 @@ def demo(folder: Path, seed: int, progress: Progress, quick: bool = False) -> Su
     slow = proof.found.slow.trials
     before, after = slow["uncorrected"].figures.rms_mm, slow["corrected"].figures.rms_mm
     words = (
-        f"In closed loop the true robot draws a circle {mm(before)} mm off as it is, and "
-        f"{mm(after)} mm off with the commands that this model corrects (RMS)."
+        f"In closed loop the true robot draws a circle {numbers.mm(before)} mm off as it is, and "
+        f"{numbers.mm(after)} mm off with the commands that this model corrects (RMS)."
     )
     proven = replace(outcome.diagnosis, proof=(words, "path/verify.html"))
     outcome = replace(outcome, diagnosis=proven)
@@ -90,14 +103,14 @@ def measured(seed: int, poses: int) -> tuple[Campaign, Truth, tuple[Array, Array
     plan = planned(
         robot,
         q,
-        # the tool plate was measured beforehand: the targets' places are known
-        targets=[Target(t.name, t.xyz, t.on, fixed=True) for t in TARGETS],
         payloads=PAYLOADS,
         payload=[""] * poses + ["heavy"] * poses,
         tool=TOOL,
         direction=rng.choice([-1.0, 1.0], size=q.shape),
         title="KR 500, laser tracker, two loads",
     )
+    # the tool plate was measured beforehand: the targets' places are known
+    plan = replace(plan, targets=tuple(replace(target, fixed=True) for target in plan.targets))
     problem = problem_of(plan)
     order = 2 * (robot.joints[3].data.gear_ratio or 100.0)
     truth = Truth(
@@ -105,7 +118,7 @@ def measured(seed: int, poses: int) -> tuple[Campaign, Truth, tuple[Array, Array
         effects=tuple(parse_effect(text.format(order=order, double=2 * order), problem) for text in HIDDEN),
         sigma=3e-5,
     )
-    frame = about("z", 2.2)[None], np.array([[3.2, -1.4, -0.6]])
+    frame = rotation_about("z", 2.2)[None], np.array([[3.2, -1.4, -0.6]])
     return simulate(plan, truth, seed=seed, instrument=frame, torque_sigma=0.03), truth, frame
 
 
@@ -122,8 +135,9 @@ def _prove(
     folder.mkdir(parents=True, exist_ok=True)
     write_fit(folder / "model.toml", outcome.fit)
     _write_truth(folder / "truth.toml", outcome, truth, frame)
-    run = Run(work_frame([1.9, 0.3, 1.1]), speed=0.05, acceleration=0.5, period=0.01)
-    shape = circle(0.03 if quick else 0.06, run)
+    frame_of_work = path_shapes.work_frame([1.9, 0.3, 1.1])
+    run = path_shapes.Run(frame_of_work, speed=0.05, acceleration=0.5, period=0.01)
+    shape = path_shapes.circle(0.03 if quick else 0.06, run)
     write_path(folder / "circle.csv", shape)
     compensate_file(folder / "circle.csv", folder / "model.toml", "krl", folder / "circle.src")
     return verify_file(

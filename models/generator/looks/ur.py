@@ -1,24 +1,36 @@
-"""The UR5: tubes between joint housings, each housing with a coloured cap."""
+"""The UR arms: tubes between joint housings, each housing with a coloured cap."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+
+import numpy as np
 
 from ..design import Design
 from ..mesh import Array, Mesh, Shape
 from ..parts import Triad, in_link_frames
 from .paints import BLACK, DARK, SILVER, SKY, STEEL
 
-BIG, SMALL = 58.0, 37.5  # radii of the housings of joints 1..3 and 4..6
+BIG, SMALL = 58.0, 37.5  # radii of the UR5's housings of joints 1..3 and 4..6, mm
 
 
-def ur(design: Design) -> Mapping[str, Shape]:
-    points = [1000 * axis.point for axis in design.chain.axes]
+def ur(beside: float, apart: float, size: float = 1.0) -> Callable[[Design], Mapping[str, Shape]]:
+    """How to draw a UR arm.
+
+    beside: forearm's plane beside that of axis 5, apart: upper arm's plane beside the forearm's [mm];
+    size:   of its housings and tubes, the UR5's are 1.
+    """
+    return lambda design: _drawn(design, beside / size, apart / size, size)
+
+
+def _drawn(design: Design, beside: float, apart: float, size: float) -> Mapping[str, Shape]:
+    """Drawn as thick as the UR5 on an arm that is smaller by `size`, and enlarged."""
+    points = [1000 * axis.point / size for axis in design.chain.axes]
     shoulder, elbow, wrist_1, wrist_2, wrist_3 = points[1:]
-    tip = 1000 * design.chain.flange[:3, 3]
+    tip = 1000 * design.chain.flange[:3, 3] / size
     plane = float(wrist_2[1])  # where axis 5 stands; the tubes stand beside it
-    fore = plane + 93.0
-    upper = fore - 119.7
+    fore = plane + beside
+    upper = fore - apart
     drawn = {
         "base_link": _base(),
         "link_1": _shoulder(shoulder, upper),
@@ -28,7 +40,11 @@ def ur(design: Design) -> Mapping[str, Shape]:
         "link_5": _hand(wrist_3, (float(wrist_2[2]), float(wrist_3[2])), float(tip[1])),
         "link_6": _flange(tip),
     }
-    return in_link_frames(design, drawn)
+    return in_link_frames(design, {link: _enlarged(shape, size) for link, shape in drawn.items()})
+
+
+def _enlarged(shape: Shape, size: float) -> Shape:
+    return [(paint, mesh.moved(size * np.eye(3), np.zeros(3))) for paint, mesh in shape]
 
 
 def _cap(t: Triad, axis: str, at: float, way: int, radius: float) -> Shape:

@@ -50,5 +50,5 @@ UR5 = Design(
         "stiffness": "not known, taken as rigid",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
-    look=ur,
+    look=ur(beside=93.0, apart=119.7),
 )

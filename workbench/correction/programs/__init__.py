@@ -29,10 +29,12 @@ __all__ = [
 @cache
 def formats() -> dict[str, Format]:
     """Every format by name: the classes of format in the modules of this folder."""
+    found: dict[str, Format] = {}
     for module in iter_modules(__path__):
-        import_module(f"{__name__}.{module.name}")
-    found = [kind() for kind in Format.__subclasses__()]
-    return {format.name: format for format in sorted(found, key=lambda format: format.name)}
+        for member in vars(import_module(f"{__name__}.{module.name}")).values():
+            if isinstance(member, type) and issubclass(member, Format) and "name" in vars(member):
+                found[member.name] = member()
+    return dict(sorted(found.items()))
 
 
 def find_format(name: str) -> Format:

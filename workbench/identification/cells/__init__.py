@@ -1,4 +1,4 @@
-"""Variable parameters: cells of the workspace with kinematics and stiffness of their own (source 001)."""
+"""Cells of the workspace with kinematics and stiffness of their own (Jiao et al. 2020)."""
 
 from .cell_model import CellModel, Commands, fit_cells
 from .file import load_cells, write_cells

@@ -1,4 +1,4 @@
-"""A box of the workspace cut into equal cells, and where they are measured (source 001, section 3)."""
+"""A box of the workspace cut into equal cells, and where they are measured (Jiao et al. 2020, section 3)."""
 
 from __future__ import annotations
 

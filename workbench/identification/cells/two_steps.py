@@ -1,4 +1,4 @@
-"""Kinematics from poses without load, stiffness from what a load moves: the two steps of source 001.
+"""Kinematics from poses without load, stiffness from what a load moves: the two steps of Jiao et al. 2020.
 
 Its model is d = D(J K⁻¹ Jᵀ) f, eq. (9), f as a force sensor at the flange shows it: the arm's own weight
 is no part of it and stays in the kinematics, eqs. (1)–(4). So here the robot is weightless and without

@@ -1,8 +1,8 @@
 """A gas spring between two links of an arm: what it does to a joint's torque and to its stiffness.
 
 The pivots P0 (on the body) and P1 (on the moving link) and the joint's axis P2 make a triangle with the
-sides a = P0P2 and L = P1P2, and s = P0P1 changes with the joint (source 002, eqs. (2)–(7), with φ = α − q:
-with this sign torque and stiffness are derivatives of one energy):
+sides a = P0P2 and L = P1P2, and s = P0P1 changes with the joint (Klimchik et al. 2017, eqs. (2)–(7), with
+φ = α − q: with this sign torque and stiffness are derivatives of one energy):
 
     s² = a² + L² + 2aL cos φ,   s′ = ds/dq = (aL/s) sin φ,   s″ = −(aL/s) cos φ − (aL sin φ)²/s³
 

@@ -1,4 +1,4 @@
-"""The gas spring that a joint's apparent compliances would need: source 002, eq. (12)."""
+"""The gas spring that a joint's apparent compliances would need: Klimchik et al. 2017, eq. (12)."""
 
 from __future__ import annotations
 
@@ -71,7 +71,10 @@ def fit_spring(triangle: Linkage, area: float, q: Array, compliance: Array, sigm
 
 
 def fit_any_order(triangle: Linkage, area: float, q: Array, compliance: Array, sigma: Array) -> FittedSpring:
-    """The best of the fits to all orders of the compliances: which angle each belongs to is not known."""
+    """`fit_spring` where it is not known which of the angles q (M,) [rad] each compliance belongs to.
+
+    compliance, sigma: (M,) [rad/(N·m)]. The best of the fits to all orders of them.
+    """
     orders = (list(order) for order in permutations(range(len(q))))
     fits = (fit_spring(triangle, area, q, compliance[order], sigma[order]) for order in orders)
     return min(fits, key=lambda spring: spring.chi2)

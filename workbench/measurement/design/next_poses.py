@@ -30,8 +30,19 @@ def plan(
     quick: bool = False,
     progress: Progress = lambda _: None,
 ) -> Plan:
-    """The next poses to measure: for accuracy, or (`tell`: two causes, "A,B", each as in `--effect`) to tell
-    rival causes apart. What a campaign has shown already counts. Raises InputError where there is no plan."""
+    """The next poses to measure: for accuracy, or to tell rival causes apart.
+
+    source: a campaign, of which what it has shown already counts, or a robot that was not measured yet.
+    poses: how many to choose. tell: two causes, "A,B", each as in `--effect`. seed: of the poses on offer;
+    quick: fewer of them. progress: is told each step in words. Raises `InputError` where there is no plan.
+
+    >>> from workbench import load_robot, plan
+    >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
+    >>> chosen.records.poses.q.shape  # joints to go to [rad, m]
+    (5, 3)
+    >>> chosen.plan_mm < chosen.random_mm  # expected error after them, and after as many random ones
+    True
+    """
     if poses < 1:
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")

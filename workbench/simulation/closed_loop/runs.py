@@ -71,7 +71,10 @@ def simulate(world: World, task: Task) -> Outcome:
 def simulate_all(
     world: World, tasks: Sequence[Task], workers: int, progress: Callable[[str], None]
 ) -> list[Outcome]:
-    """All runs, in the order of the tasks; the same whatever `workers` is."""
+    """All runs in Drake, in the order of the tasks; the same whatever `workers` (processes) is.
+
+    progress: is told what each task has `said` as it is done.
+    """
     out = []
     if workers < 2:
         for number, task in enumerate(tasks, 1):
