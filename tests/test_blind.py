@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis.result import Rival
 from workbench.diagnosis.run import diagnose
 from workbench.effects import catalogue
 from workbench.identification.fit import fit, start_state
@@ -130,7 +131,7 @@ def test_a_wrong_name_is_seen_as_one(tmp_path):
     assert wrong["wrong_name"]
     assert not wrong["first_right"]
     assert not wrong["reported"]
-    vague = replace(other, status="ambiguous", rivals=(("backlash", case.hidden[0].effect.where),))
+    vague = replace(other, status="ambiguous", rivals=(Rival("backlash", case.hidden[0].effect.where, 0.4),))
     tied = judged(case, replace(outcome, diagnosis=replace(outcome.diagnosis, causes=(vague,))))
     assert tied["reported"]
     assert not tied["wrong_name"]

@@ -36,7 +36,7 @@ KEYS = {
     "remainder", "not_testable", "detectable", "faults",
 }  # fmt: skip
 STAGE = {"name", "parameters", "heldout_rms_mm", "heldout_mean_mm", "heldout_max_mm", "fit_rms_mm"}
-CAUSE = {"cause", "status", "gain_mm", "p_value", "parameters", "rivals", "separate_by"}
+CAUSE = {"cause", "status", "gain_mm", "probability", "parameters", "rivals", "separate_by"}
 PLACE = {"joint", "other", "link", "payload", "order"}
 
 

@@ -9,11 +9,8 @@ from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
 
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.families import FamilyTest, families
+from workbench.diagnosis.families import families
 from workbench.diagnosis.result import Diagnosis
-from workbench.diagnosis.verdict import Remainder, stands_alone
-from workbench.effects.gear_ratio import GearRatio
-from workbench.effects.place import Where
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
 
@@ -30,22 +27,24 @@ def sound(diagnosis: Diagnosis) -> Diagnosis:
         assert np.isfinite([stage.heldout_rms_mm, stage.heldout_mean_mm, stage.heldout_max_mm]).all()
         assert stage.heldout_mean_mm <= stage.heldout_rms_mm <= stage.heldout_max_mm
     for finding in diagnosis.causes:
-        assert 0 <= finding.p_value <= 1
+        assert 0 <= finding.probability <= 1
+        assert all(0 <= rival.probability <= 1 for rival in finding.rivals)
         assert np.isfinite(finding.gain_mm)
         assert all(np.isfinite([p.value, p.std]).all() and p.std > 0 for p in finding.parameters)
-        assert (finding.status == "named") == (not finding.rivals and finding.cause != "unknown")
+        assert finding.cause == "unknown" or (finding.status == "named") == (finding.probability >= 0.95)
+        assert finding.status == "ambiguous" or not finding.rivals
         assert finding.cause == "unknown" or finding.evidence is not None
         if (shown := finding.evidence) is not None:
             assert len(shown.x) == len(shown.before) == len(shown.after) > 0
             assert len(shown.curve_x) == len(shown.curve_y)
             for values in (shown.x, shown.before, shown.after, shown.curve_x, shown.curve_y):
                 assert np.isfinite(values).all()
-    statuses = {finding.status for finding in diagnosis.causes}
+    statuses = {finding.status for finding in diagnosis.causes if finding.cause != "unknown"}
     unknown = any(finding.cause == "unknown" for finding in diagnosis.causes)
     expected = {
-        "nothing_missing": not statuses,
+        "nothing_missing": not diagnosis.causes,
         "named": statuses == {"named"},
-        "ambiguous": "ambiguous" in statuses and not unknown,
+        "ambiguous": "ambiguous" in statuses,
         "unknown": unknown,
     }
     assert expected[diagnosis.verdict]
@@ -153,12 +152,14 @@ def test_a_leak_is_among_the_answers_and_its_rivals_are_told(seed):
     diagnosis = sound(
         found(measured(effects=("gravity_compensator:variant=charge,relative=-0.15",), seed=seed))
     )
-    assert diagnosis.verdict == "ambiguous"
     (finding,) = diagnosis.causes
-    answers = {finding.cause, *(cause for cause, _ in finding.rivals)}
+    answers = {finding.cause, *(rival.cause for rival in finding.rivals)}
     assert "gravity_compensator" in answers
-    assert len(answers) > 1
-    assert "pressure gauge" in finding.separate_by or "motor torque" in finding.separate_by
+    if finding.status == "ambiguous":
+        assert len(answers) > 1
+        assert "pressure gauge" in finding.separate_by or "motor torque" in finding.separate_by
+    else:
+        assert finding.cause == "gravity_compensator"
 
 
 def product(job):
@@ -179,27 +180,17 @@ def test_what_no_cause_explains_is_unknown(name, load, stated):
     assert unknown.structure.startswith("depends on joint_")
 
 
-def test_joint_10_is_not_near_joint_1():
-    """What is left beside joint 10 says nothing of a cause in joint 1."""
-    told = Model(problem_of(measured(effects=("gear_ratio:joint=joint_1,relative=1e-4",))))
-    arm = replace(told.problem.arm, names=tuple(f"joint_{n}" for n in (1, 10, 3, 4, 5, 6)))
-    result = fit(Model(replace(told.problem, arm=arm), (GearRatio(Where(joint="joint_1")),)))
-    for joint, alone in (("joint_10", True), ("joint_1", False)):
-        (family,) = (family for family in families(result) if family.variable == joint)
-        test = FamilyTest(family, result.wald(0) / 5, 0)
-        left = Remainder(result.chi2, 1.0, 0.0, 1.0, ((test, 1e-9),), structured=True, scatter=False)
-        assert stands_alone(result, 0, left, 1e-3) == alone
-
-
 def test_families_say_what_they_are_about():
     result = fit(Model(problem_of(measured(time=60.0 * np.arange(120)))))
     found = list(families(result))
-    kinds = {"joint", "tilt", "pair", "torque", "clock", "side", "payload"}
+    kinds = {"joint", "tilt", "pair", "torque", "clock", "side", "payload", "attitude", "bearing"}
     assert {family.kind for family in found} == kinds
     for family in found:
         for j in family.joints:
             assert result.model.problem.arm.names[j] in family.variable
-        assert len(family.joints) == {"pair": 2, "clock": 0, "payload": 0}.get(family.kind, 1)
+        assert len(family.joints) == {"pair": 2, "clock": 0, "payload": 0, "attitude": 0, "bearing": 0}.get(
+            family.kind, 1
+        )
 
 
 # ---------------------------------------------------------------- data faults

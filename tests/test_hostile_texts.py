@@ -16,7 +16,7 @@ import pytest
 from html_check import Checker, parse
 
 from workbench.correction.paths import Path as ToolPath
-from workbench.diagnosis.result import Diagnosis
+from workbench.diagnosis.result import Diagnosis, Rival
 from workbench.effects.place import Parameter
 from workbench.report.content import gather
 from workbench.report.drawing import Figure
@@ -63,7 +63,7 @@ def diagnosis_of(text: str) -> Diagnosis:
                 separate_by=text,
                 equation=text,
                 where=replace(finding.where, joint=text),
-                rivals=((text, finding.where),),
+                rivals=(Rival(text, finding.where, 0.3),),
                 parameters=(Parameter(text, 1.0, 0.1, text, text),),
                 evidence=replace(finding.evidence, x_name=text, y_name=text),
             )

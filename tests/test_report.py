@@ -65,7 +65,8 @@ def test_page_says_the_numbers() -> None:
     assert diagnosis.headline in text
     for number in (last.heldout_mean_mm, last.heldout_rms_mm, last.heldout_max_mm):
         assert mm(number) in text
-    for said in ("210 µrad (43.3 arcsec)", "204 … 216 µrad", "−11.8 %", "p < 10⁻¹²", "0.042 mm", "joint_5 ",
+    for said in ("210 µrad (43.3 arcsec)", "204 … 216 µrad", "−11.8 %", "probability 99.9 %", "0.042 mm",
+                 "joint_5 ",
                  "Fits as well: joint compliance (joint_2); link bending (link_2)", "pose 117, T2",
                  "no column t_s in poses.csv", "2.47 to 0.071 mm", "joint_2 6.0 µrad"):  # fmt: skip
         assert said in text, said

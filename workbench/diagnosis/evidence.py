@@ -7,7 +7,7 @@ import numpy as np
 from ..effects.base import Effect
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
-from .families import FamilyTest
+from .families import Family
 from .result import Evidence
 
 FAINTEST = 1e-6  # share of its largest size below which an effect says nothing of a pose
@@ -45,9 +45,8 @@ def evidence(result: Fit, effect: Effect, values: Array) -> Evidence:
     )
 
 
-def structure_evidence(result: Fit, test: FamilyTest) -> Evidence:
-    """The residual's part that a generic family takes, against the family's variable."""
-    family = test.family
+def structure_evidence(result: Fit, family: Family) -> Evidence:
+    """The residual's part that a function without a name takes, against its variable."""
     flat = family.columns.reshape(-1, family.columns.shape[2])
     scale = np.linalg.norm(flat, axis=0) + 1e-300
     solution = np.linalg.lstsq(flat / scale, result.r.ravel(), rcond=1e-8)[0]

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from ..identification.fit import Fit
 from ..robot.kinematics import RX, Array
-from .screen import quadratic
 
-Kind = Literal["joint", "tilt", "pair", "torque", "clock", "side", "payload"]
+Kind = Literal[
+    "joint", "tilt", "pair", "torque", "clock", "side", "payload", "attitude", "bearing", "product"
+]
 MOVES = 1e-3  # rad or m: a joint that moves less than this shows no function of itself
 
 
@@ -50,13 +50,6 @@ class Family:
         return np.asarray(product).reshape(n_poses, rows, -1)
 
 
-@dataclass(frozen=True)
-class FamilyTest:
-    family: Family
-    statistic: float
-    rank: int
-
-
 def families(fit: Fit) -> Iterator[Family]:
     """All families that the campaign's columns allow."""
     arm = fit.model.problem.arm
@@ -66,6 +59,8 @@ def families(fit: Fit) -> Iterator[Family]:
     yield from _clock_families(fit)
     yield from _side_families(fit, moves)
     yield from _payload_families(fit)
+    yield from _attitude_family(fit)
+    yield from _bearing_family(fit)
 
 
 def _whitened(fit: Fit, column: int, count: int) -> Array:
@@ -94,6 +89,22 @@ def _joint_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
                 yield Family("pair", (i, j), name, "rad", moves[i], mixed, q[:, j])
 
 
+def product_families(fit: Fit, joint: int) -> Iterator[Family]:
+    """One joint's error by products of waves of two other joints: for a joint that scatters."""
+    problem = fit.model.problem
+    arm, q = problem.arm, problem.q
+    moves = _whitened(fit, int(arm.axial[joint]), 1)
+    turning = [j for j in range(arm.n) if j != joint and not arm.prismatic[j] and np.ptp(q[:, j]) > MOVES]
+    waves = {
+        j: np.column_stack([f(k * q[:, j]) for k in (1, 2, 3) for f in (np.sin, np.cos)]) for j in turning
+    }
+    for a, j in enumerate(turning):
+        for k in turning[a + 1 :]:
+            mixed = (waves[j][:, :, None] * waves[k][:, None, :]).reshape(len(q), -1)
+            name = f"{arm.names[joint]} with {arm.names[j]} and {arm.names[k]}"
+            yield Family("product", (joint, j, k), name, "rad", moves, mixed, q[:, j])
+
+
 def _torque_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
     arm = fit.model.problem.arm
     torque = fit.line.prediction.load.local.reshape(len(fit.r), -1)[:, arm.axial]
@@ -101,7 +112,7 @@ def _torque_families(fit: Fit, moves: list[Array]) -> Iterator[Family]:
         size = np.abs(torque[:, j]).max()
         if np.ptp(torque[:, j]) > 1e-3 * max(size, 1.0):
             x = torque[:, j] / size
-            bent = np.column_stack([x, x**2, x**3, np.tanh(10 * x), np.abs(x)])
+            bent = np.column_stack([x**2, np.abs(x)])  # what is odd in the torque is a yield
             yield Family("torque", (j,), f"torque of {arm.names[j]}", "N·m", moves[j], bent, torque[:, j])
 
 
@@ -147,38 +158,25 @@ def _payload_families(fit: Fit) -> Iterator[Family]:
         yield Family("payload", (), "payload", "1", flange, which, c.poses.payload.astype(float))
 
 
-def test_families(fit: Fit) -> list[FamilyTest]:
-    """Statistic and rank of every family at a fit."""
-    back: dict[int, tuple[Array, Array, Array]] = {}
-    out = []
-    for family in families(fit):
-        key = id(family.motions)
-        if key not in back:
-            back[key] = _pose_by_pose(fit, family.motions)
-        out.append(FamilyTest(family, *_reduced(family, *back[key])))
-    return out
+def _attitude_family(fit: Fit) -> Iterator[Family]:
+    """The tool on the flange, by the way that the hand points."""
+    problem = fit.model.problem
+    flange = _whitened(fit, 6 * (problem.arm.n + 1), 6)
+    R = problem.rigid.R[-1]
+    way = np.column_stack([R[:, :, 2], R[:, :, 0], np.tanh(8 * R[:, :, 2])])
+    yield Family("attitude", (), "attitude of the hand", "1", flange, way, R[:, 2, 2])
 
 
-test_families.__test__ = False  # type: ignore[attr-defined]  # not a pytest function
-
-
-def _pose_by_pose(fit: Fit, motions: Array) -> tuple[Array, Array, Array]:
-    """Products of the motions with each other (N, a, a), with the residual (N, a), and their part in the
-    background (a, P, N)."""
-    products = np.matmul(motions.transpose(0, 2, 1), motions)
-    scores = np.matmul(motions.transpose(0, 2, 1), fit.r[..., None])[..., 0]
-    shared = np.matmul((fit.J * fit.columns.prior).transpose(0, 2, 1), motions)
-    flat = shared.transpose(1, 2, 0).reshape(shared.shape[1], -1)
-    solved = solve_triangular(fit.upper, flat, trans="T", check_finite=False)
-    return products, scores, solved.reshape(len(solved), motions.shape[2], -1).transpose(1, 0, 2)
-
-
-def _reduced(family: Family, products: Array, scores: Array, back: Array) -> tuple[float, int]:
-    """The family's statistic and rank, without ever making its columns."""
-    F = family.functions
-    a, b = products.shape[1], F.shape[1]
-    S = np.einsum("nac,ni,nj->aicj", products, F, F, optimize=True).reshape(a * b, a * b)
-    Z = np.concatenate([part @ F for part in back], axis=1)
-    own = np.diag(S).copy()
-    u = (scores[:, :, None] * F[:, None, :]).sum(axis=0).ravel()
-    return quadratic(S - Z.T @ Z, u, np.maximum(own, 1e-12 * own.max() + 1e-300))
+def _bearing_family(fit: Fit) -> Iterator[Family]:
+    """The instrument's turn about its vertical, by the bearing."""
+    points = fit.line.prediction.points
+    middle = np.nanmean(points, axis=1)
+    bearing = np.arctan2(middle[:, 1], middle[:, 0])
+    if np.ptp(bearing) < MOVES:
+        return
+    turn = np.stack([-points[..., 1], points[..., 0], np.zeros_like(points[..., 0])], axis=-1)
+    turn = turn.reshape(len(turn), -1, 1)
+    drives = np.zeros((len(turn), fit.whitener.shape[2] - turn.shape[1], 1))
+    motion = np.matmul(fit.whitener, np.concatenate([turn, drives], axis=1))
+    waves = np.column_stack([f(k * bearing) for k in (1, 2, 3, 4, 5) for f in (np.sin, np.cos)])
+    yield Family("bearing", (), "bearing from the instrument", "rad", motion, waves, bearing)

@@ -1,37 +1,37 @@
-"""Puts a finished search into findings: causes with their rivals and parameters, and what is left unknown."""
+"""Puts a finished competition into findings: causes with rivals and parameters, and what has no name."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from .. import __version__
 from ..campaign import Campaign
 from ..effects import separation
-from ..effects.place import Parameter, Where
-from ..identification.fit import Fit
-from ..robot.kinematics import Array
+from ..effects.base import Effect
+from ..effects.place import NOWHERE, Parameter, Where
+from ..identification.fit import Fit, fit
+from .competition import Selection
+from .components import Component, Key
 from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable
+from .families import Family
 from .headline import headline, remarks, verdict_of
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed
 from .prepared import Prepared
-from .result import Diagnosis, Finding, NotTestable
+from .priors import PRIORS
+from .remainder import Remainder, remainder
+from .result import Diagnosis, Finding, NotTestable, Rival
 from .rounded_joints import rounded_joints
-from .search import Selection
-from .stages import Group, pose_errors, rms_mm, stages_of, without
-from .verdict import (
-    EXPLAINS_MOST,
-    OVERSHADOWED,
-    STANDS_OUT,
-    Remainder,
-    describe_structure,
-    explained_share,
-    patchwork,
-    remainder,
-    stands_alone,
-    stands_out,
-)
+from .sets import Shares
+from .stages import Group, pose_errors, stages_of, without
+
+ALSO_TOLD = 2  # parts without a name that are told beside the largest
+ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
+UNNAMED = "Something that no cause of the catalogue explains"
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ class Parts:
 
     prepared: Prepared
     selection: Selection
+    candidates: Sequence[Effect]
     not_testable: tuple[NotTestable, ...]
     seed: int
     test: Campaign | None
@@ -49,24 +50,20 @@ def assemble(parts: Parts) -> Diagnosis:
     """The Diagnosis."""
     prepared, selection, final = parts.prepared, parts.selection, parts.selection.fit
     problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
-    groups = _groups(selection)
-    stages, unseen = stages_of(prepared, final, groups, parts.seed)
-    left = remainder(final, known)
-    share = explained_share(final, left)
-    sure = [_sure(parts, group, left) for group in groups]
-    mostly = bool(groups) and share >= EXPLAINS_MOST and all(sure) and known
+    groups = _groups(final)
+    stages, _ = stages_of(prepared, final, groups, parts.seed)
+    # what is left is judged by the noise that was there before any scatter was seen
+    left = remainder(fit(final.model, final.state, prepared.covariance, max_iterations=4), known)
     best = stages[-1].heldout_rms_mm
-    findings = [_finding(parts, groups, g, best, sure[g]) for g in range(len(groups))]
-    patched = patchwork(selection.effects)
-    unknown = (left.structured and not mostly) or bool(patched)
-    if unknown:
-        findings.append(_unknown(parts, left, unseen, patched))
-    verdict = verdict_of(findings, unknown)
+    findings = [_finding(parts, group, best) for group in groups]
+    nameless = _nameless(selection, left, best)
+    verdict = verdict_of(findings, nameless, stages)
+    findings += nameless
     return Diagnosis(
         robot=problem.robot.name,
         robot_title=problem.robot.title,
         campaign=c.title,
-        n_poses=len(c.poses.q),
+        n_poses=len(c.poses),
         n_points=int(problem.seen.sum()),
         noise=prepared.noise,
         stages=tuple(stages),
@@ -76,84 +73,81 @@ def assemble(parts: Parts) -> Diagnosis:
         remainder_chi2=left.chi2,
         remainder_dof=left.dof,
         remainder_p=left.p,
-        not_testable=(*parts.not_testable, *swallowed(selection, final, problem)),
-        detectable=tuple(detectable(selection, final, known)),
+        not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry, known)),
+        detectable=tuple(detectable(parts.candidates, final, known)),
         faults=prepared.faults + rounded_joints(final, prepared.noise, left),
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
-        notes=(*prepared.notes, *c.warnings, *remarks(prepared, left, share, mostly)),
+        notes=(*prepared.notes, *c.warnings, *remarks(prepared, left, bool(nameless))),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
         facts=facts(problem),
         errors=pose_errors(prepared, final),
-        joints=tuple(joint.name for joint in problem.robot.joints),
+        joints=problem.robot.joint_names,
         q=c.poses.q,
         version=__version__,
         inputs=c.files,
     )
 
 
-def _groups(selection: Selection) -> list[Group]:
-    """Accepted effects of one cause and place together, strongest first (indices into the fit's effects)."""
-    found: dict[tuple[str, Where], Group] = {}
-    for i, effect in enumerate(selection.effects):
+def _groups(final: Fit) -> list[Group]:
+    """Effects of one cause and place together, strongest first (indices into the fit's effects)."""
+    found: dict[Key, Group] = {}
+    for i, effect in enumerate(final.model.effects):
         found.setdefault(effect.key, (effect, []))[1].append(i)
     return list(found.values())
 
 
-def _sure(parts: Parts, group: Group, left: Remainder) -> bool:
-    """Whether a cause stays significant whatever else is going on."""
-    selection, final = parts.selection, parts.selection.fit
-    effect, own = group
-    out = any(stands_out(final, i) * selection.tries[i] < STANDS_OUT for i in own)
-    free = not left.structured or any(
-        stands_alone(final, i, left, STANDS_OUT / selection.tries[i]) for i in own
-    )
-    # beside something unknown that is far larger nothing is sure (where the noise is known, its size is)
-    judged = left.structured and parts.prepared.noise_known
-    excess = left.chi2 - left.dof if judged else 0.0
-    free = free and sum(final.wald(i) for i in own) >= OVERSHADOWED * excess
-    piece = effect.smooth or effect.ordered
-    return out and free and not (piece and effect.where.joint in patchwork(selection.effects))
-
-
-def _finding(parts: Parts, groups: list[Group], g: int, best_mm: float, sure: bool) -> Finding:
+def _finding(parts: Parts, group: Group, best_mm: float) -> Finding:
     """One cause; best_mm: held-out RMS with all of them."""
-    effect, own = groups[g]
+    effect, own = group
     final, selection = parts.selection.fit, parts.selection
-    rivals = _rivals(selection, groups, own)
-    named = sure and not rivals
-    advice = list(filter(None, (separation(effect.cause, cause) for cause, _ in rivals)))
-    if not sure:
-        rivals.append(("unknown", Where()))
-        advice.append("something else is left in the data: see the unknown structure")
-    if not named and not advice:
-        advice.append("more poses, spread over the whole range of the joints, and a second payload")
-    parameters, sentence = _describe(final, groups[g])
-    aliases = selection.aliases.get(effect.where.joint or "", ())
-    if effect.searched and aliases:
-        sentence += f" These poses fit other orders as well (e.g. {aliases[0]:g}): random poses would decide."
-    strongest = min(own, key=lambda i: selection.p_values[i])
+    probability, rivals = _shares(selection, effect)
+    named = probability >= PRIORS.named
+    advice = list(filter(None, (separation(effect.cause, rival.cause) for rival in rivals)))
+    if any(rival.cause == "unknown" for rival in rivals):
+        advice.append("something without a name fits as well: see the unknown structure")
+    parameters, sentence = _describe(final, group)
+    strongest = max(own, key=final.wald)
     return Finding(
         cause=effect.cause,
         title=effect.title,
         where=effect.where,
         status="named" if named else "ambiguous",
         gain_mm=without(final, own, parts.seed) - best_mm,
-        p_value=selection.p_values[strongest],
+        probability=probability,
         parameters=parameters,
-        rivals=tuple(rivals),
-        separate_by="; ".join(dict.fromkeys(advice)) if not named else None,
+        rivals=() if named else rivals,
+        separate_by=None if named else "; ".join(dict.fromkeys(advice)) or ANYTHING,
         sentence=sentence,
         equation=effect.equation,
         evidence=evidence(final, final.model.effects[strongest], final.state.values[strongest]),
     )
 
 
-def _rivals(selection: Selection, groups: list[Group], own: list[int]) -> list[tuple[str, Where]]:
-    """Causes that could stand in for a cause with the parts `own`, none of them accepted beside it."""
-    accepted = {effect.key for effect, _ in groups}
-    keys = [selection.pool.candidates[k].key for i in own for k in selection.rivals[i]]
-    return list(dict.fromkeys(key for key in keys if key not in accepted))
+def _shares(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, ...]]:
+    """Probability of a cause at its place, and the rivals that cover the rest, likeliest first."""
+    best: tuple[float, Shares, int] | None = None
+    for member, share in zip(selection.members, selection.shares, strict=True):
+        component = selection.components[member.component]
+        same = _bare(component.key) == effect.key
+        if same and (best is None or share[member.component] > best[0]):
+            best = share[member.component], share, member.component
+    assert best is not None
+    probability, share, index = best
+    covered, rivals = probability, list[Rival]()
+    others = sorted(((p, k) for k, p in share.items() if k is not None and k != index), reverse=True)
+    for p, k in others:
+        if covered >= PRIORS.listed or p < PRIORS.faintest_rival:
+            break
+        cause, where = selection.components[k].key
+        if (cause, where) != effect.key:
+            rivals.append(Rival(cause, where, p))
+        covered += p
+    return probability, tuple(rivals)
+
+
+def _bare(key: Key) -> Key:
+    return key[0], replace(key[1], order=None)
 
 
 def _describe(final: Fit, group: Group) -> tuple[tuple[Parameter, ...], str]:
@@ -171,27 +165,69 @@ def _describe(final: Fit, group: Group) -> tuple[tuple[Parameter, ...], str]:
     return tuple(parameters), " ".join(s for s in sentences if s)
 
 
-def _unknown(parts: Parts, left: Remainder, residual: Array, patched: set[str]) -> Finding:
-    p = left.tests[0][1] if left.tests else left.p
-    where = Where()
-    if patched:
-        where = Where(joint=sorted(patched)[0])
-        structure = f"depends on {where.joint}: a smooth function of it that no single cause draws"
-        sentence = f"What several causes draw together {structure}."
-        p = min(parts.selection.p_values)
-    else:
-        if left.tests and left.tests[0][0].family.joint is not None:
-            where = Where(joint=parts.prepared.problem.arm.names[left.tests[0][0].family.joint])
-        structure = describe_structure(left, rms_mm(residual))
-        sentence = f"What is left {structure}." if left.tests else f"{structure[0].upper()}{structure[1:]}."
+def _nameless(selection: Selection, left: Remainder, rms_mm: float) -> list[Finding]:
+    """Functions without a name that the likeliest set has, largest first; and scatter beyond the noise."""
+    found = []
+    for member, share in zip(selection.members, selection.shares, strict=True):
+        component = selection.components[member.component]
+        if component.family is None or share[None] >= PRIORS.absent:
+            continue
+        worth = rms_mm - float(np.sqrt(max(rms_mm**2 - selection.worth_mm(member) ** 2, 0.0)))
+        found.append(_unknown(selection.fit, component, component.family, share[member.component], worth))
+    if left.scatter and not found:
+        found.append(_scatter(selection, left, rms_mm))
+    for member in selection.unrepeated:
+        label = selection.components[member.component].label
+        structure = f"looks like {label} in one half of the poses and not in the other"
+        worth = rms_mm - float(np.sqrt(max(rms_mm**2 - selection.worth_mm(member) ** 2, 0.0)))
+        found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
+    return _as_one(sorted(found, key=lambda finding: -finding.gain_mm))
+
+
+def _as_one(found: list[Finding]) -> list[Finding]:
+    """What has no name is one finding: its largest part, the others told with it."""
+    if len(found) < 2:
+        return found
+    first, *others = found
+    also = "; ".join(finding.structure or "" for finding in others[:ALSO_TOLD])
+    worth = sum(finding.gain_mm for finding in found)
+    return [replace(first, gain_mm=worth, structure=f"{first.structure} (besides: {also})")]
+
+
+def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
+    """The residual is larger than the noise, and nothing that was recorded says where it comes from."""
+    problem = selection.fit.model.problem
+    where, place = NOWHERE, ""
+    if selection.scatter.any():
+        j = int(np.argmax(np.where(problem.arm.prismatic, 0.0, selection.scatter)))
+        where = Where(joint=problem.arm.names[j])
+        place = f", sits in {where.joint} ({selection.scatter[j] * 1e6:.0f} µrad from pose to pose)"
+    structure = (
+        f"the residual is {left.inflation:.2f} times the noise ({rms_mm:.4f} mm RMS){place} but depends on "
+        "no recorded variable: repeat some poses, and record approach, time and temperature"
+    )
+    worth = rms_mm * (1 - 1 / left.inflation)
+    return _plain(structure, f"{structure[0].upper()}{structure[1:]}.", where, worth)
+
+
+def _plain(structure: str, sentence: str, where: Where, worth_mm: float) -> Finding:
+    return Finding(
+        "unknown", UNNAMED, where, "ambiguous", worth_mm, 1.0, structure=structure, sentence=sentence
+    )
+
+
+def _unknown(final: Fit, component: Component, family: Family, probability: float, worth: float) -> Finding:
+    names = final.model.problem.arm.names
+    where = Where(joint=names[family.joint]) if family.joint is not None else NOWHERE
+    structure = f"depends on {family.variable}"
     return Finding(
         cause="unknown",
-        title="Something that no cause of the catalogue explains",
+        title=UNNAMED,
         where=where,
         status="ambiguous",
-        gain_mm=0.0,
-        p_value=float(p),
+        gain_mm=worth,
+        probability=float(np.clip(probability, 0.0, 1.0)),
         structure=structure,
-        sentence=sentence,
-        evidence=structure_evidence(parts.selection.fit, left.tests[0][0]) if left.tests else None,
+        sentence=f"What is left {structure}.",
+        evidence=structure_evidence(final, family),
     )

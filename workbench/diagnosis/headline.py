@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .prepared import Prepared
+from .remainder import GLOBAL_LEVEL, Remainder
 from .result import Finding, Stage, Verdict
-from .verdict import GLOBAL_LEVEL, Remainder
+
+SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
-def verdict_of(findings: Sequence[Finding], unknown: bool) -> Verdict:
-    """The one word for all findings."""
-    if unknown:
+def verdict_of(findings: Sequence[Finding], nameless: Sequence[Finding], stages: Sequence[Stage]) -> Verdict:
+    """The one word for all findings: unknown where what has no name is worth more than a share of what the
+    causes brought."""
+    brought = stages[1].heldout_rms_mm - stages[-1].heldout_rms_mm
+    if nameless and (not findings or nameless[0].gain_mm > SMALL_REST * max(brought, 0.0)):
         return "unknown"
     if not findings:
         return "nothing_missing"
@@ -40,15 +44,10 @@ def headline(verdict: Verdict, findings: Sequence[Finding], stages: Sequence[Sta
     return f"Found: {listed}. {gain}"
 
 
-def remarks(prepared: Prepared, left: Remainder, share: float, mostly: bool) -> list[str]:
-    """What a reader should know besides: share of the geometry's misfit that the causes explain, noise."""
+def remarks(prepared: Prepared, left: Remainder, structured: bool) -> list[str]:
+    """What a reader should know of the noise besides."""
     notes = []
-    if left.structured and mostly:
-        notes.append(
-            f"The causes found explain {share:.0%} of what geometry leaves; their form is not exact: a "
-            "small remainder is still significant."
-        )
-    if prepared.noise_known and not left.structured and left.p < GLOBAL_LEVEL:
+    if prepared.noise_known and not structured and left.p < GLOBAL_LEVEL:
         word = "larger" if left.inflation > 1 else "smaller"
         notes.append(
             f"The residual is {abs(left.inflation - 1):.0%} {word} than the noise says, without any "

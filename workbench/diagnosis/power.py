@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -15,9 +15,10 @@ from ..identification.fit import Fit
 from ..robot.kinematics import RZ, Array
 from .result import Detectable, NotTestable
 from .screen import FAINT, SURVIVES, screen
-from .search import ALPHA_CAUSES, Selection
 
 POWER = 0.8
+FALSE_ALARM = 0.004  # chance that clean data show some cause of the catalogue
+MANY = 12  # numbers of an effect from which it is no one size
 
 
 @cache
@@ -27,9 +28,11 @@ def needed(rank: int, alpha: float) -> float:
     return float(optimize.brentq(lambda x: stats.ncx2.sf(limit, rank, x) - POWER, 1e-3, 1e4))
 
 
-def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detectable]:
+def detectable(candidates: Sequence[Effect], final: Fit, known: bool) -> Iterator[Detectable]:
     """Smallest size of every cause that would have been found with 80 % power, whatever its phase."""
-    candidates = [e for e in selection.pool.candidates if e not in selection.effects]
+    candidates = [e for e in candidates if e not in final.model.effects and len(e.params) < MANY]
+    if not candidates:
+        return
     table = screen(final, candidates, known)
     scale = 1.0 if known else float(np.sqrt(final.chi2 / max(table.dof, 1.0)))
     best: dict[tuple[str, Where], Detectable] = {}
@@ -44,7 +47,7 @@ def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detect
             continue
         info = S / np.outer(table.scale[part], table.scale[part])
         weakest = float(np.linalg.eigvalsh(info)[0])
-        size = scale * float(np.sqrt(needed(len(values), ALPHA_CAUSES / len(candidates)) / weakest))
+        size = scale * float(np.sqrt(needed(len(values), FALSE_ALARM / len(candidates)) / weakest))
         size, unit = effect.reported_size(size)
         found = Detectable(effect.cause, effect.where, size, unit, effect.params[0].name)
         if effect.key not in best or size < best[effect.key].size:
@@ -52,16 +55,16 @@ def detectable(selection: Selection, final: Fit, known: bool) -> Iterator[Detect
     yield from best.values()
 
 
-def swallowed(selection: Selection, final: Fit, problem: Problem) -> list[NotTestable]:
+def swallowed(candidates: Sequence[Effect], geometry: Fit, known: bool) -> list[NotTestable]:
     """Candidates without any pattern of their own in these data."""
-    pool = selection.pool
+    pool, problem = screen(geometry, candidates, known), geometry.model.problem
     visible, hidden = set[tuple[str, Where]](), dict[tuple[str, Where], str]()
     for k, effect in enumerate(pool.candidates):
         _, rank = pool.statistic([k])
         if rank:
             visible.add(effect.key)
         elif effect.key not in hidden:
-            hidden[effect.key] = _why(effect, pool.own[pool.parts[k]], problem, final)
+            hidden[effect.key] = _why(effect, pool.own[pool.parts[k]], problem, geometry)
     return [NotTestable(key[0], why, key[1]) for key, why in hidden.items() if key not in visible]
 
 

@@ -50,17 +50,27 @@ class Evidence:
 
 
 @dataclass(frozen=True)
+class Rival:
+    """Another explanation of the same, with its probability."""
+
+    cause: str
+    where: Where
+    probability: float
+
+
+@dataclass(frozen=True)
 class Finding:
-    """One cause of the verdict (or "unknown", then `structure` says what is left)."""
+    """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
+    this one, of all that competed."""
 
     cause: str
     title: str
     where: Where
     status: Literal["named", "ambiguous"]
     gain_mm: float
-    p_value: float
+    probability: float
     parameters: tuple[Parameter, ...] = ()
-    rivals: tuple[tuple[str, Where], ...] = ()
+    rivals: tuple[Rival, ...] = ()
     separate_by: str | None = None
     structure: str | None = None
     sentence: str = ""

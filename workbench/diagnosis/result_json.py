@@ -77,12 +77,15 @@ def _finding(finding: Finding) -> dict[str, Any]:
         **finding.where.keys(),
         "status": finding.status,
         "gain_mm": _number(finding.gain_mm),
-        "p_value": _number(finding.p_value),
+        "probability": _number(finding.probability),
         "parameters": [
             {"name": p.name, "value": _number(p.value), "std": _number(p.std), "unit": p.unit}
             for p in finding.parameters
         ],
-        "rivals": [{"cause": cause, **where.keys()} for cause, where in finding.rivals],
+        "rivals": [
+            {"cause": r.cause, **r.where.keys(), "probability": _number(r.probability)}
+            for r in finding.rivals
+        ],
         "separate_by": finding.separate_by,
         **({"structure": finding.structure} if finding.structure else {}),
     }

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..identification.fit import Fit
+from .remainder import Remainder
 from .result import FaultFound, Noise
-from .verdict import Remainder
 
 STEPS = (1.0, 0.5, 0.1, 0.05, 0.01)  # degrees
 MADE_BY_ROUNDING = (0.4, 2.5)  # times the scatter left over that rounding must make to be suspected of it

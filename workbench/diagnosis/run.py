@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,12 +13,11 @@ from ..effects import catalogue
 from ..effects.base import Effect
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
+from .competition import Selection, compete
 from .findings import Parts, assemble
-from .prepared import Prepared, Progress, prepare
+from .prepared import Progress, prepare
 from .result import Diagnosis, NotTestable
-from .screen import bounded
-from .search import Search, Selection
-from .verdict import STANDS_OUT, remainder, stands_out
+from .stages import rms_mm, without
 
 
 @dataclass(frozen=True)
@@ -57,64 +56,27 @@ def diagnose(
     prepared = prepare(campaigns, progress)
     progress("testing causes")
     candidates, not_testable = testable(prepared.problem)
-    selection = _search(prepared, candidates)
-    if not prepared.noise_known and selection.effects:
+    selection = compete(prepared, candidates)
+    if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
-        selection = _search(prepared, candidates)
+        selection = compete(prepared, candidates)
+    selection = _worth_it(selection, seed)
     progress("writing down what was found")
-    diagnosis = assemble(Parts(prepared, selection, tuple(not_testable), seed, test))
+    diagnosis = assemble(Parts(prepared, selection, candidates, tuple(not_testable), seed, test))
     return Outcome(diagnosis, prepared.problem, selection.fit)
 
 
-def _search(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
-    """The search; where something unknown is left, causes that do not stand out of it are taken back."""
-    nominal, geometry, known = prepared.nominal, prepared.geometry, prepared.noise_known
-    search = Search(nominal, geometry, candidates, known)
-    selection = search.run()
-    for _ in range(3):
-        absurd = _absurd(selection.fit)
-        if not absurd:
+def _worth_it(selection: Selection, seed: int) -> Selection:
+    """Without effects that bring the tool no nearer to its place on poses that they were not fitted on."""
+    result = selection.fit
+    while result.model.effects:
+        best = rms_mm(heldout(result, seed=seed))
+        gains = [without(result, [i], seed) - best for i in range(len(result.model.effects))]
+        worst = int(np.argmin(gains))
+        if gains[worst] > 0:
             break
-        candidates = [effect for effect in candidates if effect not in absurd]
-        search = Search(nominal, geometry, candidates, known)
-        selection = search.run()
-    while selection.chosen and remainder(selection.fit, known).structured:
-        kept = [
-            index
-            for i, index in enumerate(selection.chosen)
-            if stands_out(selection.fit, i) * selection.tries[i] < STANDS_OUT
-        ]
-        if len(kept) == len(selection.chosen):
-            break
-        selection = search.select(selection.pool, kept)
-    return _material(search, selection) if prepared.problem.drives else selection
-
-
-def _absurd(result: Fit) -> list[Effect]:
-    """Effects whose fitted numbers no machine can have, by more than their uncertainty: they make up for
-    something else."""
-    return [
-        effect
-        for i, effect in enumerate(result.model.effects)
-        if not bounded(effect.params, *result.effect_values(i))
-    ]
-
-
-def _material(search: Search, selection: Selection) -> Selection:
-    """Without loads that only the drives' torques feel: they bring the tool no nearer to its place."""
-    kept = list(selection.chosen)
-    everything = _heldout_rms(selection.fit)
-    for index in selection.chosen:
-        effect = selection.pool.candidates[index]
-        if effect.acts == "load":
-            rest = [e for e in selection.fit.model.effects if e != effect]
-            if _heldout_rms(refit(selection.fit, rest)) < 1.001 * everything:
-                kept.remove(index)
-    return selection if len(kept) == len(selection.chosen) else search.select(selection.pool, kept)
-
-
-def _heldout_rms(result: Fit) -> float:
-    return float(np.sqrt(np.nanmean(heldout(result) ** 2)))
+        result = refit(result, [e for i, e in enumerate(result.model.effects) if i != worst])
+    return replace(selection, fit=result)
 
 
 def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:

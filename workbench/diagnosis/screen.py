@@ -10,14 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 from scipy.linalg import solve_triangular
 
-from ..effects.base import Effect, Param
+from ..effects.base import Effect
 from ..identification.fit import Fit
 from ..identification.parameters import effect_prior
 from ..robot.kinematics import Array
@@ -55,41 +53,6 @@ class Screen:
         S, u = self._without(a, g)
         return quadratic(S, u, self._size(a))
 
-    def increments(self, given: Sequence[int]) -> tuple[Array, NDArray[np.int64]]:
-        """Drop of the residual by every single candidate beyond `given`, and its rank: (c,), (c,)."""
-        g = self.columns(given)
-        cross, u = self.S[g], self.u
-        solved = self._solve(g, cross)
-        u = u - solved.T @ self.u[g]
-        out, ranks = np.zeros(len(self.parts)), np.zeros(len(self.parts), dtype=np.int64)
-        for size, members, index in self.by_size:
-            blocks = self.S[index[:, :, None], index[:, None, :]]
-            blocks = blocks - np.einsum("gki,gkj->kij", cross[:, index], solved[:, index])
-            length = np.sqrt(self._size(index))
-            x = u[index] / length
-            blocks = blocks / (length[:, :, None] * length[:, None, :])
-            if size == 1:
-                keep = blocks[:, 0, 0] > SURVIVES
-                out[members] = np.where(keep, x[:, 0] ** 2 / np.where(keep, blocks[:, 0, 0], 1.0), 0.0)
-                ranks[members] = keep
-                continue
-            values, vectors = np.linalg.eigh(blocks)
-            y = np.einsum("ki,kij->kj", x, vectors)
-            kept = values > SURVIVES
-            out[members] = np.sum(np.where(kept, y**2 / np.where(kept, values, 1.0), 0.0), axis=1)
-            ranks[members] = kept.sum(axis=1)
-        return out, ranks
-
-    @cached_property
-    def by_size(self) -> list[tuple[int, NDArray[np.int64], NDArray[np.int64]]]:
-        """Candidates with equally many columns together: size, their numbers (k,), columns (k, size)."""
-        sizes = np.array([part.stop - part.start for part in self.parts], dtype=np.int64)
-        starts = np.array([part.start for part in self.parts], dtype=np.int64)
-        return [
-            (int(size), np.flatnonzero(sizes == size), starts[sizes == size][:, None] + np.arange(size))
-            for size in np.unique(sizes)
-        ]
-
     def _size(self, index: NDArray[np.int64]) -> Array:
         """Length² of columns; infinite for those that move nothing, so that they drop out."""
         return np.where(self.own[index] > FAINT, self.own[index], np.inf)
@@ -101,21 +64,6 @@ class Screen:
         S = self.S[np.ix_(g, g)].copy()
         S[np.diag_indices_from(S)] += 1e-10 * self.own[g] + self.held[g]
         return np.asarray(np.linalg.solve(S, right), dtype=np.float64)
-
-    def solution(self, k: Sequence[int]) -> tuple[Array, Array]:
-        """Values of the candidates' parameters (their own units) and covariance, fitted together."""
-        a = self.columns(k)
-        inverse = self._solve(a, np.eye(len(a)))
-        value = inverse @ self.u[a]
-        return value * self.scale[a], inverse * np.outer(self.scale[a], self.scale[a])
-
-    def possible(self, k: Sequence[int]) -> bool:
-        """Whether a machine can have the candidates' values, all fitted together."""
-        return bounded([p for i in k for p in self.candidates[i].params], *self.solution(k))
-
-    def p_value(self, statistic: float, rank: int, used: float = 0.0) -> float:
-        """Tail probability of a statistic; `used`: what accepted causes took off the residual."""
-        return p_value(statistic, rank, self.rss - used, self.dof, self.noise_dof, self.known)
 
     def columns(self, k: Sequence[int]) -> NDArray[np.int64]:
         """Numbers of the columns of some candidates."""
@@ -146,31 +94,6 @@ def quadratic(S: Array, u: Array, own: Array) -> tuple[float, int]:
         return 0.0, 0
     projected = (u / length) @ vectors[:, keep]
     return float(np.sum(projected**2 / values[keep])), int(keep.sum())
-
-
-def p_value(statistic: float, rank: int, rss: float, dof: float, noise_dof: float, known: bool) -> float:
-    """χ² tail where the noise is known, F with the noise's own degrees of freedom where it is estimated."""
-    if rank == 0:
-        return 1.0
-    if known and np.isinf(noise_dof):
-        return float(stats.chi2.sf(statistic, rank))
-    if known:
-        return float(stats.f.sf(statistic / rank, rank, noise_dof))
-    left = max(rss - statistic, 1e-12) / max(dof - rank, 1.0)
-    return float(stats.f.sf(statistic / rank / left, rank, max(dof - rank, 1.0)))
-
-
-def tail(fit: Fit, statistic: float, rank: int, known: bool) -> float:
-    """Tail probability of a statistic that was taken at a fit."""
-    return p_value(statistic, rank, fit.chi2, effective_dof(fit), fit.noise.dof, known)
-
-
-def bounded(params: Sequence[Param], values: Array, covariance: Array) -> bool:
-    """Whether a machine can have these numbers: physical bounds, with two standard deviations of grace."""
-    std = np.sqrt(np.maximum(np.diag(covariance), 0))
-    return all(
-        p.lower <= v + 2 * s and v - 2 * s <= p.upper for p, v, s in zip(params, values, std, strict=True)
-    )
 
 
 def reduce_columns(fit: Fit, G: Array) -> tuple[Array, Array, Array]:

@@ -130,6 +130,10 @@ class Effect(ABC):
         """The same effect with other settings, to choose from once it is accepted."""
         return ()
 
+    def companions(self) -> Sequence[tuple[float, Effect]]:
+        """How far a real machine may be off the form: further effects, each with its share of this one."""
+        return ()
+
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
         """Why this campaign cannot show the cause at all; None when it can."""

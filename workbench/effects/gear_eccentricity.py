@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -57,6 +57,10 @@ class GearEccentricity(TransmissionEffect):
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         angle = self.cycles * q[:, joints.index(str(self.where.joint))]
         return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    def companions(self) -> Sequence[tuple[float, GearEccentricity]]:
+        """A real run-out has the other of one and two cycles as well."""
+        return [(0.3, replace(self, variant=str(3 - self.cycles)))]
 
     @property
     def names(self) -> tuple[str, ...]:

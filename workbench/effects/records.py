@@ -66,12 +66,12 @@ def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[E
         raise InputError(Fault(text, f"no cause {item.cause!r}", f"known: {', '.join(kinds)}"))
     _check_names(item, problem, text)
     effect = _place(kinds[item.cause], item, problem, text)
+    settings: dict[str, Any] = {name: item.values[name] for name in effect.settings if name in item.values}
+    effect = replace(effect, **settings)
     known = (*effect.names, *effect.settings)
     unknown = [name for name in item.values if name not in known]
     if unknown:
         raise InputError([Fault(text, f"no parameter {n!r}", f"known: {', '.join(known)}") for n in unknown])
-    settings: dict[str, Any] = {name: item.values[name] for name in effect.settings if name in item.values}
-    effect = replace(effect, **settings)
     if any(name in effect.names for name in item.values):
         return effect, effect.given(item.values)
     return effect, np.array([p.typical for p in effect.params])

@@ -20,7 +20,7 @@ from .drawing import Figure
 from .equation import typeset
 from .legible import legible
 from .limits import detectable, not_testable, place, unidentifiable
-from .numbers import MISSING, decimals, mm, p_value, quantity, words
+from .numbers import MISSING, decimals, mm, p_value, percent, quantity, words
 
 Content = dict[str, Any]
 
@@ -184,7 +184,7 @@ def _cause(finding: Finding, number: int) -> Content:
         "structure": "" if (finding.structure or "") in finding.sentence else _sentence(finding.structure),
         "equation": finding.equation,
         "gain": "" if unknown else f"{mm(finding.gain_mm)} mm",
-        "p": p_value(finding.p_value),
+        "p": f"probability {percent(finding.probability, 1)}",
         "parameters": [_parameter(parameter) for parameter in finding.parameters],
         "rivals": _rivals(finding),
         "separate_by": finding.separate_by or "",
@@ -195,8 +195,9 @@ def _cause(finding: Finding, number: int) -> Content:
 def _rivals(finding: Finding) -> list[str]:
     """One entry per cause, with its places: `lost motion (joint_1, joint_2)`."""
     places: dict[str, list[str]] = {}
-    for cause, where in finding.rivals:
-        places.setdefault(OUTSIDE if cause == "unknown" else words(cause), []).append(place(where))
+    for rival in finding.rivals:
+        said = OUTSIDE if rival.cause == "unknown" else words(rival.cause)
+        places.setdefault(said, []).append(place(rival.where))
     found = {cause: ", ".join(dict.fromkeys(filter(None, where))) for cause, where in places.items()}
     return [f"{cause} ({where})" if where else cause for cause, where in found.items()]
 

@@ -34,7 +34,8 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         lines += ["", f"  {finding.status.upper():<10}{name}   gain {finding.gain_mm * 1e3:.1f} µm"]
         lines += [f"            {sentence}"] if sentence else []
         if finding.rivals:
-            rivals = ", ".join(f"{cause} ({place(w)})" if place(w) else cause for cause, w in finding.rivals)
+            said = [(rival.cause, place(rival.where)) for rival in finding.rivals]
+            rivals = ", ".join(f"{cause} ({at})" if at else cause for cause, at in said)
             lines.append(f"            fits as well: {rivals}")
         if finding.separate_by:
             lines.append(f"            to decide: {finding.separate_by}")

@@ -83,7 +83,7 @@ def draw_case(key: str, seed: int, folder: Path) -> Case:
     """The case of a key. `folder` takes the files of a random robot, which must stay while it is used."""
     what, _, number = key.partition("/")
     if not number.isdigit() or not _known(what):
-        raise ValueError(f"no case {key!r}: like gear_ratio/3, pair/0, unknown-tooth/1, clean-stated/2")
+        raise ValueError(f"no case {key!r}: like gear_ratio/3, pair/0, unknown-slip/1, clean-stated/2")
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng([seed, crc32(key.encode()), attempt])
         case = _draw(key, what, rng, folder)

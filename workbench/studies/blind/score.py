@@ -126,7 +126,7 @@ def _key(finding: Finding) -> Key:
 
 def _offered(finding: Finding) -> set[Key]:
     """The cause that is reported and those that may stand in its place."""
-    return {_key(finding), *((cause, replace(where, order=None)) for cause, where in finding.rivals)}
+    return {_key(finding), *((r.cause, replace(r.where, order=None)) for r in finding.rivals)}
 
 
 def _twins(case: Case, found: Sequence[Key]) -> set[Key]:
@@ -145,8 +145,8 @@ def _said(case: Case, finding: Finding) -> Record:
         "label": finding.label,
         **({"order": finding.where.order} if finding.where.order is not None else {}),
         "status": finding.status,
-        "p_value": finding.p_value,
-        "rivals": [label_of((cause, where)) for cause, where in finding.rivals],
+        "probability": finding.probability,
+        "rivals": [label_of((r.cause, r.where)) for r in finding.rivals],
         **({"left": case.products.left(members)} if members and case.products is not None else {}),
         **({"structure": finding.structure} if finding.structure else {}),
     }

@@ -109,6 +109,9 @@ class Products:
         return out
 
 
+FREE = 12  # numbers of an effect from which it can draw nearly anything: no rival by itself
+
+
 def look(design: Design, hidden: Sequence[Hidden], seed: int, even: bool = False) -> Sight:
     """The clean campaign of a design, its columns as the hidden causes want them at size 1, and its fit.
 
@@ -151,4 +154,5 @@ def candidates(sight: Sight, hidden: Sequence[Hidden]) -> list[Effect]:
     """The catalogue at every place, and the hidden causes' own parts where they are not in it."""
     found = testable(sight.fit.model.problem)[0]
     own = [e for item in hidden for e in (item.effect, *item.more) if e is not None]
+    found = [effect for effect in found if len(effect.params) < FREE]
     return [*found, *(effect for effect in own if effect not in found)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,11 +13,14 @@ from ...effects.backlash import Backlash
 from ...effects.gear_eccentricity import GearEccentricity
 from ...effects.gear_kinematic_error import GearKinematicError
 from ...effects.gear_ratio import GearRatio
+from ...effects.joint_map import JointMap
 from ...effects.readback_joints import ReadbackJoints
 from ...effects.wrist_coupling import WristCoupling
 from ...robot.kinematics import Array
 from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden, axial_torque, joint_error, largest_torque
+
+Shape = Callable[[Array], Array]
 
 
 def gear_ratio(problem: Problem, effect: GearRatio, rng: np.random.Generator) -> Hidden:
@@ -107,3 +111,28 @@ def readback_joints(problem: Problem, effect: ReadbackJoints, rng: np.random.Gen
 
 def _sign(rng: np.random.Generator) -> float:
     return float(rng.choice([-1.0, 1.0]))
+
+
+def joint_map(problem: Problem, effect: JointMap, rng: np.random.Generator) -> Hidden:
+    """A saw with slow teeth, nearly three cycles a turn, or a bump where a tooth is damaged."""
+    j = problem.joint(effect.where.joint)
+    shapes = (_saw(rng), _uneven(rng), _bump(problem.q[:, j], rng))
+    shape = shapes[int(rng.integers(len(shapes)))]
+    near = effect.motion(problem)[int(problem.arm.axial[j])]
+    unit = np.asarray(np.linalg.lstsq(near, 1e-4 * shape(problem.q[:, j]), rcond=1e-6)[0], dtype=np.float64)
+    return Hidden("joint_map", effect, unit, joint_error(j, lambda p: 1e-4 * shape(p.q[:, j])), 30.0)
+
+
+def _saw(rng: np.random.Generator) -> Shape:
+    cycles, phase = rng.uniform(1.3, 1.7), rng.uniform()
+    return lambda q: (q * cycles / (2 * np.pi) + phase) % 1.0 - 0.5
+
+
+def _uneven(rng: np.random.Generator) -> Shape:
+    cycles, phase = rng.uniform(2.45, 2.75), rng.uniform(-np.pi, np.pi)
+    return lambda q: np.sin(cycles * q + phase)
+
+
+def _bump(q: Array, rng: np.random.Generator) -> Shape:
+    at, width = float(np.quantile(q, rng.uniform(0.3, 0.7))), 0.12 * float(np.ptp(q))
+    return lambda q: np.exp(-0.5 * ((q - at) / width) ** 2)

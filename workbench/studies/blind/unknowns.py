@@ -21,26 +21,6 @@ def product(problem: Problem, rng: np.random.Generator) -> Hidden:
     return _joint("product", int(j), lambda p: (p.q[:, a] - middle[a]) * (p.q[:, b] - middle[b]))
 
 
-def sawtooth(problem: Problem, rng: np.random.Generator) -> Hidden:
-    """A joint errs as a saw, with slow teeth that fit no turn."""
-    j, cycles, phase = _joint_of(problem, rng), rng.uniform(1.3, 1.7), rng.uniform()
-    return _joint("sawtooth", j, lambda p: (p.q[:, j] * cycles / (2 * np.pi) + phase) % 1.0 - 0.5)
-
-
-def uneven_cycles(problem: Problem, rng: np.random.Generator) -> Hidden:
-    """A joint errs 2.7 times per turn (or nearly so)."""
-    j, cycles, phase = _joint_of(problem, rng), rng.uniform(2.45, 2.75), rng.uniform(-np.pi, np.pi)
-    return _joint("uneven_cycles", j, lambda p: np.sin(cycles * p.q[:, j] + phase))
-
-
-def tooth(problem: Problem, rng: np.random.Generator) -> Hidden:
-    """A damaged stretch of a joint's gear: a bump at one place."""
-    j = _joint_of(problem, rng)
-    at = float(np.quantile(problem.q[:, j], rng.uniform(0.3, 0.7)))
-    width = 0.12 * float(np.ptp(problem.q[:, j]))
-    return _joint("tooth", j, lambda p: np.exp(-0.5 * ((p.q[:, j] - at) / width) ** 2))
-
-
 def other_torque(problem: Problem, rng: np.random.Generator) -> Hidden:
     """A joint yields to the torque of another one."""
     torque = axial_torque(problem)
@@ -93,8 +73,7 @@ def tracker_angle(problem: Problem, rng: np.random.Generator) -> Hidden:
 
 
 UNKNOWNS: dict[str, Callable[[Problem, np.random.Generator], Hidden]] = {
-    form.__name__: form
-    for form in (product, sawtooth, uneven_cycles, tooth, other_torque, memory, slip, tracker_angle)
+    form.__name__: form for form in (product, other_torque, memory, slip, tracker_angle)
 }
 
 

@@ -11,9 +11,11 @@ def verdict(outcome: Outcome) -> str:
     """Verdict, causes and their rivals in one line."""
     said = []
     for cause in outcome.diagnosis.causes:
-        others = ", ".join(f"{name} {where}".strip() for name, where in cause.rivals)
+        others = ", ".join(f"{r.cause} {r.where}".strip() for r in cause.rivals)
         rivals = f", or {others}" if others else ""
-        said.append(f"{cause.cause} {cause.where}".strip() + f" ({numbers.p_value(cause.p_value)}{rivals})")
+        said.append(
+            f"{cause.cause} {cause.where}".strip() + f" ({numbers.percent(cause.probability)}{rivals})"
+        )
     found = outcome.diagnosis.verdict
     return (f"{found}: {'; '.join(said)}" if said else found).replace("_", " ")
 

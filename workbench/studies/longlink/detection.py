@@ -108,5 +108,6 @@ def verdict_of(diagnosis: Diagnosis) -> str:
         return "nothing"
     if all(right(c.cause, c.where) and c.status == "named" for c in causes):
         return "named"
-    said = [(c.cause, c.where) for c in causes] + [rival for c in causes for rival in c.rivals]
+    said = [(c.cause, c.where) for c in causes]
+    said += [(rival.cause, rival.where) for c in causes for rival in c.rivals]
     return "among" if any(right(*place) for place in said) else "wrong"

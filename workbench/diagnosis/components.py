@@ -1,0 +1,140 @@
+"""What competes to explain what geometry leaves: causes in their forms, gear lines, functions without a name.
+
+A component is a prior for a pattern in the data: columns with prior sizes. The main columns have size one
+(in the effect's usual size), its companions less: how far a real machine may be off the form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..effects.base import Effect
+from ..effects.place import NOWHERE, Where
+from ..identification.fit import Fit
+from ..robot.kinematics import Array
+from .families import Family
+from .priors import PRIORS
+
+Key = tuple[str, Where]
+EVERY_FINER = 3  # of an effect's finer settings, every third is a form of its own
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """One form of a component: columns (N, D, g), whitened, in prior sizes `sizes` (g,), main columns first.
+
+    effects: what stands for it in the model (none: a function without a name). one_sided: its first number
+    is held to be positive, in units of the column.
+    """
+
+    columns: Array
+    sizes: Array
+    effects: tuple[Effect, ...] = ()
+    one_sided: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Component:
+    """A cause at one place, a gear line, or a function without a name (family). log_odds: before the data."""
+
+    key: Key
+    forms: tuple[Form, ...]
+    log_odds: float
+    family: Family | None = field(default=None)
+
+    @property
+    def label(self) -> str:
+        cause, where = self.key
+        if self.family is not None:
+            return f"a dependence on {self.family.variable}"
+        return f"{cause}({where})" if str(where) else cause
+
+
+def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
+    """One component for each cause and place; its variants are its forms."""
+    places: dict[Key, list[Effect]] = {}
+    for effect in candidates:
+        places.setdefault(effect.key, []).append(effect)
+    sites: dict[str, int] = {}
+    for cause, _ in places:
+        sites[cause] = sites.get(cause, 0) + 1
+    out = []
+    for key, effects in places.items():
+        finer = [other for effect in effects for other in effect.finer()[::EVERY_FINER]]
+        forms = [_form(fit, (effect,)) for effect in (*effects, *finer)]
+        if effects[0].together and len(effects) > 1:
+            forms.append(_form(fit, tuple(effects)))
+        forms = [form for form in forms if form.columns.any()]
+        if forms:
+            out.append(Component(key, tuple(forms), _log_odds(effects[0], sites[key[0]])))
+    return out
+
+
+def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
+    """A gear line of unknown order; sharpness: width of its peak over the whole range (log)."""
+    joints = fit.model.problem.arm.n
+    odds = PRIORS.line / joints * sharpness
+    return Component((effect.cause, effect.where), (_form(fit, (effect,)),), float(np.log(odds)))
+
+
+def free_components(fit: Fit, families: Iterable[Family]) -> list[Component]:
+    """Functions without a name: of two joints, of a torque, of the clock, of the side, of the payload."""
+    found: list[tuple[Family, Form]] = []
+    for family in families:
+        if family.kind == "joint":
+            continue  # the joint map is a cause
+        functions = family.functions / np.maximum(np.abs(family.functions).max(axis=0), 1e-12)
+        usual = {"tilt": 5e-5, "clock": 3e-5, "payload": 3e-5}.get(family.kind, 1e-4)
+        columns = (family.motions[..., None] * functions[:, None, None, :]).reshape(*fit.r.shape, -1)
+        sizes = np.full(columns.shape[2], usual / np.sqrt(columns.shape[2]))
+        found.append((family, Form(columns, sizes)))
+    counts: dict[str, int] = {}
+    for family, _ in found:
+        counts[family.kind] = counts.get(family.kind, 0) + 1
+    return [
+        Component(("unknown", NOWHERE), (form,), float(np.log(PRIORS.free / counts[family.kind])), family)
+        for family, form in found
+    ]
+
+
+def _log_odds(effect: Effect, sites: int) -> float:
+    if effect.always and effect.axial and not effect.stated:
+        p = PRIORS.unstated
+        return float(np.log(p / (1 - p)))
+    p = PRIORS.cause / sites
+    return float(np.log(p / (1 - p)))
+
+
+def _form(fit: Fit, effects: tuple[Effect, ...]) -> Form:
+    """Effects together as one form, each parameter in its usual size."""
+    shares = [(1.0, effect) for effect in effects]
+    shares += [pair for effect in effects for pair in effect.companions()]
+    blocks, sizes = [], []
+    for share, effect in shares:
+        G = fit.model.effect_jacobian(fit.line, effect, np.zeros(len(effect.params)))
+        usual = np.array([p.typical for p in effect.params])
+        if effect.acts == "yielding" and not effect.stated:
+            usual = usual_yield(fit, effect, usual)
+        blocks.append(np.matmul(fit.whitener, G))
+        sizes.append(share * usual)
+    first = effects[0].params[0]
+    one_sided = len(effects) == 1 and len(first_numbers(effects[0])) == 1 and first.lower == 0.0
+    return Form(np.concatenate(blocks, axis=2), np.concatenate(sizes), effects, one_sided)
+
+
+def first_numbers(effect: Effect) -> tuple[str, ...]:
+    return tuple(p.name for p in effect.params)
+
+
+def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:
+    """A yield's usual size: a usual motion at the campaign's largest load, not a number per N·m."""
+    if effect.params[0].unit in ("rad", "m", "1"):
+        return typical
+    rest = fit.line.prediction
+    drawn = effect.drawn(fit.model.problem, rest, np.ones(1))
+    most = float(np.abs(drawn.size).max(initial=0.0))
+    usual = PRIORS.joint_yields if effect.axial else PRIORS.tilt_yields
+    return typical if most <= 0 else np.array([usual / most])

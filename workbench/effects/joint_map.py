@@ -1,0 +1,120 @@
+"""A joint's error as a free function of its own angle: gear, encoder or bearing, not told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from ..campaign.problem import Problem
+from ..robot.kinematics import Array
+from .base import Param
+from .kinds import TransmissionEffect
+from .place import Parameter, Where
+
+LENGTHS = {"smooth": 0.7, "waves": 0.25, "fine": 0.1}  # rad over which the error forgets itself
+USUAL = 1e-4  # rad, usual size of a gear's or an encoder's error
+MARGIN = 0.1  # share of the range that the functions go beyond it, where nothing is known
+FAINTEST = 0.02  # share of the largest wave below which a wave is left out
+MOVES = 0.2  # rad that a joint must travel for a function of it to be seen
+
+
+@dataclass(frozen=True)
+class JointMap(TransmissionEffect):
+    """Δq = Σ a_k cos(π k (q − q₀)/L), a Gaussian process with the length of `variant` (smooth, waves, fine).
+
+    The waves' prior sizes are the square roots of the process' spectrum (Rasmussen & Williams 2006): a
+    function of usual size `size` that forgets itself over `length` [rad]. q₀ `first` and L `span` [rad] are
+    where the joint was measured; beyond it the map says nothing and keeps its value at the edge.
+    """
+
+    first: float = -np.pi
+    span: float = 2 * np.pi
+    length: float = 0.25
+    size: float = USUAL
+
+    cause: ClassVar[str] = "joint_map"
+    title: ClassVar[str] = "A joint errs as a function of its own angle"
+    equation: ClassVar[str] = "Delta q = f(q)"
+    settings: ClassVar[tuple[str, ...]] = ("first", "span", "length", "size")
+    smooth: ClassVar[bool] = True
+    separate: ClassVar[dict[str, str]] = {
+        "gear_kinematic_error": "sweep the joint in steps far below its shortest period",
+        "gear_eccentricity": "sweep the joint over at least one full turn",
+        "gear_ratio": "sweep the joint over its whole range",
+        "joint_compliance": "the same poses with another payload: a map does not change",
+        "gravity_compensator": "record the motor torque of the joint",
+        "link_mass": "the same poses with another payload: a map does not change",
+        "hose_torque": "repeat some poses with the hose pack taken off",
+    }
+
+    @cached_property
+    def _sizes(self) -> Array:
+        """(p,) prior size of each wave, from k = 1: a constant is the joint's zero."""
+        k = np.arange(1, 1 + int(np.ceil(3.0 * self.span / (np.pi * self.length))))
+        power = np.exp(-0.5 * (np.pi * k * self.length / self.span) ** 2)
+        power = power[power > FAINTEST**2 * power[0]]
+        return np.asarray(self.size * np.sqrt(2 * power / power.sum()))
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        return tuple(
+            Param(f"wave_{k}", "rad", float(s), lower=-30 * float(s), upper=30 * float(s))
+            for k, s in enumerate(self._sizes, 1)
+        )
+
+    @classmethod
+    def needs(cls, problem: Problem) -> str | None:
+        return None if cls.sites(problem) else "no turning joint travels far enough"
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[JointMap]:
+        """Turning joints that travel, in three lengths."""
+        out = []
+        for j, name in enumerate(problem.arm.names):
+            low, high = float(problem.q[:, j].min()), float(problem.q[:, j].max())
+            if problem.arm.prismatic[j] or high - low < MOVES:
+                continue
+            room = MARGIN * (high - low)
+            place = cls(Where(joint=name), first=low - room, span=high - low + 2 * room)
+            out += [replace(place, variant=v, length=x) for v, x in LENGTHS.items() if 3 * x < high - low]
+        return out
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[JointMap]:
+        names = [
+            n for n, sliding in zip(problem.arm.names, problem.arm.prismatic, strict=True) if not sliding
+        ]
+        return [cls(Where(joint=n), v, length=x) for n in names for v, x in LENGTHS.items()]
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        at = np.clip((q[:, joints.index(str(self.where.joint))] - self.first) / self.span, 0.0, 1.0)
+        return np.cos(np.pi * np.outer(at, np.arange(1, 1 + len(self._sizes))))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return ("amplitude", *(p.name for p in self.params))
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        if "amplitude" in numbers:  # any map of that RMS size: a single wave
+            first = np.zeros(len(self._sizes))
+            first[min(2, len(first) - 1)] = np.sqrt(2) * numbers["amplitude"]
+            return first
+        return super().given(numbers)
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        """RMS of the map over the range."""
+        rms = float(np.sqrt((values**2).sum() / 2))
+        std = float(np.sqrt(values @ covariance @ values) / (2 * rms)) if rms > 0 else 0.0
+        return (Parameter("amplitude", rms, std, "rad", "RMS of the map over the joint's range"),)
+
+    def sentence(self, values: Array) -> str:
+        rms = np.sqrt((values**2).sum() / 2) * 1e6
+        low, high = np.degrees([self.first, self.first + self.span])
+        return (
+            f"{self.where.joint} errs by {rms:.0f} µrad RMS as a function of its own angle "
+            f"({low:.0f} … {high:.0f}°): gear, encoder or bearing."
+        )
