@@ -121,12 +121,8 @@ def _form(fit: Fit, effects: tuple[Effect, ...]) -> Form:
         blocks.append(np.matmul(fit.whitener, G))
         sizes.append(share * usual)
     first = effects[0].params[0]
-    one_sided = len(effects) == 1 and len(first_numbers(effects[0])) == 1 and first.lower == 0.0
+    one_sided = len(effects) == 1 and len(effects[0].params) == 1 and first.lower == 0.0
     return Form(np.concatenate(blocks, axis=2), np.concatenate(sizes), effects, one_sided)
-
-
-def first_numbers(effect: Effect) -> tuple[str, ...]:
-    return tuple(p.name for p in effect.params)
 
 
 def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from ..identification.fit import Fit
+from ..identification.rows import equations
 from ..robot.kinematics import Array
 from .components import Component
 
@@ -85,7 +86,5 @@ def reduce(
 
 def background_offset(fit: Fit) -> Array:
     """How far the background's numbers are from their priors' means, in their priors."""
-    from ..identification.rows import equations
-
     at = equations(fit.model, fit.line, fit.columns, fit.state, fit.whitener)
     return at.offset[: fit.columns.background]
