@@ -166,7 +166,8 @@ class PoseErrors:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Everything that a diagnosis found. proof: what a closed-loop run of the model showed, and the page that
+    """Everything that a diagnosis found. ceiling_mm: RMS error of held-out poses that any smooth model
+    reaches. proof: what a closed-loop run of the model showed, and the page that
     shows it."""
 
     robot: str
@@ -179,6 +180,7 @@ class Diagnosis:
     verdict: Verdict
     headline: str
     causes: tuple[Finding, ...]
+    ceiling_mm: float
     remainder_chi2: float
     remainder_dof: float
     remainder_p: float

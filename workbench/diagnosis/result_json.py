@@ -24,6 +24,7 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         "verdict": result.verdict,
         "headline": result.headline,
         "causes": [_finding(finding) for finding in result.causes],
+        "ceiling": {"heldout_rms_mm": _number(result.ceiling_mm)},
         "remainder": {
             "chi2": _number(result.remainder_chi2),
             "dof": _number(result.remainder_dof),
