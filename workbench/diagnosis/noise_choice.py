@@ -11,11 +11,21 @@ from scipy.optimize import minimize
 from ..campaign.problem import Problem
 from ..identification.fit import Fit
 from ..identification.model import Linearisation
-from ..identification.noise import Covariance, MeasuredNoise, measure_noise, repeat_chi2, stated_noise
+from ..identification.noise import (
+    Covariance,
+    MeasuredNoise,
+    measure_noise,
+    repeat_chi2,
+    repeat_groups,
+    stated_noise,
+    within,
+)
 from ..robot.kinematics import Array
 from .result import Noise
 
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
+
+WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
 
 def provisional(problem: Problem) -> Covariance:
@@ -44,6 +54,21 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
         return said, _figures(said, "stated", axial, measured), notes
     guess = provisional(problem)
     return guess, Noise(0.1, "residual"), notes
+
+
+def without_wild_repeats(problem: Problem) -> Problem:
+    """The problem without points that are off their repeats by far more than usual: one such would make the
+    noise of all."""
+    deviation, weight, dof = within(problem.campaign.points, repeat_groups(problem))
+    length = np.linalg.norm(deviation, axis=2)
+    repeated = problem.seen & (weight > 0)[:, None]
+    if not dof or not repeated.any():
+        return problem
+    wild = repeated & (length > WILD_REPEAT * float(np.median(length[repeated])) + 1e-6)
+    if not wild.any():
+        return problem
+    points = np.where(wild[..., None], np.nan, problem.campaign.points)
+    return replace(problem, campaign=replace(problem.campaign, points=points))
 
 
 def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial: Array) -> str | None:

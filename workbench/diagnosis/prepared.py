@@ -9,17 +9,20 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ..campaign import Campaign, drive_torque, join
 from ..campaign.problem import Problem, problem
 from ..effects.records import stated_effects
+from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.registration import check_units
-from .moved_setup import split_setup, step_in_time
-from .noise_choice import choose, from_residual
+from ..identification.plausible import check_corrections, check_plausible, check_rest
+from .moved_setup import jump, split_setup, step_in_time
+from .noise_choice import choose, from_residual, without_wild_repeats
 from .result import FaultFound, Noise
-from .wild_points import Acting, clean
+from .wild_points import Acting, clean, least_sigma, without_gross
 
 Progress = Callable[[str], None]
 
@@ -59,11 +62,14 @@ def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambd
     campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
     progress("loading the robot")
     read = problem(campaign)
-    check_units(read)
     progress("looking for data faults")
-    sound = _without_faults(read, tuple(stated_effects(read)))
-    progress("fitting geometry")
-    return _fitted(sound)
+    try:
+        sound = _without_faults(read, tuple(stated_effects(read)))
+        progress("fitting geometry")
+        return _fitted(sound)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        what = f"no robot of this kind moves as these data say ({error})"
+        raise InputError(Fault(str(campaign.path), what, "check loads, stiffness and points")) from error
 
 
 @dataclass(frozen=True)
@@ -81,16 +87,48 @@ class _Sound:
 
 def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
+    faults: tuple[FaultFound, ...] = ()
+    far = jump(problem)
+    if far is not None:
+        problem, faults = split_setup(problem, far.first), (far.fault(problem),)
+    said = check_plausible(problem)
+    gross = without_gross(problem)
+    problem, faults = gross.problem, (*faults, *gross.faults)
     start = start_state(problem)
-    covariance, noise, notes = _noise(problem, known_effects, start)
-    cleaned = clean(problem, start, covariance, known_effects, judged=noise.source != "residual")
-    problem, start, faults = cleaned.problem, cleaned.fit.state, cleaned.faults
+    check_rest(Model(problem, (), known_effects), start)
+    usual = without_wild_repeats(problem)
+    covariance, noise, notes = _noise(usual, known_effects, start)
+    least = least_sigma(problem, covariance if noise.source != "residual" else None)
+    cleaned = clean(problem, start, covariance, known_effects, least)
+    problem, start, faults = cleaned.problem, cleaned.fit.state, (*faults, *cleaned.faults)
     step = step_in_time(cleaned.fit)
     if step is not None:
         problem, faults = split_setup(problem, step.first), (*faults, step.fault(problem))
+    problem = _measured_only(problem)
+    if step is not None or start.targets.shape[1] > len(problem.campaign.targets):
         start = start_state(problem)
-        covariance, noise, _ = _noise(problem, known_effects, start)
-    return _Sound(problem, known_effects, start, covariance, noise, faults, tuple(notes))
+    if faults or usual is not problem:
+        covariance, noise, notes = _noise(problem, known_effects, start)
+    return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
+
+
+def _measured_only(problem: Problem) -> Problem:
+    """The problem with the poses and targets of which something is left; `InputError` where nothing is."""
+    c, seen = problem.campaign, problem.seen
+    if seen.any(axis=1).all() and seen.any(axis=0).all():
+        return problem
+    poses, targets = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+    if not len(poses):
+        raise InputError(Fault(str(c.path), "no usable point is left", "look at the points"))
+    c = c.some(poses)
+    c = replace(
+        c,
+        targets=tuple(c.targets[i] for i in targets),
+        points=c.points[:, targets],
+        shots=c.shots[:, targets],
+        sigma=None if c.sigma is None else c.sigma[:, targets],
+    )
+    return Problem(problem.robot, problem.arm, c, problem.compensator)
 
 
 def _noise(problem: Problem, known_effects: Acting, start: State) -> tuple[Covariance, Noise, list[str]]:
@@ -109,6 +147,7 @@ def _fitted(sound: _Sound) -> Prepared:
         covariance = replace(covariance, torque=drive_torque.noise(problem))
     if not known or problem.drives:
         geometry = fit(model, geometry.state, covariance)
+    check_corrections(geometry)
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
     return Prepared(

@@ -1,0 +1,6 @@
+"""Whether joints, points and robot belong together, before anything is fitted to explain them."""
+
+from .check import Plausible, check_plausible, judge
+from .machine import check_corrections, check_rest
+
+__all__ = ["Plausible", "check_corrections", "check_plausible", "check_rest", "judge"]
