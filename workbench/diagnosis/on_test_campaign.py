@@ -16,7 +16,7 @@ from ..identification.plausible import check_plausible
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .result import FaultFound, TestFigures
-from .wild_points import ROUNDS, mended, wild_limit, without_gross
+from .wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
 
 
 def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
@@ -36,13 +36,14 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
             )
         )
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
-    check_plausible(every)
-    problem, faults = _cleaned(every, final)
+    possible = without_impossible(every)
+    check_plausible(possible.problem)
+    problem, faults = _cleaned(possible.problem, final)
     before, after = _errors(problem, nominal), _errors(problem, final)
     if not problem.seen.any():
         raise InputError(Fault(str(campaign.path), "no usable point is left", "look at the points"))
-    points = np.where(np.isfinite(every.campaign.points), every.campaign.points, np.nan)
-    all_points = np.where(problem.seen, after.length, np.linalg.norm(points - after.predicted, axis=2))
+    off = np.linalg.norm(possible.problem.campaign.points - after.predicted, axis=2)
+    all_points = np.where(problem.seen, after.length, off)
     mm = 1e3
     return TestFigures(
         campaign=campaign.title,
@@ -54,7 +55,7 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         n_points=int(np.isfinite(after.length).sum()),
         all_mean_mm=mm * float(np.nanmean(all_points)),
         all_rms_mm=mm * float(np.sqrt(np.nanmean(all_points**2))),
-        faults=faults,
+        faults=(*possible.faults, *faults),
     )
 
 

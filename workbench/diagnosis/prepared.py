@@ -22,7 +22,9 @@ from ..identification.plausible import check_corrections, check_plausible, check
 from .moved_setup import jump, split_setup, step_in_time
 from .noise_choice import choose, from_residual, without_wild_repeats
 from .result import FaultFound, Noise
-from .wild_points import Acting, clean, least_sigma, without_gross
+from .wild_points import Acting, clean, least_sigma, without_gross, without_impossible
+
+SIX_DOF = 3  # targets that make a 6-D measurement
 
 Progress = Callable[[str], None]
 
@@ -87,10 +89,11 @@ class _Sound:
 
 def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
-    faults: tuple[FaultFound, ...] = ()
+    possible = without_impossible(problem)
+    problem, faults = _measured_only(possible.problem), possible.faults
     far = jump(problem)
     if far is not None:
-        problem, faults = split_setup(problem, far.first), (far.fault(problem),)
+        problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))
     said = check_plausible(problem)
     gross = without_gross(problem)
     problem, faults = gross.problem, (*faults, *gross.faults)
@@ -115,6 +118,9 @@ def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
 def _measured_only(problem: Problem) -> Problem:
     """The problem with the poses and targets of which something is left; `InputError` where nothing is."""
     c, seen = problem.campaign, problem.seen
+    if c.six_dof and seen.sum(axis=1).max(initial=0) < SIX_DOF:
+        what = f"no pose has {SIX_DOF} usable targets, which a 6-D measurement needs"
+        raise InputError(Fault(str(c.path), what, "look at the points, or take out `pose = true`"))
     if seen.any(axis=1).all() and seen.any(axis=0).all():
         return problem
     poses, targets = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))

@@ -26,6 +26,7 @@ WILD = 6.0  # robust standard deviations per axis from which a point is wild
 ROUNDS = 6  # of a fit and a cleaning: what is farthest off goes first
 GROSS = 10.0  # times what most points are off the rigid robot: no robot that is only inaccurate has that,
 GROSS_SHARE = 0.1  # and of the spread of the points
+FARTHEST = 1e6  # m, rad
 MOST = 0.3  # of the points at least are right
 
 Acting = tuple[tuple[Effect, Array], ...]
@@ -165,16 +166,15 @@ def _swap(predicted: Array, points: Array, limit: Array) -> Sequence[int] | None
 
 
 def without_gross(problem: Problem) -> Mended:
-    """Without points that are no measurement, and without those that are off the placed rigid robot by more
-    than any robot is: before anything is fitted."""
-    no_measurement = _not_measured(problem)
-    frozen = _frozen(no_measurement.problem)
+    """Without points that are off the placed rigid robot by more than any robot is: before anything is
+    fitted."""
+    frozen = _frozen(problem)
     problem = frozen.problem
     target = _wild_targets(problem, *_off_the_rigid(problem))
     problem = target.problem
     predicted, length, limit = _off_the_rigid(problem)
     gross = mended(problem, predicted, limit)
-    faults = [*no_measurement.faults, *frozen.faults, *target.faults, *gross.faults]
+    faults = [*frozen.faults, *target.faults, *gross.faults]
     for _ in range(ROUNDS):  # those that the worst ones hid
         if not gross.faults:
             break
@@ -203,18 +203,30 @@ def _off_the_rigid(problem: Problem) -> tuple[Array, Array, Array]:
     return predicted, length, limit
 
 
-def _not_measured(problem: Problem) -> Mended:
-    """Points at exactly 0 0 0, which instruments write where they saw nothing, and half-written ones."""
+def without_impossible(problem: Problem) -> Mended:
+    """Without what no instrument shows and no joint does: points at exactly 0 0 0, which instruments write
+    where they saw nothing, half-written ones, distances and joints beyond all measure."""
     c = problem.campaign
     some, whole = np.isfinite(c.points).any(axis=2), np.isfinite(c.points).all(axis=2)
-    nothing = np.all(c.points == 0.0, axis=2)
+    with np.errstate(invalid="ignore"):
+        far = some & (np.abs(c.points) > FARTHEST).any(axis=2)
     points, faults = c.points.copy(), []
-    for wrong, what in ((some & ~whole, "a coordinate is missing"), (nothing, "exactly 0 0 0: not seen")):
+    for wrong, what in (
+        (some & ~whole, "a coordinate is missing"),
+        (np.all(c.points == 0.0, axis=2), "exactly 0 0 0: not seen"),
+        (far, f"farther than {FARTHEST / 1e3:g} km"),
+    ):
         points[wrong] = np.nan
         for n, i in zip(*np.nonzero(wrong), strict=True):
             target = c.targets[i].name if len(c.targets) > 1 else None
             faults.append(FaultFound("outlier", c.poses.ids[n], target, what, "left out"))
-    return Mended(replace(problem, campaign=replace(c, points=points)) if faults else problem, tuple(faults))
+    possible = np.asarray((np.abs(c.poses.q) <= FARTHEST).all(axis=1))
+    for n in np.flatnonzero(~possible):
+        faults.append(FaultFound("outlier", c.poses.ids[n], None, "a joint beyond all measure", "left out"))
+    if not faults:
+        return Mended(problem, ())
+    c = replace(c, points=points).some(np.flatnonzero(possible))
+    return Mended(replace(problem, campaign=c), tuple(faults))
 
 
 def _wild_targets(problem: Problem, predicted: Array, length: Array, limit: Array) -> Mended:

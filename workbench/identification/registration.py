@@ -89,23 +89,26 @@ def sight(where: Frames, points: Array, on: Sequence[int], here: NDArray[np.bool
     return Sight(np.stack([where.R[k][here] for k in on], axis=1), p, z, seen)
 
 
-def place(seen: Sight, stated: Array, prior: Array, *, turns: bool = True, scale: bool = False) -> Placed:
+def place(
+    seen: Sight, stated: Array, prior: Array, *, turns: bool = True, scale: bool = False, rounds: int = 40
+) -> Placed:
     """Best of several starts. stated: (T, 3) [m], NaN where unknown, and prior: (T,) [m] how far from there.
 
-    turns: where no start is good, 24 directions more; scale: the size of the points is free as well.
+    turns: where no start is good, 24 directions more; scale: the size of the points is free as well;
+    rounds: iterations.
     """
     known = np.asarray(np.isfinite(stated).all(axis=1))
     start = np.where(known[:, None], stated, 0.0)
     good = GOOD * (1e-3 + seen.spread)
-    best = _refine(seen, start, prior, *_kabsch(seen, start), scale)
+    best = _refine(seen, start, prior, *_kabsch(seen, start), scale, rounds=rounds)
     if best.middle > good and start.any():
-        other = _refine(seen, start, prior, *_kabsch(seen, 0.0 * start), scale)
+        other = _refine(seen, start, prior, *_kabsch(seen, 0.0 * start), scale, rounds=rounds)
         best = other if other.middle < best.middle else best
     if turns and best.middle > good:
         starts = [_turned_start(turn.as_matrix(), seen, start) for turn in Rotation.create_group("O")]
         rough = [_refine(seen, start, prior, *one, scale, rounds=ROUGHLY) for one in starts]
         for i in np.argsort([one.middle for one in rough])[:PROMISING]:
-            other = _refine(seen, start, prior, *starts[i], scale)
+            other = _refine(seen, start, prior, *starts[int(i)], scale)
             best = other if other.middle < best.middle else best
     return best
 

@@ -7,6 +7,7 @@ one by one, and one that brings the rest back to the usual is named.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,9 @@ REFUSED = 0.02  # from which no campaign is accepted: a robot off by 1 mm and 1 
 SMALL = 1e-3  # m, misfit below which a campaign of small motions is not refused
 CLEARER = 0.25  # of the misfit at most is left where the right mistake was undone
 RIGHT = 0.012  # of the spread at most, then
+SCALE = 0.02  # from which another size is no error of an instrument
+ROUGHLY = 8  # iterations in which the
+LIKELY = 12  # likeliest mistakes are told from the others
 AS_GOOD = 1.3  # times the best misfit: mistakes that the data do not tell apart
 
 
@@ -31,16 +35,18 @@ Mistake = tuple[Hypothesis, ...]
 @dataclass(frozen=True)
 class Plausible:
     """misfit: of the robot as it is; mistakes: one or two at once that explain it, the likeliest first, each
-    with what it leaves."""
+    with what it leaves; scale: without these, how much larger the points are than the robot."""
 
     misfit: Misfit
     mistakes: tuple[tuple[Mistake, float], ...] = ()
+    scale: float = 1.0
 
     @property
     def refused(self) -> bool:
         """The points are not of this robot in these poses, whatever the reason."""
         m = self.misfit
-        return bool(self.mistakes) or (m.middle > REFUSED and m.middle * m.spread > SMALL)
+        off = m.middle > REFUSED and m.middle * m.spread > SMALL
+        return bool(self.mistakes) or off or self.scale != 1.0
 
 
 def check_plausible(problem: Problem) -> list[str]:
@@ -55,7 +61,7 @@ def check_plausible(problem: Problem) -> list[str]:
     if m.share <= SUSPECT:
         size = f"targets are {_length(m.displaced * m.spread)} from where they are stated"
     if not found.mistakes:
-        raise InputError(Fault(str(campaign.path), *_nothing_fits(problem, size)))
+        raise InputError(Fault(str(campaign.path), *_nothing_fits(problem, size, found.scale)))
     (best, left), *others = found.mistakes
     if best[0].table == "targets" and not any(target.fixed for target in campaign.targets):
         return [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
@@ -73,10 +79,12 @@ def judge(problem: Problem) -> Plausible:
     now = misfit(data)
     if now.total > SUSPECT:
         now = min(now, misfit(data, turns=True), key=lambda one: one.total)
-    if now.total <= SUSPECT or _one_bad_target(data, now):
+    if now.total > SUSPECT:
+        now = _without_a_bad_target(data, now)
+    if now.total <= SUSPECT:
         return Plausible(now)
     every, enough = list(hypotheses(problem)), min(CLEARER * now.total, RIGHT)
-    tried: list[tuple[Mistake, float]] = [((h,), misfit(h.undo(data)).total) for h in every]
+    tried = _tried(data, every)
     if _least(tried) > enough and now.middle > REFUSED:
         tried = _two_at_once(data, every, enough)
     if _least(tried) > enough and now.middle > REFUSED and not np.isfinite(data.stated).all():
@@ -84,7 +92,22 @@ def judge(problem: Problem) -> Plausible:
     fits = [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))]
     # what only changes the stated places is no reason to send anyone away
     fits.sort(key=lambda one: (one[0][0].table != "targets", one[1]))
-    return Plausible(now, tuple(fits))
+    return Plausible(
+        now, tuple(fits), 1.0 if fits or max(now.middle, now.displaced) < REFUSED else _scale(data, enough)
+    )
+
+
+def _scale(data: Sample, enough: float) -> float:
+    """How much larger the points are than the robot where that alone explains them, else 1."""
+    free = misfit(data, turns=True, scale=True)
+    size = float(np.median([placed.scale for placed in free.placed]))
+    return size if free.total < enough and abs(size - 1) > SCALE else 1.0
+
+
+def _tried(data: Sample, every: Sequence[Hypothesis]) -> list[tuple[Mistake, float]]:
+    """What is left under the likeliest mistakes: all are tried roughly, these to the end."""
+    rough = sorted(every, key=lambda h: misfit(h.undo(data), rounds=ROUGHLY).total)
+    return [((h,), misfit(h.undo(data)).total) for h in rough[:LIKELY]]
 
 
 def _least(tried: list[tuple[Mistake, float]]) -> float:
@@ -99,31 +122,27 @@ def _two_at_once(data: Sample, every: list[Hypothesis], enough: float) -> list[t
         undone = first.undo(data)
         for mirrored in (False, True):
             turned = LEFT_HANDED.undo(undone) if mirrored else undone
-            if misfit(turned, scale=True).share > enough:
+            if misfit(turned, scale=True, rounds=2 * ROUGHLY).share > enough:
                 continue
             both += [((first, h), misfit(h.undo(undone)).total) for h in frames]
     return both
 
 
-def _one_bad_target(data: Sample, now: Misfit) -> bool:
-    """One target's points are of another world, the others' fit: wild points, not a wrong robot."""
-    if len(data.on) < 2 or now.middle < SUSPECT / 10:
-        return False
-    for i in range(len(data.on)):
+def _without_a_bad_target(data: Sample, now: Misfit) -> Misfit:
+    """The others' misfit where one target's points are of another world: wild points, not a wrong robot."""
+    for i in range(len(data.on)) if len(data.on) > 1 and now.middle > SUSPECT / 10 else ():
         kept = [j for j in range(len(data.on)) if j != i]
         on = tuple(data.on[j] for j in kept)
         rest = misfit(data.changed(points=data.points[:, kept], stated=data.stated[kept], on=on))
         if rest.total < min(CLEARER * now.total, SUSPECT):
-            return True
-    return False
+            return rest
+    return now
 
 
-def _nothing_fits(problem: Problem, size: str) -> tuple[str, str]:
+def _nothing_fits(problem: Problem, size: str, scale: float) -> tuple[str, str]:
     """What is wrong and how to mend it where none of the usual mistakes explains it."""
     robot = problem.robot
-    free = misfit(sample(problem), turns=True, scale=True)
-    scale = float(np.median([placed.scale for placed in free.placed]))
-    if free.share < RIGHT and abs(scale - 1) > 0.02:
+    if scale != 1.0:
         what = f"{size}; they fit a robot of {scale:.4g} times its size: a wrong unit, or another robot"
         return what, f"check the unit of the points, and that this is a {robot.title}"
     what = (

@@ -77,25 +77,32 @@ def sample(problem: Problem) -> Sample:
     return Sample(rows, tuple(moving), problem.arm, problem.q[rows], points, setup[rows], stated, on)
 
 
-def misfit(data: Sample, *, turns: bool = False, scale: bool = False) -> Misfit:
+def misfit(data: Sample, *, turns: bool = False, scale: bool = False, rounds: int = 40) -> Misfit:
     """Misfit of a sample after every set-up was placed for itself with its targets. turns: from 24 more
-    directions; scale: the size of the points is free as well."""
+    directions; scale: the size of the points is free as well; rounds: iterations."""
     where = frames(data.arm, data.q)
     known = np.isfinite(data.stated).all(axis=1)
     prior = np.where(known, STATED_TARGET, UNKNOWN_TARGET)
     placed, lengths, spreads, displaced = [], [np.zeros(0)], [], 0.0
     for k in np.unique(data.setup):
         seen = sight(where, data.points, data.on, data.setup == k)
-        found = place(seen, data.stated, prior, turns=turns, scale=scale)
+        found = place(seen, data.stated, prior, turns=turns, scale=scale, rounds=rounds)
         points = seen.p + np.einsum("ntij,tj->nti", seen.R, found.targets)
         spread = found.scale * float(np.sqrt(points[seen.seen].var(axis=0).sum())) + 1e-9
         placed.append(found)
         spreads.append(spread)
         lengths.append(found.length[np.isfinite(found.length)] / spread)
-        off = np.linalg.norm((found.targets - data.stated)[known & seen.seen.any(axis=0)], axis=1)
+        good = known & (_middle(found.length) < BOUND * spread)
+        off = np.linalg.norm((found.targets - data.stated)[good], axis=1)
         displaced = max(displaced, *(np.maximum(off - USUAL, 0.0) / spread), 0.0)
     every = np.concatenate(lengths)
     if not len(every):
         return Misfit()
     share = float(np.sqrt(np.mean(np.minimum(every, BOUND) ** 2)))
     return Misfit(share, float(np.median(every)), float(displaced), float(np.median(spreads)), tuple(placed))
+
+
+def _middle(length: Array) -> Array:
+    """(T,) median of each target's (N, T) lengths, infinite where it was never seen."""
+    seen = [column[np.isfinite(column)] for column in length.T]
+    return np.array([np.median(some) if len(some) else np.inf for some in seen])
