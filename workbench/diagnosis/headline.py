@@ -34,6 +34,8 @@ def headline(verdict: Verdict, findings: Sequence[Finding], stages: Sequence[Sta
         f"Held-out error {stages[0].heldout_rms_mm:.3f} → {stages[-1].heldout_rms_mm:.3f} mm RMS, "
         f"{stages[1].heldout_rms_mm:.3f} mm with geometry alone."
     )
+    if verdict == "nothing_missing" and stages[1].heldout_rms_mm > stages[0].heldout_rms_mm:
+        return f"Too few poses to say: fitted to them, the robot is worse at others. {gain}"
     if verdict == "nothing_missing":
         return f"Nothing is missing: geometry explains these data. {gain}"
     if verdict == "unknown":

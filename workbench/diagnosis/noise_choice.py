@@ -25,6 +25,7 @@ from .result import Noise
 
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
+RIGID = 0.1  # of the noise: measured targets change their distances by more
 WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
 
@@ -148,3 +149,24 @@ def _two_parts(result: Fit) -> Covariance:
     x = minimize(cost, np.log([0.5 * total, 0.5 * total / reach]), method="Nelder-Mead").x
     sigma, joint = float(np.exp(x[0] / 2)), float(np.exp(x[1] / 2))
     return replace(result.noise, sigma=np.full(problem.seen.shape, sigma), joint=joint * turning)
+
+
+def rigid_targets(problem: Problem, noise: Noise) -> list[str]:
+    """A remark where targets keep their distances far better than the noise lets measured ones: they are
+    points of one 6-D measurement, which was not said."""
+    c = problem.campaign
+    on = np.array(problem.on)
+    moving = [i for i in range(len(on)) if on[i] == on.max()]
+    whole = problem.seen[:, moving].all(axis=1)
+    if c.six_dof or len(moving) < 3 or whole.sum() < 10:
+        return []
+    points = c.points[whole][:, moving]
+    sides = np.linalg.norm(points - np.roll(points, 1, axis=1), axis=2)
+    scatter = 1e3 * float(np.max(sides.std(axis=0)))
+    if scatter > RIGID * noise.sigma_mm:
+        return []
+    names = ", ".join(c.targets[i].name for i in moving)
+    return [
+        f"The distances between {names} never change ({scatter:.1g} mm, noise {noise.sigma_mm:.1g} mm): they "
+        "are points of one 6-D measurement. Say pose = true under [noise]; else one error counts as several."
+    ]

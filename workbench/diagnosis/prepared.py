@@ -18,9 +18,9 @@ from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.plausible import check_corrections, check_plausible, check_rest
+from ..identification.plausible import check_corrections, check_plausible, check_rest, enough_poses
 from .moved_setup import jump, split_setup, step_in_time
-from .noise_choice import choose, from_residual, without_wild_repeats
+from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .result import FaultFound, Noise
 from .wild_points import Acting, clean, least_sigma, without_gross, without_impossible
 
@@ -112,6 +112,7 @@ def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
         start = start_state(problem)
     if faults or usual is not problem:
         covariance, noise, notes = _noise(problem, known_effects, start)
+    said = [*said, *enough_poses(problem)]
     return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
 
 
@@ -156,6 +157,5 @@ def _fitted(sound: _Sound) -> Prepared:
     check_corrections(geometry)
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
-    return Prepared(
-        problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, sound.notes
-    )
+    notes = (*sound.notes, *rigid_targets(problem, noise))
+    return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)
