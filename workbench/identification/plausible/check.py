@@ -24,7 +24,7 @@ SMALL = 1e-3  # m, misfit below which a campaign of small motions is not refused
 CLEARER = 0.25  # of the misfit at most is left where the right mistake was undone
 RIGHT = 0.012  # of the spread at most, then
 SCALE = 0.02  # from which another size is no error of an instrument
-ROUGHLY = 8  # iterations in which the
+ROUGHLY = 6  # iterations in which the
 LIKELY = 12  # likeliest mistakes are told from the others
 AS_GOOD = 1.3  # times the best misfit: mistakes that the data do not tell apart
 
