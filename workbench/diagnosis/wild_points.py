@@ -172,7 +172,7 @@ def without_gross(problem: Problem) -> Mended:
     problem = frozen.problem
     target = _wild_targets(problem, *_off_the_rigid(problem))
     problem = target.problem
-    predicted, length, limit = _off_the_rigid(problem)
+    predicted, _, limit = _off_the_rigid(problem)
     gross = mended(problem, predicted, limit)
     faults = [*frozen.faults, *target.faults, *gross.faults]
     for _ in range(ROUNDS):  # those that the worst ones hid

@@ -17,7 +17,7 @@ from ...robot.description import load_robot
 from ...robot.find import list_robots
 from ...robot.kinematics import Arm, Array
 from ...robot.rigid_plant import arrays
-from .misfit import Sample
+from .misfit import USUAL, Sample
 
 Undo = Callable[[Sample], Sample]
 
@@ -195,7 +195,10 @@ def _targets(problem: Problem) -> Iterator[Hypothesis]:
         names = [targets[moving[i]].name for i, other in enumerate(order) if other != i]
         what = f"the places of the targets {', '.join(names)} are stated for one another"
         yield Hypothesis("targets", what, mend, _stated(order))
+    farthest = float(np.max(np.linalg.norm(np.nan_to_num(problem.stated_targets[moving]), axis=1)))
     for name, said, factor in _lengths():
+        if factor * farthest < 3 * USUAL:  # at the flange's middle any wrong place would be "right"
+            continue
         what = f"the places of the targets fit only if they are {name}, not {said}"
         yield Hypothesis("targets", what, mend, _stated(range(len(moving)), factor))
 
