@@ -48,6 +48,8 @@ def headline(
         f"Held-out error {stages[0].heldout_rms_mm:.3f} → {after:.3f} mm RMS, "
         f"{geometry:.3f} mm with geometry alone"
     )
+    if verdict == "nothing_missing" and stages[1].heldout_rms_mm > stages[0].heldout_rms_mm:
+        return f"Too few poses to say: fitted to them, the robot is worse at others. {gain}"
     if verdict == "nothing_missing":
         return f"Nothing is missing: geometry explains these data{seen}. {gain}."
     best = max(geometry - ceiling_mm, 0.0)

@@ -135,7 +135,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class TestFigures:
-    """Errors on the campaign given by --test, in mm, 3-D norms."""
+    """Errors on the campaign of --test, in mm, 3-D norms; without its data faults, `all_`: with them."""
 
     __test__ = False  # not a pytest class
 
@@ -146,6 +146,9 @@ class TestFigures:
     after_max_mm: float
     before_max_mm: float
     n_points: int
+    all_mean_mm: float
+    all_rms_mm: float
+    faults: tuple[FaultFound, ...] = ()
 
 
 @dataclass(frozen=True)

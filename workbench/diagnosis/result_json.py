@@ -69,6 +69,9 @@ def _test(test: TestFigures) -> dict[str, Any]:
         "after_max_mm": _number(test.after_max_mm),
         "before_max_mm": _number(test.before_max_mm),
         "n_points": test.n_points,
+        "all_mean_mm": _number(test.all_mean_mm),
+        "all_rms_mm": _number(test.all_rms_mm),
+        "faults": [fault_json(fault) for fault in test.faults],
     }
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+import stat
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+LARGEST = 1 << 29  # bytes of a file that is read
+CONTROL = re.compile("[\x00-\x08\x0b\x0e-\x1f\x7f-\x84\x86-\x9f]")  # act in a terminal, are no text
 FAULTS_SHOWN = 10  # faults of one kind that are listed one by one; the rest is counted
 
 
@@ -42,9 +46,17 @@ def counted(faults: Sequence[Fault]) -> list[Fault]:
 
 
 def read_text(path: Path) -> str:
-    """The file's text; `InputError` when it is missing, a folder, or not UTF-8."""
+    """The file's text; `InputError` when it is missing, a folder, endless, not UTF-8, or holds
+    characters that act in a terminal.
+    """
     try:
-        return path.read_text(encoding="utf-8-sig")
+        if stat.S_ISCHR(path.stat().st_mode):
+            raise InputError(Fault(str(path), "is a device, not a file", "name a file"))
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+        if len(content) > LARGEST:
+            raise InputError(Fault(str(path), f"is larger than {LARGEST >> 20} MB", "split it"))
+        text = content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except FileNotFoundError:
         raise InputError(Fault(str(path), "no such file", "check the path")) from None
     except IsADirectoryError:
@@ -55,3 +67,12 @@ def read_text(path: Path) -> str:
         ) from None
     except OSError as error:
         raise InputError(Fault(str(path), error.strerror or "cannot be read")) from None
+    except InputError:
+        raise
+    except ValueError as error:  # a null byte in the path
+        raise InputError(Fault(repr(str(path)), f"is no path ({error})")) from None
+    if (found := CONTROL.search(text)) is not None:
+        line = text.count("\n", 0, found.start()) + 1
+        what = f"has the control character {found.group()!r}"
+        raise InputError(Fault(f"{path} line {line}", what, "is it text? take the character out"))
+    return text

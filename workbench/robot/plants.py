@@ -18,6 +18,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, Frame, RigidBody, SpatialInertia
 
 from .description import Robot
+from .drake_faults import drake_reads
 from .kinematics import Arm, Array
 from .plant_parts import axial_joint, link_inertia, motion_transform, slot_pose
 
@@ -30,7 +31,8 @@ def urdf_plant(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPl
     plant: an empty one that is part of a diagram already.
     """
     plant = MultibodyPlant(0.0) if plant is None else plant
-    Parser(plant).AddModels(str(robot.urdf))
+    with drake_reads(robot):
+        Parser(plant).AddModels(str(robot.urdf))
     plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
     plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(robot.base).body_frame())
     plant.Finalize()
