@@ -11,7 +11,7 @@ from ..campaign.poses import Poses
 from ..effects import line as gear_line
 from ..effects.base import UNKNOWN, Effect
 from ..effects.unnamed import products, unnamed
-from ..identification.fit import Fit, fit, refit
+from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from ..robot.kinematics import Array
@@ -224,7 +224,7 @@ def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:
     noise = with_scatter(result, base)
     if alike(noise, result.noise):
         return result
-    return fit(result.model, result.state, noise, max_iterations=12)
+    return refit(replace(result, noise=noise), result.model.effects)
 
 
 def _effects(competition: Competition, members: Sequence[Member]) -> list[Effect]:
