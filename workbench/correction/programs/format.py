@@ -10,8 +10,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...files.faults import Fault
+from ...files.faults import Fault, InputError
 from .base import FINEST_BLEND, STANDSTILL, Array, Program, legs_of
+from .motions import Motions
 
 FARTHEST = 100.0  # m: no robot reaches so far; millimetres were given as metres
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"  # as most programs write one
@@ -19,7 +20,11 @@ HALF_MM, HALF_DEG = 0.5e-3, np.radians(0.5)
 
 
 class Format(ABC):
-    """One controller's program format. The class attributes say its rules; `None` = no limit known."""
+    """One controller's program format. The class attributes say its rules; `None` = no limit known.
+
+    circles: it has circular moves. own_joints: its joints and frames are the controller's, not the URDF's.
+    samples: it is a table of samples, never thinned.
+    """
 
     name: ClassVar[str]
     title: ClassVar[str]
@@ -37,14 +42,25 @@ class Format(ABC):
     fastest: ClassVar[float | None] = None
     carries_tool: ClassVar[bool] = True
     named_as_file: ClassVar[bool] = False
+    circles: ClassVar[bool] = False
+    own_joints: ClassVar[bool] = True
+    samples: ClassVar[bool] = False
 
     @abstractmethod
     def write(self, program: Program) -> dict[str, str]:
         """The files of a checked program: name → text. The first is the one that a user names."""
 
-    @abstractmethod
     def read(self, files: Mapping[str, str]) -> Program:
         """The program in these files; `InputError` with every line that cannot be read."""
+        return self.scan(files).program()
+
+    def scan(self, files: Mapping[str, str]) -> Motions:
+        """The motions in these files, each with the places of its numbers; what cannot be read is in `faults`."""
+        raise InputError(Fault(next(iter(files)), f"{self.title} is read as a table only"))
+
+    def numbers(self, X: Array) -> Array:
+        """(6,) or (7,) numbers of a pose (4, 4), as the format writes place and turn."""
+        raise NotImplementedError(f"{self.title} is not corrected in place")
 
     def rounding(self) -> tuple[float, float]:
         """Half a last digit: (of each coordinate [m], the largest rotation of all angles together [rad])."""
