@@ -17,7 +17,7 @@ KINEMATICS = chain_along(
         ("revolute", (385, 0, 695), (0, -1, 0)),
         ("revolute", (465, 0, 695), (-1, 0, 0)),
     ],
-    flange=pose(rotation_x(180) @ rotation_y(-90), (465, 0, 695)),
+    flange=pose(rotation_y(-90) @ rotation_x(180), (465, 0, 695)),
 )
 
 # In the base frame at q = 0; 25 kg in all.

@@ -13,11 +13,14 @@ from . import files as _files
 from .base import Array, Program
 from .files import RoundingEffect
 from .format import Format
+from .shown import as_shown, as_urdf
 
 __all__ = [
     "Format",
     "Program",
     "RoundingEffect",
+    "as_shown",
+    "as_urdf",
     "find_format",
     "formats",
     "read_program",

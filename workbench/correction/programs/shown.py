@@ -14,7 +14,7 @@ from ...robot.schema import LoadData
 from .base import Program
 from .posture import posture
 
-AS_URDF = "Joints, world and flange are the URDF's: not checked against the controller"
+AS_URDF = "As the URDF has joints and frames: not checked against the controller"
 
 
 def as_shown(program: Program, robot: Robot, as_urdf: bool = False) -> Program:
