@@ -15,15 +15,16 @@ import numpy as np
 
 from ...files.faults import Fault
 from ...robot import rotations
-from .base import Array, Program, legs_of
-from .format import Format
+from .base import Array, Program
+from .format import Format, by_angles
 from .krl_read import scan
 from .motions import Motions
 
 MOST_BYTES = 8_000_000  # the controller's program memory as users report it (KSS 8.3)
 SURELY_FITS = 20_000  # points, whatever is said of each
-SLOWEST = 1e-3  # m/s, least value of $VEL.CP
-KRL_STEP = 1e-3  # a change of speed below one part in a thousand is not worth a line
+SLOWEST = 1e-3  # m/s, least value of the controller's own forms
+SPEED_DIGITS = 8  # of m/s and of deg/s
+USUAL_TURN = 200.0  # deg/s
 PART_DIGITS = 9  # of a leg's percentage of its block's time
 KRL_WORDS = """
 AND B_AND B_EXOR B_NOT B_OR BOOL BRAKE CASE CHANNEL CHAR CIRC CIRC_REL CONFIRM CONST CONTINUE DECL
@@ -54,6 +55,17 @@ class Krl(Format):
                     Fault(f"program {program.name!r}", what, f"split the path into {parts} programs")
                 )
         return faults
+
+    def printed(self, X: Array) -> Array:
+        return by_angles(X, rotations.zyx_angles, rotations.from_zyx, self.mm_digits, self.deg_digits)
+
+    def warnings(self, program: Program) -> list[str]:
+        found = super().warnings(program)
+        speed = self.legs(program).speed
+        if program.kind == "poses" and (slow := np.flatnonzero(speed < SLOWEST)).size:
+            what = f"goes at {1e3 * speed[slow[0]]:.2g} mm/s; the controller's own forms end at 1 mm/s"
+            found.append(f"point {slow[0] + 1} {what}")
+        return found
 
     def write(self, program: Program) -> dict[str, str]:
         body = self._joints(program) if program.kind == "joints" else self._path(program)
@@ -116,23 +128,23 @@ class Krl(Format):
 
     def _path(self, program: Program) -> list[str]:
         """PTP to the start (by joints where known), then LIN and CIRC through all points."""
-        X, rails, legs = program.in_base, program.rails, legs_of(program)
+        X, rails, legs = program.in_base, program.rails, self.legs(program)
         via, circular = program.via_in_base, program.circular
         by_joints = program.arm.shape[1] == 6
         lines = self._share(program)
         if by_joints:
             lines.append(f"PTP {self._axes(program.arm[0], rails[0])}")
-        lines += ["$VEL.ORI1=200.0", "$VEL.ORI2=200.0", f"$APO.CDIS={1e3 * legs.blend.max():.3f}"]
-        speed, turn = 0.0, 200.0
+        lines += [f"$VEL.ORI1={USUAL_TURN}", f"$VEL.ORI2={USUAL_TURN}", f"$APO.CDIS={1e3 * legs.blend.max():.3f}"]
+        speed, turn = "", f"{USUAL_TURN:.{SPEED_DIGITS}f}"
         for i in range(program.count):
-            wanted = max(legs.speed[i], SLOWEST) if np.isfinite(legs.speed[i]) else speed or 0.1
-            if abs(wanted - speed) > KRL_STEP * wanted:
+            wanted = f"{legs.speed[i]:.{SPEED_DIGITS}f}" if np.isfinite(legs.speed[i]) else speed or "0.1"
+            if wanted != speed:
                 speed = wanted
-                lines.append(f"$VEL.CP={speed:.6f}")
-            wanted = np.degrees(legs.turn[i]) if legs.turning[i] else 200.0
-            if abs(wanted - turn) > KRL_STEP * wanted:
+                lines.append(f"$VEL.CP={speed}")
+            rate = np.degrees(legs.turn[i]) if legs.turning[i] else USUAL_TURN
+            if (wanted := f"{rate:.{SPEED_DIGITS}f}") != turn:
                 turn = wanted
-                lines += [f"$VEL.ORI1={turn:.5f}", f"$VEL.ORI2={turn:.5f}"]
+                lines += [f"$VEL.ORI1={turn}", f"$VEL.ORI2={turn}"]
             target = self._pose(X[i], rails[i])
             move = f"LIN {target}" if i or by_joints else f"PTP {target}"
             if circular[i]:

@@ -15,7 +15,7 @@ from .motions import Motions, Spot
 
 AGGREGATE = r"\{[^{}]*\}|\$?\w+"
 FIELD = re.compile(rf"\b([A-Z]\d?)\s+({NUMBER})", re.I)
-MOVE = re.compile(rf"(S?PTP|S?LIN|SPL|S?CIRC)\s*({AGGREGATE})\s*(?:,\s*({AGGREGATE}))?\s*(.*)$", re.I)
+MOVE = re.compile(rf"(S?PTP|S?LIN|SPL|S?CIRC)(?:\s+|(?=\{{))({AGGREGATE})\s*(?:,\s*({AGGREGATE}))?\s*(.*)$", re.I)
 DECLARED = re.compile(
     r"^\s*(?:DECL\s+)?(?:GLOBAL\s+)?(?:E[36]?POS|POS|FRAME|E6AXIS|AXIS)\s+(\w+)\s*=\s*(\{.*\})", re.I
 )

@@ -16,8 +16,8 @@ import numpy as np
 
 from ...files.faults import Fault
 from ...robot import rotations
-from .base import Array, Legs, Program, legs_of
-from .format import Format
+from .base import Array, Legs, Program
+from .format import Format, by_angles
 from .ls_read import scan
 from .motions import Motions
 from .posture import turn_numbers
@@ -69,13 +69,16 @@ class Ls(Format):
             x, y, z = program.load.com_mm
             what = f"{program.load.mass_kg:.3f} kg at {x:.1f}, {y:.1f}, {z:.1f} mm"
             found.append(f"a payload schedule of the controller has to say {what}: the file cannot")
-        if program.kind == "poses" and legs_of(program).blend.any():
+        if program.kind == "poses" and self.legs(program).blend.any():
             found.append("CNT100 rounds the corners as the speed has it, not by `blend`; blend = 0 says FINE")
         if program.kind == "poses" and program.arm.shape[1] != 6:
             found.append(
                 f"every pose says CONFIG '{self.configuration}': the arm has to stand so at the start"
             )
         return found
+
+    def printed(self, X: Array) -> Array:
+        return by_angles(X, rotations.zyx_angles, rotations.from_zyx, self.mm_digits, self.deg_digits)
 
     def write(self, program: Program) -> dict[str, str]:
         moves, positions = self._motions(program)
@@ -126,12 +129,12 @@ class Ls(Format):
             positions.append(_joint_position(i + 1, program.arm[i], program.rails[i], frames))
             pace = _time(legs[i]) if np.isfinite(legs[i]) else share
             moves.append(f"J P[{i + 1}] {pace} {'CNT100' if program.passing[i] else 'FINE'}")
-            moves += [_wait(dwell)] if dwell > 0 else []
+            moves += _wait(dwell)
         return moves, positions
 
     def _path(self, program: Program, share: str) -> tuple[list[str], list[str]]:
         """By joints to the start where they are known, then L and C through all points."""
-        X, legs, via, circular = program.in_base, legs_of(program), program.via_in_base, program.circular
+        X, legs, via, circular = program.in_base, self.legs(program), program.via_in_base, program.circular
         moves, positions, number = [], [], 0
         frames = _frame_numbers(program)
         if program.arm.shape[1] == 6:
@@ -149,7 +152,7 @@ class Ls(Format):
             ending = "CNT100" if legs.blend[i] > 0 else "FINE"
             move = f"{'C' if over else 'L'} {over}P[{number}] {_pace(legs, i)} {ending}"
             moves.append(move if number > 1 else f"J P[1] {share} FINE")
-            moves += [_wait(legs.pause[i])] if legs.pause[i] > 0 else []
+            moves += _wait(legs.pause[i])
         return moves, positions
 
     def _config(self, program: Program, i: int) -> str:
@@ -209,5 +212,6 @@ def _time(duration: float) -> str:
     return f"{max(1, round(1e3 * duration))}msec" if duration <= LONGEST_LEG else f"{duration:.1f}sec"
 
 
-def _wait(seconds: float) -> str:
-    return f"  WAIT {max(seconds, 0.01):6.2f}(sec)"
+def _wait(seconds: float) -> list[str]:
+    """A pause in hundredths of seconds; none where it is shorter than half of one."""
+    return [f"  WAIT {seconds:6.2f}(sec)"] if seconds >= 0.005 else []

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...robot import rotations
-from .base import Array, Program, legs_of
+from .base import Array, Program
 from .format import Format
 from .motions import Motions
 from .rapid_read import RAPID_FULL_JOINT_SPEED, scan
@@ -46,6 +46,11 @@ class Rapid(Format):
         unknown = program.load is None and not program.at_flange
         own = ["enter the tool's mass in tProgram; the file says 0.001 kg"] if unknown else []
         return super().warnings(program) + own
+
+    def printed(self, X: Array) -> Array:
+        turn = np.round(rotations.quaternions(X[:, :3, :3]), self.quaternion_digits)
+        place = 1e-3 * np.round(1e3 * X[:, :3, 3], self.mm_digits)
+        return rotations.pose(place, rotations.from_quaternions(turn))
 
     def write(self, program: Program) -> dict[str, str]:
         data, moves = self._joints(program) if program.kind == "joints" else self._path(program)
@@ -124,7 +129,7 @@ class Rapid(Format):
         return f"[{','.join(quarters)},{posture}]"
 
     def _path(self, program: Program) -> tuple[list[str], list[str]]:
-        X, legs, rails, arm = program.in_base, legs_of(program), program.rails, program.arm
+        X, legs, rails, arm = program.in_base, self.legs(program), program.rails, program.arm
         via, circular = program.via_in_base, program.circular
         quaternion, over = rotations.quaternions(X[:, :3, :3]), np.zeros((program.count, 4))
         over[circular] = rotations.quaternions(via[circular, :3, :3]) if circular.any() else 0.0
@@ -136,7 +141,7 @@ class Rapid(Format):
             data.append(f"LOCAL CONST robtarget p{i + 1}:=[{self._pose(X[i], quaternion[i])},{rest};")
             if circular[i]:
                 data.append(f"LOCAL CONST robtarget v{i + 1}:=[{self._pose(via[i], over[i])},{rest};")
-            speed = f"v100\\V:={1e3 * legs.speed[i]:.4f}" if np.isfinite(legs.speed[i]) else "v100"
+            speed = f"v100\\V:={1e3 * legs.speed[i]:.6f}" if np.isfinite(legs.speed[i]) else "v100"
             speed = f"v100\\T:={legs.duration[i]:.6f}" if legs.turning[i] else speed
             zone = f"z1\\Z:={1e3 * legs.blend[i]:.3f}" if legs.blend[i] > 0 else "fine"
             move = f"MoveC v{i + 1},p{i + 1}" if circular[i] else f"MoveL p{i + 1}"

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...files.faults import Fault
 from ...robot import rotations
-from .base import Array, Program, legs_of
+from .base import Array, Program
 from .format import Format
 from .motions import Motions
 from .urscript_read import UR_FULL_JOINT_SPEED, scan
@@ -23,7 +23,7 @@ ACCELERATION = 1.2  # m/s², the manual's default
 JOINT_ACCELERATION = 1.4  # rad/s², the manual's default
 LONGEST_STEP = 0.2  # s between points that are streamed
 SHORTEST_STEP = 0.002  # s, the controller's own
-SECOND_DIGITS = 6
+SECOND_DIGITS = 7
 BASE = "base_frame"  # variable that holds the base
 UR_WORDS = """
 and break continue def elif else end enter_critical exit_critical False for global halt if in join
@@ -50,11 +50,15 @@ class UrScript(Format):
     def check(self, program: Program) -> list[Fault]:
         faults = super().check(program)
         if not faults and self.stream and program.kind == "poses":
-            slow = np.flatnonzero(legs_of(program).duration > LONGEST_STEP)
+            slow = np.flatnonzero(self.legs(program).duration > LONGEST_STEP)
             what = f"comes more than {LONGEST_STEP} s after the one before, too coarse to stream"
             faults += [Fault(f"program {program.name!r} point {i + 1}", what, "sample the path finer")
                        for i in slow[:1]]  # fmt: skip
         return faults
+
+    def printed(self, X: Array) -> Array:
+        turn = np.round(rotations.vectors(X[:, :3, :3]), UR_DIGITS)
+        return rotations.pose(np.round(X[:, :3, 3], UR_DIGITS), rotations.from_vectors(turn))
 
     def write(self, program: Program) -> dict[str, str]:
         body = self._joints(program) if program.kind == "joints" else self._path(program)
@@ -88,14 +92,14 @@ class UrScript(Format):
         return lines
 
     def _path(self, program: Program) -> list[str]:
-        X, legs, via, circular = program.in_base, legs_of(program), program.via_in_base, program.circular
+        X, legs, via, circular = program.in_base, self.legs(program), program.via_in_base, program.circular
         lines, by_joints = [], program.arm.shape[1] == 6
         if by_joints:
             lines.append(self._joint_move(program, 0))
         for i in range(program.count):
             target = self._target(program, X[i])
             timed = legs.turning[i] or not np.isfinite(legs.speed[i])
-            pace = f"t={legs.duration[i]:.{SECOND_DIGITS}f}" if timed else f"v={legs.speed[i]:.7f}"
+            pace = f"t={legs.duration[i]:.{SECOND_DIGITS}f}" if timed else f"v={legs.speed[i]:.9f}"
             corner = f", r={legs.blend[i]:.6f}" if legs.blend[i] > 0 else ""
             if i == 0 and not by_joints:
                 lines.append(f"movej({target}, {_free(program)})")
@@ -129,4 +133,4 @@ def _pose(X: Array) -> str:
 
 def _free(program: Program) -> str:
     """Pace of a joint move at the program's share."""
-    return f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.7f}"
+    return f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.9f}"

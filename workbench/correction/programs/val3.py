@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...robot import rotations
-from .base import Array, Program, legs_of
-from .format import Format
+from .base import Array, Program
+from .format import Format, by_angles
 from .motions import Motions
 from .val3_read import VAL3_FREE, scan
 
@@ -52,11 +52,14 @@ class Val3(Format):
             found.append(f"the load ({what}) has to be set on the controller: the application cannot")
         return found
 
+    def printed(self, X: Array) -> Array:
+        return by_angles(X, rotations.xyz_angles, rotations.from_xyz, self.mm_digits, self.deg_digits)
+
     def write(self, program: Program) -> dict[str, str]:
         joints = program.kind == "joints"
         points = [self._joints(arm) for arm in program.arm] if joints else self._poses(program)
         kind, name = ("jointRx", "jPath") if joints else ("pointRx", "pPath")
-        pauses = legs_of(program).pause if not joints else program.dwell
+        pauses = self.legs(program).pause if not joints else program.dwell
         data = [
             _array("tTool", "tool", [self._frame(program.tool) | {"fatherId": "flange[0]"}]),
             _array(name, kind, points),
@@ -95,7 +98,7 @@ class Val3(Format):
         if program.kind == "joints":
             blends = np.where(program.passing, 1e3 * program.blend, 0.0)
             return [_descriptor(program.share, blend=blend, kind="joint") for blend in blends]
-        legs, rows = legs_of(program), []
+        legs, rows = self.legs(program), []
         for i in range(program.count):
             speed = 1e3 * legs.speed[i] if np.isfinite(legs.speed[i]) else 100.0
             turn = np.degrees(legs.turn[i]) if legs.turning[i] else VAL3_FREE
