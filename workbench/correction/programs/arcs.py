@@ -18,7 +18,7 @@ def circles(start: Array, via: Array, end: Array) -> tuple[Array, Array, Array, 
     square = (normal**2).sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         to_centre = np.cross((a**2).sum(axis=1)[:, None] * b - (b**2).sum(axis=1)[:, None] * a, normal)
-        to_centre /= -2 * np.where(square > 0, square, np.nan)[:, None]
+        to_centre /= 2 * np.where(square > 0, square, np.nan)[:, None]
         axis = normal / np.sqrt(square)[:, None]
         centre, radius = start + to_centre, np.linalg.norm(to_centre, axis=1)
     return centre, radius, swept(centre, axis, start, end), axis
