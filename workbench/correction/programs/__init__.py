@@ -14,6 +14,7 @@ from .base import Array, Program
 from .files import RoundingEffect
 from .format import Format
 from .shown import as_shown, as_urdf
+from .thin import thinned
 
 __all__ = [
     "Format",
@@ -25,6 +26,7 @@ __all__ = [
     "formats",
     "read_program",
     "rounding_effect",
+    "thinned",
     "write_program",
 ]
 
@@ -50,11 +52,12 @@ def find_format(name: str) -> Format:
         ) from None
 
 
-def write_program(program: Program, format: str | Format, out: Path | str) -> list[Path]:
+def write_program(
+    program: Program, format: str | Format, out: Path | str, keep: bool = False
+) -> list[Path]:
     """Writes a program for a controller, all files or none; see `files.write_program`."""
-    return _files.write_program(
-        program, find_format(format) if isinstance(format, str) else format, Path(out)
-    )
+    chosen = find_format(format) if isinstance(format, str) else format
+    return _files.write_program(program, chosen, Path(out), keep)
 
 
 def read_program(path: Path | str, format: str | Format) -> Program:

@@ -68,9 +68,22 @@ class Format(ABC):
         """The motions in these files, each with the places of its numbers; what cannot be read is in `faults`."""
         raise InputError(Fault(next(iter(files)), f"{self.title} is read as a table only"))
 
-    def numbers(self, X: Array) -> Array:
-        """(6,) or (7,) numbers of a pose (4, 4), as the format writes place and turn."""
-        raise NotImplementedError(f"{self.title} is not corrected in place")
+    def numbers(self, X: Array, like: Array) -> Array:
+        """(6,) or (7,) numbers of a pose (4, 4) as the format writes place and turn, of all that say the same
+        turn those nearest to `like`."""
+        raise InputError(Fault(self.title, "programs are not corrected in place", "export the path anew"))
+
+    def decimals(self) -> tuple[int, int]:
+        """Decimals of a place and of a turn, as the format writes them."""
+        return self.mm_digits, self.deg_digits
+
+    def joint_decimals(self) -> int:
+        """Decimals of a turning joint."""
+        return self.deg_digits
+
+    def joint_numbers(self, arm: Array) -> Array:
+        """(n,) numbers of turning joints [rad] as the format writes them."""
+        return np.degrees(arm)
 
     def printed(self, X: Array) -> Array:
         """(N, 4, 4) poses as they come back from the numbers that the file has of X (N, 4, 4)."""

@@ -19,6 +19,7 @@ from .base import Array, Program
 from .format import Format, by_angles
 from .krl_read import scan
 from .motions import Motions
+from .near import near_zyx
 
 MOST_BYTES = 8_000_000  # the controller's program memory as users report it (KSS 8.3)
 SURELY_FITS = 20_000  # points, whatever is said of each
@@ -152,6 +153,10 @@ class Krl(Format):
             lines.append(move + (" C_DIS" if legs.blend[i] > 0 else ""))
             lines += [f"WAIT SEC {legs.pause[i]:.3f}"] if legs.pause[i] > 0 else []
         return lines
+
+    def numbers(self, X: Array, like: Array) -> Array:
+        angles = rotations.zyx_angles(X[None, :3, :3])[0]
+        return np.concatenate([1e3 * X[:3, 3], np.degrees(near_zyx(angles, np.radians(like[3:])))])
 
     def scan(self, files: Mapping[str, str]) -> Motions:
         return scan(files)

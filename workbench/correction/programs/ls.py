@@ -20,6 +20,7 @@ from .base import Array, Legs, Program
 from .format import Format, by_angles
 from .ls_read import scan
 from .motions import Motions
+from .near import near_zyx
 from .posture import turn_numbers
 
 BETWEEN = ",\t"
@@ -164,6 +165,11 @@ class Ls(Format):
             front, up, positive = program.posture[i]
             letters = f"{'F' if positive else 'N'} {'U' if up else 'D'} {'T' if front else 'B'}"
         return ", ".join([letters, *(f"{turn}" for turn in turn_numbers(program.arm[i, 3:6]))])
+
+    def numbers(self, X: Array, like: Array) -> Array:
+        angles = rotations.zyx_angles(X[None, :3, :3])[0]
+        angles = near_zyx(angles, np.radians(like[:2:-1]))[::-1]
+        return np.concatenate([1e3 * X[:3, 3], np.degrees(angles)])
 
     def scan(self, files: Mapping[str, str]) -> Motions:
         return scan(files)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -28,6 +28,7 @@ class Move:
 
     arm: turning joints [rad]; rails [m]; speed [m/s], turn [rad/s], duration [s] of the leg, NaN where not
     said; share of the joints' full speed; blend: corner [m]; via: of a circle, in `base`, with its own spot.
+    tool, base: (4, 4) that hold here; None where they stand on the controller, not in the file.
     """
 
     kind: Literal["pose", "joints"]
@@ -43,8 +44,9 @@ class Move:
     via: Array | None = None
     spot: Spot | None = None
     via_spot: Spot | None = None
-    tool: Array = field(default_factory=lambda: np.eye(4))
-    base: Array = field(default_factory=lambda: np.eye(4))
+    line: int = 0
+    tool: Array | None = None
+    base: Array | None = None
 
 
 class Motions:
@@ -57,8 +59,8 @@ class Motions:
     def __init__(self, place: str) -> None:
         self.place = place
         self.name = ""
-        self.tool = np.eye(4)
-        self.base = np.eye(4)
+        self.tool: Array | None = np.eye(4)
+        self.base: Array | None = np.eye(4)
         self.load: LoadData | None = None
         self.faults: list[Fault] = []
         self.moves: list[Move] = []
@@ -101,9 +103,8 @@ class Motions:
         )
 
     def _add(self, move: Move) -> None:
-        object.__setattr__(move, "tool", self.tool)
-        object.__setattr__(move, "base", self.base)
-        self.moves.append(move)
+        line = self.line if isinstance(self.line, int) else 0
+        self.moves.append(replace(move, tool=self.tool, base=self.base, line=line))
 
     @property
     def _where(self) -> str:
@@ -116,7 +117,7 @@ class Motions:
 
     def elsewhere(self, name: str, text: str) -> None:
         """The tool or base (`name`) that holds from here on stands on the controller, not in the file."""
-        setattr(self, name, np.eye(4))
+        setattr(self, name, None)
         self.unknown.setdefault(name, f"{self._where}: {text}")
 
     def fault(self, line: int | str, what: str, mend: str = "") -> None:
@@ -138,7 +139,7 @@ class Motions:
             faults.append(Fault(self.unknown["base"], what, "export the path in the robot's world"))
         chosen = poses or list(range(len(self.moves)))
         for name in ("tool", "base"):
-            if len({getattr(self.moves[i], name).tobytes() for i in chosen}) > 1:
+            if len({_bytes(getattr(self.moves[i], name)) for i in chosen}) > 1:
                 faults.append(Fault(self.place, f"the {name} changes inside the path", "split the program"))
         if faults:
             raise InputError(faults)
@@ -159,7 +160,7 @@ class Motions:
 
     def _path(self, chosen: list[int]) -> Program:
         moves, dwell = [self.moves[i] for i in chosen], self._dwells(chosen)
-        base, rails = moves[0].base, self._rails(moves)
+        base, rails = _known(moves[0].base), self._rails(moves)
         X = np.array([base @ move.X for move in moves])
         straight = np.full((4, 4), np.nan)
         via = np.array([straight if move.via is None else base @ move.via for move in moves])
@@ -179,7 +180,7 @@ class Motions:
             rails if rails.size else None,
             time if np.isfinite(time).all() else None,
             dwell,
-            moves[0].tool,
+            _known(moves[0].tool),
             sliding=(True,) * rails.shape[1],
             blend=float(blend.max(initial=0.0)),
             share=self._share(),
@@ -201,10 +202,18 @@ class Motions:
             q=np.hstack([rails, arm]),
             time=np.concatenate([[0.0], np.cumsum(legs + dwell[:-1])]) if timed else None,
             dwell=dwell,
-            tool=moves[0].tool,
+            tool=_known(moves[0].tool),
             kind="joints",
             sliding=(True,) * rails.shape[1] + (False,) * arm.shape[1],
             share=self._share(),
-            base=moves[0].base,
+            base=_known(moves[0].base),
             load=self.load,
         )
+
+
+def _known(frame: Array | None) -> Array:
+    return np.eye(4) if frame is None else frame
+
+
+def _bytes(frame: Array | None) -> bytes:
+    return b"" if frame is None else frame.tobytes()

@@ -151,5 +151,12 @@ class Rapid(Format):
             moves += [f"WaitTime {legs.pause[i]:.3f};"] if legs.pause[i] > 0 else []
         return data, moves
 
+    def decimals(self) -> tuple[int, int]:
+        return self.mm_digits, self.quaternion_digits
+
+    def numbers(self, X: Array, like: Array) -> Array:
+        quaternion = rotations.quaternions(X[None, :3, :3])[0]
+        return np.concatenate([1e3 * X[:3, 3], quaternion * (1.0 if quaternion @ like[3:] >= 0 else -1.0)])
+
     def scan(self, files: Mapping[str, str]) -> Motions:
         return scan(files)

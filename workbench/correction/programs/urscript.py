@@ -16,6 +16,7 @@ from ...robot import rotations
 from .base import Array, Program
 from .format import Format
 from .motions import Motions
+from .near import near_vector
 from .urscript_read import UR_FULL_JOINT_SPEED, scan
 
 UR_DIGITS = 8
@@ -86,7 +87,7 @@ class UrScript(Format):
             if np.isfinite(leg):
                 target = f"[{_numbers(program.arm[i])}]"
                 move = f"movej({target}, a={JOINT_ACCELERATION}, t={leg:.{SECOND_DIGITS}f})"
-                if leg <= LONGEST_STEP and self.stream:
+                if leg <= LONGEST_STEP:
                     move = f"servoj({target}, t={leg:.{SECOND_DIGITS}f})"
             lines += [move, *([f"sleep({dwell:.3f})"] if dwell > 0 else [])]
         return lines
@@ -118,6 +119,18 @@ class UrScript(Format):
 
     def _target(self, program: Program, X: Array) -> str:
         return _pose(X) if program.in_world else f"pose_trans({BASE}, {_pose(X)})"
+
+    def numbers(self, X: Array, like: Array) -> Array:
+        return np.concatenate([X[:3, 3], near_vector(rotations.vectors(X[None, :3, :3])[0], like[3:])])
+
+    def decimals(self) -> tuple[int, int]:
+        return UR_DIGITS, UR_DIGITS
+
+    def joint_decimals(self) -> int:
+        return UR_DIGITS
+
+    def joint_numbers(self, arm: Array) -> Array:
+        return arm
 
     def scan(self, files: Mapping[str, str]) -> Motions:
         return scan(files)
