@@ -7,12 +7,16 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
+from typing import Any
 
 from ...files.faults import Fault, InputError
+from ...robot.description import Robot
 from . import files as _files
 from .base import Array, Program
 from .files import RoundingEffect
 from .format import Format
+from .measuring import DWELL_S, measured
+from .measuring import measuring_program as _measuring_program
 from .shown import as_shown, as_urdf
 from .thin import thinned
 
@@ -24,6 +28,8 @@ __all__ = [
     "as_urdf",
     "find_format",
     "formats",
+    "measured",
+    "measuring_program",
     "read_program",
     "rounding_effect",
     "thinned",
@@ -74,3 +80,11 @@ def rounding_effect(
     """What writing in this format does at the tool; see `files.rounding_effect`."""
     chosen = find_format(format) if isinstance(format, str) else format
     return _files.rounding_effect(program, chosen, forward, lever)
+
+
+def measuring_program(
+    robot: Robot, q: Array, format: str | Format, dwell_s: float = DWELL_S, **options: Any
+) -> Program:
+    """A program that brings the arm to poses to be measured; see `measuring.measuring_program`."""
+    chosen = find_format(format) if isinstance(format, str) else format
+    return _measuring_program(robot, q, chosen, dwell_s, **options)
