@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from workbench.campaign import load_campaign
 from workbench.correction.programs import Program, as_shown, as_urdf, find_format
 from workbench.correction.programs.posture import turn_numbers
 from workbench.files.faults import InputError
@@ -154,7 +155,9 @@ def test_fanuc_says_the_posture_and_the_turns_of_every_pose() -> None:
 
 def test_abb_says_quarters_and_posture_of_every_target() -> None:
     robot = load_robot("irb120")
-    q = np.radians([[0, 0, 0, 0, 30, 0], [100, 0, 0, -100, -30, 190], [0, -100, 0, 0, 30, 0], [0, 60, -200, 0, -30, 0]])
+    q = np.radians(
+        [[0, 0, 0, 0, 30, 0], [100, 0, 0, -100, -30, 190], [0, -100, 0, 0, 30, 0], [0, 60, -200, 0, -30, 0]]
+    )
     last = frames(arrays(robot), q)
     X = rotations.pose(last.p[-1], last.R[-1])
     program = as_shown(Program("CONF", X, q, np.arange(len(q))), robot)
@@ -225,3 +228,40 @@ def test_a_faulty_controller_is_told_with_the_robot(tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text(text)
     with pytest.raises(InputError, match="controller.names: has 1 entries for 6 joints; give one for each"):
         load_robot(tmp_path / "bad.toml")
+
+
+def written_by_a_controller(folder: Path, q: np.ndarray, robot: str = "lrmate200id") -> Path:
+    """A campaign whose joints are the controller's, columns and all; and the same in the URDF's joints."""
+    loaded = load_robot(robot)
+    convention = loaded.convention
+    assert convention is not None
+    shown, places = np.degrees(convention.shown(q)), frames(arrays(loaded), q).p[-1]
+    rows = [
+        ",".join([f"p{i}", *(f"{value:.9f}" for value in row), "1,1,0,0,1,0,0,0"])
+        for i, row in enumerate(shown)
+    ]
+    names = ",".join([*convention.names, "dir2", "dir3", *(f"tau{k}_Nm" for k in range(1, 7))])
+    (folder / "shown.csv").write_text("\n".join([f"pose_id,{names}", *rows, ""]))
+    points = [f"p{i},T1," + ",".join(f"{1e3 * v:.6f}" for v in p) for i, p in enumerate(places)]
+    (folder / "points.csv").write_text("\n".join(["pose_id,target,x_mm,y_mm,z_mm", *points, ""]))
+    text = f'schema = 1\nrobot = "{robot}"\n[poses]\nfile = "shown.csv"\njoints = "controller"\n'
+    (folder / "campaign.toml").write_text(text + '[points]\nfile = "points.csv"\n')
+    return folder / "campaign.toml"
+
+
+def test_a_campaign_comes_in_as_the_controller_has_it(tmp_path: Path) -> None:
+    q = np.random.default_rng(2).uniform(-1, 1, (8, 6))
+    poses = load_campaign(written_by_a_controller(tmp_path, q)).poses
+    assert poses.q == pytest.approx(q, abs=1e-10)
+    assert poses.side is not None and poses.torque is not None
+    # J2 and J3 both upwards: the forearm against the upper arm by both, so upwards too
+    assert poses.side[0].tolist() == [0, 1, 1, 0, 0, 0]
+    # the drive of J3 works on the URDF's joint 3, and against joint 2
+    assert poses.torque[0].tolist() == [0, -1, 1, 0, 0, 0]
+
+
+def test_a_campaign_without_convention_is_told(tmp_path: Path) -> None:
+    path = written_by_a_controller(tmp_path, np.zeros((8, 6)))
+    path.write_text(path.read_text().replace("lrmate200id", "iiwa7"))
+    with pytest.raises(InputError, match="poses.joints: .*iiwa7.toml does not say how its controller counts"):
+        load_campaign(path)

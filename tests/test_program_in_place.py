@@ -139,13 +139,15 @@ def bent(name: str, folder: Path) -> tuple[Path, Robot]:
     for joint in load_robot(name).joints[1:3]:
         stated = joint.data.stiffness
         value = 0.3 if stated else 2e-6
-        effects.append((JointCompliance(Where(joint=joint.name), nominal=1 / stated if stated else 0.0), [value]))
+        effects.append(
+            (JointCompliance(Where(joint=joint.name), nominal=1 / stated if stated else 0.0), [value])
+        )
     robot = extended(load_robot(name), effects, size=3e-4)
     path = folder / "model.toml"
     arm = np.zeros((8, 6))
     arm[1:7] = [list(robot.geometry[joint].values()) for joint in robot.joint_names]
     write_model(path, robot, arm, robot.effects)
-    text = path.read_text() + '\n[tool]\nmass_kg = 2.0\ncom_mm = [0.0, 0.0, 50.0]\n'
+    text = path.read_text() + "\n[tool]\nmass_kg = 2.0\ncom_mm = [0.0, 0.0, 50.0]\n"
     path.write_text(text)
     return path, load_robot(path)
 
@@ -162,7 +164,9 @@ def flanges(robot: Robot, form: str, texts: dict[str, str]) -> list[np.ndarray]:
         assert move.base is not None and move.tool is not None and move.X is not None
         for X in [move.via, move.X] if move.via is not None else [move.X]:
             assert X is not None
-            found.append(convention.from_world(move.base @ X @ np.linalg.inv(convention.from_flange(move.tool))))
+            found.append(
+                convention.from_world(move.base @ X @ np.linalg.inv(convention.from_flange(move.tool)))
+            )
     return found
 
 
@@ -173,9 +177,7 @@ def start_of(robot: Robot, form: str, texts: dict[str, str]) -> np.ndarray:
     return robot.convention.joints(np.array([move.arm]))[0]
 
 
-def in_drake(
-    robot: Robot, wanted: list[np.ndarray], told: list[np.ndarray], start: np.ndarray
-) -> np.ndarray:
+def in_drake(robot: Robot, wanted: list[np.ndarray], told: list[np.ndarray], start: np.ndarray) -> np.ndarray:
     """Distance [m] of three points of the true flange from where they should be, told to go to `told`."""
     nominal = load_robot(robot.name)
     q = [nominal_joints(nominal, JointPath(np.arange(2.0), X=np.array([X, X])), start=start)[0] for X in told]
@@ -212,7 +214,10 @@ def test_targets_are_corrected_and_nothing_else_changes(form: str, tmp_path: Pat
     before, left = in_drake(robot, wanted, wanted, start), in_drake(robot, wanted, told, start)
     assert before.max() > 2e-4
     assert left.max() < (2e-5 if form in ("ls", "krl") else 5e-6)
-    turns = [rotations.angle_between(a[None, :3, :3], b[None, :3, :3])[0] for a, b in zip(wanted, told, strict=True)]
+    turns = [
+        rotations.angle_between(a[None, :3, :3], b[None, :3, :3])[0]
+        for a, b in zip(wanted, told, strict=True)
+    ]
     assert max(turns) < 0.02
 
 
@@ -235,7 +240,10 @@ def test_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert told["files"] == [str(tmp_path / "new.script")]
     assert program.read_text() == UR
     assert main([*call, "--out", str(program)]) == 2
-    assert "is there already, with other content; name another with --out, or say --force" in capsys.readouterr().err
+    assert (
+        "is there already, with other content; name another with --out, or say --force"
+        in capsys.readouterr().err
+    )
     assert program.read_text() == UR
     assert main([*call, "--out", str(tmp_path / "new.txt")]) == 2
     assert "ends in .txt; URScript ends in .script" in capsys.readouterr().err
@@ -247,9 +255,13 @@ def test_a_frame_that_stands_on_the_controller_has_to_be_given(tmp_path: Path) -
     lines[6] = "$TOOL=TOOL_DATA[2]\r\n"
     (tmp_path / "naht_3.src").write_bytes("".join(lines).encode())
     (tmp_path / "naht_3.dat").write_bytes(KRL_DAT.encode())
-    with pytest.raises(InputError, match=r"line 7: TOOL_DATA\[2\]: this tool stands on the controller.*--tool"):
+    with pytest.raises(
+        InputError, match=r"line 7: TOOL_DATA\[2\]: this tool stands on the controller.*--tool"
+    ):
         compensate_program(tmp_path / "naht_3.src", model)
-    tool = rotations.pose(np.array([0.1205, 0.0, 0.31025]), rotations.from_zyx(np.radians([[0.0, 90.0, 0.0]]))[0])
+    tool = rotations.pose(
+        np.array([0.1205, 0.0, 0.31025]), rotations.from_zyx(np.radians([[0.0, 90.0, 0.0]]))[0]
+    )
     assert compensate_program(tmp_path / "naht_3.src", model, tool=tool).targets == 5
 
 

@@ -35,7 +35,9 @@ def leg_tolerance(format: Format, program: Program) -> np.ndarray:
         by_turn = np.where(legs.turning, duration * turn / legs.turn, 0.0)
     coarse = np.where(duration > 32, 0.05, time) if format.name == "ls" else time
     pauses = 5e-3 if format.name == "ls" else 5e-4  # a standing leg is a pause
-    return np.asarray(np.nan_to_num(by_speed) + np.nan_to_num(by_turn) + coarse + pauses * (legs.pause > 0) + 1e-9)
+    return np.asarray(
+        np.nan_to_num(by_speed) + np.nan_to_num(by_turn) + coarse + pauses * (legs.pause > 0) + 1e-9
+    )
 
 
 def check_common(format: Format, program: Program, back: Program) -> None:
@@ -65,7 +67,9 @@ def check_path(format: Format, program: Program) -> None:
     check_common(format, program, back)
     assert program.X is not None and back.X is not None
     position, angle = format.rounding()
-    far = 3.5 * (0.0 if program.in_world else 1.0)  # m: a point's distance from the base, whose turn is rounded
+    far = 3.5 * (
+        0.0 if program.in_world else 1.0
+    )  # m: a point's distance from the base, whose turn is rounded
     pairs = [(program.X, back.X)]
     if program.via is not None:
         assert back.via is not None

@@ -202,7 +202,9 @@ def test_fanuc() -> None:
     assert program.time == pytest.approx([0, 2, 3.5])
     home = find_format("ls").read({"home.ls": LS.replace("L P[", "!L P[")})
     assert home.q is not None
-    assert np.degrees(home.q) == pytest.approx(np.array([[0, -30, 30, 0, -90, 0]]))  # as the controller shows them
+    assert np.degrees(home.q) == pytest.approx(
+        np.array([[0, -30, 30, 0, -90, 0]])
+    )  # as the controller shows them
 
 
 def test_val3() -> None:

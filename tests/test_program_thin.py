@@ -50,7 +50,13 @@ def test_a_circle_is_two_blocks_and_not_765() -> None:
     assert few.circular.tolist() == [False, True, True]
     assert from_legs(few, p[::20]) < TOLERANCE
     assert few.time is not None and few.time[-1] == 10
-    for name, word in (("krl", "CIRC "), ("rapid", "MoveC "), ("ls", "C P["), ("urscript", "movec("), ("val3", "movec(")):
+    for name, word in (
+        ("krl", "CIRC "),
+        ("rapid", "MoveC "),
+        ("ls", "C P["),
+        ("urscript", "movec("),
+        ("val3", "movec("),
+    ):
         text = "\n".join(find_format(name).write(few).values())
         assert text.count(word) == 2, name
         back = find_format(name).read(find_format(name).write(few))
@@ -75,7 +81,9 @@ def test_a_corner_a_stop_and_a_change_of_speed_stay() -> None:
     time = np.concatenate([[0.0], np.cumsum(pace)]) + np.where(np.arange(401) > 300, 0.5, 0.0)
     few = thinned(Program("CORNER", at(p), time=time, dwell=dwell), TOLERANCE)
     assert few.X is not None and few.time is not None
-    np.testing.assert_allclose(few.X[:, :2, 3], [[0, 0], [0.1, 0], [0.2, 0], [0.2, 0.1], [0.2, 0.2]], atol=1e-12)
+    np.testing.assert_allclose(
+        few.X[:, :2, 3], [[0, 0], [0.1, 0], [0.2, 0], [0.2, 0.1], [0.2, 0.2]], atol=1e-12
+    )
     np.testing.assert_allclose(few.time, [0, 1, 3, 5, 7.5])
     assert few.dwell.tolist() == [0, 0, 0, 0.5, 0]
     legs = legs_of(few)

@@ -36,7 +36,10 @@ def add(commands: Commands) -> None:
         "--tolerance", type=float, metavar="MM",
         help="fewest lines and circles within this of the path (0.01); 0 keeps every point",
     )  # fmt: skip
-    for name, what in (("tool", "tool in the flange frame"), ("base", "frame of the poses in the controller's world")):
+    for name, what in (
+        ("tool", "tool in the flange frame"),
+        ("base", "frame of the poses in the controller's world"),
+    ):
         parser.add_argument(
             f"--{name}", type=frame, metavar="X,Y,Z,A,B,C", help=f"{what}: mm, deg, R = Rz(a) Ry(b) Rx(c)"
         )

@@ -147,7 +147,9 @@ class _Frames:
         if len(self.robot.joints) != 6 or any(joint.kind == "prismatic" for joint in self.robot.joints):
             what = "has not six turning joints: its programs are not corrected in place"
             faults.append(Fault(self.robot.name, what, "export the path anew"))
-        faults += [Fault(move.place, "has external axes", "export the path anew") for move in moves[:1] if move.rails]
+        faults += [
+            Fault(move.place, "has external axes", "export the path anew") for move in moves[:1] if move.rails
+        ]
         for name, given in (("tool", self.tool), ("base", self.base)):
             if given is None and any(getattr(m, name) is None for m in moves if m.kind == "pose"):
                 what = f"this {name} stands on the controller, not in the file"
@@ -223,7 +225,9 @@ def _joints(robot: Robot, frames: _Frames, samples: Sequence[_Sample]) -> Array:
         if run:
             X = np.array([frames.flange(sample.move, _pose(sample)) for sample in run])
             dense, at = _between(X)
-            dense = dense if len(dense) > 1 else np.repeat(dense, 2, axis=0)  # a path has two samples at least
+            dense = (
+                dense if len(dense) > 1 else np.repeat(dense, 2, axis=0)
+            )  # a path has two samples at least
             ends = np.minimum(np.searchsorted(at, np.arange(len(dense))), len(run) - 1)
             lines = tuple(run[i].move.line for i in ends)
             file = run[0].move.place.split(" line ")[0]
@@ -281,7 +285,9 @@ def _edits(
             new = format.numbers(frames.target(sample.move, X), np.array([float(text) for text in old]))
             digits = _digits(format, joints=False)
         if sample.spot not in edits:
-            edits[sample.spot] = [_like(text, value, k) for text, value, k in zip(old, new, digits, strict=False)]
+            edits[sample.spot] = [
+                _like(text, value, k) for text, value, k in zip(old, new, digits, strict=False)
+            ]
             first[sample.spot] = X
         elif (apart := 1e3 * float(np.linalg.norm(X[:3, 3] - first[sample.spot][:3, 3]))) > SAME_MM:
             notes.append(

@@ -115,12 +115,13 @@ class Controller(_Table):
 class Convention:
     """A controller's way of counting n joints: shown = A q + zero, SI, in its own order.
 
-    names: its joints; A: (n, n); zero: (n,) [rad or m]; units: of each, as it shows them; sliding: (n,)
+    names: its joints; order: the URDF's joint behind each; A: (n, n); zero: (n,) [rad or m]; units: of each, as it shows them; sliding: (n,)
     which slide; external: (n,) which are external axes. world: (4, 4) its world in the URDF's base;
     flange: (4, 4) its flange in the URDF's.
     """
 
     names: tuple[str, ...]
+    order: tuple[int, ...]
     A: Array
     zero: Array
     units: tuple[str, ...]
@@ -165,9 +166,7 @@ class Convention:
         return np.asarray(self.flange @ X)
 
 
-def convention_of(
-    data: Controller, joints: Sequence[str], sliding: Sequence[bool]
-) -> Convention:
+def convention_of(data: Controller, joints: Sequence[str], sliding: Sequence[bool]) -> Convention:
     """The convention that checked `data` state for a chain of those URDF joints."""
     n, slides = len(joints), np.array(sliding, dtype=bool)
     order = [list(joints).index(name) for name in data.joints or joints]
@@ -180,6 +179,7 @@ def convention_of(
         mixed[data.names.index(pair.joint), data.names.index(pair.on)] += pair.factor
     return Convention(
         names=data.names,
+        order=tuple(order),
         A=mixed @ own,
         zero=mixed @ zero,
         units=units,
@@ -188,4 +188,3 @@ def convention_of(
         world=data.world.pose(),
         flange=data.flange.pose(),
     )
-

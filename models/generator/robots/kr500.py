@@ -90,7 +90,11 @@ KR500 = Design(
         "repeatability": (4e-6, 4e-6, 4e-6, 12e-6, 12e-6, 12e-6),
     },
     compensator=gas_spring(joint_2_ahead=0.5),
-    controller={"make": "KUKA", "names": ("A1", "A2", "A3", "A4", "A5", "A6"), "signs": (-1, 1, 1, -1, 1, -1)},
+    controller={
+        "make": "KUKA",
+        "names": ("A1", "A2", "A3", "A4", "A5", "A6"),
+        "signs": (-1, 1, 1, -1, 1, -1),
+    },
     source={
         "kinematics": "public modified DH table of the KR 500 R2830 (robot kinematics catalogue), its "
         "signs and zeros; a KUKA controller counts A1, A4 and A6 the other way",

@@ -58,9 +58,7 @@ def find_format(name: str) -> Format:
         ) from None
 
 
-def write_program(
-    program: Program, format: str | Format, out: Path | str, keep: bool = False
-) -> list[Path]:
+def write_program(program: Program, format: str | Format, out: Path | str, keep: bool = False) -> list[Path]:
     """Writes a program for a controller, all files or none; see `files.write_program`."""
     chosen = find_format(format) if isinstance(format, str) else format
     return _files.write_program(program, chosen, Path(out), keep)

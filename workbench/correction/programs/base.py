@@ -112,7 +112,9 @@ class Program:
             raise ValueError(f"a program of kind {self.kind!r} needs {'X' if self.kind == 'poses' else 'q'}")
         count = len(points)
         _set(self, "dwell", np.broadcast_to(np.asarray(self.dwell, float).ravel(), (count,)).copy())
-        frames = [(name, (count, 4, 4)) for name in ("X", "via")] + [(name, (4, 4)) for name in ("tool", "base")]
+        frames = [(name, (count, 4, 4)) for name in ("X", "via")] + [
+            (name, (4, 4)) for name in ("tool", "base")
+        ]
         for name, shape in (*frames, ("q", (count, -1)), ("time", (count,))):
             value: ArrayLike | None = getattr(self, name)
             if value is not None:

@@ -88,7 +88,9 @@ def put_files(files: Mapping[Path, bytes], keep: bool) -> None:
     other = [path for path, data in files.items() if path.is_file() and path.read_bytes() != data]
     if other and keep:
         what = "is there already, with other content"
-        raise InputError([Fault(str(path), what, "name another with --out, or say --force") for path in other])
+        raise InputError(
+            [Fault(str(path), what, "name another with --out, or say --force") for path in other]
+        )
     for path in other:
         log.warning("%s: replaced", path)
     try:

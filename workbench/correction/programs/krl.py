@@ -135,7 +135,11 @@ class Krl(Format):
         lines = self._share(program)
         if by_joints:
             lines.append(f"PTP {self._axes(program.arm[0], rails[0])}")
-        lines += [f"$VEL.ORI1={USUAL_TURN}", f"$VEL.ORI2={USUAL_TURN}", f"$APO.CDIS={1e3 * legs.blend.max():.3f}"]
+        lines += [
+            f"$VEL.ORI1={USUAL_TURN}",
+            f"$VEL.ORI2={USUAL_TURN}",
+            f"$APO.CDIS={1e3 * legs.blend.max():.3f}",
+        ]
         speed, turn = "", f"{USUAL_TURN:.{SPEED_DIGITS}f}"
         for i in range(program.count):
             wanted = f"{legs.speed[i]:.{SPEED_DIGITS}f}" if np.isfinite(legs.speed[i]) else speed or "0.1"

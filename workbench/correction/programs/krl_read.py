@@ -15,7 +15,9 @@ from .motions import Motions, Spot
 
 AGGREGATE = r"\{[^{}]*\}|\$?\w+"
 FIELD = re.compile(rf"\b([A-Z]\d?)\s+({NUMBER})", re.I)
-MOVE = re.compile(rf"(S?PTP|S?LIN|SPL|S?CIRC)(?:\s+|(?=\{{))({AGGREGATE})\s*(?:,\s*({AGGREGATE}))?\s*(.*)$", re.I)
+MOVE = re.compile(
+    rf"(S?PTP|S?LIN|SPL|S?CIRC)(?:\s+|(?=\{{))({AGGREGATE})\s*(?:,\s*({AGGREGATE}))?\s*(.*)$", re.I
+)
 DECLARED = re.compile(
     r"^\s*(?:DECL\s+)?(?:GLOBAL\s+)?(?:E[36]?POS|POS|FRAME|E6AXIS|AXIS)\s+(\w+)\s*=\s*(\{.*\})", re.I
 )
@@ -155,11 +157,7 @@ class _Reader:
                 via_spot=via_spot,
             )
         else:
-            what = (
-                "no whole position (X Y Z A B C or A1..A6)"
-                if found
-                else f"no position {name!r} declared"
-            )
+            what = "no whole position (X Y Z A B C or A1..A6)" if found else f"no position {name!r} declared"
             self.motions.fault(number, what, "" if found else "give the .dat as well")
 
 

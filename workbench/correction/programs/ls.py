@@ -60,7 +60,9 @@ class Ls(Format):
 
     def warnings(self, program: Program) -> list[str]:
         found = super().warnings(program)
-        own = [name for name, none in (("UTOOL", program.at_flange), ("UFRAME", program.in_world)) if not none]
+        own = [
+            name for name, none in (("UTOOL", program.at_flange), ("UFRAME", program.in_world)) if not none
+        ]
         if own:
             names = " and ".join(f"{name}[{OWN_FRAME}]" for name in own)
             found.append(f"the program sets {names} through PR[{SCRATCH}]")

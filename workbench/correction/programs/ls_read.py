@@ -90,12 +90,18 @@ class _Reader:
         register, index = named[-1]
         position = self.positions.get(index)
         told = f"{kind} {register}[{index}]"
-        if kind == "A" or (kind == "C") != (len(named) == 2) or any(name.upper() == "PR" for name, _ in named):
+        if (
+            kind == "A"
+            or (kind == "C") != (len(named) == 2)
+            or any(name.upper() == "PR" for name, _ in named)
+        ):
             mend = "give the path as L P[..] or C P[..] P[..] with positions in the file"
             self.motions.fault(int(self.motions.line), f"{told} cannot be read", mend)
             return
         if position is None:
-            self.motions.fault(int(self.motions.line), f"{told} has no position cannot be read", "give it in /POS")
+            self.motions.fault(
+                int(self.motions.line), f"{told} has no position cannot be read", "give it in /POS"
+            )
             return
         fields, spot = position.fields, position.spot
         rails = tuple(1e-3 * fields[f"E{i}"] for i in (1, 2, 3) if f"E{i}" in fields)

@@ -45,7 +45,9 @@ def measuring_program(
         told = [Fault(f"pose {i + 1}: {robot.joints[j].name}", "is out of its range") for i, j in out]
         raise InputError(told)
     if not dwell_s > 0:
-        raise InputError(Fault("dwell", f"is {dwell_s} s", "give more than zero: the robot has to stand still"))
+        raise InputError(
+            Fault("dwell", f"is {dwell_s} s", "give more than zero: the robot has to stand still")
+        )
     slides = np.array([joint.kind == "prismatic" for joint in robot.joints])
     arrive = np.ones_like(q) if sides is None else np.asarray(sides, dtype=float)
     before = np.clip(q - arrive * np.where(slides, APPROACH[1], APPROACH[0]), lower, upper)

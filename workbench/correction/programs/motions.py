@@ -98,9 +98,7 @@ class Motions:
         spot: Spot | None = None,
     ) -> None:
         """Joint targets: turning joints [rad], rails [m], share of the full speed or time of the leg [s]."""
-        self._add(
-            Move("joints", self._where, None, arm, rails, duration=duration, share=share, spot=spot)
-        )
+        self._add(Move("joints", self._where, None, arm, rails, duration=duration, share=share, spot=spot))
 
     def _add(self, move: Move) -> None:
         line = self.line if isinstance(self.line, int) else 0

@@ -146,7 +146,9 @@ class Rapid(Format):
             zone = f"z1\\Z:={1e3 * legs.blend[i]:.3f}" if legs.blend[i] > 0 else "fine"
             move = f"MoveC v{i + 1},p{i + 1}" if circular[i] else f"MoveL p{i + 1}"
             moves.append(
-                f"{move},{speed},{zone},{self._with(program)}" if i or by_joints else f"MoveJ p{i + 1},{start}"
+                f"{move},{speed},{zone},{self._with(program)}"
+                if i or by_joints
+                else f"MoveJ p{i + 1},{start}"
             )
             moves += [f"WaitTime {legs.pause[i]:.3f};"] if legs.pause[i] > 0 else []
         return data, moves

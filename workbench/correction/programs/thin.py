@@ -47,7 +47,10 @@ def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Prog
         for name in ("X", "q", "time", "dwell", "posture")
     }
     return replace(
-        program, **rest, via=bent if np.isfinite(bent).any() else None, tolerance=max(tolerance, program.tolerance)
+        program,
+        **rest,
+        via=bent if np.isfinite(bent).any() else None,
+        tolerance=max(tolerance, program.tolerance),
     )
 
 
@@ -64,7 +67,9 @@ class _Path:
         held[:-1] |= held[1:] & (legs.distance[1:] < STANDSTILL)
         held[[0, -1]] = True
         stops = np.flatnonzero(held)
-        self.stop = stops[np.minimum(np.searchsorted(stops, np.arange(program.count), side="right"), len(stops) - 1)]
+        self.stop = stops[
+            np.minimum(np.searchsorted(stops, np.arange(program.count), side="right"), len(stops) - 1)
+        ]
 
     def farthest(self, start: int, fits: Callable[[int, int], bool]) -> int:
         """The last point that one leg from `start` reaches: doubling steps, then halving."""

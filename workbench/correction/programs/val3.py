@@ -69,7 +69,9 @@ class Val3(Format):
         if not program.in_world:
             data.append(_array("fBase", "frame", [self._frame(program.base) | {"fatherId": WORLD}]))
         if program.circular.any():
-            data.append(_array("pVia", "pointRx", self._points(program, program.via_in_base, program.circular)))
+            data.append(
+                _array("pVia", "pointRx", self._points(program, program.via_in_base, program.circular))
+            )
         if not joints and program.arm.shape[1] == 6:
             data.append(_array("jStart", "jointRx", [self._joints(program.arm[0])]))
         if pauses.any():

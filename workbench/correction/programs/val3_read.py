@@ -89,7 +89,9 @@ class _Reader:
         father = rows[-1].get("fatherId", "world[0]")
         base = np.eye(4) if father in ("world[0]", "world") else self._base(father, index)
         if base is None:
-            self.motions.fault(place, f"{said[-3]} stands in {father}", "give points in world or a frame of the data")
+            self.motions.fault(
+                place, f"{said[-3]} stands in {father}", "give points in world or a frame of the data"
+            )
             return
         self.motions.base = base
         if tool is not None:
@@ -110,7 +112,11 @@ class _Reader:
     def _base(self, father: str, index: Mapping[str, int]) -> Array | None:
         """A frame of the data that stands in the world."""
         row = self._row(father, index)
-        return _read_frame(row) if row is not None and row.get("fatherId", "world[0]").startswith("world") else None
+        return (
+            _read_frame(row)
+            if row is not None and row.get("fatherId", "world[0]").startswith("world")
+            else None
+        )
 
 
 def _tree(name: str, text: str) -> ET.Element:
