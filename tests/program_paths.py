@@ -15,7 +15,7 @@ def frame(rng: np.random.Generator, size: float) -> np.ndarray:
 
 
 def random_path(rng: np.random.Generator, format: Format) -> Program:
-    """Legs of all lengths from a micrometre, stops, turns on the spot, circles, rails, tools, bases, loads."""
+    """Legs from a micrometre on, stops, turns on the spot, circles, rails, tools, bases, loads."""
     count = int(rng.integers(1, 13))
     kinds = rng.choice(["line", "short", "turn", "still", "circle"], count, p=[0.5, 0.15, 0.1, 0.1, 0.15])
     p, R = rng.uniform(-1.5, 1.5, 3), Rotation.random(rng=rng)

@@ -1,4 +1,4 @@
-"""`[controller]`: programs and campaigns in the controller's own joints, against the makers' published kinematics."""
+"""`[controller]`: programs and campaigns in the controller's joints, by the makers' published kinematics."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Steps = list[tuple[str, float]]
 
 
 def chain(steps: Steps) -> np.ndarray:
-    """Pose after turns (x y z [deg]) and shifts (X Y Z [mm]) one behind the other, each in the frame before."""
+    """Pose after turns (x y z [deg]) and shifts (X Y Z [mm]), each in the frame before."""
     X = np.eye(4)
     for axis, value in steps:
         step = np.eye(4)
@@ -70,7 +70,8 @@ def staubli(j):
 def universal(d1: float, a2: float, a3: float, d4: float, d5: float, d6: float):
     """The maker's Denavit-Hartenberg table."""
     return lambda q: chain([
-        ("z", q[0]), ("Z", d1), ("x", 90), ("z", q[1]), ("X", a2), ("z", q[2]), ("X", a3), ("z", q[3]), ("Z", d4),
+        ("z", q[0]), ("Z", d1), ("x", 90), ("z", q[1]), ("X", a2), ("z", q[2]), ("X", a3), ("z", q[3]),
+        ("Z", d4),
         ("x", 90), ("z", q[4]), ("Z", d5), ("x", -90), ("z", q[5]), ("Z", d6),
     ])  # fmt: skip
 
@@ -169,7 +170,7 @@ def test_abb_says_quarters_and_posture_of_every_target() -> None:
 def test_without_a_convention_nothing_is_exported_but_as_the_urdf_has_it() -> None:
     robot = replace(load_robot("kr500"), controller=Controller())
     program = Program("LEFT", q=np.radians([[8.67, -90, 90, 0, 45, 0]]), kind="joints")
-    with pytest.raises(InputError, match="no .controller.; state names, signs.*--as-urdf"):
+    with pytest.raises(InputError, match=r"no .controller.; state names, signs.*--as-urdf"):
         as_shown(program, robot)
     for name in ("krl", "rapid", "ls", "val3", "urscript"):
         files = find_format(name).write(as_shown(program, robot, as_urdf=True))
@@ -226,7 +227,7 @@ def test_a_faulty_controller_is_told_with_the_robot(tmp_path: Path) -> None:
     text = source.read_text().replace('names = ["A1", ', 'names = ["A1"]  # [')
     text = text.replace('urdf    = "', f'urdf    = "{source.parent}/')
     (tmp_path / "bad.toml").write_text(text)
-    with pytest.raises(InputError, match="controller.names: has 1 entries for 6 joints; give one for each"):
+    with pytest.raises(InputError, match=r"controller\.names: has 1 entries for 6 joints; give one for each"):
         load_robot(tmp_path / "bad.toml")
 
 
@@ -253,7 +254,8 @@ def test_a_campaign_comes_in_as_the_controller_has_it(tmp_path: Path) -> None:
     q = np.random.default_rng(2).uniform(-1, 1, (8, 6))
     poses = load_campaign(written_by_a_controller(tmp_path, q)).poses
     assert poses.q == pytest.approx(q, abs=1e-10)
-    assert poses.side is not None and poses.torque is not None
+    assert poses.side is not None
+    assert poses.torque is not None
     # J2 and J3 both upwards: the forearm against the upper arm by both, so upwards too
     assert poses.side[0].tolist() == [0, 1, 1, 0, 0, 0]
     # the drive of J3 works on the URDF's joint 3, and against joint 2
@@ -263,5 +265,7 @@ def test_a_campaign_comes_in_as_the_controller_has_it(tmp_path: Path) -> None:
 def test_a_campaign_without_convention_is_told(tmp_path: Path) -> None:
     path = written_by_a_controller(tmp_path, np.zeros((8, 6)))
     path.write_text(path.read_text().replace("lrmate200id", "iiwa7"))
-    with pytest.raises(InputError, match="poses.joints: .*iiwa7.toml does not say how its controller counts"):
+    with pytest.raises(
+        InputError, match=r"poses\.joints: .*iiwa7.toml does not say how its controller counts"
+    ):
         load_campaign(path)

@@ -1,4 +1,4 @@
-"""Measuring programs: the planned joints come back out of every format, each pose approached from its side."""
+"""Measuring programs: the planned joints come back out of every format, each from its side."""
 
 from __future__ import annotations
 

@@ -54,8 +54,9 @@ ENDDAT\r
 """
 RAPID = """MODULE Seam
   ! made by hand; do not touch
-  PERS tooldata tGun:=[TRUE,[[31.8,0.0,129.6],[0.965925826,0.0,0.258819045,0.0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
-  PERS wobjdata wTable:=[FALSE,TRUE,"table; one",[[300.0,-100.0,50.0],[1.0,0.0,0.0,0.0]],[[0,0,0],[1,0,0,0]]];
+  PERS tooldata tGun:=[TRUE,[[31.8,0.0,129.6],[0.965925826,0.0,0.258819045,0.0]],
+    [1,[0,0,1],[1,0,0,0],0,0,0]];
+  PERS wobjdata wTable:=[FALSE,TRUE,"a; b",[[300.0,-100.0,50.0],[1.0,0.0,0.0,0.0]],[[0,0,0],[1,0,0,0]]];
   CONST robtarget p10:=[[100.5,100.0,150.3],[0.0,0.0,1.0,0.0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]; ! start
   VAR num nCount:=3.25;
   PROC main()
@@ -64,7 +65,8 @@ RAPID = """MODULE Seam
       MoveL p10, v100, z5, tGun\\WObj:=wTable;
     ENDFOR
     MoveL Offs(p10,0.0,10.0,0.0), v100, fine, tGun\\WObj:=wTable;
-    MoveL [[100.5,150.0,150.3],[0.0,0.0,1.0,0.0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,fine,tGun\\WObj:=wTable;
+    MoveL [[100.5,150.0,150.3],[0.0,0.0,1.0,0.0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,
+      fine,tGun\\WObj:=wTable;
   ENDPROC
 ENDMODULE
 """
@@ -85,7 +87,7 @@ COMMENT\t\t= "cutting";
   11:J P[1:HOME] 20% FINE    ;
   12:L P[2] 250mm/sec CNT50 ACC80    ;
   13:  DO[12]=ON ;
-  14:C P[3]    
+  14:C P[3]
     :  P[4] 100mm/sec FINE    ;
 /POS
 P[1:"HOME"]{
@@ -161,7 +163,9 @@ def flanges(robot: Robot, form: str, texts: dict[str, str]) -> list[np.ndarray]:
             shown = MAKERS[robot.name][1](np.degrees(move.arm))
             found.append(convention.from_world(shown) @ np.linalg.inv(convention.flange))
             continue
-        assert move.base is not None and move.tool is not None and move.X is not None
+        assert move.base is not None
+        assert move.tool is not None
+        assert move.X is not None
         for X in [move.via, move.X] if move.via is not None else [move.X]:
             assert X is not None
             found.append(
@@ -225,7 +229,7 @@ def test_what_is_computed_is_left_alone_and_told(tmp_path: Path) -> None:
     model, _ = bent("irb120", tmp_path)
     (tmp_path / "Seam.mod").write_text(RAPID)
     done = compensate_program(tmp_path / "Seam.mod", model)
-    assert any("line 12: no target 'Offs(p10,0.0,10.0,0.0)'" in note for note in done.notes)
+    assert any("line 13: no target 'Offs(p10,0.0,10.0,0.0)'" in note for note in done.notes)
     assert "MoveL Offs(p10,0.0,10.0,0.0), v100" in done.files[0].read_text()
 
 

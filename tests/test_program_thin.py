@@ -1,4 +1,4 @@
-"""Paths in the fewest lines and circles: what is left out stays within the tolerance, times and stops are kept."""
+"""Paths in the fewest lines and circles: within the tolerance, with their times and stops."""
 
 from __future__ import annotations
 
@@ -49,7 +49,8 @@ def test_a_circle_is_two_blocks_and_not_765() -> None:
     assert few.count == 3
     assert few.circular.tolist() == [False, True, True]
     assert from_legs(few, p[::20]) < TOLERANCE
-    assert few.time is not None and few.time[-1] == 10
+    assert few.time is not None
+    assert few.time[-1] == 10
     for name, word in (
         ("krl", "CIRC "),
         ("rapid", "MoveC "),
@@ -61,7 +62,8 @@ def test_a_circle_is_two_blocks_and_not_765() -> None:
         assert text.count(word) == 2, name
         back = find_format(name).read(find_format(name).write(few))
         assert from_legs(back, p[::20]) < TOLERANCE + 2e-6
-        assert back.time is not None and back.time[-1] == pytest.approx(10, rel=1e-3)
+        assert back.time is not None
+        assert back.time[-1] == pytest.approx(10, rel=1e-3)
 
 
 def test_lines_alone_where_a_format_has_no_circles() -> None:
@@ -80,7 +82,8 @@ def test_a_corner_a_stop_and_a_change_of_speed_stay() -> None:
     dwell = np.where(np.arange(401) == 300, 0.5, 0.0)
     time = np.concatenate([[0.0], np.cumsum(pace)]) + np.where(np.arange(401) > 300, 0.5, 0.0)
     few = thinned(Program("CORNER", at(p), time=time, dwell=dwell), TOLERANCE)
-    assert few.X is not None and few.time is not None
+    assert few.X is not None
+    assert few.time is not None
     np.testing.assert_allclose(
         few.X[:, :2, 3], [[0, 0], [0.1, 0], [0.2, 0], [0.2, 0.1], [0.2, 0.2]], atol=1e-12
     )

@@ -1,4 +1,4 @@
-"""Joint columns as a robot's controller gives them (`[poses] joints = "controller"`), turned into the URDF's."""
+"""Joint columns as a robot's controller gives them (`[poses] joints = "controller"`), made the URDF's."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ def by_the_controllers_names(path: Path, layout: Layout, convention: Convention)
 
 def to_urdf(table: Table, convention: Convention) -> None:
     """Positions, read-back positions, torques and sides of motion of a table of poses, in place."""
-    back = np.linalg.inv(convention.A)
+    back = np.asarray(np.linalg.inv(convention.A), dtype=np.float64)
     back[np.abs(back) < NEGLIGIBLE] = 0.0
-    n, order = len(convention.names), convention.order
+    n = len(convention.names)
     for stem in ("q", "r", "tau", "dir"):
         keys = [f"{stem}{k}" for k in range(1, n + 1)]
         if not any(key in table.numbers for key in keys):
@@ -62,11 +62,11 @@ def to_urdf(table: Table, convention: Convention) -> None:
         else:
             values = convention.sides(shown)
         labels, units = dict(table.labels), dict(table.units)
-        for k, j in enumerate(order):
+        for key, j in zip(keys, convention.order, strict=True):
             table.numbers[f"{stem}{j + 1}"] = values[:, j]
-            for place, old in ((table.labels, labels), (table.units, units)):
-                if keys[k] in old:
-                    place[f"{stem}{j + 1}"] = old[keys[k]]
+            if key in labels:
+                table.labels[f"{stem}{j + 1}"] = labels[key]
+                table.units[f"{stem}{j + 1}"] = units[key]
 
 
 def _product(values: Array, matrix: Array) -> Array:

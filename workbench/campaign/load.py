@@ -14,8 +14,8 @@ from ..files.faults import Fault, InputError
 from ..files.tables import Table, read_table, suggest
 from ..robot.description import Robot, load_robot
 from ..robot.find import find_robot, list_robots
-from .controller_joints import by_the_controllers_names, joints_in_order, stated, to_urdf
 from .check import check_points, check_poses, check_targets, doubts
+from .controller_joints import by_the_controllers_names, joints_in_order, stated, to_urdf
 from .data import Array, Campaign, IntArray, Target
 from .file import WRENCH_COLUMNS, CampaignFile, point_columns, pose_columns, read_campaign_file
 from .poses import Poses

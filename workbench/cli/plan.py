@@ -46,7 +46,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--format", metavar="NAME",
-        help="also a program that goes to the poses by joints and stands still there: krl, rapid, val3, ls, urscript",
+        help="also a program that stands still at the poses: krl, rapid, val3, ls, urscript",
     )  # fmt: skip
     parser.add_argument(
         "--dwell", type=float, default=4.0, metavar="S", help="standstill of that program at a pose (4)"

@@ -1,20 +1,20 @@
-"""What a robot's controller calls and counts its joints, and where its world and flange stand: `[controller]`.
+"""How a robot's controller names and counts its joints, and where its world and flange stand: `[controller]`.
 
 The URDF counts joint i as q_i; the controller shows, in its own order,
 
     shown_k = sign_k q_j(k) + zero_k + Σ factor (sign_l q_j(l) + zero_l)
 
-the last term for mechanically coupled axes (J3 shown against the horizontal: J3 on J2, factor −1). As arrays
-shown = A q + zero, with one matrix A for the arm. Cartesian targets are the controller's own too: poses of its
-flange (and the tool on it) in its world, which need not be the URDF's base (FANUC and Stäubli: at the height of
-joint 2; UR: half a turn about z from the base of many URDFs).
+the last term for mechanically coupled axes (J3 shown against the horizontal: J3 on J2, factor −1). As
+arrays shown = A q + zero, with one matrix A for the arm. Cartesian targets are the controller's own too:
+poses
+of its flange (and the tool on it) in its world, which need not be the URDF's base (FANUC and Stäubli: at the
+height of joint 2; UR: half a turn about z from the base of many URDFs).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -60,8 +60,8 @@ class Controller(_Table):
     joints: the URDF's joint behind each (default: the chain's own order); names: the controller's; signs: −1
     where it counts the other way; zeros: what it shows where the URDF's joint is at 0; units: of zeros, and
     of columns by the controller's names. external: those of `names` that are external axes (rails). world:
-    the controller's world in the URDF's base; flange: its flange in the URDF's `flange`. Without names nothing
-    is stated.
+    the controller's world in the URDF's base; flange: its flange in the URDF's `flange`. Without names
+    nothing is stated.
     """
 
     make: str = ""
@@ -115,9 +115,9 @@ class Controller(_Table):
 class Convention:
     """A controller's way of counting n joints: shown = A q + zero, SI, in its own order.
 
-    names: its joints; order: the URDF's joint behind each; A: (n, n); zero: (n,) [rad or m]; units: of each, as it shows them; sliding: (n,)
-    which slide; external: (n,) which are external axes. world: (4, 4) its world in the URDF's base;
-    flange: (4, 4) its flange in the URDF's.
+    names: its joints; order: the URDF's joint behind each; A: (n, n); zero: (n,) [rad or m]; units: of each,
+    as it shows them; sliding: (n,) which slide; external: (n,) which are external axes. world: (4, 4) its
+    world in the URDF's base; flange: (4, 4) its flange in the URDF's.
     """
 
     names: tuple[str, ...]

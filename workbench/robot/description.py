@@ -42,7 +42,7 @@ class Robot:
     joints: tuple[Joint, ...]
     compensator: Compensator | None = None
     bending_stiffness: dict[str, float] = field(default_factory=dict)
-    controller: Controller = Controller()
+    controller: Controller = field(default_factory=Controller)
     source: dict[str, Any] = field(default_factory=dict)
     tool: LoadData | None = None
     payloads: dict[str, LoadData] = field(default_factory=dict)

@@ -108,7 +108,8 @@ KR500 = Design(
         "repeatability": "assumed per joint so that the pose scatters within the data sheet's 0.08 mm",
         "compensator": "pivots: geometry of the KR 210 R2700, put at this robot's joint 2 (assumed); "
         "charge, area and length: assumed, so that about half of the arm's weight is carried",
-        "controller": "A1, A4 and A6 count the other way than about z up and x forward: public URDFs of KUKA (ROS-Industrial)",
+        "controller": "A1, A4 and A6 count the other way than about z up and x forward: public URDFs of "
+        "KUKA (ROS-Industrial)",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

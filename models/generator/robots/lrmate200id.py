@@ -69,9 +69,10 @@ LRMATE200ID = Design(
         "world": {"xyz_mm": (0.0, 0.0, 330.0)},
     },
     source={
-        "kinematics": "public URDF of the LR Mate 200iD (ROS-Industrial), its signs and zeros; flange = tool0",
-        "limits": "range and velocity: the same public URDF (joint 3 against the upper arm: 140 degrees down, "
-        "213 up); effort: assumed",
+        "kinematics": "public URDF of the LR Mate 200iD (ROS-Industrial), its signs and zeros; flange = "
+        "tool0",
+        "limits": "range and velocity: the same public URDF (joint 3 against the upper arm: 140 degrees "
+        "down, 213 up); effort: assumed",
         "masses": "25 kg in all: recalled from the data sheet, unverified; shares, centres of mass and "
         "inertias (cuboids): assumed",
         "stiffness": "not known, taken as rigid",

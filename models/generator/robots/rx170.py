@@ -101,7 +101,8 @@ RX170 = Design(
         "compensator": "assumed: sized so that joint 2 keeps 150 to 300 N·m of the gravity torque at the "
         "ends of the sweep of Olabi et al. (2012) (50 degrees either way, forearm in line with the upper "
         "arm)",
-        "controller": "world and flange at zero as public URDFs of the family state them (RX160, ROS-Industrial)",
+        "controller": "world and flange at zero as public URDFs of the family state them (RX160, "
+        "ROS-Industrial)",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

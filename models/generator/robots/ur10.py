@@ -58,7 +58,7 @@ UR10 = Design(
         "4.27, 2, 2 and 0.365 kg beside it; inertia (cuboids) and base: assumed",
         "gear_ratio": "harmonic drives, 101 on all joints: literature, unverified",
         "stiffness": "not known, taken as rigid",
-        "controller": "the manufacturer's table, which is the controller's: base and flange are its frames too",
+        "controller": "the manufacturer's table, which is the controller's: base and flange are its too",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=ur(beside=114.9, apart=171.9, size=1.25),

@@ -53,7 +53,7 @@ UR5 = Design(
         "masses": "mass and centre of mass of links 1..6: manufacturer; inertia (cuboids) and base: assumed",
         "gear_ratio": "harmonic drives, 101 on all joints: literature, unverified",
         "stiffness": "not known, taken as rigid",
-        "controller": "the manufacturer's table, which is the controller's: base and flange are its frames too",
+        "controller": "the manufacturer's table, which is the controller's: base and flange are its too",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=ur(beside=93.0, apart=119.7),

@@ -206,8 +206,8 @@ def _carried(speed: Array) -> Array:
 
 
 def _blends(program: Program, distance: Array, pause: Array, cosine: Array) -> Array:
-    """Corner rounding per point: not at the ends, not at a standstill, within both legs' share, and, where the
-    program has a tolerance, so short that the rounded corner stays within it.
+    """Corner rounding per point: not at the ends, not at a standstill, within both legs' share, and, where
+    the program has a tolerance, so short that the rounded corner stays within it.
 
     cosine: (N − 2,) of the change of direction. A rounding that begins r before a corner that turns by θ
     passes it at about r sin(θ/2)/2 (the parabola between the two lines).

@@ -65,7 +65,7 @@ class Format(ABC):
         return self.scan(files).program()
 
     def scan(self, files: Mapping[str, str]) -> Motions:
-        """The motions in these files, each with the places of its numbers; what cannot be read is in `faults`."""
+        """The motions in these files with the places of their numbers; `faults` has what cannot be read."""
         raise InputError(Fault(next(iter(files)), f"{self.title} is read as a table only"))
 
     def numbers(self, X: Array, like: Array) -> Array:

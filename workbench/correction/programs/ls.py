@@ -1,4 +1,4 @@
-"""Fanuc LS, written: a teach pendant program as text (ASCII upload or the offline translator makes a .tp of it).
+"""Fanuc LS, written: a teach pendant program as text (ASCII upload or the offline translator makes a .tp).
 
 Conventions of FANUC: mm and degrees with three decimals, R = Rz(R) Ry(P) Rx(W). Speeds are whole mm/sec or
 the leg's time in msec, whichever is nearer to what is wanted; joint moves in whole percent. UFRAME 0 is the

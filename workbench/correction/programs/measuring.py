@@ -1,4 +1,4 @@
-"""Programs that bring the arm to poses to be measured: by joints, always from a known side, with a standstill."""
+"""Programs that bring the arm to poses to be measured: by joints, from a known side, with a standstill."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def measuring_program(
     """A program of joint targets for a robot's controller: to each of N poses by an approach point.
 
     q: (N, n) the URDF's joints [rad, m]. dwell_s: standstill at a pose [s]; approach points have none. sides:
-    (N, n) sign of each joint's last motion (default: all arrive upwards), so that play and friction are the same
-    at every return. load: what the flange carries. Raises `InputError` for joints out of range and for a robot
-    without `[controller]`.
+    (N, n) sign of each joint's last motion (default: all arrive upwards), so that play and friction are the
+    same at every return. load: what the flange carries. Raises `InputError` for joints out of range and for a
+    robot without `[controller]`.
     """
     q = np.asarray(q, dtype=float)
     lower, upper = (np.array([getattr(j, side) for j in robot.joints]) for side in ("lower", "upper"))

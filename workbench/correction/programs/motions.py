@@ -16,7 +16,7 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class Spot:
-    """Where a target's numbers stand: `spans` of the text of `file`, place and turn or joints in their order."""
+    """Where a target's numbers stand: `spans` of the text of `file`, of place and turn or of joints."""
 
     file: str
     spans: tuple[Span, ...]
@@ -159,7 +159,7 @@ class Motions:
     def _path(self, chosen: list[int]) -> Program:
         moves, dwell = [self.moves[i] for i in chosen], self._dwells(chosen)
         base, rails = _known(moves[0].base), self._rails(moves)
-        X = np.array([base @ move.X for move in moves])
+        X = np.array([base @ _known(move.X) for move in moves])
         straight = np.full((4, 4), np.nan)
         via = np.array([straight if move.via is None else base @ move.via for move in moves])
         speed, turn, duration, blend = np.array(

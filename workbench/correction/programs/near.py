@@ -1,5 +1,5 @@
-"""Of all numbers that say the same rotation, those nearest to given ones: so that a corrected target still reads
-as the old one does (180 stays 180, not −180)."""
+"""Of all numbers that say the same rotation, those nearest to given ones: a corrected target still reads
+as the old one does (180 stays 180 and does not become −180)."""
 
 from __future__ import annotations
 

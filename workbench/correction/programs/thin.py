@@ -21,9 +21,10 @@ WIDEST = np.radians(190)  # of one circular leg, so that a circle is two of them
 def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Program:
     """The path of a program of poses in as few legs as a forward search finds.
 
-    tolerance [m]: how far a point that is left out may lie from the leg that replaces it, and how far its turn
-    (times `LEVER`) may be from the leg's, which runs evenly from end to end. Points with a pause, turns on the
-    spot and changes of speed by more than `PACE` stay. round_legs: the controller has circular moves.
+    tolerance [m]: how far a point that is left out may lie from the leg that replaces it, and how far its
+    turn (times `LEVER`) may be from the leg's, which runs evenly from end to end. Points with a pause,
+    turns on
+    the spot and changes of speed by more than `PACE` stay. round_legs: the controller has circular moves.
     The legs keep their durations, so each runs at the mean speed of what it replaces.
     """
     if program.kind != "poses" or program.count < 3 or tolerance <= 0 or program.via is not None:
@@ -42,13 +43,13 @@ def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Prog
         via.append(over)
     bent = np.array(via)
     some = np.array(kept)
-    rest = {
-        name: None if (value := getattr(program, name)) is None else value[some]
-        for name in ("X", "q", "time", "dwell", "posture")
-    }
     return replace(
         program,
-        **rest,
+        X=program.X[some],
+        q=None if program.q is None else program.q[some],
+        time=None if program.time is None else program.time[some],
+        dwell=program.dwell[some],
+        posture=None if program.posture is None else program.posture[some],
         via=bent if np.isfinite(bent).any() else None,
         tolerance=max(tolerance, program.tolerance),
     )
@@ -120,7 +121,7 @@ class _Path:
         return self._runs_on(start, end, share)
 
     def _runs_on(self, start: int, end: int, share: Array) -> bool:
-        """Never back, at an even pace, the turn in step with the way. share: (m,) of the way at each point."""
+        """Never back, at an even pace, the turn in step. share: (m,) of the way at each point."""
         if (np.diff(share) < 0).any():
             return False
         speed = self.speed[start + 1 : end + 1]

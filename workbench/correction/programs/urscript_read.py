@@ -1,4 +1,4 @@
-"""Universal Robots script, read: moves whose targets stand in the file as numbers, inline or in a variable."""
+"""Universal Robots script, read: moves whose targets stand as numbers, inline or in a variable."""
 
 from __future__ import annotations
 
@@ -79,10 +79,8 @@ class _Reader:
         if found:
             return self._target(start + found.end(), text[found.end() :])
         if found := re.match(rf"\s*pose_trans\s*\(\s*(?:{LIST}|(\w+))\s*,", text):
-            if found[3]:
-                base = self.variables.get(found[3])
-            else:
-                base = _Target(self.file, 0, found[1], found[2])
+            inline = _Target(self.file, 0, found[1] or "", found[2] or "")
+            base = self.variables.get(found[3]) if found[3] else inline
             target = self._target(start + found.end(), text[found.end() :])
             if target is not None:
                 target.base = base.pose() if base is not None and base.is_pose and base.whole else None

@@ -1,11 +1,12 @@
-"""Stäubli VAL 3, written: an application of XML files, the points in an array and a loop that goes through them
-(with circles: a line for each). `val3_read.py` reads it.
+"""Stäubli VAL 3, written: an application of XML files, the points in an array and a loop that goes through
+them (with circles: a line for each). `val3_read.py` reads it.
 
 Conventions of the VAL 3 reference manual: mm and degrees, R = Rx(rx) Ry(ry) Rz(rz), the other order
 than KUKA's; a motion descriptor says tool speed `tmax` [mm/s], turning speed `rmax` [deg/s], joint
 speed `vel` [%] and the corner (`leave`, `reach`) [mm]. Names shorter than 16 characters; arrays of at
 most 9999 entries. The arm keeps its posture (ssame, esame, wsame). Joint moves have no times, only a share
-of the full speed; loads are set on the controller. Four files: name.pjx (project), name.dtx (data), start.pgx and stop.pgx (programs).
+of the full speed; loads are set on the controller. Four files: name.pjx (project), name.dtx (data),
+start.pgx and stop.pgx (programs).
 """
 
 from __future__ import annotations

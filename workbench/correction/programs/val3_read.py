@@ -1,4 +1,4 @@
-"""Stäubli VAL 3, read: the moves of an application's programs, with points, tools and descriptors of its data."""
+"""Stäubli VAL 3, read: the moves of an application, with points, tools and descriptors of its data."""
 
 from __future__ import annotations
 
