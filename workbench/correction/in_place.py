@@ -75,10 +75,10 @@ def compensate_program(
 ) -> Corrected:
     """Corrects the targets of a KRL, RAPID, LS or URScript program for the model's robot, and nothing else.
 
-    out: a folder (default: NAME_compensated beside the program) or a file with the same extension. tool,
-    base: (4, 4) where the program's own stand on the controller, not in the file. Between targets the arm moves
-    as before: what depends on the joints in between is corrected at the targets only. Raises `InputError`;
-    nothing is written then.
+    out: a folder (default: NAME_compensated beside the program) or a file with the same extension. tool and
+    base: (4, 4) where the program's own stand on the controller, not in the file. Between targets the arm
+    moves as before: what depends on the joints in between is corrected at the targets only. Raises
+    `InputError`; nothing is written then.
     """
     source, robot = pathlib.Path(path), load_robot(model)
     chosen = find_format(format) if format else _by_extension(source)
