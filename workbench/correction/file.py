@@ -28,7 +28,7 @@ from .programs import (
 from .programs.files import is_folder
 from .programs.shown import stated_convention
 
-TOLERANCE_MM = 0.01  # of thinning: what a robot repeats to, and less
+TOLERANCE_MM = 0.01  # of thinning on the command line: what a robot repeats to, and less
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ class Export:
 
     base: Array | None = None
     joints: bool = False
-    tolerance_mm: float = TOLERANCE_MM
+    tolerance_mm: float = 0.0
     as_urdf: bool = False
     keep: bool = False
 
