@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .correction import Conditions as Conditions
     from .correction import compensate as compensate
     from .correction import compensate_file as compensate_file
+    from .correction import compensate_program as compensate_program
     from .correction import conditions_of as conditions_of
     from .correction import nominal_joints as nominal_joints
     from .correction import path_shapes as path_shapes
@@ -124,7 +125,7 @@ _MODULES = {
     "campaign": "Campaign Target load_campaign write_campaign",
     "campaign.planned": "planned random_poses",
     "campaign.problem": "Problem problem problem_of",
-    "correction": "Compensation Conditions compensate compensate_file "
+    "correction": "Compensation Conditions compensate compensate_file compensate_program "
     "conditions_of nominal_joints path_shapes stated_conditions",
     "correction.paths": "Path load_path write_path",
     "diagnosis.result": "Diagnosis",

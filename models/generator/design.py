@@ -76,6 +76,7 @@ class Design:
     joint_data: Mapping[str, Vector] = field(default_factory=dict)
     compensator: Mapping[str, Any] | None = None
     bending_stiffness: Mapping[str, float] = field(default_factory=dict)
+    controller: Mapping[str, Any] | None = None
 
     @property
     def joint_names(self) -> list[str]:

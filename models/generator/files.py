@@ -107,6 +107,8 @@ def toml_text(design: Design) -> str:
         lines += ["", "[compensator]", *_table(design.compensator)]
     for name, stiffness in design.bending_stiffness.items():
         lines += ["", "[[links]]", *_table({"name": name, "bending_stiffness": stiffness})]
+    if design.controller is not None:
+        lines += ["", "[controller]", *_table(design.controller)]
     lines += ["", "[source]", *_table(design.source)]
     return "\n".join(lines) + "\n"
 
@@ -171,4 +173,6 @@ def _value(value: Any) -> str:
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_value(v) for v in value) + "]"
-    return repr(float(value))
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_value(v)}" for key, v in value.items()) + " }"
+    return repr(value) if isinstance(value, int) else repr(float(value))

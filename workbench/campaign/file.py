@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, cast
@@ -28,6 +29,12 @@ class TableFile(Layout):
     file: Name
 
 
+class PosesFile(TableFile):
+    """`[poses]`: joints counts the joint columns as the URDF does, or as the robot's controller does."""
+
+    joints: Literal["urdf", "controller"] = "urdf"
+
+
 class TargetData(_Section):
     """`[targets.T1]`."""
 
@@ -49,7 +56,7 @@ class CampaignFile(_Section):
     schema_: Literal[1] = Field(alias="schema")
     title: str = ""
     robot: Name
-    poses: TableFile
+    poses: PosesFile
     points: TableFile
     targets: dict[Name, TargetData] = {}
     noise: NoiseData = NoiseData()
@@ -103,7 +110,7 @@ _EXAMPLES = {
     "mass_kg": "mass_kg = 60.0, say",
 }
 _SECTIONS: dict[str, type[BaseModel]] = {
-    "poses": TableFile,
+    "poses": PosesFile,
     "points": TableFile,
     "targets": TargetData,
     "noise": NoiseData,
@@ -137,8 +144,8 @@ def joint_column(
     )
 
 
-def pose_columns(robot: Robot) -> list[Column]:
-    """The columns of `poses.csv` for this robot."""
+def pose_columns(robot: Robot, joints: Sequence[Joint] = ()) -> list[Column]:
+    """The columns of `poses.csv` for this robot; joints: in another order than the chain's."""
     columns = [
         Column("pose_id", text=True, required=True, mend="name every pose"),
         Column("payload", text=True, blank=True),
@@ -147,7 +154,7 @@ def pose_columns(robot: Robot) -> list[Column]:
         Column("temp", ("temperature",), blank=True),
         *WRENCH_COLUMNS,
     ]
-    for index, joint in enumerate(robot.joints, 1):
+    for index, joint in enumerate(joints or robot.joints, 1):
         position = joint_column(f"q{index}", joint, required=True, mend="a pose needs all its joints")
         pull = ("force",) if joint.kind == "prismatic" else ("torque",)
         columns += [

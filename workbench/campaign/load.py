@@ -15,6 +15,7 @@ from ..files.tables import Table, read_table, suggest
 from ..robot.description import Robot, load_robot
 from ..robot.find import find_robot, list_robots
 from .check import check_points, check_poses, check_targets, doubts
+from .controller_joints import by_the_controllers_names, joints_in_order, stated, to_urdf
 from .data import Array, Campaign, IntArray, Target
 from .file import WRENCH_COLUMNS, CampaignFile, point_columns, pose_columns, read_campaign_file
 from .poses import Poses
@@ -44,13 +45,25 @@ def load_campaign(path: str | Path) -> Campaign:
         robot = _robot(path, file)
     except InputError as error:
         raise InputError([*error.faults, *faults]) from None
-    poses = read_table(path.parent / file.poses.file, file.poses, pose_columns(robot), f"{path}: poses")
+    poses = _poses_table(path, file, robot)
     faults = [*check_targets(path, file, robot), *poses.faults, *check_poses(poses, file, robot), *faults]
     if not faults:
         faults = _no_match(poses, points)
     if faults:
         raise InputError(faults)
+    if file.poses.joints == "controller":
+        to_urdf(poses, stated(robot, f"{path}: poses.joints"))
     return _assemble(path, file, robot, poses, points)
+
+
+def _poses_table(path: Path, file: CampaignFile, robot: Robot) -> Table:
+    """The table of poses, its joints as they stand there."""
+    table, place = path.parent / file.poses.file, f"{path}: poses"
+    if file.poses.joints == "urdf":
+        return read_table(table, file.poses, pose_columns(robot), place)
+    convention = stated(robot, f"{place}.joints")
+    layout = by_the_controllers_names(table, file.poses, convention)
+    return read_table(table, layout, pose_columns(robot, joints_in_order(robot, convention)), place)
 
 
 def _robot(path: Path, file: CampaignFile) -> Robot:

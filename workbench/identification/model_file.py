@@ -47,6 +47,8 @@ def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[Effe
         table["compensator"] = _given(robot.compensator.model_dump())
     if robot.bending_stiffness:
         table["links"] = [{"name": k, "bending_stiffness": v} for k, v in robot.bending_stiffness.items()]
+    if controller := robot.controller.model_dump(mode="json", exclude_defaults=True):
+        table["controller"] = controller
     if robot.source:
         table["source"] = robot.source
     if robot.tool is not None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files.faults import Fault, InputError
+from .convention import Controller, Convention, convention_of
 from .find import find_robot
 from .schema import Compensator, EffectRecord, JointData, LoadData, Vector3, parse_robot, unknown_names
 from .urdf import MovingJoint, read_chain
@@ -27,6 +28,7 @@ class Joint(MovingJoint):
 class Robot:
     """A robot as loaded and checked. `joints` run from the base to the flange.
 
+    controller: how the robot's controller counts the joints, as stated; `convention` as arrays.
     tool, payloads: what the campaign behind a model.toml carried; they count only where nobody states
     other loads (a campaign always does).
     """
@@ -40,6 +42,7 @@ class Robot:
     joints: tuple[Joint, ...]
     compensator: Compensator | None = None
     bending_stiffness: dict[str, float] = field(default_factory=dict)
+    controller: Controller = field(default_factory=Controller)
     source: dict[str, Any] = field(default_factory=dict)
     tool: LoadData | None = None
     payloads: dict[str, LoadData] = field(default_factory=dict)
@@ -55,6 +58,12 @@ class Robot:
     def links(self) -> tuple[str, ...]:
         """The moving links, base to flange: `links[i]` is carried by `joints[i]`."""
         return tuple(joint.link for joint in self.joints)
+
+    @property
+    def convention(self) -> Convention | None:
+        """How the controller counts the joints; None where the TOML does not say."""
+        sliding = [joint.kind == "prismatic" for joint in self.joints]
+        return convention_of(self.controller, self.joint_names, sliding) if self.controller.names else None
 
     def joint(self, name: str) -> Joint:
         """The joint of that name. Raises KeyError when there is none."""
@@ -88,6 +97,8 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         if name not in names
     ]
     faults += unknown_names(path, file, names, {base, *(moving.link for moving in chain)})
+    sliding = [moving.kind == "prismatic" for moving in chain]
+    faults += file.controller.faults(f"{path}: controller", names, sliding)
     if faults:
         raise InputError(faults)
     return Robot(
@@ -104,6 +115,7 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         bending_stiffness={
             link.name: link.bending_stiffness for link in file.links if link.bending_stiffness is not None
         },
+        controller=file.controller,
         source=file.source,
         tool=file.tool,
         payloads=file.payloads,

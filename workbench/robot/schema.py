@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ..files.faults import Fault, InputError
 from ..files.toml import read_toml
+from .convention import Controller
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 STANDARD_GRAVITY = 9.80665  # m/s²
@@ -109,6 +110,7 @@ class RobotFile(_Table):
     joints: tuple[JointData, ...] = ()
     compensator: Compensator | None = None
     links: tuple[LinkData, ...] = ()
+    controller: Controller = Controller()
     source: dict[str, Any] = {}
     tool: LoadData | None = None
     payloads: dict[str, LoadData] = {}

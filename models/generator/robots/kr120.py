@@ -101,6 +101,7 @@ KR120 = Design(
         "repeatability": (3e-6, 3e-6, 3e-6, 9e-6, 9e-6, 9e-6),
     },
     compensator=gas_spring(joint_2_ahead=0.35),
+    controller={"make": "KUKA", "names": ("A1", "A2", "A3", "A4", "A5", "A6")},
     source={
         "kinematics": "public URDF of the KR 120 R2500 pro (ROS-Industrial), controller signs and zeros; "
         "flange x down, z out as the controller has it",
@@ -115,6 +116,7 @@ KR120 = Design(
         "repeatability": "assumed per joint so that the pose scatters within the data sheet's 0.06 mm",
         "compensator": "pivots: public URDF of the KR 210 R2700, same column and upper arm (assumed to "
         "hold); charge, area and length: assumed, not public",
+        "controller": "the URDF's own signs and zeros",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),
