@@ -14,6 +14,7 @@ from ..files.faults import Fault, InputError
 from ..files.tables import Table, read_table, suggest
 from ..robot.description import Robot, load_robot
 from ..robot.find import find_robot, list_robots
+from ..robot.shown import urdf_notes
 from .check import check_points, check_poses, check_targets, doubts
 from .data import Array, Campaign, IntArray, Target
 from .file import WRENCH_COLUMNS, CampaignFile, point_columns, pose_columns, read_campaign_file
@@ -89,7 +90,7 @@ def _assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points
     seen = _sort_points(file, robot, poses, points)
     kept, measured = np.any(seen.shots > 0, axis=1), np.any(seen.shots > 0, axis=0)
     ids = poses.texts["pose_id"]
-    warnings = [*seen.warnings, *doubts(poses, points, robot)]
+    warnings = [*urdf_notes(robot), *seen.warnings, *doubts(poses, points, robot)]
     if not kept.all():
         missing = [name for name, keep in zip(ids, kept, strict=True) if not keep]
         warnings.append(f"{poses.path}: {_poses(missing)} without points, left out")

@@ -105,7 +105,8 @@ class RobotFile(_Table):
     title: str = ""
     urdf: str
     flange: str
-    gravity: Vector3 = (0.0, 0.0, -STANDARD_GRAVITY)
+    base: str | None = None
+    gravity: Vector3 | None = None
     joints: tuple[JointData, ...] = ()
     compensator: Compensator | None = None
     links: tuple[LinkData, ...] = ()
