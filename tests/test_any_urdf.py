@@ -68,7 +68,7 @@ def test_collada_units_count(tmp_path):
 
 def test_a_dense_mesh_makes_a_small_scene(tmp_path):
     urdf = example.package(tmp_path / "cloned")
-    example.stl(tmp_path / "cloned/meshes/cone.stl", facets=60_000)
+    example.stl(tmp_path / "cloned/meshes/cone.stl", facets=20_000)
     robot = load_robot(toml(tmp_path, urdf))
     shown = scene_of(robot, Shown(**{**vars(nothing()), "ghost_q": SOME}), "acme")
     assert len(shown) < 5e6
