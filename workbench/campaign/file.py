@@ -6,13 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, cast
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from ..files.faults import Fault, InputError
-from ..files.tables import Column, Layout, suggest
+from ..files.tables import Column, ColumnPlace, Layout, suggest
 from ..files.toml import read_toml
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
+from .exports import EXPORTS
 
 Name = Annotated[str, Field(min_length=1)]
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
@@ -23,9 +24,28 @@ class _Section(BaseModel):
 
 
 class TableFile(Layout):
-    """`[poses]` or `[points]`: a file and how it is laid out."""
+    """`[poses]` or `[points]`: a file and how it is laid out; template: as a program exports it."""
 
     file: Name
+    template: Literal[*EXPORTS] | None = None  # type: ignore[valid-type]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_exported(cls, data: Any) -> Any:
+        known = EXPORTS.get(data.get("template", "")) if isinstance(data, dict) else None
+        return {**known, **data} if known else data
+
+
+class PointsFile(TableFile):
+    """`[points]`; wide: targets side by side, the columns of x, y and z of each."""
+
+    wide: dict[Name, tuple[ColumnPlace, ColumnPlace, ColumnPlace]] = Field(default_factory=dict)
+
+
+class KnownData(_Section):
+    """`[known]`: what is known of the instrument. scale: true length by shown length."""
+
+    scale: Annotated[FiniteFloat, Field(gt=0)] = 1.0
 
 
 class TargetData(_Section):
@@ -50,9 +70,10 @@ class CampaignFile(_Section):
     title: str = ""
     robot: Name
     poses: TableFile
-    points: TableFile
+    points: PointsFile
     targets: dict[Name, TargetData] = {}
     noise: NoiseData = NoiseData()
+    known: KnownData = KnownData()
     tool: LoadData = LoadData(mass_kg=0.0)
     payloads: dict[Name, LoadData] = {}
 
@@ -104,9 +125,10 @@ _EXAMPLES = {
 }
 _SECTIONS: dict[str, type[BaseModel]] = {
     "poses": TableFile,
-    "points": TableFile,
+    "points": PointsFile,
     "targets": TargetData,
     "noise": NoiseData,
+    "known": KnownData,
     "tool": LoadData,
     "payloads": LoadData,
 }
@@ -140,7 +162,7 @@ def joint_column(
 def pose_columns(robot: Robot) -> list[Column]:
     """The columns of `poses.csv` for this robot."""
     columns = [
-        Column("pose_id", text=True, required=True, mend="name every pose"),
+        Column("pose_id", text=True, mend="name every pose"),
         Column("payload", text=True, blank=True),
         Column("setup", text=True, blank=True),
         Column("t", ("time",), blank=True),
@@ -159,14 +181,15 @@ def pose_columns(robot: Robot) -> list[Column]:
     return columns
 
 
-def point_columns(file: CampaignFile) -> list[Column]:
-    """The columns of `points.csv`. With a single declared target, its column may be left out."""
+def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
+    """The columns of `points.csv`. With a single target, its column may be left out, and that of the pose
+    where the points stand in the order of the poses (unless `named`)."""
     unseen = "leave out the line of a point that was not seen"
     stated = file.noise.sigma_mm is not None
     sigma = "" if stated else "give it for every point, or state [noise] sigma_mm for the others"
     return [
-        Column("pose_id", text=True, required=True, mend="every point belongs to a pose"),
-        Column("target", text=True, required=len(file.targets) != 1, mend="name the target of every point"),
+        Column("pose_id", text=True, required=named, mend="every point belongs to a pose"),
+        Column("target", text=True, required=len(file.targets) > 1, mend="name the target of every point"),
         *(Column(axis, ("length",), required=True, mend=unseen) for axis in "xyz"),
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
     ]

@@ -72,8 +72,8 @@ Made by `workbench init`. The robot is `{name}.toml`, with `{name}.urdf` beside 
 1. `workbench check {name}.toml` draws it and says what is not known. Is the flange `{flange}` right? Fill in
    gear ratios and stiffness in `{name}.toml` where you know them.
 2. `workbench plan {name}.toml --poses 60 --out poses.csv` proposes poses to measure. Or use what you have:
-   put the controller's joints into `poses.csv` and the instrument's points into `points.csv`, or name your own
-   files and columns in `campaign.toml`.
+   put the controller's joints into `poses.csv` and the instrument's points into `points.csv`, or name your
+   own files and columns in `campaign.toml`.
 3. `workbench check campaign.toml` reads both, fits the instrument's frame and shows which points look wrong.
 4. `workbench diagnose campaign.toml --out found` says what is wrong and why: open `found/index.html`.
 5. `workbench compensate PATH.csv --model found/model.toml --format krl` corrects a path.

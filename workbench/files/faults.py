@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+BYTE_ORDER_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 FAULTS_SHOWN = 10  # faults of one kind that are listed one by one; the rest is counted
 
 
@@ -41,17 +42,23 @@ def counted(faults: Sequence[Fault]) -> list[Fault]:
     return [*faults[:FAULTS_SHOWN], Fault(faults[-1].place, f"and {rest} more like this up to here")]
 
 
-def read_text(path: Path) -> str:
-    """The file's text; `InputError` when it is missing, a folder, or not UTF-8."""
+def read_text(path: Path, encoding: str = "utf-8") -> str:
+    """The file's text; `InputError` when it is missing, a folder, or not in that encoding.
+
+    A byte order mark says the encoding itself: UTF-8 or UTF-16.
+    """
     try:
-        return path.read_text(encoding="utf-8-sig")
+        data = path.read_bytes()
     except FileNotFoundError:
         raise InputError(Fault(str(path), "no such file", "check the path")) from None
     except IsADirectoryError:
         raise InputError(Fault(str(path), "is a folder, not a file", "name the file in it")) from None
-    except UnicodeDecodeError as error:
-        raise InputError(
-            Fault(str(path), f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")
-        ) from None
     except OSError as error:
         raise InputError(Fault(str(path), error.strerror or "cannot be read")) from None
+    marked = next((name for mark, name in BYTE_ORDER_MARKS.items() if data.startswith(mark)), encoding)
+    try:
+        return data.decode(marked)
+    except UnicodeDecodeError as error:
+        said = "UTF-8" if marked.startswith("utf-8") else marked
+        mend = 'save it as UTF-8; of a table, encoding = "latin-1" may say it'
+        raise InputError(Fault(str(path), f"is not {said} text (byte {error.start})", mend)) from None
