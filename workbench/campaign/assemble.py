@@ -1,4 +1,4 @@
-"""A campaign from its checked tables: joined on `pose_id`, shots as means on the grid of poses and targets."""
+"""A campaign from its checked tables: joined on `pose_id`, shots as means on the grid pose × target."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
 
 
 def _seen(table: Table, target: str) -> Table:
-    """Only the rows in which the target was seen; their number stands beside, as `row`."""
+    """Only the rows in which the target was seen; beside them which of how many, as `row` of `rows`."""
     if table.faults or not all(axis in table.numbers for axis in "xyz"):
         return table
     xyz = np.stack([table.numbers[axis] for axis in "xyz"], axis=1)
@@ -41,7 +41,10 @@ def _seen(table: Table, target: str) -> Table:
     table.add_fault_where(partly, "x", f"of {target} is there in part only", mend)
     kept = np.flatnonzero(~blank.any(axis=1))
     texts = {name: [cells[row] for row in kept] for name, cells in table.texts.items()}
-    numbers = {axis: table.numbers[axis][kept] for axis in "xyz"} | {"row": kept.astype(np.float64)}
+    numbers = {axis: table.numbers[axis][kept] for axis in "xyz"} | {
+        "row": kept.astype(np.float64),
+        "rows": np.full(len(kept), float(len(table))),
+    }
     texts["target"] = [target] * len(kept)
     return Table(table.path, table.lines[kept], numbers, texts, table.labels, table.units, [], table.faults)
 
@@ -72,7 +75,7 @@ def number_points(points: Table, poses: Table) -> bool:
     ids = poses.texts["pose_id"]
     if (rows := points.numbers.get("row")) is not None:
         order = [int(row) for row in rows]
-        fits = max(order) < len(ids)
+        fits = set(points.numbers["rows"]) == {len(ids)}
     else:
         count: dict[str, int] = {}
         order = []

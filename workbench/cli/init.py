@@ -31,6 +31,8 @@ def add(commands: Commands) -> None:
         metavar="NAME=DIR",
         help="where package://NAME is (besides the folders around the file and ROS's own paths)",
     )
+    parser.add_argument("--poses", type=Path, metavar="FILE", help="your table of joints, its layout guessed")
+    parser.add_argument("--points", type=Path, metavar="FILE", help="your instrument's table, likewise")
     out_option(parser, "folder for robot, campaign template and README (default: the robot's name)")
     json_option(parser)
     parser.set_defaults(run=run)
@@ -57,7 +59,7 @@ def run(arguments: argparse.Namespace) -> None:
         given_packages(arguments.package),
     )
     folder: Path = arguments.out or Path(made.name)
-    files = {**made.files, **template_files(made)}
+    files = {**made.files, **template_files(made, folder, arguments.poses, arguments.points)}
     there = [folder / path for path in files if (folder / path).exists()]
     if there:
         raise InputError(Fault(str(there[0]), "is there already", "name another folder with --out"))
