@@ -1,8 +1,9 @@
-"""A published URDF and tables with other names and units: a first page in three commands."""
+"""docs/tutorial.md: a published URDF, tables with other names and units, a first page in three commands."""
 
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ from workbench.cli.main import main
 from workbench.robot.chain import MovingJoint
 from workbench.robot.rigid_plant import arrays
 
+TUTORIAL = (Path(__file__).resolve().parents[1] / "docs/tutorial.md").read_text(encoding="utf-8")
+
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
@@ -26,7 +29,7 @@ def measured(tmp_path_factory):
         "[geometry.wrist_2_joint]\ntx = 0.002\n"
     )
     robot = load_robot(folder / "true.toml")
-    poses = random_poses(robot, 60, np.random.default_rng(3))
+    poses = random_poses(robot, 45, np.random.default_rng(3))
     geometry = arrays(robot).geometry
     campaign = simulate(planned(robot, poses), Truth(geometry=geometry, sigma=2e-5), seed=1)
     return folder, urdf, campaign
@@ -46,23 +49,27 @@ def german(folder, campaign):
     (folder / "tracker.txt").write_text("\n".join(lines), encoding="utf-16")
 
 
-def test_three_commands_reach_a_page(measured, monkeypatch, capsys):
+def test_the_tutorial_does_what_it_says(measured, monkeypatch, capsys):
+    """Three of its commands reach the first page: init, check, diagnose."""
     folder, _, campaign = measured
     german(folder, campaign)
+    rows = [f"{0.1 * i:.1f},{0.2 * i},-20,30,10,5,0" for i in range(20)]
+    header = "t_s," + ",".join(f"q{j}_deg" for j in range(1, 7))
+    (folder / "path.csv").write_text("\n".join([header, *rows, ""]))
     monkeypatch.chdir(folder)
-    assert (
-        main(["init", "src/cloned/urdf/acme.urdf", "--poses", "roboter.csv", "--points", "tracker.txt"]) == 0
-    )
-    said = capsys.readouterr()
-    assert "6 joints from base_link to tool0 (guessed: by its name" in said.out
-    assert "stand at 0: finger_1, finger_2" in said.err
-    assert main(["check", "acme/campaign.toml", "--json"]) == 0
-    facts = json.loads(capsys.readouterr().out)
-    assert facts["n_poses"] == 60
+    commands = re.findall(r"```sh\nworkbench (.*)\n```", TUTORIAL)
+    assert [command.split()[0] for command in commands] == ["init", "plan", "check", "diagnose", "compensate"]
+    said = {}
+    for command in commands:
+        assert main(command.split()) == 0, command
+        said[command.split()[0]] = capsys.readouterr()
+    assert "6 joints from base_link to tool0 (guessed: by its name" in said["init"].out
+    assert "stand at 0: finger_1, finger_2" in said["init"].err
+    facts = json.loads((folder / "seen/check.json").read_text())
+    assert facts["n_poses"] == 45
     assert facts["median_mm"] < 5
     assert facts["suspicious"] == []
-    assert main(["diagnose", "acme/campaign.toml", "--out", "found", "--json"]) == 0
-    result = json.loads(capsys.readouterr().out)
+    result = json.loads((folder / "found/result.json").read_text())
     assert result["verdict"] == "nothing_missing"
     nominal, geometry = (stage["heldout_rms_mm"] for stage in result["stages"][:2])
     assert geometry < 0.05 < 1 < nominal
@@ -71,6 +78,10 @@ def test_three_commands_reach_a_page(measured, monkeypatch, capsys):
     loaded = load_campaign("acme/campaign.toml")
     np.testing.assert_allclose(loaded.poses.q, campaign.poses.q, atol=1e-8)
     np.testing.assert_allclose(loaded.points, campaign.points, atol=1e-7)
+    (code,) = re.findall(r"```python\n(.*?)```", TUTORIAL, flags=re.DOTALL)
+    exec(compile(code, "tutorial.md", "exec"), {})
+    assert capsys.readouterr().out.startswith("Outcome: Diagnosis of acme, acme: ")
+    assert (folder / "found_too/result.json").read_bytes() == (folder / "found/result.json").read_bytes()
 
 
 def test_check_shows_what_is_suspicious(measured, monkeypatch, tmp_path, capsys):

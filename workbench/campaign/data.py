@@ -69,6 +69,13 @@ class Campaign:
     warnings: tuple[str, ...] = ()
     files: dict[str, str] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        loads = f", payloads {', '.join(self.payload_names[1:])}" if len(self.payload_names) > 1 else ""
+        noise = "" if self.noise_sigma is None else f", noise {1e3 * self.noise_sigma:g} mm"
+        targets = ", ".join(target.name for target in self.targets)
+        seen = f"{self.n_poses} poses, {self.n_points} points of {targets}"
+        return f"Campaign {self.title!r} of {self.robot.name}: {seen}{loads}{noise}"
+
     @classmethod
     def from_arrays(
         cls,

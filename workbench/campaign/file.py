@@ -20,14 +20,16 @@ Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
 class TableFile(Layout):
     """`[poses]` or `[points]`: a file and how it is laid out; template: as a program exports it."""
 
     file: Name
+    """beside this file"""
     template: Literal[*EXPORTS] | None = None  # type: ignore[valid-type]
+    """the layout of a program's export; what is said beside it counts"""
 
     @model_validator(mode="before")
     @classmethod
@@ -40,42 +42,59 @@ class PointsFile(TableFile):
     """`[points]`; wide: targets side by side, the columns of x, y and z of each."""
 
     wide: dict[Name, tuple[ColumnPlace, ColumnPlace, ColumnPlace]] = Field(default_factory=dict)
+    """targets side by side: name → columns of x, y and z"""
 
 
 class KnownData(_Section):
     """`[known]`: what is known of the instrument. scale: true length by shown length."""
 
     scale: Annotated[FiniteFloat, Field(gt=0)] = 1.0
+    """true length by the length that the instrument shows"""
 
 
 class TargetData(_Section):
     """`[targets.T1]`."""
 
     xyz_mm: Vector3 | None = None
+    """nominal place, re-fitted unless fixed; absent = unknown"""
     on: Name = "flange"
+    """flange, base, or a link's name"""
     fixed: bool = False
+    """the place is calibrated: nothing fits it"""
 
 
 class NoiseData(_Section):
     """`[noise]`."""
 
     sigma_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    """of the instrument, one sigma per axis; absent = estimated from repeated poses"""
     pose: bool = False
+    """the targets of a pose are points of one 6-D measurement"""
 
 
 class CampaignFile(_Section):
     """The whole of `campaign.toml`."""
 
     schema_: Literal[1] = Field(alias="schema")
+    """the version of this format, 1"""
     title: str = ""
+    """for pages"""
     robot: Name
+    """a robot that comes along, or the path of a robot's TOML from this file"""
     poses: TableFile
+    """what the controller was told"""
     points: PointsFile
+    """what the instrument saw, in its own frame"""
     targets: dict[Name, TargetData] = {}
+    """what it looked at, by name"""
     noise: NoiseData = NoiseData()
+    """of the measurement"""
     known: KnownData = KnownData()
+    """of the instrument"""
     tool: LoadData = LoadData(mass_kg=0.0)
+    """always mounted"""
     payloads: dict[Name, LoadData] = {}
+    """loads by their names in the poses"""
 
 
 def read_campaign_file(path: Path) -> CampaignFile:

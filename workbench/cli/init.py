@@ -23,7 +23,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("arguments", nargs="*", metavar="NAME:=VALUE", help="arguments of the xacro file")
     parser.add_argument("--flange", metavar="LINK", help="carries tool and targets (default: guessed)")
     parser.add_argument("--base", metavar="LINK", help="where the arm begins (default: the root)")
-    parser.add_argument("--name", metavar="NAME", help="of the robot (default: the file's)")
+    parser.add_argument("--name", dest="robot", metavar="NAME", help="of the robot (default: the file's)")
     parser.add_argument(
         "--package",
         action="append",
@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> None:
         Path(arguments.urdf),
         arguments.flange,
         arguments.base,
-        arguments.name,
+        arguments.robot,
         {name: value for name, _, value in words},
         given_packages(arguments.package),
     )

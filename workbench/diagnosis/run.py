@@ -31,6 +31,12 @@ class Outcome:
     problem: Problem
     fit: Fit
 
+    def __repr__(self) -> str:
+        return f"Outcome: {self.diagnosis!r}"
+
+    def _repr_html_(self) -> str:
+        return self.diagnosis._repr_html_()
+
 
 def diagnose(
     campaigns: Given | Sequence[Given],

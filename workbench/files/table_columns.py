@@ -33,21 +33,24 @@ ColumnPlace = Annotated[int, AfterValidator(_not_zero)] | str
 
 
 class Layout(BaseModel):
-    """How a text table is laid out; the defaults are our own layout.
+    """How a text table is laid out; the defaults are our own layout."""
 
-    columns: our name → a column's number (1 = first) or its name in the header, with a minus in front where
-    the file counts the other way.
-    """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     separator: Annotated[str, Field(pattern=r"^[^\w.+\-\"\r\n]$")] = ","
+    """between columns; a blank means any run of blanks and tabs"""
     decimal: Literal[".", ","] = "."
+    """point or comma"""
     header: bool = True
+    """the first line names the columns"""
     comment: str = ""
+    """what comment lines begin with"""
     encoding: Annotated[str, AfterValidator(_known_encoding)] = "utf-8"
+    """of the text; a byte order mark says it itself"""
     columns: dict[str, ColumnPlace] = {}
+    """our name → the file's: a number (1 = first) or a name, with a minus where the sign is turned"""
     units: dict[str, str] = {}
+    """our name → the unit in the file, where it is another than the name says"""
 
 
 @dataclass(frozen=True)

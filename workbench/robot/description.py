@@ -57,6 +57,10 @@ class Robot:
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
 
+    def __repr__(self) -> str:
+        joints = ", ".join(f"{joint.name} ({joint.kind})" for joint in self.joints)
+        return f"Robot {self.name}: {self.title}, from {self.base} to {self.flange} by {joints}"
+
     @property
     def joint_names(self) -> tuple[str, ...]:
         return tuple(joint.name for joint in self.joints)
