@@ -116,7 +116,7 @@ def test_check_of_a_robot(measured, monkeypatch, tmp_path, capsys):
     assert main(["init", str(urdf)]) == 0
     assert main(["check", "acme/acme.toml"]) == 0
     said = capsys.readouterr().out
-    assert "no gear_ratio of any joint" in said
+    assert "no gear ratio of any joint" in said
     assert "without limits: wrist_3_joint" in said
     assert Path("reports/check/scene.html").is_file()
     assert main(["check", str(urdf)]) == 2

@@ -153,8 +153,8 @@ _FORCE = "external force on the robot at the flange's origin, in the base frame"
 _TORQUE = "external torque, likewise"
 _SIGMA = "uncertainty of the point, one sigma"
 _MEANINGS = {
+    **dict(payload="what the arm carries, by its name under `[payloads]`; empty: nothing"),
     "pose_id": "name of the pose",
-    "payload": "what the arm carries, by its name under `[payloads]`; empty: nothing",
     "setup": "the instrument's stand: its frame and the targets are fitted anew for each",
     "t": "time",
     "temp": "temperature of the arm; 20 °C is nominal",

@@ -111,15 +111,15 @@ def _known(robot: Robot) -> list[str]:
     """What of the robot is stated, and what follows where it is not."""
     arm = arrays(robot)
     lines = [f"moving links weigh {arm.mass[1:].sum():.1f} kg; gravity {_vector(robot.gravity)} m/s²"]
-    lacking = {
-        "stiffness": "rigid until a campaign with loads says otherwise",
-        "gear_ratio": "gear errors are found by scan, without a line to look at",
-    }
-    for key, then in lacking.items():
-        names = [joint.name for joint in robot.joints if getattr(joint.data, key) is None]
+    lacking = (
+        ("stiffness", [j.data.stiffness for j in robot.joints], "rigid until loads say otherwise"),
+        ("gear ratio", [j.data.gear_ratio for j in robot.joints], "gear errors are found by scan"),
+    )
+    for what, values, then in lacking:
+        names = [joint.name for joint, value in zip(robot.joints, values, strict=True) if value is None]
         if names:
             which = "any joint" if len(names) == len(robot.joints) else ", ".join(names)
-            lines.append(f"no {key} of {which}: {then}")
+            lines.append(f"no {what} of {which}: {then}")
     free = [joint.name for joint in robot.joints if not np.isfinite(joint.upper - joint.lower)]
     if free:
         lines.append(f"without limits: {', '.join(free)}")
