@@ -70,7 +70,9 @@ def diagnosis(n_poses: int = 200, loads: int = 2, seed: int = 0) -> Diagnosis:
         faults=(
             FaultFound("outlier", "117", "T2", "4.1 mm away from where all other poses put it", "left out"),
         ),
-        test=TestFigures("KR 500, 50 test poses, heavy load", 2.47, 0.071, 0.079, 0.196, 6.02, 150),
+        test=TestFigures(
+            "KR 500, 50 test poses, heavy load", 2.47, 0.071, 0.079, 0.196, 6.02, 150, 0.071, 0.079
+        ),
         notes=("The three targets were re-fitted; their nominal places were 0.2 mm off.",),
         geometry=_geometry(random),
         unidentifiable=(

@@ -110,6 +110,22 @@ def test_check_shows_what_is_suspicious(measured, monkeypatch, tmp_path, capsys)
     assert scene.count('"suspicious": [') + scene.count('"suspicious":[') == 1
 
 
+def test_check_draws_what_does_not_fit_and_says_why(measured, monkeypatch, tmp_path, capsys):
+    folder, urdf, campaign = measured
+    german(folder, campaign)
+    monkeypatch.chdir(tmp_path)
+    tables = ["--poses", str(folder / "roboter.csv"), "--points", str(folder / "tracker.txt")]
+    assert main(["init", str(urdf), "--name", "turned", *tables]) == 0
+    path = Path("turned/campaign.toml")
+    path.write_text(path.read_text().replace('"Achse 2 [°]"', '"-Achse 2 [°]"'))
+    capsys.readouterr()
+    assert main(["check", str(path), "--out", "seen"]) == 2
+    said = capsys.readouterr()
+    assert "q2" in said.err
+    assert "do not belong together" in said.out
+    assert Path("seen/scene.html").is_file()
+
+
 def test_check_of_a_robot(measured, monkeypatch, tmp_path, capsys):
     _, urdf, _ = measured
     monkeypatch.chdir(tmp_path)

@@ -6,6 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
+from ..files.faults import Fault, InputError
 from .arguments import Commands, check_folder, json_option, out_option
 from .plan import read_source
 
@@ -27,9 +28,13 @@ def run(arguments: argparse.Namespace) -> None:
     folder: Path = arguments.out
     check_folder(folder)
     source = read_source(arguments.source)
+    wrong: tuple[Fault, ...] = ()
     if isinstance(source, Campaign):
-        checked = check_campaign(first_look(source))
+        look = first_look(source)
+        checked, wrong = check_campaign(look), look.wrong
     else:
         checked = check_robot(source, urdf_notes(source))
     write_check(checked, folder)
     print(json.dumps(checked.facts) if arguments.json else f"{checked.text}\n\nopen {folder}/index.html")
+    if wrong:
+        raise InputError(wrong)  # drawn all the same: the picture often says why

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..files.faults import Fault, InputError, read_text
+from ..files.faults import Fault, InputError
 from .arguments import Commands, json_option, load_all, out_option, quick_option, seed_option
 from .status import progress
 
@@ -71,8 +71,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def read_source(text: str) -> Campaign | Robot:
     """A robot by its name or its TOML, which names a URDF; else a campaign. Raises InputError."""
-    import tomllib
-
+    from ..files.toml import read_toml
     from ..robot.description import load_robot
     from ..robot.find import list_robots
 
@@ -84,11 +83,7 @@ def read_source(text: str) -> Campaign | Robot:
                 Fault(text, "is neither a TOML file nor a robot", "name campaign.toml or a robot")
             )
         return load_robot(text)
-    try:
-        content = tomllib.loads(read_text(Path(text)))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Fault(text, f"is not TOML: {error}")) from None
-    if "urdf" in content:
+    if "urdf" in read_toml(Path(text)):
         return load_robot(text)
     (campaign,) = load_all([text])
     return campaign

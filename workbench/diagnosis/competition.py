@@ -15,7 +15,7 @@ from ..identification.fit import Fit, fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from ..robot.kinematics import Array
-from .components import Component, Form, bare, cause_components, line_component, nameless_components
+from .components import Component, Form, Key, bare, cause_components, line_component, nameless_components
 from .noise_choice import from_residual
 from .prepared import Prepared
 from .priors import PRIORS
@@ -37,7 +37,7 @@ class Selection:
     """The likeliest set, strongest member first. fit: with its effects; shares: per member, the
     probability of each component in its place, None: of nothing. unrepeated: members that one half of the
     poses takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
-    joints beyond the noise."""
+    joints beyond the noise; spare: causes that functions without a name replace at no loss."""
 
     fit: Fit
     components: tuple[Component, ...]
@@ -46,11 +46,12 @@ class Selection:
     reduced: Reduced
     unrepeated: tuple[Member, ...]
     scatter: Array
+    spare: frozenset[Key] = frozenset()
 
     def named(self, effect: Effect) -> bool:
         """Whether an effect of the fit stands for a member that has a name."""
         keys = [bare(self.components[m.component].key) for m in self.members]
-        return effect.cause != UNKNOWN and effect.key in keys
+        return effect.cause != UNKNOWN and effect.key in keys and effect.key not in self.spare
 
     def worth_mm(self, member: Member) -> float:
         """RMS length [mm] of what a member makes of the points."""

@@ -14,6 +14,7 @@ from ..effects.base import UNKNOWN, Effect
 from ..effects.place import NOWHERE, Parameter, Where
 from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit, fit
+from .ceiling import ceiling_mm
 from .competition import Selection
 from .components import Key, bare
 from .evidence import evidence, structure_evidence
@@ -56,9 +57,12 @@ def assemble(parts: Parts) -> Diagnosis:
     left = remainder(fit(final.model, final.state, prepared.covariance, max_iterations=4), known)
     best = stages[-1].heldout_rms_mm
     findings = [_finding(parts, group, best) for group in groups]
-    nameless = _nameless(selection, left, best)
-    verdict = verdict_of(findings, nameless, stages)
-    findings += nameless
+    with_names = stages[1 + len(groups)].heldout_rms_mm
+    ceiling = min(best, ceiling_mm(final, parts.candidates))
+    brought = stages[1].heldout_rms_mm - with_names
+    nameless = _nameless(selection, left, best, with_names - best)
+    verdict = verdict_of(findings, nameless, brought, with_names - ceiling)
+    findings = sorted(findings, key=lambda finding: -finding.gain_mm) + nameless
     return Diagnosis(
         robot=problem.robot.name,
         robot_title=problem.robot.title,
@@ -68,8 +72,9 @@ def assemble(parts: Parts) -> Diagnosis:
         noise=prepared.noise,
         stages=tuple(stages),
         verdict=verdict,
-        headline=headline(verdict, findings, stages),
+        headline=headline(verdict, findings, stages, brought, ceiling, ""),
         causes=tuple(findings),
+        ceiling_mm=ceiling,
         remainder_chi2=left.chi2,
         remainder_dof=left.dof,
         remainder_p=left.p,
@@ -162,35 +167,33 @@ def _describe(final: Fit, group: Group) -> tuple[tuple[Parameter, ...], str]:
     return tuple(parameters), " ".join(s for s in sentences if s)
 
 
-def _nameless(selection: Selection, left: Remainder, rms_mm: float) -> list[Finding]:
-    """Functions without a name that the likeliest set has, largest first; and scatter beyond the noise."""
+def _nameless(selection: Selection, left: Remainder, rms_mm: float, worth_mm: float) -> list[Finding]:
+    """Functions without a name that the likeliest set has, largest first; and scatter beyond the noise.
+
+    worth_mm: what all of them together bring on held-out poses."""
     found = []
     for member, share in zip(selection.members, selection.shares, strict=True):
         component = selection.components[member.component]
-        if not component.nameless or share[None] >= PRIORS.absent:
-            continue
-        worth = rms_mm - float(np.sqrt(max(rms_mm**2 - selection.worth_mm(member) ** 2, 0.0)))
-        (function,) = component.forms[0].effects
-        assert isinstance(function, Unnamed)
-        found.append(_unknown(selection.fit, function, share[member.component], worth))
-    if left.scatter and not found:
-        found.append(_scatter(selection, left, rms_mm))
+        if component.nameless and share[None] < PRIORS.absent:
+            (function,) = component.forms[0].effects
+            assert isinstance(function, Unnamed)
+            worth = selection.worth_mm(member)
+            found.append(_unknown(selection.fit, function, share[member.component], worth))
     for member in selection.unrepeated:
         label = selection.components[member.component].label
         structure = f"looks like {label} in one half of the poses and not in the other"
-        worth = rms_mm - float(np.sqrt(max(rms_mm**2 - selection.worth_mm(member) ** 2, 0.0)))
-        found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
-    return _as_one(sorted(found, key=lambda finding: -finding.gain_mm))
+        found.append(_plain(structure, f"What is left {structure}.", NOWHERE, selection.worth_mm(member)))
+    if not found:
+        return [_scatter(selection, left, rms_mm)] if left.scatter else []
+    return [_as_one(sorted(found, key=lambda finding: -finding.gain_mm), max(worth_mm, 0.0))]
 
 
-def _as_one(found: list[Finding]) -> list[Finding]:
+def _as_one(found: list[Finding], worth_mm: float) -> Finding:
     """What has no name is one finding: its largest part, the others told with it."""
-    if len(found) < 2:
-        return found
     first, *others = found
     also = "; ".join(finding.structure or "" for finding in others[:ALSO_TOLD])
-    worth = sum(finding.gain_mm for finding in found)
-    return [replace(first, gain_mm=worth, structure=f"{first.structure} (besides: {also})")]
+    structure = f"{first.structure} (besides: {also})" if also else first.structure
+    return replace(first, gain_mm=worth_mm, structure=structure)
 
 
 def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:

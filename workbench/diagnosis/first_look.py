@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from ..campaign import Campaign
 from ..campaign.problem import problem_of
 from ..effects import catalogue
-from ..identification.registration import check_units, register
+from ..files.faults import Fault, InputError
+from ..identification.plausible import check_plausible
+from ..identification.registration import register
 from ..robot.kinematics import Array
 from .result import NotTestable
 
@@ -23,7 +25,8 @@ class FirstLook:
 
     points: (M, 3) [m] measured, in the base frame; error: (M, 3) [m] measured minus nominal; pose, target:
     (M,) their numbers; suspicious: (M,) far off the others; q: (n,) joints of the middle pose.
-    not_testable: causes that such data cannot show.
+    not_testable: causes that such data cannot show. wrong: why
+    joints, points and robot do not belong together; remarks: what is worth a word of it.
     """
 
     campaign: Campaign
@@ -34,6 +37,8 @@ class FirstLook:
     suspicious: NDArray[np.bool_]
     q: Array
     not_testable: tuple[NotTestable, ...]
+    remarks: tuple[str, ...]
+    wrong: tuple[Fault, ...]
 
     @property
     def distance(self) -> Array:
@@ -48,9 +53,13 @@ class FirstLook:
 
 
 def first_look(campaign: Campaign) -> FirstLook:
-    """Registers the points with the nominal robot. Raises `InputError` where only other units fit it."""
+    """Registers the points with the nominal robot, and judges whether they belong to it."""
     problem = problem_of(campaign)
-    check_units(problem)
+    no_faults: tuple[Fault, ...] = ()
+    try:
+        remarks, wrong = tuple(check_plausible(problem)), no_faults
+    except InputError as unfit:
+        remarks, wrong = (), unfit.faults
     R, t, targets = register(problem)
     setup, on = campaign.poses.setup, problem.on
     nominal = np.empty_like(campaign.points)
@@ -73,4 +82,6 @@ def first_look(campaign: Campaign) -> FirstLook:
         distance > SUSPICIOUS * np.median(distance),
         problem.q[middle],
         tuple(NotTestable(cause, why) for cause, why in missing if why is not None),
+        remarks,
+        wrong,
     )

@@ -4,44 +4,76 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..effects.base import UNKNOWN
+from ..effects.place import Where
 from .prepared import Prepared
 from .remainder import GLOBAL_LEVEL, Remainder
 from .result import Finding, Stage, Verdict
 
+MOST_SAID = 3  # causes that a headline says
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
-def verdict_of(findings: Sequence[Finding], nameless: Sequence[Finding], stages: Sequence[Stage]) -> Verdict:
+def verdict_of(
+    findings: Sequence[Finding], nameless: Sequence[Finding], brought_mm: float, rest_mm: float
+) -> Verdict:
     """The one word for all findings: unknown where what has no name is worth more than a share of what the
-    causes brought."""
-    brought = stages[1].heldout_rms_mm - stages[-1].heldout_rms_mm
-    if nameless and (not findings or nameless[0].gain_mm > SMALL_REST * max(brought, 0.0)):
+    causes brought. brought_mm, rest_mm: held-out gain of the causes, and of any smooth model beyond them."""
+    if nameless and (not findings or rest_mm > SMALL_REST * max(brought_mm, 0.0)):
         return "unknown"
     if not findings:
         return "nothing_missing"
     return "named" if all(f.status == "named" for f in findings) else "ambiguous"
 
 
-def headline(verdict: Verdict, findings: Sequence[Finding], stages: Sequence[Stage]) -> str:
-    """The verdict in one line; the numbers follow after the first full stop."""
-    found = [f for f in findings if f.cause != "unknown"]
-    named = [
-        f"{f.cause.replace('_', ' ')} in {f.where}" if str(f.where) else f.cause.replace("_", " ")
-        for f in found
-    ]
-    listed = ", ".join(named[:4]) + (f" and {len(named) - 4} more" if len(named) > 4 else "")
+def headline(
+    verdict: Verdict,
+    findings: Sequence[Finding],
+    stages: Sequence[Stage],
+    brought_mm: float,
+    ceiling_mm: float,
+    seen: str,
+) -> str:
+    """The verdict in one line; the numbers follow after the first full stop. seen: what these data could
+    have shown."""
+    causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
+    sure = [_words(f.cause, f.where) for f in causes if f.status == "named"]
+    parts = [f"Found: {_some(sure)}"] if sure else []
+    open_ = [_either(f) for f in causes if f.status != "named"]
+    if open_:
+        parts.append(f"{'not decided' if sure else 'Not decided'}: {_some(open_)}")
+    said = "; ".join(parts)
+    after, geometry = stages[-1].heldout_rms_mm, stages[1].heldout_rms_mm
     gain = (
-        f"Held-out error {stages[0].heldout_rms_mm:.3f} → {stages[-1].heldout_rms_mm:.3f} mm RMS, "
-        f"{stages[1].heldout_rms_mm:.3f} mm with geometry alone."
+        f"Held-out error {stages[0].heldout_rms_mm:.3f} → {after:.3f} mm RMS, "
+        f"{geometry:.3f} mm with geometry alone"
     )
+    if verdict == "nothing_missing" and stages[1].heldout_rms_mm > stages[0].heldout_rms_mm:
+        return f"Too few poses to say: fitted to them, the robot is worse at others. {gain}"
     if verdict == "nothing_missing":
-        return f"Nothing is missing: geometry explains these data. {gain}"
+        return f"Nothing is missing: geometry explains these data{seen}. {gain}."
+    best = max(geometry - ceiling_mm, 0.0)
+    gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
     if verdict == "unknown":
-        also = f" Found on the way: {listed}." if named else ""
-        return f"Something is left that no known cause explains.{also} {gain}"
-    if verdict == "ambiguous":
-        return f"Found: {listed}; for some of it other explanations fit as well. {gain}"
-    return f"Found: {listed}. {gain}"
+        said = f"; {said[0].lower()}{said[1:]}" if said else ""
+        return f"Something is left that no known cause explains{said}. {gain}"
+    return f"{said}. {gain}"
+
+
+def _words(cause: str, where: Where) -> str:
+    name = "something without a name" if cause == UNKNOWN else cause.replace("_", " ")
+    return f"{name} in {where}" if str(where) else name
+
+
+def _either(finding: Finding) -> str:
+    """A cause that is not decided, with its likeliest rival."""
+    own = _words(finding.cause, finding.where)
+    return f"{own} or {_words(finding.rivals[0].cause, finding.rivals[0].where)}" if finding.rivals else own
+
+
+def _some(words: Sequence[str]) -> str:
+    more = f" and {len(words) - MOST_SAID} more" if len(words) > MOST_SAID else ""
+    return ", ".join(words[:MOST_SAID]) + more
 
 
 def remarks(prepared: Prepared, left: Remainder, structured: bool) -> list[str]:

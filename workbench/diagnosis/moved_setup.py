@@ -14,9 +14,13 @@ from ..effects import catalogue
 from ..effects.base import Effect
 from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
+from ..identification.registration import GOOD, place_stated
 from ..robot.kinematics import Array
 from .result import FaultFound
 from .screen import effective_dof, quadratic, reduce_columns
+
+LEAST_BEFORE = 8  # poses before and after a jump
+JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,37 @@ def step_in_time(result: Fit) -> Step | None:
         for kind, columns in (("moved_instrument", result.line.frame), ("changed_setup", flange))
     ]
     return max((step for step in steps if step), key=lambda step: step.statistic, default=None)
+
+
+def jump(problem: Problem) -> Step | None:
+    """A step that is too large for a fit of all poses together, None where there is none.
+
+    From one pose on, all are grossly off where the first ones put the arm, and agree among themselves.
+    """
+    c, n_poses = problem.campaign, len(problem.q)
+    if len(c.setup_names) > 1 or n_poses < 4 * LEAST_BEFORE:
+        return None
+    order = np.arange(n_poses)
+    first = place_stated(problem, order < max(LEAST_BEFORE, n_poses // 4))
+    spread = float(np.linalg.norm(problem.rigid.p[-1].std(axis=0)))
+    if first.middle > GOOD * spread:
+        return None
+    base = problem.rigid.points(first.targets, problem.on) @ first.R.T + first.t
+    off = np.where(problem.seen, np.linalg.norm(c.points - base, axis=2), np.nan)
+    seen = problem.seen.any(axis=1)
+    far = np.zeros(n_poses, dtype=bool)
+    far[seen] = np.nanmedian(off[seen], axis=1) > JUMP * spread
+    right = np.concatenate([[0], np.cumsum(~far)]) + far.sum() - np.concatenate([[0], np.cumsum(far)])
+    k = int(np.argmax(right))
+    if not LEAST_BEFORE <= k <= n_poses - LEAST_BEFORE or far[:k].mean() > 0.1 or far[k:].mean() < 0.9:
+        return None
+    after = place_stated(problem, order >= k)
+    if after.middle > GOOD * spread:
+        return None
+    frame = float(np.linalg.norm(after.t - first.t))
+    target = float(np.max(np.linalg.norm(after.targets - first.targets, axis=1)))
+    kind = "changed_setup" if target > frame else "moved_instrument"
+    return Step(kind, k, max(frame, target), np.inf)
 
 
 def _step(result: Fit, kind: str, base: Array) -> Step | None:

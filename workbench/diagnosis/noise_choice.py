@@ -11,11 +11,22 @@ from scipy.optimize import minimize
 from ..campaign.problem import Problem
 from ..identification.fit import Fit
 from ..identification.model import Linearisation
-from ..identification.noise import Covariance, MeasuredNoise, measure_noise, repeat_chi2, stated_noise
+from ..identification.noise import (
+    Covariance,
+    MeasuredNoise,
+    measure_noise,
+    repeat_chi2,
+    repeat_groups,
+    stated_noise,
+    within,
+)
 from ..robot.kinematics import Array
 from .result import Noise
 
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
+
+RIGID = 0.1  # of the noise: measured targets change their distances by more
+WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
 
 def provisional(problem: Problem) -> Covariance:
@@ -44,6 +55,21 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
         return said, _figures(said, "stated", axial, measured), notes
     guess = provisional(problem)
     return guess, Noise(0.1, "residual"), notes
+
+
+def without_wild_repeats(problem: Problem) -> Problem:
+    """The problem without points that are off their repeats by far more than usual: one such would make the
+    noise of all."""
+    deviation, weight, dof = within(problem.campaign.points, repeat_groups(problem))
+    length = np.linalg.norm(deviation, axis=2)
+    repeated = problem.seen & (weight > 0)[:, None]
+    if not dof or not repeated.any():
+        return problem
+    wild = repeated & (length > WILD_REPEAT * float(np.median(length[repeated])) + 1e-6)
+    if not wild.any():
+        return problem
+    points = np.where(wild[..., None], np.nan, problem.campaign.points)
+    return replace(problem, campaign=replace(problem.campaign, points=points))
 
 
 def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial: Array) -> str | None:
@@ -123,3 +149,24 @@ def _two_parts(result: Fit) -> Covariance:
     x = minimize(cost, np.log([0.5 * total, 0.5 * total / reach]), method="Nelder-Mead").x
     sigma, joint = float(np.exp(x[0] / 2)), float(np.exp(x[1] / 2))
     return replace(result.noise, sigma=np.full(problem.seen.shape, sigma), joint=joint * turning)
+
+
+def rigid_targets(problem: Problem, noise: Noise) -> list[str]:
+    """A remark where targets keep their distances far better than the noise lets measured ones: they are
+    points of one 6-D measurement, which was not said."""
+    c = problem.campaign
+    on = np.array(problem.on)
+    moving = [i for i in range(len(on)) if on[i] == on.max()]
+    whole = problem.seen[:, moving].all(axis=1)
+    if c.six_dof or len(moving) < 3 or whole.sum() < 10:
+        return []
+    points = c.points[whole][:, moving]
+    sides = np.linalg.norm(points - np.roll(points, 1, axis=1), axis=2)
+    scatter = 1e3 * float(np.max(sides.std(axis=0)))
+    if scatter > RIGID * noise.sigma_mm:
+        return []
+    names = ", ".join(c.targets[i].name for i in moving)
+    return [
+        f"The distances between {names} never change ({scatter:.1g} mm, noise {noise.sigma_mm:.1g} mm): they "
+        "are points of one 6-D measurement. Say pose = true under [noise]; else one error counts as several."
+    ]

@@ -9,17 +9,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ..campaign import Campaign, drive_torque, join
 from ..campaign.problem import Problem, problem
 from ..effects.records import stated_effects
+from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.registration import check_units
-from .moved_setup import split_setup, step_in_time
-from .noise_choice import choose, from_residual
+from ..identification.plausible import check_corrections, check_plausible, check_rest, enough_poses
+from .moved_setup import jump, split_setup, step_in_time
+from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .result import FaultFound, Noise
-from .wild_points import Acting, clean
+from .wild_points import Acting, clean, least_sigma, without_gross, without_impossible
+
+SIX_DOF = 3  # targets that make a 6-D measurement
 
 Progress = Callable[[str], None]
 
@@ -59,11 +64,14 @@ def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambd
     campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
     progress("loading the robot")
     read = problem(campaign)
-    check_units(read)
     progress("looking for data faults")
-    sound = _without_faults(read, tuple(stated_effects(read)))
-    progress("fitting geometry")
-    return _fitted(sound)
+    try:
+        sound = _without_faults(read, tuple(stated_effects(read)))
+        progress("fitting geometry")
+        return _fitted(sound)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        what = f"no robot of this kind moves as these data say ({error})"
+        raise InputError(Fault(str(campaign.path), what, "check loads, stiffness and points")) from error
 
 
 @dataclass(frozen=True)
@@ -81,16 +89,53 @@ class _Sound:
 
 def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
+    possible = without_impossible(problem)
+    problem, faults = _measured_only(possible.problem), possible.faults
+    far = jump(problem)
+    if far is not None:
+        problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))
+    said = check_plausible(problem)
+    gross = without_gross(problem)
+    problem, faults = gross.problem, (*faults, *gross.faults)
     start = start_state(problem)
-    covariance, noise, notes = _noise(problem, known_effects, start)
-    cleaned = clean(problem, start, covariance, known_effects, judged=noise.source != "residual")
-    problem, start, faults = cleaned.problem, cleaned.fit.state, cleaned.faults
+    check_rest(Model(problem, (), known_effects), start)
+    usual = without_wild_repeats(problem)
+    covariance, noise, notes = _noise(usual, known_effects, start)
+    least = least_sigma(problem, covariance if noise.source != "residual" else None)
+    cleaned = clean(problem, start, covariance, known_effects, least)
+    problem, start, faults = cleaned.problem, cleaned.fit.state, (*faults, *cleaned.faults)
     step = step_in_time(cleaned.fit)
     if step is not None:
         problem, faults = split_setup(problem, step.first), (*faults, step.fault(problem))
+    problem = _measured_only(problem)
+    if step is not None or start.targets.shape[1] > len(problem.campaign.targets):
         start = start_state(problem)
-        covariance, noise, _ = _noise(problem, known_effects, start)
-    return _Sound(problem, known_effects, start, covariance, noise, faults, tuple(notes))
+    if faults or usual is not problem:
+        covariance, noise, notes = _noise(problem, known_effects, start)
+    said = [*said, *enough_poses(problem)]
+    return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
+
+
+def _measured_only(problem: Problem) -> Problem:
+    """The problem with the poses and targets of which something is left; `InputError` where nothing is."""
+    c, seen = problem.campaign, problem.seen
+    if c.six_dof and seen.sum(axis=1).max(initial=0) < SIX_DOF:
+        what = f"no pose has {SIX_DOF} usable targets, which a 6-D measurement needs"
+        raise InputError(Fault(str(c.path), what, "look at the points, or take out `pose = true`"))
+    if seen.any(axis=1).all() and seen.any(axis=0).all():
+        return problem
+    poses, targets = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+    if not len(poses):
+        raise InputError(Fault(str(c.path), "no usable point is left", "look at the points"))
+    c = c.some(poses)
+    c = replace(
+        c,
+        targets=tuple(c.targets[i] for i in targets),
+        points=c.points[:, targets],
+        shots=c.shots[:, targets],
+        sigma=None if c.sigma is None else c.sigma[:, targets],
+    )
+    return Problem(problem.robot, problem.arm, c, problem.compensator)
 
 
 def _noise(problem: Problem, known_effects: Acting, start: State) -> tuple[Covariance, Noise, list[str]]:
@@ -109,8 +154,8 @@ def _fitted(sound: _Sound) -> Prepared:
         covariance = replace(covariance, torque=drive_torque.noise(problem))
     if not known or problem.drives:
         geometry = fit(model, geometry.state, covariance)
+    check_corrections(geometry)
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
-    return Prepared(
-        problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, sound.notes
-    )
+    notes = (*sound.notes, *rigid_targets(problem, noise))
+    return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)

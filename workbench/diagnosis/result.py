@@ -143,7 +143,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class TestFigures:
-    """Errors on the campaign given by --test, in mm, 3-D norms."""
+    """Errors on the campaign of --test, in mm, 3-D norms; without its data faults, `all_`: with them."""
 
     __test__ = False  # not a pytest class
 
@@ -154,6 +154,9 @@ class TestFigures:
     after_max_mm: float
     before_max_mm: float
     n_points: int
+    all_mean_mm: float
+    all_rms_mm: float
+    faults: tuple[FaultFound, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -174,7 +177,8 @@ class PoseErrors:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Everything that a diagnosis found. proof: what a closed-loop run of the model showed, and the page that
+    """Everything that a diagnosis found. ceiling_mm: RMS error of held-out poses that any smooth model
+    reaches. proof: what a closed-loop run of the model showed, and the page that
     shows it."""
 
     robot: str
@@ -187,6 +191,7 @@ class Diagnosis:
     verdict: Verdict
     headline: str
     causes: tuple[Finding, ...]
+    ceiling_mm: float
     remainder_chi2: float
     remainder_dof: float
     remainder_p: float

@@ -24,6 +24,7 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         "verdict": result.verdict,
         "headline": result.headline,
         "causes": [_finding(finding) for finding in result.causes],
+        "ceiling": {"heldout_rms_mm": _number(result.ceiling_mm)},
         "remainder": {
             "chi2": _number(result.remainder_chi2),
             "dof": _number(result.remainder_dof),
@@ -68,6 +69,9 @@ def _test(test: TestFigures) -> dict[str, Any]:
         "after_max_mm": _number(test.after_max_mm),
         "before_max_mm": _number(test.before_max_mm),
         "n_points": test.n_points,
+        "all_mean_mm": _number(test.all_mean_mm),
+        "all_rms_mm": _number(test.all_rms_mm),
+        "faults": [fault_json(fault) for fault in test.faults],
     }
 
 

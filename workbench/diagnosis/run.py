@@ -15,12 +15,14 @@ from ..effects.base import Effect
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from .competition import Selection, compete
+from .components import Key
 from .findings import Parts, assemble
 from .prepared import Progress, prepare
 from .result import Diagnosis, NotTestable
 from .stages import rms_mm, without
 
 Given = Campaign | str | Path
+FAINT = 0.1  # of the noise: a gain that decides nothing
 
 
 @dataclass(frozen=True)
@@ -82,16 +84,24 @@ def _loaded(given: Given) -> Campaign:
 
 
 def _worth_it(selection: Selection, seed: int) -> Selection:
-    """Without effects that bring the tool no nearer to its place on poses that they were not fitted on."""
+    """Without effects that bring the tool no nearer to its place on poses that they were not fitted on; and
+    without the names of causes whose part what has no name could play as well, to a tenth of the noise."""
     result = selection.fit
-    while result.model.effects:
+    while True:
         best = rms_mm(heldout(result, seed=seed))
         gains = [without(result, [i], seed) - best for i in range(len(result.model.effects))]
-        worst = int(np.argmin(gains))
-        if gains[worst] > 0:
+        worst = int(np.argmin(gains)) if gains else 0
+        if not gains or gains[worst] > 0:
             break
         result = refit(result, [e for i, e in enumerate(result.model.effects) if i != worst])
-    return replace(selection, fit=result)
+    if all(selection.named(effect) for effect in result.model.effects):
+        return replace(selection, fit=result)
+    least = FAINT * 1e3 * float(np.sqrt(np.mean(result.noise.sigma**2)))
+    own: dict[Key, list[int]] = {}
+    for i, effect in enumerate(result.model.effects):
+        own.setdefault(effect.key, []).append(i)
+    spare = {key for key, members in own.items() if without(result, members, seed) - best < least}
+    return replace(selection, fit=result, spare=frozenset(spare))
 
 
 def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:

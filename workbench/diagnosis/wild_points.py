@@ -1,4 +1,8 @@
-"""Wild points, swapped and frozen targets: found on a robust geometry fit, mended or left out, and named."""
+"""Wild points, swapped and frozen targets: found, mended or left out, and named.
+
+First what is grossly off once the rigid robot was placed, so that no fit ever sees it (`without_gross`);
+then, on a robust fit of the geometry, what is off by several times the noise (`clean`).
+"""
 
 from __future__ import annotations
 
@@ -7,18 +11,23 @@ from dataclasses import dataclass, replace
 from itertools import permutations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..identification.fit import Fit, fit
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
+from ..identification.registration import register
 from ..robot.kinematics import Array
 from .result import FaultFound
 
 WILD = 6.0  # robust standard deviations per axis from which a point is wild
-
+ROUNDS = 6  # of a fit and a cleaning: what is farthest off goes first
+GROSS = 10.0  # times what most points are off the rigid robot: no robot that is only inaccurate has that,
+GROSS_SHARE = 0.1  # and of the spread of the points
+FARTHEST = 1e6  # m, rad
+MOST = 0.3  # of the points at least are right
 
 Acting = tuple[tuple[Effect, Array], ...]
 
@@ -32,37 +41,42 @@ class Cleaned:
     faults: tuple[FaultFound, ...]
 
 
-def clean(
-    problem: Problem, start: State, noise: Covariance, known_effects: Acting = (), judged: bool = True
-) -> Cleaned:
-    """Finds data faults and mends them or leaves the points out."""
+def clean(problem: Problem, start: State, noise: Covariance, known_effects: Acting, least: Array) -> Cleaned:
+    """Finds data faults and mends them or leaves the points out. least: (T,) [m] one sigma per axis that a
+    point has in any case: what is within it is not wild."""
     faults: list[FaultFound] = []
-    problem, frozen = _frozen(problem)
-    faults += frozen
-    for _ in range(4):
+    for _ in range(ROUNDS):
         result = robust_fit(problem, start, noise, known_effects)
-        problem, found = _mend(problem, result, noise if judged else None)
-        faults += found
-        if not found:
-            break
+        length = np.linalg.norm(result.residual, axis=2)
+        found = mended(problem, result.line.prediction.points, wild_limit(length, least))
         start = result.state
+        if not found.faults:
+            break
+        problem, faults = found.problem, [*faults, *found.faults]
     return Cleaned(problem, result, tuple(faults))
 
 
 def robust_fit(problem: Problem, start: State, noise: Covariance, known_effects: Acting = ()) -> Fit:
     """Geometry fit in which a pose counts less the farther it is off (weights of Student's t, 4 dof)."""
-    weight = noise.weight.copy()
     model = Model(problem, (), known_effects)
+    off = np.where(problem.seen[..., None], problem.campaign.points - model.predict(start), 0.0)
+    size = np.sqrt((off**2).sum(axis=(1, 2)) / np.maximum(problem.seen.sum(axis=1), 1))
+    counted = np.asarray(problem.seen.any(axis=1))
+    weight = _student(size, counted, noise.weight)
     for _ in range(6):
         result = fit(model, start, replace(noise, weight=weight), max_iterations=12)
         start = result.state
-        size = _pose_size(result, weight)
-        scale = float(np.median(size[weight > 0])) + 1e-12
-        new = noise.weight * np.sqrt(5 / (4 + (size / scale) ** 2))
+        new = _student(_pose_size(result, weight), counted, noise.weight)
         if float(np.abs(new - weight).max()) < 0.02:
             break
         weight = new
     return result
+
+
+def _student(size: Array, counted: NDArray[np.bool_], weight: Array) -> Array:
+    """(N,) weights of poses of which each is off by `size`; 4 degrees of freedom."""
+    scale = float(np.median(size[counted])) + 1e-12 if counted.any() else 1.0
+    return np.asarray(weight * np.sqrt(5 / (4 + (size / scale) ** 2)))
 
 
 def _pose_size(result: Fit, weight: Array) -> Array:
@@ -73,21 +87,45 @@ def _pose_size(result: Fit, weight: Array) -> Array:
     return np.asarray(size / np.where(weight > 0, weight, 1.0))
 
 
-def _mend(problem: Problem, result: Fit, noise: Covariance | None) -> tuple[Problem, list[FaultFound]]:
-    """One round: outlier points, first tried as swapped targets."""
-    length = np.linalg.norm(result.residual, axis=2)
-    limit = _limit(length, noise)
-    wild = np.where(np.isfinite(length), length > limit, False)
-    if not wild.any():
-        return problem, []
+def wild_limit(length: Array, least: Array) -> Array:
+    """(1, T) distance [m] from which a point is wild. length: (N, T) [m] how far each is off, NaN where not
+    seen: its robust scale per target counts, but no less than `least` (T,) [m], one sigma per axis."""
+    middle = np.array([np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else np.inf
+                       for column in length.T])  # fmt: skip
+    sigma = np.maximum(middle / 1.538, least)  # median of a 3-D normal's length
+    return np.asarray(WILD * np.sqrt(3) * sigma)[None]
+
+
+def least_sigma(problem: Problem, noise: Covariance | None) -> Array:
+    """(T,) one sigma per axis [m] of a usual point, 0 where no noise is known."""
+    if noise is None:
+        return np.zeros(problem.seen.shape[1])
+    return np.asarray(np.median(noise.sigma, axis=0))
+
+
+@dataclass(frozen=True)
+class Mended:
+    """The problem with points put right or left out, and which."""
+
+    problem: Problem
+    faults: tuple[FaultFound, ...]
+
+
+def mended(problem: Problem, predicted: Array, limit: Array) -> Mended:
+    """One round: points farther than `limit` (N or 1, T) [m] from where they are predicted (N, T, 3) are
+    exchanged with those of another target where that puts them right, else left out."""
     c = problem.campaign
-    points = c.points.copy()
-    faults = []
+    length = np.where(problem.seen, np.linalg.norm(c.points - predicted, axis=2), 0.0)
+    limit = np.broadcast_to(limit, length.shape)
+    wild = length > limit
+    if not wild.any():
+        return Mended(problem, ())
+    usual = float(np.median(length[problem.seen]))
+    points, faults = c.points.copy(), []
     # the worst first: a wild point pulls its neighbours, so only what is near the worst goes now
-    worst = np.nanmax(np.where(wild, length, 0.0) / limit, axis=1)
-    top = worst.max()
-    for n in np.flatnonzero(worst > max(1.0, 0.25 * top)):
-        order = _swap(result, c, int(n), limit)
+    worst = np.max(np.where(wild, length, 0.0) / limit, axis=1)
+    for n in np.flatnonzero(worst > max(1.0, 0.25 * float(worst.max()))):
+        order = _swap(predicted[n], c.points[n], limit[n])
         if order is not None:
             points[n] = points[n][list(order)]
             names = [c.targets[i].name for i in range(len(order)) if order[i] != i]
@@ -102,37 +140,110 @@ def _mend(problem: Problem, result: Fit, noise: Covariance | None) -> tuple[Prob
             )
             continue
         for i in np.flatnonzero(wild[n]):
-            what = f"{length[n, i] * 1e3:.2f} mm off, others typically {np.nanmedian(length) * 1e3:.2f} mm"
+            what = f"{millimetres(length[n, i])} off, others typically {millimetres(usual)}"
             points[n, i] = np.nan
             target = c.targets[i].name if len(c.targets) > 1 else None
             faults.append(FaultFound("outlier", c.poses.ids[n], target, what, "left out"))
-    return replace(problem, campaign=replace(c, points=points)), faults
+    return Mended(replace(problem, campaign=replace(c, points=points)), tuple(faults))
 
 
-def _limit(length: Array, noise: Covariance | None) -> Array:
-    """(1, T) distance from which a point is wild: robust scale per target, never below the noise's."""
-    middle = np.array([np.nanmedian(column) if np.isfinite(column).any() else np.inf for column in length.T])
-    sigma = middle / 1.538  # median of a 3-D normal's length
-    if noise is not None:
-        sigma = np.maximum(sigma, np.nanmedian(noise.sigma, axis=0))
-    return np.asarray(WILD * np.sqrt(3) * sigma)[None]
+def millimetres(length: float) -> str:
+    """A length [m] for people."""
+    return f"{length * 1e3:.2f} mm" if length < 10.0 else f"{length:.4g} m"
 
 
-def _swap(result: Fit, c: Campaign, n: int, limit: Array) -> Sequence[int] | None:
-    """The order of the targets that makes pose n fit; None when no exchange does."""
-    n_targets = c.points.shape[1]
-    if n_targets < 2 or n_targets > 5 or not np.isfinite(c.points[n]).all():
+def _swap(predicted: Array, points: Array, limit: Array) -> Sequence[int] | None:
+    """The order of the targets (T, 3) that makes a pose fit; None when no exchange does."""
+    n_targets = len(points)
+    if n_targets < 2 or n_targets > 5 or not np.isfinite(points).all():
         return None
-    predicted = result.line.prediction.points[n]
     for order in permutations(range(n_targets)):
         if list(order) == list(range(n_targets)):
             continue
-        if (np.linalg.norm(c.points[n][list(order)] - predicted, axis=1) < limit[0]).all():
+        if (np.linalg.norm(points[list(order)] - predicted, axis=1) < limit).all():
             return order
     return None
 
 
-def _frozen(problem: Problem) -> tuple[Problem, list[FaultFound]]:
+def without_gross(problem: Problem) -> Mended:
+    """Without points that are off the placed rigid robot by more than any robot is: before anything is
+    fitted."""
+    frozen = _frozen(problem)
+    problem = frozen.problem
+    target = _wild_targets(problem, *_off_the_rigid(problem))
+    problem = target.problem
+    predicted, _, limit = _off_the_rigid(problem)
+    gross = mended(problem, predicted, limit)
+    faults = [*frozen.faults, *target.faults, *gross.faults]
+    for _ in range(ROUNDS):  # those that the worst ones hid
+        if not gross.faults:
+            break
+        gross = mended(gross.problem, predicted, limit)
+        faults += gross.faults
+    return Mended(gross.problem, tuple(faults))
+
+
+def _off_the_rigid(problem: Problem) -> tuple[Array, Array, Array]:
+    """Points (N, T, 3) of the placed rigid robot, how far the measured ones are off (N, T; NaN: not seen) and
+    the limit (N, T) of what an inaccurate robot may be off [m]."""
+    R, t, targets = register(problem)
+    setup = problem.campaign.poses.setup
+    every = np.stack([problem.rigid.points(places, problem.on) for places in targets])
+    base = every[setup, np.arange(len(setup))]
+    predicted = np.einsum("nij,ntj->nti", R[setup], base) + t[setup][:, None]
+    length = np.where(problem.seen, np.linalg.norm(problem.campaign.points - predicted, axis=2), np.nan)
+    limit = np.full(length.shape, np.inf)
+    moving = np.array(problem.on) > 0
+    for k in np.unique(setup):
+        off = length[setup == k][:, moving]
+        off = off[np.isfinite(off)]
+        if len(off):
+            spread = float(np.sqrt(base[setup == k][:, moving].reshape(-1, 3).var(axis=0).sum()))
+            limit[setup == k] = max(GROSS * float(np.quantile(off, MOST)), GROSS_SHARE * spread)
+    return predicted, length, limit
+
+
+def without_impossible(problem: Problem) -> Mended:
+    """Without what no instrument shows and no joint does: points at exactly 0 0 0, which instruments write
+    where they saw nothing, half-written ones, distances and joints beyond all measure."""
+    c = problem.campaign
+    some, whole = np.isfinite(c.points).any(axis=2), np.isfinite(c.points).all(axis=2)
+    with np.errstate(invalid="ignore"):
+        far = some & (np.abs(c.points) > FARTHEST).any(axis=2)
+    points, faults = c.points.copy(), []
+    for wrong, what in (
+        (some & ~whole, "a coordinate is missing"),
+        (np.all(c.points == 0.0, axis=2), "exactly 0 0 0: not seen"),
+        (far, f"farther than {FARTHEST / 1e3:g} km"),
+    ):
+        points[wrong] = np.nan
+        for n, i in zip(*np.nonzero(wrong), strict=True):
+            target = c.targets[i].name if len(c.targets) > 1 else None
+            faults.append(FaultFound("outlier", c.poses.ids[n], target, what, "left out"))
+    possible = np.asarray((np.abs(c.poses.q) <= FARTHEST).all(axis=1))
+    for n in np.flatnonzero(~possible):
+        faults.append(FaultFound("outlier", c.poses.ids[n], None, "a joint beyond all measure", "left out"))
+    if not faults:
+        return Mended(problem, ())
+    c = replace(c, points=points).some(np.flatnonzero(possible))
+    return Mended(replace(problem, campaign=c), tuple(faults))
+
+
+def _wild_targets(problem: Problem, predicted: Array, length: Array, limit: Array) -> Mended:
+    """Without targets most of whose points are grossly off while another's are not."""
+    c = problem.campaign
+    wild = np.where(problem.seen, length > limit, False).sum(axis=0) / np.maximum(problem.seen.sum(axis=0), 1)
+    if wild.max() < 0.5 or wild.min() > 0.1:
+        return Mended(problem, ())
+    points, faults = c.points.copy(), []
+    for i in np.flatnonzero(wild >= 0.5):
+        what = f"{wild[i]:.0%} of its points are grossly off, those of other targets are not"
+        faults.append(FaultFound("outlier", None, c.targets[i].name, what, "all its points left out"))
+        points[:, i] = np.nan
+    return Mended(replace(problem, campaign=replace(c, points=points)), tuple(faults))
+
+
+def _frozen(problem: Problem) -> Mended:
     """Points that repeat the pose before to the last digit although the joints have moved."""
     c = problem.campaign
     points = c.points.copy()
@@ -154,6 +265,4 @@ def _frozen(problem: Problem) -> tuple[Problem, list[FaultFound]]:
                     "left out",
                 )
             )
-    if not faults:
-        return problem, []
-    return replace(problem, campaign=replace(c, points=points)), faults
+    return Mended(replace(problem, campaign=replace(c, points=points)) if faults else problem, tuple(faults))

@@ -3,21 +3,55 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
-from .faults import Fault, InputError, read_text
+from .faults import CONTROL, Fault, InputError, counted, read_text
+
+LONGEST = 2000  # characters of a name or a text
+SHOWN = 40  # of which a message shows
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The content of a TOML file; `InputError` where it is none or cannot be read."""
     try:
-        return tomllib.loads(read_text(path))
+        content = tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:
         raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
+    except RecursionError:
+        raise InputError(Fault(str(path), "is nested too deep", "take brackets out")) from None
+    faults = [
+        Fault(f"{path}: {place}", f"{text[:SHOWN]!r} {what}", mend)
+        for place, text in _texts(content)
+        for what, mend in _faults(text)
+    ]
+    if faults:
+        raise InputError(counted(faults))
+    return content
+
+
+def _texts(content: Any, place: str = "") -> Iterator[tuple[str, str]]:
+    """Every text in a TOML's content, keys too, with its place."""
+    if isinstance(content, str):
+        yield place, content
+    elif isinstance(content, Mapping):
+        for key, value in content.items():
+            yield place or "top", key
+            yield from _texts(value, f"{place}.{key[:SHOWN]}" if place else key[:SHOWN])
+    elif isinstance(content, Sequence):
+        for value in content:
+            yield from _texts(value, place)
+
+
+def _faults(text: str) -> Iterator[tuple[str, str]]:
+    """What is wrong with a text, and how to mend it."""
+    if len(text) > LONGEST:
+        yield f"... has {len(text)} characters", f"{LONGEST} are enough"
+    if CONTROL.search(text):
+        yield "has control characters", "take them out"
 
 
 def toml_text(table: Mapping[str, Any], comments: Sequence[str] = ()) -> str:

@@ -134,7 +134,7 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     instrument's σ² and one for the joints (their ratio as the robot's TOML says, else equal).
     """
     c = problem.campaign
-    deviation, weight, dof = _within(c.points, repeat_groups(problem))
+    deviation, weight, dof = within(c.points, repeat_groups(problem))
     shot_ss, shot_dof = c.shot_scatter
     if dof < 12:
         return None
@@ -175,12 +175,12 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
 def repeat_chi2(problem: Problem, covariance: Covariance, axial: Array) -> tuple[float, int]:
     """Sum of squares of the repeats about their means, whitened by a covariance, and its degrees of
     freedom; axial as in `measure_noise`."""
-    deviation, _, dof = _within(problem.campaign.points, repeat_groups(problem))
+    deviation, _, dof = within(problem.campaign.points, repeat_groups(problem))
     W = whitener(problem, covariance, axial, None)
     return float(((W @ deviation.reshape(len(W), -1, 1)) ** 2).sum()), dof
 
 
-def _within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array, int]:
+def within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array, int]:
     """Deviation (N, T, 3) of each pose's points from their means in the pose's group (0 where not seen),
     1 − 1/k of the group (0: alone), and the degrees of freedom."""
     deviation, weight, dof = np.zeros_like(points), np.zeros(len(group)), 0

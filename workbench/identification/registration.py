@@ -1,20 +1,56 @@
-"""Instrument frame and targets without a first guess, and the mix-up of units."""
+"""Instrument frame and targets without a first guess, from the rigid arm: robust, from several starts."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..campaign.problem import Problem
-from ..files.faults import Fault, InputError
-from ..robot.kinematics import Array, Frames, frames
+from ..robot.kinematics import Array, Frames
 from ..robot.rotations import body_jacobian, from_vectors
 
 STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists
 UNKNOWN_TARGET = 1.0  # m, how far an unknown target may be from its frame
+GOOD = 0.02  # of the spread of the points: with a smaller misfit no other start is tried
+ROUGHLY = 8  # iterations from each of many directions, of which the
+PROMISING = 4  # best are followed to the end
+FAR = 50.0  # times the usual distance from the middle: farther points are not looked at
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What the instrument saw in some poses. N poses, T targets.
+
+    R: (N, T, 3, 3), p: (N, T, 3) [m] frame behind which each target sits; points: (N, T, 3) [m] as
+    measured, seen: (N, T) those that count.
+    """
+
+    R: Array
+    p: Array
+    points: Array
+    seen: NDArray[np.bool_]
+
+    @property
+    def spread(self) -> float:
+        """Rms distance [m] of the frames' origins from their middle."""
+        return float(np.linalg.norm(self.p[self.seen].std(axis=0))) if self.seen.any() else 0.0
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A set-up's frame R (3, 3), t (3,) [m] of the base in the instrument's, targets (T, 3) [m], the scale of
+    the points; length: (N, T) [m] what is left of each point, NaN where not measured; middle: its median."""
+
+    R: Array
+    t: Array
+    targets: Array
+    scale: float
+    length: Array
+    middle: float
 
 
 def register(problem: Problem) -> tuple[Array, Array, Array]:
@@ -23,137 +59,125 @@ def register(problem: Problem) -> tuple[Array, Array, Array]:
     Robust (a few wild points do no harm); where poses cannot tell frame from target, targets stay
     near their stated places.
     """
-    campaign = problem.campaign
-    out = []
-    for k in range(len(campaign.setup_names)):
-        here = campaign.poses.setup == k
-        out.append(_one_setup(problem, problem.rigid, here)[:3])
-    R, t, targets = (np.array(part) for part in zip(*out, strict=True))
-    fixed = np.array([target.fixed for target in campaign.targets])
+    setup, names = problem.campaign.poses.setup, problem.campaign.setup_names
+    found = [place_stated(problem, setup == k) for k in range(len(names))]
+    R, t, targets = (np.array([getattr(one, part) for one in found]) for part in ("R", "t", "targets"))
+    fixed = np.array([target.fixed for target in problem.campaign.targets])
     return R, t, np.where(fixed[:, None], problem.stated_targets, targets)
 
 
-def check_units(problem: Problem) -> None:
-    """Raises InputError when other units of points or joints fit far better than the stated ones."""
-    campaign = problem.campaign
-    stated, size = _misfit(problem, problem.rigid, 1.0)
-    if stated < 0.05 * size or len(campaign.poses.q) < 8:
-        return
-    rotary = ~problem.arm.prismatic
-    best: tuple[float, float, float] | None = None
-    for joint_factor in (1.0, np.pi / 180, 180 / np.pi):
-        q = np.where(rotary, campaign.poses.q * joint_factor, campaign.poses.q)
-        where = problem.rigid if joint_factor == 1.0 else frames(problem.arm, q)
-        for factor in (1.0, 1e-3, 1e3):
-            if joint_factor == factor == 1.0:
-                continue
-            misfit, extent = _misfit(problem, where, factor)
-            if (
-                misfit / extent < 0.05
-                and misfit / extent < 0.1 * stated / size
-                and (best is None or misfit / extent < best[0])
-            ):
-                best = misfit / extent, joint_factor, factor
-    if best is None:
-        return
-    said = []
-    if best[1] != 1.0:
-        said.append(("joints", "degrees, not radians" if best[1] < 1 else "radians, not degrees"))
-    if best[2] != 1.0:
-        said.append(("points", "millimetres, not metres" if best[2] < 1 else "metres, not millimetres"))
-    place = {"joints": "poses", "points": "points"}
-    raise InputError(
-        [
-            Fault(
-                f"{campaign.path}: {place[what]}",
-                f"the numbers of the {what} fit the robot only if they are {unit}",
-                "mend the column's suffix, or say so under `units`",
-            )
-            for what, unit in said
-        ]
-    )
-
-
-def _misfit(problem: Problem, where: Frames, factor: float) -> tuple[float, float]:
-    """Median misfit after registration and the arm's extent, both in m; `factor` scales the points."""
-    campaign = replace(problem.campaign, points=problem.campaign.points * factor)
-    scaled = replace(problem, campaign=campaign)
-    misfits, extents = [], []
-    for k in range(len(campaign.setup_names)):
-        here = campaign.poses.setup == k
-        *_, misfit = _one_setup(scaled, where, here)
-        misfits.append(misfit)
-        extents.append(float(np.linalg.norm(where.p[-1][here].std(axis=0))) + 1e-6)
-    return float(np.median(misfits)), float(np.median(extents))
-
-
-def _one_setup(problem: Problem, where: Frames, here: NDArray[np.bool_]) -> tuple[Array, Array, Array, float]:
-    """Best of several starts of one set-up: R, t, targets (T, 3), median misfit [m]."""
-    on = problem.on
-    R_k = np.stack([where.R[k][here] for k in on], axis=1)
-    p_k = np.stack([where.p[k][here] for k in on], axis=1)
-    z = problem.campaign.points[here]
+def place_stated(problem: Problem, here: NDArray[np.bool_]) -> Placed:
+    """The poses `here`, seen by one instrument, with the targets near where they are stated."""
     stated = problem.stated_targets
     known = np.asarray(np.isfinite(stated).all(axis=1))
     prior = np.where(known, STATED_TARGET, UNKNOWN_TARGET)
     # a fixed target is held tight
     prior = np.where([target.fixed for target in problem.campaign.targets], 1e-6, prior)
+    return place(sight(problem.rigid, problem.campaign.points, problem.on, here), stated, prior)
+
+
+def sight(where: Frames, points: Array, on: Sequence[int], here: NDArray[np.bool_]) -> Sight:
+    """The poses `here` of points (N, T, 3) on the frames `on`; points far from all are not looked at."""
+    z = points[here]
+    seen = np.asarray(np.isfinite(z).all(axis=2))
+    p = np.stack([where.p[k][here] for k in on], axis=1)
+    if seen.any():
+        off = np.where(seen[..., None], z, 0.0) - np.median(z[seen], axis=0)
+        distance = np.linalg.norm(np.clip(off, -1e100, 1e100), axis=2)
+        usual = float(np.median(distance[seen])) + float(np.linalg.norm(p[seen].std(axis=0))) + 1e-3
+        seen &= distance < FAR * usual
+    return Sight(np.stack([where.R[k][here] for k in on], axis=1), p, z, seen)
+
+
+def place(
+    seen: Sight, stated: Array, prior: Array, *, turns: bool = True, scale: bool = False, rounds: int = 40
+) -> Placed:
+    """Best of several starts. stated: (T, 3) [m], NaN where unknown, and prior: (T,) [m] how far from there.
+
+    turns: where no start is good, 24 directions more; scale: the size of the points is free as well;
+    rounds: iterations.
+    """
+    known = np.asarray(np.isfinite(stated).all(axis=1))
     start = np.where(known[:, None], stated, 0.0)
-    best = _refine(R_k, p_k, z, start, prior, *_kabsch(R_k, p_k, z, start))
-    if best[3] > 0.02 * (1e-3 + float(np.linalg.norm(p_k.reshape(-1, 3).std(axis=0)))):
-        for turn in Rotation.create_group("O"):
-            R, t = _turned_start(turn.as_matrix(), R_k, p_k, z, start)
-            other = _refine(R_k, p_k, z, start, prior, R, t)
-            best = other if other[3] < best[3] else best
+    good = GOOD * (1e-3 + seen.spread)
+    best = _refine(seen, start, prior, *_kabsch(seen, start), scale, rounds=rounds)
+    if best.middle > good and start.any():
+        other = _refine(seen, start, prior, *_kabsch(seen, 0.0 * start), scale, rounds=rounds)
+        best = other if other.middle < best.middle else best
+    if turns and best.middle > good:
+        starts = [_turned_start(turn.as_matrix(), seen, start) for turn in Rotation.create_group("O")]
+        rough = [_refine(seen, start, prior, *one, scale, rounds=ROUGHLY) for one in starts]
+        for i in np.argsort([one.middle for one in rough])[:PROMISING]:
+            other = _refine(seen, start, prior, *starts[int(i)], scale)
+            best = other if other.middle < best.middle else best
     return best
 
 
-def _kabsch(R_k: Array, p_k: Array, z: Array, targets: Array) -> tuple[Array, Array]:
-    points = p_k + np.einsum("ntij,tj->nti", R_k, targets)
-    seen = np.asarray(np.isfinite(z).all(axis=2))
-    a, b = points[seen], z[seen]
+def _kabsch(seen: Sight, targets: Array) -> tuple[Array, Array]:
+    """Frame (3, 3), (3,) by Kabsch's rotation, repeated with less weight for what is far off."""
+    points = seen.p + np.einsum("ntij,tj->nti", seen.R, targets)
+    a, b = points[seen.seen], seen.points[seen.seen]
+    if len(a) < 2:
+        return np.eye(3), (b - a).mean(axis=0) if len(a) else np.zeros(3)
     ca, cb = np.median(a, axis=0), np.median(b, axis=0)
-    rotation, _ = Rotation.align_vectors(b - cb, a - ca) if len(a) > 1 else (Rotation.identity(), 0)
-    R = rotation.as_matrix()
+    weight = np.ones(len(a))
+    R = np.eye(3)
+    for _ in range(5):
+        u, _s, vt = np.linalg.svd((weight[:, None] * (b - cb)).T @ (a - ca))
+        R = u @ np.diag([1.0, 1.0, np.linalg.det(u) * np.linalg.det(vt)]) @ vt
+        off = np.linalg.norm(b - cb - (a - ca) @ R.T, axis=1)
+        weight = 1 / (off + np.median(off) + 1e-9)
+        weight /= weight.sum()
+        ca, cb = weight @ a, weight @ b
     return R, cb - R @ ca
 
 
-def _turned_start(turn: Array, R_k: Array, p_k: Array, z: Array, targets: Array) -> tuple[Array, Array]:
-    points = p_k + np.einsum("ntij,tj->nti", R_k, targets)
-    return turn, np.nanmedian(z.reshape(-1, 3), axis=0) - turn @ np.median(points.reshape(-1, 3), axis=0)
+def _turned_start(turn: Array, seen: Sight, targets: Array) -> tuple[Array, Array]:
+    points = seen.p + np.einsum("ntij,tj->nti", seen.R, targets)
+    middle = np.median(seen.points[seen.seen], axis=0) if seen.seen.any() else np.zeros(3)
+    return turn, middle - turn @ np.median(points.reshape(-1, 3), axis=0)
+
+
+def _size(seen: Sight) -> float:
+    """How much farther apart the points are than the frames."""
+    measured, modelled = seen.points[seen.seen], seen.p[seen.seen]
+    far = np.median(np.linalg.norm(measured - np.median(measured, axis=0), axis=1))
+    size = far / (np.median(np.linalg.norm(modelled - np.median(modelled, axis=0), axis=1)) + 1e-9)
+    return float(size) if np.isfinite(size) and size > 0 else 1.0
 
 
 def _refine(
-    R_k: Array, p_k: Array, z: Array, start: Array, prior: Array, R: Array, t: Array
-) -> tuple[Array, Array, Array, float]:
-    """Gauss–Newton on frame and targets with weights 1/misfit (robust)."""
-    n_targets = z.shape[1]
-    targets = start.copy()
-    seen = np.asarray(np.isfinite(z).all(axis=2))
-    misfit = np.inf
-    for _ in range(40):
-        local = p_k + np.einsum("ntij,tj->nti", R_k, targets)
-        points = local @ R.T + t
-        residual = np.where(seen[..., None], z - points, 0.0)
+    seen: Sight, start: Array, prior: Array, R: Array, t: Array, free_scale: bool, rounds: int = 40
+) -> Placed:
+    """Gauss–Newton on frame, targets and scale with weights 1/misfit (robust)."""
+    z, mask, n_targets = np.where(seen.seen[..., None], seen.points, 0.0), seen.seen, seen.p.shape[1]
+    targets, size, misfit = start.copy(), _size(seen) if free_scale else 1.0, np.inf
+    hold = np.concatenate([np.full(6, 1e-9), np.repeat(prior, 3) ** -2.0, [0.0 if free_scale else 1e18]])
+    for iteration in range(rounds):
+        local = seen.p + np.einsum("ntij,tj->nti", seen.R, targets)
+        points = size * local @ R.T + t
+        residual = np.where(mask[..., None], z - points, 0.0)
         length = np.linalg.norm(residual, axis=2)
-        misfit, last = float(np.median(length[seen])), misfit
-        weight = seen / np.sqrt(length**2 + (1.5 * misfit + 1e-9) ** 2)
-        J = np.zeros((*z.shape, 6 + 3 * n_targets))
+        misfit, last = float(np.median(length[mask])) if mask.any() else 0.0, misfit
+        weight = mask / np.sqrt(length**2 + (1.5 * misfit + 1e-9) ** 2)
+        J = np.zeros((*z.shape, 7 + 3 * n_targets))
         J[..., :6] = body_jacobian(points - t)
         for i in range(n_targets):
-            J[:, i, :, 6 + 3 * i : 9 + 3 * i] = R @ R_k[:, i]
+            J[:, i, :, 6 + 3 * i : 9 + 3 * i] = size * R @ seen.R[:, i]
+        J[..., -1] = points - t
         scale = misfit + 1e-6
         flat = J.reshape(-1, J.shape[-1])
         pull = flat.T * np.repeat(weight / scale, 3)
         A, g = pull @ flat, pull @ residual.ravel()
-        hold = np.repeat(prior, 3) ** -2.0
-        A[np.diag_indices(6)] += 1e-9
-        A[6:, 6:] += np.diag(hold)
-        g[6:] -= hold * (targets - start).ravel()
+        A[np.diag_indices_from(A)] += hold
+        g[6:-1] -= hold[6:-1] * (targets - start).ravel()
         step = np.linalg.solve(A, g)
         R = from_vectors(step[3:6]) @ R
         t = t + step[:3]
-        targets = targets + step[6:].reshape(-1, 3)
-        if float(np.abs(step).max()) < 1e-9 or (_ > 15 and misfit > 0.999 * last):
+        targets = targets + step[6:-1].reshape(-1, 3)
+        size = size * float(np.exp(np.clip(step[-1], -1.0, 1.0)))
+        if float(np.abs(step).max()) < 1e-9 or (iteration > 15 and misfit > 0.999 * last):
             break
-    return R, t, targets, misfit
+    every = np.asarray(np.isfinite(seen.points).all(axis=2))
+    left = np.clip(np.where(every[..., None], seen.points, np.nan) - points, -1e100, 1e100)
+    return Placed(R, t, targets, size, np.linalg.norm(left, axis=2), misfit)

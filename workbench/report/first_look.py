@@ -70,10 +70,12 @@ def check_campaign(look: FirstLook) -> Checked:
         f"instrument: {_noise(look)}",
     ]
     sections: dict[str, Sequence[str]] = {"What was read": read}
+    if look.wrong:
+        sections["Joints, points and robot do not belong together"] = [str(fault) for fault in look.wrong]
     if listed:
         sections[f"Suspicious: more than {SUSPICIOUS:g} times the median off"] = listed
-    if campaign.warnings:
-        sections["Worth a look"] = campaign.warnings
+    if worth := [*look.remarks, *campaign.warnings]:
+        sections["Worth a look"] = worth
     sections["What is known of the robot"] = _known(campaign.robot)
     sections["What such data cannot show"] = [f"{item.cause}: {item.why}" for item in look.not_testable]
     facts = {
@@ -83,7 +85,8 @@ def check_campaign(look: FirstLook) -> Checked:
         "median_mm": float(np.median(mm)),
         "max_mm": float(mm.max()),
         "suspicious": [{"point": look.names[i], "off_mm": float(mm[i])} for i in bad],
-        "warnings": list(campaign.warnings),
+        "warnings": [*look.remarks, *campaign.warnings],
+        "wrong": [str(fault) for fault in look.wrong],
         "not_testable": [{"cause": item.cause, "why": item.why} for item in look.not_testable],
     }
     headline = f"{len(mm)} points, {np.median(mm):.2f} mm from the nominal robot, {len(bad)} suspicious"

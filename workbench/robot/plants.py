@@ -18,6 +18,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, Frame, RigidBody, SpatialInertia
 
 from .description import Robot
+from .drake_faults import drake_reads
 from .kinematics import Arm, Array
 from .plant_parts import axial_joint, link_inertia, motion_transform, slot_pose
 from .shown import bare_text, shown_text
@@ -32,7 +33,8 @@ def urdf_plant(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPl
     """
     text = bare_text(robot) if plant is None else shown_text(robot)
     plant = MultibodyPlant(0.0) if plant is None else plant
-    Parser(plant).AddModelsFromString(text, "urdf")
+    with drake_reads(robot):
+        Parser(plant).AddModelsFromString(text, "urdf")
     plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
     plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(robot.base).body_frame())
     plant.Finalize()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from ..files.faults import Fault, InputError, read_text
+from ..files.faults import Fault, InputError
+from ..files.toml import read_toml
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 STANDARD_GRAVITY = 9.80665  # m/s²
@@ -167,9 +167,7 @@ class RobotFile(_Table):
 def parse_robot(path: Path) -> RobotFile:
     """The TOML's tables. Raises `InputError` with every fault of the file by itself."""
     try:
-        return RobotFile.model_validate(tomllib.loads(read_text(path)))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
+        return RobotFile.model_validate(read_toml(path))
     except ValidationError as error:
         raise InputError(toml_faults(path, error)) from None
 

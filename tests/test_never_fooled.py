@@ -1,0 +1,180 @@
+"""One wrong number does not decide: it is named and left out, and the diagnosis stays what it was."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from diagnosis_cases import found, measured, named, with_points
+
+from workbench.campaign import write_campaign
+from workbench.cli.main import main
+from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.run import diagnose
+from workbench.files.faults import InputError, read_text
+from workbench.files.toml import read_toml
+from workbench.robot.description import load_robot
+from workbench.robot.rigid_plant import arrays
+
+POSE = 7
+
+
+@cache
+def clean(**options):
+    campaign = measured("ur5", poses=40, loads=(), **options)
+    return campaign, prepare(campaign)
+
+
+def spoilt(change, **options):
+    campaign, _ = clean(**options)
+    points = campaign.points.copy()
+    change(points)
+    return with_points(campaign, points)
+
+
+def put(where, value):
+    return lambda points: points.__setitem__(where, value)
+
+
+def move(where, by):
+    return lambda points: points.__setitem__(where, points[where] + by)
+
+
+def many(points):
+    rng = np.random.default_rng(5)
+    rows = rng.permutation(40)[:8]
+    points[rows] += rng.normal(size=(8, 3, 3)) * 10 ** rng.uniform(-1, 3, (8, 1, 1))
+
+
+SPOILT = {
+    "a point 300 mm off": (move((POSE, 1), [0.3, 0, 0]), {str(POSE + 1)}),
+    "a point 300 m off": (move((POSE, 1), [0, 300.0, 0]), {str(POSE + 1)}),
+    "a point at the end of the world": (put((POSE, 1), 1e250), {str(POSE + 1)}),
+    "zeros": (put((POSE, 1), 0.0), {str(POSE + 1)}),
+    "half a point": (put((POSE, 1, 2), np.nan), {str(POSE + 1)}),
+    "a whole pose": (move(POSE, [0, 0, 0.3]), {str(POSE + 1)}),
+    "two poses exchanged": (lambda z: z.__setitem__([3, 9], z[[9, 3]]), {"4", "10"}),
+    "many of all sizes": (many, {str(i + 1) for i in np.random.default_rng(5).permutation(40)[:8]}),
+    "a whole target": (put((slice(None), 2), np.random.default_rng(6).normal(size=(40, 3))), {None}),
+}
+
+
+@pytest.mark.parametrize("state_sigma", [True, False], ids=["noise stated", "noise not stated"])
+@pytest.mark.parametrize("case", SPOILT)
+def test_gross_outliers_are_named_and_change_nothing(case, state_sigma):
+    change, poses = SPOILT[case]
+    _, before = clean(state_sigma=state_sigma)
+    after = prepare(spoilt(change, state_sigma=state_sigma))
+    assert not before.faults
+    assert {fault.pose_id for fault in after.faults} == poses
+    assert {fault.kind for fault in after.faults} == {"outlier"}
+    assert after.noise.sigma_mm == pytest.approx(before.noise.sigma_mm, rel=0.15)
+    off = after.geometry.state.geometry - before.geometry.state.geometry
+    std = np.sqrt(np.diag(before.geometry.covariance)[before.geometry.columns.geometry_slice])
+    assert np.max(np.abs(off.ravel()[before.geometry.columns.geometry]) / std) < 2
+
+
+def test_a_joint_beyond_all_measure_leaves_its_pose_out():
+    campaign, before = clean()
+    q = campaign.poses.q.copy()
+    q[POSE, 2] = 1e300
+    after = prepare(campaign.with_poses(q=q))
+    assert [fault.pose_id for fault in after.faults] == [str(POSE + 1)]
+    assert len(after.problem.q) == len(before.problem.q) - 1
+
+
+def test_an_instrument_moved_by_far_is_two_set_ups():
+    after = prepare(spoilt(move(slice(25, None), [0.3, -0.2, 0.1])))
+    assert [(fault.kind, fault.pose_id) for fault in after.faults] == [("moved_instrument", "26")]
+    assert after.problem.campaign.poses.setup.tolist() == [0] * 25 + [1] * 15
+
+
+def test_one_point_300_m_off_changes_no_cause():
+    hidden = ("gear_eccentricity:joint=joint_2,variant=1,amplitude=4e-4,phase=0.4",)
+    campaign = measured("kr500", hidden, poses=40, loads=(250.0,))
+    points = campaign.points.copy()
+    points[POSE, 0] += [300.0, 0, 0]
+    before, after = found(campaign), found(with_points(campaign, points))
+    assert named(before)
+    assert named(after) == named(before)
+    assert after.verdict == before.verdict
+    assert after.stages[-1].heldout_rms_mm == pytest.approx(before.stages[-1].heldout_rms_mm, rel=0.05)
+
+
+def test_the_test_campaign_is_cleaned_by_the_same_rules():
+    campaign, _ = clean()
+    other = measured("ur5", poses=40, loads=(), seed=2)
+    # the same robot and instrument: one campaign, its halves
+    train, test = campaign.some(np.arange(25)), campaign.some(np.arange(25, 40))
+    points = test.points.copy()
+    points[4] += [0.3, 0, 0]
+    before = diagnose(train, test).diagnosis.test
+    after = diagnose(train, with_points(test, points)).diagnosis.test
+    assert before is not None
+    assert after is not None
+    assert before.faults == ()
+    assert before.all_rms_mm == pytest.approx(before.after_rms_mm)
+    assert {fault.pose_id for fault in after.faults} == {"30"}
+    assert after.after_rms_mm == pytest.approx(before.after_rms_mm, rel=0.1)
+    assert after.all_rms_mm == pytest.approx(300 / np.sqrt(15), rel=0.01)
+    assert other.points.shape == campaign.points.shape
+
+
+def test_six_dof_targets_that_were_not_said_are_noticed():
+    campaign, _ = clean()
+    rng = np.random.default_rng(3)
+    exact = measured("ur5", poses=40, loads=(), sigma=0.0, state_sigma=False)
+    points = exact.points + rng.normal(0, 3e-5, (40, 1, 3))  # one error for all targets of a pose
+    (said,) = [note for note in prepare(with_points(exact, points)).notes if "pose = true" in note]
+    assert "T1, T2, T3 never change" in said
+    assert not any("pose = true" in note for note in prepare(campaign).notes)
+
+
+def test_too_few_poses_are_refused_and_few_are_remarked():
+    campaign, _ = clean()
+    with pytest.raises(InputError, match="do not identify it; measure 15 poses or more"):
+        prepare(campaign.some(np.arange(4)))
+    assert any(
+        "8 different poses give 48 numbers" in note for note in prepare(campaign.some(np.arange(8))).notes
+    )
+
+
+def test_loads_that_no_arm_carries_are_said():
+    heavy = measured("kr500", poses=30, loads=(250.0,))
+    with pytest.raises(InputError, match="comes to no rest; check masses"):
+        prepare(replace(heavy, load_mass=np.array([0.0, 1e7])))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('<mass value="', '<mass value="x', "line 7: Drake cannot read it: Expected single value"),
+        ('lower="-', 'lower="9', "exchange lower and upper"),
+    ],
+)
+def test_what_drake_finds_has_file_line_and_mend(tmp_path, old, new, said):
+    ours = load_robot("ur5")
+    (tmp_path / "ur5.urdf").write_text(ours.urdf.read_text().replace(old, new, 1))
+    (tmp_path / "ur5.toml").write_text(ours.path.read_text())
+    with pytest.raises(InputError) as caught:
+        arrays(load_robot(tmp_path / "ur5.toml"))
+    assert said in str(caught.value)
+    assert "bazel" not in str(caught.value)
+
+
+def test_files_that_never_end_or_act_in_a_terminal_are_refused(tmp_path, capsys):
+    from pathlib import Path
+
+    with pytest.raises(InputError, match="is a device"):
+        read_text(Path("/dev/zero"))
+    file = tmp_path / "a.toml"
+    file.write_text('title = "\\u001b[31m"\nname = "' + "n" * 10_000 + '"\n')
+    with pytest.raises(InputError) as caught:
+        read_toml(file)
+    assert len(caught.value.faults) == 2
+    assert "\x1b" not in str(caught.value)
+    campaign = write_campaign(tmp_path / "c", clean()[0])
+    table = campaign.parent / "poses.csv"
+    table.write_text(table.read_text().replace("\n8,", "\n\x1b[31m8,"))
+    assert main(["diagnose", str(campaign)]) == 2
+    assert "has the control character '\\x1b'" in capsys.readouterr().err

@@ -1,0 +1,155 @@
+"""Do these joints, points and this robot belong together? Asked before anything is fitted to explain them.
+
+The nominal robot is placed so that it explains the points best, rigid as it is. What then is left is a few
+thousandths of the spread of the points for the usual robot. Where more is left, the usual mistakes are undone
+one by one, and one that brings the rest back to the usual is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...files.faults import Fault, InputError
+from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
+from .misfit import USUAL, Misfit, Sample, misfit, sample
+
+FEWEST = 8  # poses: with fewer, frame and targets explain too much for a judgement
+SUSPECT = 0.005  # of the spread, from which mistakes are looked for: honest campaigns mostly keep below
+REFUSED = 0.02  # from which no campaign is accepted: a robot off by 1 mm and 1 mrad everywhere has 0.009
+SMALL = 1e-3  # m, misfit below which a campaign of small motions is not refused
+CLEARER = 0.25  # of the misfit at most is left where the right mistake was undone
+RIGHT = 0.012  # of the spread at most, then
+SCALE = 0.02  # from which another size is no error of an instrument
+ROUGHLY = 6  # iterations in which the
+LIKELY = 12  # likeliest mistakes are told from the others
+AS_GOOD = 1.3  # times the best misfit: mistakes that the data do not tell apart
+
+
+Mistake = tuple[Hypothesis, ...]
+
+
+@dataclass(frozen=True)
+class Plausible:
+    """misfit: of the robot as it is; mistakes: one or two at once that explain it, the likeliest first, each
+    with what it leaves; scale: without these, how much larger the points are than the robot."""
+
+    misfit: Misfit
+    mistakes: tuple[tuple[Mistake, float], ...] = ()
+    scale: float = 1.0
+
+    @property
+    def refused(self) -> bool:
+        """The points are not of this robot in these poses, whatever the reason."""
+        m = self.misfit
+        off = m.middle > REFUSED and m.middle * m.spread > SMALL
+        return bool(self.mistakes) or off or self.scale != 1.0
+
+
+def check_plausible(problem: Problem) -> list[str]:
+    """Remarks on stated places of targets that are wrong. Raises InputError where joints, points and robot do
+    not belong together, with the mistake if one of the usual explains it."""
+    found = judge(problem)
+    m, campaign = found.misfit, problem.campaign
+    if not found.refused:
+        far = f"Targets are found up to {_length(m.displaced * m.spread + USUAL)} from where the campaign "
+        return [far + "states them: the measured places are used."] if m.displaced else []
+    size = f"the points are {_length(m.middle * m.spread)} off the robot ({m.middle:.2%} of their spread)"
+    if m.share <= SUSPECT:
+        size = f"targets are {_length(m.displaced * m.spread)} from where they are stated"
+    if not found.mistakes:
+        raise InputError(Fault(str(campaign.path), *_nothing_fits(problem, size, found.scale)))
+    (best, left), *others = found.mistakes
+    if best[0].table == "targets" and not any(target.fixed for target in campaign.targets):
+        return [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
+    alike = "; ".join(" and ".join(one.what for one in other) for other, _ in others[:3])
+    alike = f" (or: {alike})" if alike else ""
+    told = f": {size}, so mended {left:.2%}"
+    raise InputError([Fault(f"{campaign.path}: {h.table}", h.what + told, h.mend + alike) for h in best])
+
+
+def judge(problem: Problem) -> Plausible:
+    """The misfit, and mistakes that would explain it."""
+    data = sample(problem)
+    if len(data.rows) < FEWEST:
+        return Plausible(Misfit())
+    now = misfit(data)
+    if now.total > SUSPECT:
+        now = min(now, misfit(data, turns=True), key=lambda one: one.total)
+    if now.total > SUSPECT:
+        now = _without_a_bad_target(data, now)
+    if now.total <= SUSPECT:
+        return Plausible(now)
+    every, enough = list(hypotheses(problem)), min(CLEARER * now.total, RIGHT)
+    tried = _tried(data, every)
+    if _least(tried) > enough and now.middle > REFUSED:
+        tried = _two_at_once(data, every, enough)
+    if _least(tried) > enough and now.middle > REFUSED and not np.isfinite(data.stated).all():
+        tried = [((h,), misfit(h.undo(data), turns=True).total) for h in every]
+    fits = [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))]
+    # what only changes the stated places is no reason to send anyone away
+    fits.sort(key=lambda one: (one[0][0].table != "targets", one[1]))
+    return Plausible(
+        now, tuple(fits), 1.0 if fits or max(now.middle, now.displaced) < REFUSED else _scale(data, enough)
+    )
+
+
+def _scale(data: Sample, enough: float) -> float:
+    """How much larger the points are than the robot where that alone explains them, else 1."""
+    free = misfit(data, turns=True, scale=True)
+    size = float(np.median([placed.scale for placed in free.placed]))
+    return size if free.total < enough and abs(size - 1) > SCALE else 1.0
+
+
+def _tried(data: Sample, every: Sequence[Hypothesis]) -> list[tuple[Mistake, float]]:
+    """What is left under the likeliest mistakes: all are tried roughly, these to the end."""
+    rough = sorted(every, key=lambda h: misfit(h.undo(data), rounds=ROUGHLY).total)
+    return [((h,), misfit(h.undo(data)).total) for h in rough[:LIKELY]]
+
+
+def _least(tried: list[tuple[Mistake, float]]) -> float:
+    return min((total for _, total in tried), default=np.inf)
+
+
+def _two_at_once(data: Sample, every: list[Hypothesis], enough: float) -> list[tuple[Mistake, float]]:
+    """Something with the joints or the robot, and points in another unit or a left-handed frame besides."""
+    both: list[tuple[Mistake, float]] = []
+    frames = [h for h in every if h.frame]
+    for first in (h for h in every if h.table in ("poses", "robot")):
+        undone = first.undo(data)
+        for mirrored in (False, True):
+            turned = LEFT_HANDED.undo(undone) if mirrored else undone
+            if misfit(turned, scale=True, rounds=2 * ROUGHLY).share > enough:
+                continue
+            both += [((first, h), misfit(h.undo(undone)).total) for h in frames]
+    return both
+
+
+def _without_a_bad_target(data: Sample, now: Misfit) -> Misfit:
+    """The others' misfit where one target's points are of another world: wild points, not a wrong robot."""
+    for i in range(len(data.on)) if len(data.on) > 1 and now.middle > SUSPECT / 10 else ():
+        kept = [j for j in range(len(data.on)) if j != i]
+        on = tuple(data.on[j] for j in kept)
+        rest = misfit(data.changed(points=data.points[:, kept], stated=data.stated[kept], on=on))
+        if rest.total < min(CLEARER * now.total, SUSPECT):
+            return rest
+    return now
+
+
+def _nothing_fits(problem: Problem, size: str, scale: float) -> tuple[str, str]:
+    """What is wrong and how to mend it where none of the usual mistakes explains it."""
+    robot = problem.robot
+    if scale != 1.0:
+        what = f"{size}; they fit a robot of {scale:.4g} times its size: a wrong unit, or another robot"
+        return what, f"check the unit of the points, and that this is a {robot.title}"
+    what = (
+        f"{size}, and none of the usual mistakes (units, signs, order, zeros, coupling, frames) explains it"
+    )
+    return what, f"is this a {robot.title}, and does each point belong to the pose that it names?"
+
+
+def _length(length: float) -> str:
+    return f"{length * 1e3:.3g} mm" if length < 1.0 else f"{length:.3g} m"

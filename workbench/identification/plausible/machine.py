@@ -1,0 +1,45 @@
+"""What no machine can be: an arm that its stated loads bend without end, and links far from their drawing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...files.faults import Fault, InputError
+from ...robot.schema import GEOMETRY
+from ..fit import Fit
+from ..model import Model, State
+
+LONGEST = 0.15  # m, or
+SHARE = 0.1  # of the reach: more is no error of a length
+TURN = 0.35  # rad: more is no error of an angle
+
+
+def check_rest(model: Model, state: State) -> None:
+    """Raises InputError where the arm as stated does not come to rest under the loads as stated."""
+    try:
+        model.loaded(state)
+    except ArithmeticError:
+        robot, loads = model.problem.robot, model.problem.loads
+        heaviest = float(np.max(loads.mass))
+        what = (
+            f"under the stated loads ({heaviest:.4g} kg at the flange at most) {robot.name} comes to no rest"
+        )
+        mend = "check masses [kg], wrenches [N, N m] and the stiffness in the robot's TOML"
+        raise InputError(Fault(str(model.problem.campaign.path), what, mend)) from None
+
+
+def check_corrections(geometry: Fit) -> None:
+    """Raises InputError where the fitted geometry is farther from the nominal one than any machine is."""
+    problem = geometry.model.problem
+    change = (geometry.state.geometry - problem.arm.geometry).reshape(-1)
+    reach = float(np.linalg.norm(problem.arm.p[2:], axis=1).sum())
+    limit = np.tile([max(LONGEST, SHARE * reach)] * 3 + [TURN] * 3, len(geometry.state.geometry))
+    worst = int(np.argmax(np.abs(change) / limit))
+    if abs(change[worst]) <= limit[worst]:
+        return
+    slot, component = divmod(worst, 6)
+    size = f"{change[worst] * 1e3:.0f} mm" if component < 3 else f"{np.degrees(change[worst]):.0f}°"
+    joint = problem.arm.names[slot - 1]
+    what = f"{GEOMETRY[component]} of {joint} would have to be {size} off: no {problem.robot.title} is"
+    mend = "check the units, the poses and which robot this is"
+    raise InputError(Fault(str(problem.campaign.path), what, mend))
