@@ -95,6 +95,8 @@ def read_source(text: str) -> Campaign | Robot:
     from ..robot.description import load_robot
     from ..robot.find import list_robots
 
+    if Path(text).suffix in (".urdf", ".xacro"):
+        raise InputError(Fault(text, "is not yet a robot", f"workbench init {text} makes one of it"))
     if not text.endswith(".toml"):
         if Path(text).exists() and text not in {path.stem for path in list_robots()}:
             raise InputError(

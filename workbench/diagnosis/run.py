@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
-from ..campaign import Campaign
+from ..campaign import Campaign, load_campaign
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
@@ -20,6 +21,7 @@ from .prepared import Progress, prepare
 from .result import Diagnosis, NotTestable
 from .stages import rms_mm, without
 
+Given = Campaign | str | Path
 FAINT = 0.1  # of the noise: a gain that decides nothing
 
 
@@ -31,16 +33,23 @@ class Outcome:
     problem: Problem
     fit: Fit
 
+    def __repr__(self) -> str:
+        return f"Outcome: {self.diagnosis!r}"
+
+    def _repr_html_(self) -> str:
+        return self.diagnosis._repr_html_()
+
 
 def diagnose(
-    campaigns: Campaign | Sequence[Campaign],
-    test: Campaign | None = None,
+    campaigns: Given | Sequence[Given],
+    test: Given | None = None,
     progress: Progress = lambda _: None,
     seed: int = 0,
 ) -> Outcome:
     """What the simulation gets wrong, why, and the gain of saying so.
 
-    campaigns: one, or several of one robot, which are fitted together. test: poses kept apart; nothing is
+    campaigns: one, or several of one robot, which are fitted together; each as loaded, or the path of its
+    campaign.toml. test: poses kept apart; nothing is
     fitted on it but the frame and targets of set-ups that the campaigns do not have. progress: is told
     each step in words. seed: of the groups of poses that are held out in turn. Raises `InputError` where
     the data are unusable.
@@ -56,7 +65,9 @@ def diagnose(
     >>> [finding.label for finding in outcome.diagnosis.causes]
     ['gear_eccentricity(joint_1)']
     """
-    prepared = prepare(campaigns, progress)
+    several = [campaigns] if isinstance(campaigns, Campaign | str | Path) else campaigns
+    test = None if test is None else _loaded(test)
+    prepared = prepare([_loaded(one) for one in several], progress)
     progress("testing causes")
     candidates, not_testable = testable(prepared.problem)
     selection = compete(prepared, candidates)
@@ -66,6 +77,10 @@ def diagnose(
     progress("writing down what was found")
     diagnosis = assemble(Parts(prepared, selection, candidates, tuple(not_testable), seed, test))
     return Outcome(diagnosis, prepared.problem, selection.fit)
+
+
+def _loaded(given: Given) -> Campaign:
+    return given if isinstance(given, Campaign) else load_campaign(given)
 
 
 def _worth_it(selection: Selection, seed: int) -> Selection:

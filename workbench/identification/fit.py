@@ -46,6 +46,10 @@ class Fit:
     iterations: int
     converged: bool
 
+    def __repr__(self) -> str:
+        names = ", ".join(effect.cause for effect in self.model.effects) or "geometry alone"
+        return f"Fit with {names}: {len(self.columns.names)} numbers, {self.iterations} iterations"
+
     @property
     def covariance(self) -> Array:
         """(P, P) covariance of the fitted numbers."""

@@ -38,6 +38,7 @@ def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[Effe
         "title": robot.title,
         "urdf": os.path.relpath(robot.urdf.resolve(), path.parent.resolve()),
         "flange": robot.flange,
+        "base": robot.base,
         "gravity": list(robot.gravity),
         "joints": [
             {"name": joint.name, **_given(joint.data.model_dump(exclude={"name"}))} for joint in robot.joints

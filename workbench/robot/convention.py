@@ -39,7 +39,9 @@ class FrameData(_Table):
     """A frame: its origin, and its turn R = Rz(a) Ry(b) Rx(c)."""
 
     xyz_mm: Triple = (0.0, 0.0, 0.0)
+    """its origin"""
     abc_deg: Triple = (0.0, 0.0, 0.0)
+    """a, b, c of its turn"""
 
     def pose(self) -> Array:
         """(4, 4) [m]."""
@@ -50,30 +52,36 @@ class CouplingData(_Table):
     """The controller's joint `joint` also counts the joint `on`, times `factor`."""
 
     joint: Name
+    """joint of the controller"""
     on: Name
+    """the joint that it counts as well"""
     factor: FiniteFloat
+    """times this"""
 
 
 class Controller(_Table):
-    """`[controller]`: lists over the controller's joints, in the controller's order.
-
-    joints: the URDF's joint behind each (default: the chain's own order); names: the controller's; signs: −1
-    where it counts the other way; zeros: what it shows where the URDF's joint is at 0; units: of zeros, and
-    of columns by the controller's names. external: those of `names` that are external axes (rails). world:
-    the controller's world in the URDF's base; flange: its flange in the URDF's `flange`. Without names
-    nothing is stated.
-    """
+    """`[controller]`: lists over the controller's joints, in the controller's order."""
 
     make: str = ""
+    """maker of the controller: chooses its program format"""
     names: tuple[Name, ...] = ()
+    """the controller's name of every joint; without them nothing is stated"""
     joints: tuple[Name, ...] = ()
+    """the URDF's joint behind each; absent: the chain's own order"""
     signs: tuple[Literal[-1, 1], ...] = ()
+    """-1 where it counts the other way"""
     zeros: tuple[FiniteFloat, ...] = ()
+    """what it shows where the URDF's joint is at 0"""
     units: tuple[Literal["deg", "rad", "mm", "m"], ...] = ()
+    """of the zeros, and of columns by the controller's names"""
     couplings: tuple[CouplingData, ...] = ()
+    """joints that count others as well"""
     external: tuple[Name, ...] = ()
+    """those of the names that are external axes (rails)"""
     world: FrameData = FrameData()
+    """the controller's world in the URDF's base"""
     flange: FrameData = FrameData()
+    """its flange in the URDF's flange"""
 
     def faults(self, place: str, joints: Sequence[str], sliding: Sequence[bool]) -> list[Fault]:
         """What does not fit the chain of those URDF joints, of which `sliding` say where one slides."""

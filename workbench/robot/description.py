@@ -11,10 +11,20 @@ from pathlib import Path
 from typing import Any
 
 from ..files.faults import Fault, InputError
+from .chain import MovingJoint, read_chain
 from .convention import Controller, Convention, convention_of
 from .find import find_robot
-from .schema import Compensator, EffectRecord, JointData, LoadData, Vector3, parse_robot, unknown_names
-from .urdf import MovingJoint, read_chain
+from .schema import (
+    STANDARD_GRAVITY,
+    Compensator,
+    EffectRecord,
+    JointData,
+    LoadData,
+    Vector3,
+    parse_robot,
+    unknown_names,
+)
+from .urdf import read_urdf
 
 
 @dataclass(frozen=True)
@@ -49,6 +59,10 @@ class Robot:
     geometry: dict[str, dict[str, float]] = field(default_factory=dict)
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
+
+    def __repr__(self) -> str:
+        joints = ", ".join(f"{joint.name} ({joint.kind})" for joint in self.joints)
+        return f"Robot {self.name}: {self.title}, from {self.base} to {self.flange} by {joints}"
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -86,7 +100,8 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
     path = find_robot(robot, beside)
     file = parse_robot(path)
     urdf = path.parent / file.urdf
-    base, chain = read_chain(urdf, file.flange)
+    found = read_chain(read_urdf(urdf), file.flange, file.base)
+    base, chain = found.base, found.joints
     said = {joint.name: joint for joint in file.joints}
     names = [moving.name for moving in chain]
     faults = [
@@ -106,7 +121,7 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         title=file.title or file.name,
         urdf=urdf,
         flange=file.flange,
-        gravity=file.gravity,
+        gravity=file.gravity or _along(found.down),
         base=base,
         joints=tuple(
             Joint(**vars(moving), data=said.get(moving.name, JointData(name=moving.name))) for moving in chain
@@ -123,3 +138,9 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         effects=file.effects,
         path=path,
     )
+
+
+def _along(down: Vector3) -> Vector3:
+    """Standard gravity [m/s²] along a unit vector."""
+    x, y, z = (STANDARD_GRAVITY * value for value in down)
+    return x, y, z

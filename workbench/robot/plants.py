@@ -21,6 +21,7 @@ from .description import Robot
 from .drake_faults import drake_reads
 from .kinematics import Arm, Array
 from .plant_parts import axial_joint, link_inertia, motion_transform, slot_pose
+from .shown import bare_text, shown_text
 
 Moving = Callable[[MultibodyPlant, int, Frame], Frame]
 
@@ -28,11 +29,12 @@ Moving = Callable[[MultibodyPlant, int, Frame], Frame]
 def urdf_plant(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPlant:
     """The robot's URDF in Drake, base welded to the world, gravity as the TOML says; finalised.
 
-    plant: an empty one that is part of a diagram already.
+    plant: an empty one that is part of a diagram already; it gets what there is to be seen as well.
     """
+    text = bare_text(robot) if plant is None else shown_text(robot)
     plant = MultibodyPlant(0.0) if plant is None else plant
     with drake_reads(robot):
-        Parser(plant).AddModels(str(robot.urdf))
+        Parser(plant).AddModelsFromString(text, "urdf")
     plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
     plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(robot.base).body_frame())
     plant.Finalize()
