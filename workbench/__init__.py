@@ -104,7 +104,6 @@ if TYPE_CHECKING:
     from .robot.rotations import pose as pose
     from .robot.rotations import rotation_about as rotation_about
     from .robot.schema import EffectRecord as EffectRecord
-    from .simulation.closed_loop.control import Controller as Controller
     from .simulation.closed_loop.file import Verified as Verified
     from .simulation.closed_loop.file import verify_file as verify_file
     from .simulation.closed_loop.proof import verify as verify
@@ -164,7 +163,6 @@ _MODULES = {
     "robot.schema": "EffectRecord",
     "robot.kinematics": "Array moved_base",
     "robot.rotations": "pose rotation_about",
-    "simulation.closed_loop.control": "Controller",
     "simulation.closed_loop.file": "Verified verify_file",
     "simulation.closed_loop.proof": "verify",
     "simulation.closed_loop.runs": "Task World simulate_all",

@@ -12,6 +12,7 @@ from typing import Any
 
 from ..files.faults import Fault, InputError
 from .find import find_robot
+from .loop import Loop
 from .schema import Compensator, EffectRecord, JointData, LoadData, Vector3, parse_robot, unknown_names
 from .urdf import MovingJoint, read_chain
 
@@ -46,6 +47,7 @@ class Robot:
     geometry: dict[str, dict[str, float]] = field(default_factory=dict)
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
+    loop: Loop = Loop()
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -110,4 +112,5 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         geometry=file.geometry,
         effects=file.effects,
         path=path,
+        loop=file.controller.loop,
     )

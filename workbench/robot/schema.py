@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ..files.faults import Fault, InputError, read_text
+from .loop import Loop
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 STANDARD_GRAVITY = 9.80665  # m/s²
@@ -84,6 +85,12 @@ def stated_load(load: LoadData | None) -> tuple[float, tuple[float, float, float
     return load.mass_kg, (1e-3 * x, 1e-3 * y, 1e-3 * z)
 
 
+class ControllerData(_Table):
+    """`[controller]`: the robot's controller."""
+
+    loop: Loop = Loop()
+
+
 class EffectRecord(_Table):
     """One effect of an extended model: its cause, where it sits, its parameters by name."""
 
@@ -108,6 +115,7 @@ class RobotFile(_Table):
     gravity: Vector3 = (0.0, 0.0, -STANDARD_GRAVITY)
     joints: tuple[JointData, ...] = ()
     compensator: Compensator | None = None
+    controller: ControllerData = ControllerData()
     links: tuple[LinkData, ...] = ()
     source: dict[str, Any] = {}
     tool: LoadData | None = None

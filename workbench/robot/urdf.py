@@ -14,8 +14,8 @@ from ..files.faults import Fault, InputError, read_text
 class MovingJoint:
     """One moving joint of the chain and the link that it carries.
 
-    `lower`, `upper` are the URDF's limits (rad or m, infinite where there are none), `velocity` likewise
-    (rad/s or m/s).
+    `lower`, `upper` are the URDF's limits (rad or m, infinite where there are none), `velocity` and `effort`
+    likewise (rad/s or m/s, N·m or N).
     """
 
     name: str
@@ -24,6 +24,7 @@ class MovingJoint:
     lower: float
     upper: float
     velocity: float
+    effort: float
 
 
 def read_chain(urdf: Path, flange: str) -> tuple[str, list[MovingJoint]]:
@@ -74,4 +75,5 @@ def _moving_joint(joint: ET.Element, link: str) -> MovingJoint:
         lower=float(limit.get("lower", 0.0)) if bounds and limit is not None else -inf,
         upper=float(limit.get("upper", 0.0)) if bounds and limit is not None else inf,
         velocity=(float(limit.get("velocity", 0.0)) or inf) if limit is not None else inf,
+        effort=(float(limit.get("effort", 0.0)) or inf) if limit is not None else inf,
     )

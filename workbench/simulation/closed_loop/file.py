@@ -14,7 +14,7 @@ from ...report.folder import json_bytes, write_together
 from ...report.numbers import mm
 from ...robot.description import Robot, load_robot
 from ...robot.kinematics import Array
-from .control import Controller
+from ...robot.loop import Loop
 from .proof import SPEEDS, verify
 from .verification import COMMAND_NAMES, Verification
 
@@ -67,7 +67,7 @@ def verify_file(
     start: Array | None = None,
     speeds: Sequence[float] | None = SPEEDS,
     repeats: int = 10,
-    controller: Controller | None = None,
+    loop: Loop | None = None,
     seed: int = 0,
     workers: int = 1,
     progress: Callable[[str], None] = lambda _: None,
@@ -104,7 +104,7 @@ def verify_file(
         start=start,
         speeds=speeds,
         repeats=repeats,
-        controller=controller,
+        loop=loop,
         seed=seed,
         workers=workers,
         progress=progress,

@@ -13,10 +13,10 @@ from ...correction.paths import Path
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ...robot.kinematics import Array
-from .control import Controller
+from ...robot.loop import Loop
 from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
 from .runs import Outcome, Task, World, simulate_all
-from .simulation import INTEGRATION_STEP
+from .simulation import STEP
 from .verification import COMMAND_NAMES, Repeats, Series, Trial, Verification
 
 SPEEDS = (0.03, 0.3)  # m/s: as slow as Olabi et al. 2012 drew, and ten times as fast
@@ -33,7 +33,7 @@ def verify(
     start: Array | None = None,
     speeds: Sequence[float] | None = SPEEDS,
     repeats: int = 10,
-    controller: Controller | None = None,
+    loop: Loop | None = None,
     true_conditions: Conditions | None = None,
     seed: int = 0,
     workers: int = 1,
@@ -61,7 +61,7 @@ def verify(
     """
     _check_call(truth, belief, speeds, repeats)
     loads = conditions or stated_conditions(belief)
-    world = World(truth, belief, loads, true_conditions or loads, tool, controller or Controller())
+    world = World(truth, belief, loads, true_conditions or loads, tool, loop or truth.loop)
     plans = _Plans(world, path, start, seed)
     timed, notes = plans.at_speeds(speeds)
     commands = [plans.commands(p) for p, _ in timed]
@@ -71,7 +71,7 @@ def verify(
         for name, q in variants.items()
     ]
     tasks += _repeated(truth, timed[-1][0], commands[-1], repeats, seed)
-    tasks.append(Task("half the step", timed[-1][0], commands[-1]["corrected"], INTEGRATION_STEP / 2))
+    tasks.append(Task("half the step", timed[-1][0], commands[-1]["corrected"], STEP / 2))
     done = simulate_all(world, tasks, workers, progress)
     p = plans.desired[:, :3, 3]
     orders = _orders(truth, belief)
@@ -144,7 +144,7 @@ class _Plans:
             tool=world.tool,
             start=self.start,
             method=method,
-            bandwidth_hz=world.controller.bandwidth_hz,
+            bandwidth_hz=world.loop.feed_forward_hz,
             seed=self.seed,
         )
 

@@ -9,11 +9,12 @@ from ...correction import Conditions
 from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from ...robot.loop import Loop
 from ..processes import one_thread_each, spawn_pool
-from .control import Controller, nominal_mechanics
+from .control import nominal_mechanics
 from .mechanics import mechanics
 from .motion import motion
-from .simulation import INTEGRATION_STEP, run
+from .simulation import STEP, run
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +26,7 @@ class World:
     conditions: Conditions
     true_conditions: Conditions
     tool: Array | None
-    controller: Controller
+    loop: Loop
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +36,7 @@ class Task:
     said: str
     path: Path
     q: Array
-    step: float = INTEGRATION_STEP
+    step: float = STEP
     offset: Array | None = None
 
 
@@ -61,7 +62,7 @@ def simulate(world: World, task: Task) -> Outcome:
         nominal_mechanics(world.belief, believed),
         moved,
         tool=world.tool,
-        controller=world.controller,
+        loop=world.loop,
         step=task.step,
         offset=task.offset,
     )

@@ -1,0 +1,53 @@
+"""`[controller.loop]` of a robot's TOML: how its controller samples, what its drives bear, how they rub."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Loop(BaseModel):
+    """A sampled cascade: position loop and velocity loop (PI) on the motor's encoder. SI units.
+
+    position_period, drive_period: sampling of the two loops [s]; delay: from the sample to the torque,
+    computation and bus together [s]; velocity_filter: time constant of the measured velocity [s];
+    encoder_steps: per motor turn (0: infinitely fine).
+    position_hz: bandwidth asked of the position loop; velocity_hz: of the velocity loop, the drive alone on
+    it (None: what the phase margin allows with hold, delay and filter). phase_margin_deg: of the velocity
+    loop on the drive alone; gain_margin: factor on all drives' gains, and delay_margin: more delay [s], that
+    the whole arm has to bear. feed_forward_hz: up to where the arm's inertia is fed forward; friction_known:
+    share of the friction that is fed forward.
+    coulomb: friction of a drive as a share of the weight of the stretched arm that it moves; stiction: how
+    much higher it is at rest; stribeck_speed: over which it falls [rad/s, m/s]; viscous: as a share like
+    `coulomb`, at 1 rad/s; presliding: way over which friction builds up [rad, m]; load_side: share of
+    `coulomb` that sits behind the gear's spring, and winds it up.
+    gas_exponent: polytropic exponent of a gas compensator in a fast stroke; gas_time: in which its heat
+    leaves [s].
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    position_period: float = Field(0.004, gt=0, le=0.05)
+    drive_period: float = Field(0.001, ge=1e-4, le=0.01)
+    delay: float = Field(0.001, ge=0, le=0.02)
+    velocity_filter: float = Field(0.0005, ge=0, le=0.02)
+    encoder_steps: float = Field(0.0, ge=0)
+    position_hz: float = Field(5.0, gt=0)
+    velocity_hz: float | None = Field(None, gt=0)
+    phase_margin_deg: float = Field(45.0, gt=0, lt=80)
+    gain_margin: float = Field(2.0, ge=1)
+    delay_margin: float = Field(0.001, ge=0)
+    feed_forward_hz: float = Field(10.0, gt=0)
+    friction_known: float = Field(0.9, ge=0, le=1.5)
+    coulomb: float = Field(0.01, ge=0, le=0.5)
+    stiction: float = Field(1.2, ge=1, le=5)
+    stribeck_speed: float = Field(0.02, gt=0)
+    viscous: float = Field(0.01, ge=0, le=5)
+    presliding: float = Field(2e-5, gt=0)
+    load_side: float = Field(0.1, ge=0, le=1)
+    gas_exponent: float = Field(1.3, ge=1, le=1.4)
+    gas_time: float = Field(60.0, gt=0)
+
+    @property
+    def cycles(self) -> int:
+        """Drive periods in a position period."""
+        return max(1, round(self.position_period / self.drive_period))
