@@ -124,6 +124,22 @@ class RobotFile(_Table):
     effects: tuple[EffectRecord, ...] = ()
 
 
+class _LoopFile(_Table):
+    """A TOML that holds a controller's loop and nothing else."""
+
+    controller: ControllerData
+
+
+def parse_loop(path: Path) -> Loop:
+    """The `[controller.loop]` of a TOML file of its own. Raises `InputError` with its faults."""
+    try:
+        return _LoopFile.model_validate(tomllib.loads(read_text(path))).controller.loop
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
+    except ValidationError as error:
+        raise InputError(toml_faults(path, error)) from None
+
+
 def parse_robot(path: Path) -> RobotFile:
     """The TOML's tables. Raises `InputError` with every fault of the file by itself."""
     try:

@@ -17,9 +17,10 @@ from scipy.interpolate import CubicHermiteSpline
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
 from .drives import Drives
+from .friction import stribeck
 from .motion import Motion, interpolated
 
-NEVER = np.inf
+TURNING = 0.05  # of the Stribeck speed: below which the friction fed forward turns round
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +98,8 @@ def set_points(motion: Motion, torque: Array, drive: Drives, loop: Loop) -> SetP
     seen = t - T / 2 - loop.velocity_filter
     acts = t + loop.delay + T / 2
     v, a = curve(acts, 1), curve(acts, 2)
-    rubbing = drive.coulomb * np.tanh(v / loop.stribeck_speed) + drive.viscous * v
+    dry = stribeck(v, drive.coulomb, loop.stiction, loop.stribeck_speed)
+    rubbing = dry * np.tanh(v / (TURNING * loop.stribeck_speed)) + drive.viscous * v
     feed = interpolated(acts, motion.times, torque) + drive.rotor * a + loop.friction_known * rubbing
     return SetPoints(curve(t), np.where(seen[:, None] < 0, 0.0, curve(np.maximum(seen, 0.0), 1)), feed)
 

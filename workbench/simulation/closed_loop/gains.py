@@ -25,6 +25,7 @@ INTEGRAL = 0.2  # of the velocity loop's crossover: 11° of its phase
 SLOWER = 0.85  # per round
 ROUNDS = 120
 FINE = 4  # steps of the linear model per drive period
+UNMOVED = 1e-9  # of the largest: how little a drive moves that takes no part
 STABLE = 1 - 1e-7  # largest size of an eigenvalue over a position period
 
 
@@ -142,10 +143,8 @@ class _Linear:
             waiting = waiting[1:]
         parts = [x, cascade.before, cascade.speed, cascade.integral, cascade.correction, *waiting]
         values, vectors = np.linalg.eig(np.concatenate(parts))
-        worst = int(np.argmax(np.abs(values)))
-        moving = np.abs(vectors[self.size + self.motors, worst])
-        return float(np.abs(values[worst])), int(np.argmax(moving * self._weight(gains)))
-
-    def _weight(self, gains: Gains) -> Array:
-        """Motions of joints are compared by the torque that they make."""
-        return gains.kp
+        # a motion that no drive takes part in (of what yields without mass behind it) is not the loop's
+        moving = np.abs(vectors[self.size + self.motors]) * gains.kp[:, None]
+        radius = np.where(moving.max(axis=0) > UNMOVED * moving.max(), np.abs(values), 0.0)
+        worst = int(np.argmax(radius))
+        return float(radius[worst]), int(np.argmax(moving[:, worst]))

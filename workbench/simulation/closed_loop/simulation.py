@@ -22,7 +22,6 @@ from .machine import Machine, machine
 from .mechanics import Mechanics
 from .motion import Motion, interpolated
 
-STEP = 1e-3  # s, at most: of the integration
 STILL = 1e-9  # rad, m: frames that move less along a path stay
 
 
@@ -55,7 +54,7 @@ def run(
     loop: Loop | None = None,
     tuned: Gains | None = None,
     tool: Array | None = None,
-    step: float = STEP,
+    step: float | None = None,
     at_rest: bool = True,
     reaction: bool = True,
     offset: Array | None = None,
@@ -64,7 +63,7 @@ def run(
     """Simulates a robot under a motion.
 
     nominal: what the controller's feed-forward knows. loop: the controller (default: the robot's own);
-    tuned: its gains (default: made for the start of the motion). step: [s] of the integration, at most.
+    tuned: its gains (default: made for the start of the motion). step: [s] of the integration, at most (default: the drive period).
     at_rest: it starts loaded and at rest; else with all springs slack. reaction: of the gear errors on the
     motors. offset: (n,) of the joints' encoders (repeatability). Raises OverLimit where a drive is asked for
     too much and `on_limit` is "stop", ArithmeticError where the arm finds no rest.
@@ -75,7 +74,7 @@ def run(
     if offset is not None:
         motion = replace(motion, q=motion.q + offset)
     told = set_points(motion, feed_forward(nominal, motion, loop), drive, loop)
-    parts = int(np.ceil(loop.drive_period / step - 1e-9))
+    parts = 1 if step is None else int(np.ceil(loop.drive_period / step - 1e-9))
     step = loop.drive_period / parts
     built = machine(truth, drive.rotor)
     count = (len(told.q) - 1) * parts
