@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.robot.schema import STANDARD_GRAVITY
 
-from .design import Design, Mass
+from .design import LOOP, Design, Mass
 from .kinematics import Array, pose, rotation_x, rotation_y, rotation_z
 from .mesh import Shape, gltf
 
@@ -105,9 +105,11 @@ def toml_text(design: Design) -> str:
         lines += ["", "[[joints]]", *_table({"name": name, **data})]
     if design.compensator is not None:
         lines += ["", "[compensator]", *_table(design.compensator)]
+    lines += ["", "[controller.loop]", *_table({**LOOP, **design.loop})]
     for name, stiffness in design.bending_stiffness.items():
         lines += ["", "[[links]]", *_table({"name": name, "bending_stiffness": stiffness})]
-    lines += ["", "[source]", *_table(design.source)]
+    loop = "assumed: cycle times, delay, bandwidth and friction (share of the stretched arm's weight)"
+    lines += ["", "[source]", *_table({**design.source, "loop": loop})]
     return "\n".join(lines) + "\n"
 
 

@@ -34,7 +34,7 @@ def feed_forward(nominal: Mechanics, motion: Motion, loop: Loop) -> Array:
     v = np.gradient(slow, motion.period, axis=0)
     a = np.gradient(v, motion.period, axis=0)
     at = np.unique(np.append(np.arange(0, len(slow), stride), len(slow) - 1))
-    torque = static_torque(nominal, slow[at]) + _inertial(nominal, slow[at], v[at], a[at])
+    torque = static_torque(nominal, slow[at]) + inertial_torque(nominal, slow[at], v[at], a[at])
     return interpolated(np.arange(len(slow)), at, torque)
 
 
@@ -53,7 +53,8 @@ def static_torque(nominal: Mechanics, q: Array) -> Array:
     return -local.reshape(count, -1)[:, arm.axial]
 
 
-def _inertial(nominal: Mechanics, q: Array, v: Array, a: Array) -> Array:
+def inertial_torque(nominal: Mechanics, q: Array, v: Array, a: Array) -> Array:
+    """(K, n) torques that the nominal, rigid arm needs against its inertia."""
     plant, at = rigid_machine(nominal.arm, nominal.mass, nominal.moment)
     context = plant.CreateDefaultContext()
     none = MultibodyForces(plant)

@@ -107,7 +107,7 @@ class Dynamics:
         softness, damped = np.zeros(size), np.zeros(size)
         motor = torque - self.drive.viscous * v[at]
         damped[at] = self.drive.viscous
-        self._springs(q, v, force, motor, softness, damped)
+        self.springs(q, v, force, motor, softness, damped)
         if self.along.torque is not None:
             motor += self.along.torque[k]
             force[self.own_springs] += self.along.torque[k, self.sprung]
@@ -158,7 +158,7 @@ class Dynamics:
         self.plant.CalcForceElementsContribution(self.context, self.forces)
         return -np.asarray(self.plant.CalcInverseDynamics(self.context, self.none, self.forces))
 
-    def _springs(
+    def springs(
         self, q: Array, v: Array, force: Array, motor: Array, softness: Array, damped: Array
     ) -> None:
         """Gears, dampers, and springs that are not Drake's; the motors feel the gears' slopes."""
@@ -259,6 +259,9 @@ class Dynamics:
             if self.along.torque is not None:
                 torque[at] += self.along.torque[0]
                 torque[self.own_springs] += self.along.torque[0, self.sprung]
+            wound = (self.dry * self.loop.stiction * self.memory)[len(at) :]
+            torque[at] -= wound
+            torque[self.own_springs] -= wound[self.sprung]
             if not len(springs):
                 break
             load = torque[springs]
