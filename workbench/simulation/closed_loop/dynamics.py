@@ -31,6 +31,7 @@ from .machine import Machine
 from .mechanics import Mechanics
 
 PLACED = 0.05  # s between the instants at which frames are put where temperature and drift have them
+HELD = 1e-3  # s for which compensator and process force stay as they are
 SCREW_DAMPING = 6e-4  # s: damping of a yielding screw over its stiffness
 
 
@@ -46,10 +47,11 @@ class Along:
 
 
 class Dynamics:
-    """State of the simulated robot, and its step.
+    """State of the simulated robot, and its step. Coordinates here: the n motors, then the K springs.
 
-    q, v: (V,) of the plant; memory: (2 n,) friction of the drives and behind the gears, −1 … 1; side: (n,)
-    from which each motor has come, −1 … 1; heat: relative surplus of the gas's temperature.
+    q, v: (n + K,); memory: (2 n,) friction of the drives and behind the gears, −1 … 1; side: (n,) from which
+    each motor has come, −1 … 1; heat: relative surplus of the gas's temperature. order: (n + K,) place of the
+    coordinates in the plant.
     """
 
     def __init__(
@@ -67,79 +69,90 @@ class Dynamics:
         self.gears, self.along, self.h, self.reaction = gears, along, step, reaction
         plant, n = machine.plant, mechanics.arm.n
         self.plant, self.context = plant, plant.CreateDefaultContext()
-        self.forces, self.size = MultibodyForces(plant), plant.num_velocities()
+        self.forces, self.size, self.n = MultibodyForces(plant), plant.num_velocities(), n
         self.none = np.zeros(self.size)
-        self.at, self.along_springs = machine.motors, machine.springs
-        self.sprung = np.flatnonzero(machine.own >= 0)
-        self.own_springs = machine.springs[machine.own[self.sprung]]
+        self.order = np.concatenate([machine.motors, machine.springs])
+        self.state_order = np.concatenate([self.order, self.size + self.order])
+        self.matrix_order = (self.order[:, None] * self.size + self.order).ravel()
+        self.sprung = machine.sprung
+        self.own = slice(n, n + len(self.sprung))
         self.extra = np.where(machine.native, machine.stiffness, 0.0)
         damping = [drive.damping[j] for j, law in enumerate(mechanics.axial) if law is not None]
         damping += [SCREW_DAMPING / screw.compliance for screw in mechanics.screws]
         self.damping = np.array(damping)
+        self.damped = np.concatenate([drive.viscous, self.damping])
         self.bent = [
             (int(machine.own[j]), law.motion.tolist(), law.torque.tolist())
             for j, law in enumerate(mechanics.axial)
             if law is not None and law.torque is not None and law.motion is not None
         ]
+        # sums over the pairs of gears: at springs (K, P) and at motors (n, P)
+        pairs = np.arange(len(gears.by))
         self.of_pair = machine.own[gears.joint]
+        self.at_springs, self.at_motors = np.zeros((self.size - n, len(pairs))), np.zeros((n, len(pairs)))
+        self.at_springs[self.of_pair, pairs] = 1.0
+        self.at_motors[gears.by, pairs] = 1.0
         self.dry = np.concatenate([(1 - loop.load_side) * drive.coulomb, loop.load_side * drive.coulomb])
         self.q, self.v, self.dv = np.zeros(self.size), np.zeros(self.size), np.zeros(self.size)
         self.memory, self.way, self.side = np.zeros(2 * n), np.full(2 * n, loop.presliding), np.zeros(n)
         self.heat, self.length = 0.0, math.nan
         self.x = np.zeros(2 * self.size)
-        self.often = max(1, round(PLACED / step))
+        self.often, self.held = max(1, round(PLACED / step)), max(1, round(HELD / step))
+        self.points = self.none
         self.diagonal = np.arange(self.size) * (self.size + 1)
         # behind the gear rubs what the joint does: motor and spring together
-        j, spring = self.sprung, self.own_springs
-        self.coupled = np.concatenate([self.at[j] * self.size + spring, spring * self.size + self.at[j]])
+        spring = n + np.arange(len(self.sprung))
+        self.coupled = np.concatenate([self.sprung * self.size + spring, spring * self.size + self.sprung])
 
     def advance(self, torque: Array, k: int) -> None:
         """Step number k under the drives' torque (n,)."""
-        h, size, at = self.h, self.size, self.at
-        q, v = self.q + h / 2 * self.v + h / 4 * self.dv, self.v + self.dv / 2
-        self.x[:size], self.x[size:] = q, v
+        h, n = self.h, self.n
+        q, v = self.q + (h / 2 * self.v + h / 4 * self.dv), self.v + self.dv / 2
         if k % self.often == 0:
             self.place(k)
-        self.plant.SetPositionsAndVelocities(self.context, self.x)
-        A = np.ascontiguousarray(self.plant.CalcMassMatrix(self.context))
-        force = self._drakes()
-        force += self._at_points(k)
-        softness, damped = np.zeros(size), np.zeros(size)
-        motor = torque - self.drive.viscous * v[at]
-        damped[at] = self.drive.viscous
-        self.springs(q, v, force, motor, softness, damped)
+        self._set(q, v)
+        A = np.asarray(self.plant.CalcMassMatrix(self.context)).T.ravel().take(self.matrix_order)
+        if k % self.held == 0:
+            self.points = self._at_points(k)
+        force = (self._drakes() + self.points).take(self.order)
+        softness = np.zeros(self.size)
+        force[:n] += torque - self.drive.viscous * v[:n]
+        self.springs(q, v, force, softness)
         if self.along.torque is not None:
-            motor += self.along.torque[k]
-            force[self.own_springs] += self.along.torque[k, self.sprung]
-        cross = self._friction(v, force, motor, softness)
-        force[at] += motor
-        implicit = h / 2 * damped + h**2 / 4 * softness
+            extra = self.along.torque[k]
+            force[:n] += extra
+            force[self.own] += extra[self.sprung]
+        cross = self._friction(v, force, softness)
+        implicit = h / 2 * self.damped + h**2 / 4 * softness
         right = h * force + implicit * self.dv
-        A.ravel()[self.diagonal] += implicit
-        geared = at[self.sprung]
-        right[geared] += cross * self.dv[self.own_springs]
-        right[self.own_springs] += cross * self.dv[geared]
-        A.ravel()[self.coupled] += np.concatenate([cross, cross])
-        _, dv, failed = dposv(A, right)
+        A[self.diagonal] += implicit
+        right[self.sprung] += cross * self.dv[self.own]
+        right[self.own] += cross * self.dv[self.sprung]
+        A[self.coupled] += np.concatenate([cross, cross])
+        _, dv, failed = dposv(A.reshape(self.size, self.size), right)
         if failed:
             raise ArithmeticError("the simulation diverged")
         self._go(dv)
 
+    def _set(self, q: Array, v: Array) -> None:
+        """Puts the plant there."""
+        self.x[self.state_order] = np.concatenate([q, v])
+        self.plant.SetPositionsAndVelocities(self.context, self.x)
+
     def _go(self, dv: Array) -> None:
         """Ends the step with the velocities' change."""
         moved = self.h * (self.v + dv / 2)
-        self.q += moved
-        self.v += dv
+        self.q = self.q + moved
+        self.v = self.v + dv
         self.dv = dv
-        motor = moved[self.at]
-        self.memory = gone_over(self.memory, np.concatenate([motor, self._behind(moved)]), self.way)
+        self.memory = gone_over(self.memory, self._rubbing(moved), self.way)
         if self.gears.sided:
-            self.side = self.gears.crossed(self.side, motor)
+            self.side = self.gears.crossed(self.side, moved[: self.n])
 
-    def _behind(self, x: Array) -> Array:
-        """(n,) of what the plant's coordinates (V,) move behind the gears: motor and spring together."""
-        out = x[self.at]
-        out[self.sprung] += x[self.own_springs]
+    def _rubbing(self, x: Array) -> Array:
+        """(2 n,) of what the coordinates move at the drives, and behind the gears: motor and spring together."""
+        out = np.concatenate([x[: self.n], x[: self.n]])
+        out[self.n + self.sprung] += x[self.own]
         return out
 
     def place(self, k: int) -> None:
@@ -158,47 +171,44 @@ class Dynamics:
         self.plant.CalcForceElementsContribution(self.context, self.forces)
         return -np.asarray(self.plant.CalcInverseDynamics(self.context, self.none, self.forces))
 
-    def springs(
-        self, q: Array, v: Array, force: Array, motor: Array, softness: Array, damped: Array
-    ) -> None:
+    def springs(self, q: Array, v: Array, force: Array, softness: Array) -> None:
         """Gears, dampers, and springs that are not Drake's; the motors feel the gears' slopes."""
-        springs, machine, gears, at = self.along_springs, self.machine, self.gears, self.at
-        if not len(springs):
+        machine, gears, n = self.machine, self.gears, self.n
+        if self.size == n:
             return
-        side = gears.crossed(self.side, (q - self.q)[at]) if gears.sided else self.side
-        errors, slope = gears.errors(q[at], side)
-        stretch, speed = q[springs] - of_springs(machine, errors), v[springs]
+        side = gears.crossed(self.side, (q - self.q)[:n]) if gears.sided else self.side
+        errors, slope = gears.errors(q[:n], side)
+        stretch, speed = q[n:] - of_springs(machine, errors), v[n:]
         pull, stiffness = machine.stiffness * stretch, machine.stiffness
         if self.bent:
             stiffness = stiffness.copy()
             for i, way, torque in self.bent:
-                pull[i], stiffness[i] = tabulated(stretch[i], way, torque)
+                pull[i], stiffness[i] = tabulated(float(stretch[i]), way, torque)
         if len(slope):
-            speed = speed.copy()
-            np.subtract.at(speed, self.of_pair, slope * v[at[gears.by]])
+            speed = speed - self.at_springs @ (slope * v[gears.by])
         pull += self.damping * speed
         if len(slope) and self.reaction:
-            np.add.at(motor, gears.by, slope * pull[self.of_pair])
-        force[springs] += self.extra * q[springs] - pull
-        softness[springs] = stiffness
-        damped[springs] = self.damping
+            force[:n] += self.at_motors @ (slope * pull[self.of_pair])
+        force[n:] += self.extra * q[n:] - pull
+        softness[n:] = stiffness
 
-    def _friction(self, v: Array, force: Array, motor: Array, softness: Array) -> Array:
-        """Dry friction of drives, and of joints behind their gears; its coupling of motor and spring (n,).
+    def _friction(self, v: Array, force: Array, softness: Array) -> Array:
+        """Dry friction of drives, and of joints behind their gears; its coupling of motor and spring.
 
         Its mean over the step is linearised about the way that the step before makes likely, whose slope by
         Δv is h/2, not h/4 as a spring's: twice as soft.
         """
-        at, loop, n = self.at, self.loop, len(self.at)
-        moving = np.concatenate([v[at], self._behind(v)])
+        loop, n = self.loop, self.n
+        moving = self._rubbing(v)
         mean, slope = mean_on_the_way(self.memory, self.h * moving, self.way)
         size = stribeck(moving, self.dry, loop.stiction, loop.stribeck_speed)
         felt, soft = size * mean, 2 * size * slope
-        motor -= felt[:n] + felt[n:]
-        softness[at] += soft[:n] + soft[n:]
-        force[self.own_springs] -= felt[n:][self.sprung]
-        softness[self.own_springs] += soft[n:][self.sprung]
-        return self.h**2 / 4 * soft[n:][self.sprung]
+        force[:n] -= felt[:n] + felt[n:]
+        softness[:n] += soft[:n] + soft[n:]
+        behind = soft[n:][self.sprung]
+        force[self.own] -= felt[n:][self.sprung]
+        softness[self.own] += behind
+        return self.h**2 / 4 * behind
 
     def _at_points(self, k: int) -> Array:
         """Compensator and process force."""
@@ -235,7 +245,7 @@ class Dynamics:
         length = data.gas_length - (s - data.reference)
         if not math.isnan(self.length):
             faster = max(self.loop.gas_exponent - data.exponent, 0.0)
-            self.heat -= faster * (length - self.length) / length + self.h / self.loop.gas_time * self.heat
+            self.heat -= faster * (length - self.length) / length + self.h * self.held / self.loop.gas_time * self.heat
         self.length = length
         return self.heat
 
@@ -244,42 +254,39 @@ class Dynamics:
 
         Drake's own torques: e ← δ + yield(torque) until it stands.
         """
-        machine, plant, at = self.machine, self.plant, self.at
-        springs = self.along_springs
-        self.q[:], self.v[:], self.dv[:] = 0.0, 0.0, 0.0
-        self.q[at] = q
+        machine, plant, n = self.machine, self.plant, self.n
+        self.q, self.v, self.dv = np.zeros(self.size), np.zeros(self.size), np.zeros(self.size)
+        self.q[:n] = q
         errors, slope = self.gears.errors(q, self.side)
         error, last = of_springs(machine, errors), np.inf
+        wound = (self.dry * self.loop.stiction * self.memory)[n:]
         self.place(0)
         for _ in range(60):
-            self.x[: self.size], self.x[self.size :] = self.q, 0.0
-            plant.SetPositionsAndVelocities(self.context, self.x)
+            self._set(self.q, self.v)
             self.length = math.nan
             torque = self._at_points(0) + plant.CalcGravityGeneralizedForces(self.context)
-            if self.along.torque is not None:
-                torque[at] += self.along.torque[0]
-                torque[self.own_springs] += self.along.torque[0, self.sprung]
-            wound = (self.dry * self.loop.stiction * self.memory)[len(at) :]
-            torque[at] -= wound
-            torque[self.own_springs] -= wound[self.sprung]
-            if not len(springs):
+            torque = torque[self.order]
+            extra = -wound if self.along.torque is None else self.along.torque[0] - wound
+            torque[:n] += extra
+            torque[self.own] += extra[self.sprung]
+            load = torque[n:]
+            if not len(load):
                 break
-            load = torque[springs]
             yields = load / machine.stiffness
             for i, way, pulled in self.bent:
                 yields[i] = np.interp(load[i], pulled, way)
             new = error + yields
-            change = float(np.abs(new - self.q[springs]).max())
-            self.q[springs] = new
+            change = float(np.abs(new - self.q[n:]).max())
+            self.q[n:] = new
             if change < 1e-14 or (change < 1e-10 and change > 0.5 * last):  # as still as rounding allows
                 break
             last = change
         else:
             raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")
-        needed = -torque[at]
+        needed = -torque[:n]
         if len(slope) and self.reaction:
-            np.subtract.at(needed, self.gears.by, slope * load[self.of_pair])
-        return needed
+            needed -= self.at_motors @ (slope * load[self.of_pair])
+        return np.asarray(needed)
 
 
 def tabulated(x: float, way: list[float], torque: list[float]) -> tuple[float, float]:

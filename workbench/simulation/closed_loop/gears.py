@@ -92,6 +92,5 @@ class Gears:
 def of_springs(machine: Machine, errors: Array) -> Array:
     """Errors (n,) of the joints at the springs (K,)."""
     out = np.zeros(len(machine.springs))
-    sprung = machine.own >= 0
-    out[machine.own[sprung]] = errors[sprung]
+    out[: len(machine.sprung)] = errors[machine.sprung]
     return out

@@ -6,6 +6,7 @@ Springs that are linear are Drake's force elements; their joints carry no inerti
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,11 @@ class Machine:
     @property
     def plant(self) -> MultibodyPlant:
         return self.built.plant
+
+    @cached_property
+    def sprung(self) -> NDArray[np.int64]:
+        """Joints that have a spring of their own, in the springs' order."""
+        return np.flatnonzero(self.own >= 0)
 
     @property
     def flange(self) -> Frame:

@@ -92,7 +92,7 @@ def run(
     dynamics.side = motion.side.copy()
     hold = dynamics.rest(motion.q[0])
     if not at_rest:
-        dynamics.q[built.springs] = 0.0
+        dynamics.q[truth.arm.n :] = 0.0
     cascade = Cascade.at_rest(loop, tuned, _counted(motion.q[0], drive), hold - told.feed[0])
     limits = [
         Limits(what, truth.arm.names, truth.arm.prismatic, limit, on_limit, loop.drive_period)
@@ -122,8 +122,8 @@ def _run(
     parts: int,
     hold: Array,
 ) -> tuple[Array, Array]:
-    """States (M, 2 V) after every step, and torques asked for (T, n)."""
-    loop, motors = cascade.loop, dynamics.at
+    """States (M, 2 V) of the plant after every step, and torques asked for (T, n)."""
+    loop, n = cascade.loop, dynamics.n
     late, ticks, size = steps_of_delay(loop, dynamics.h), len(told.q) - 1, dynamics.size
     kept = -(-late // parts)
     torque_limit, speed_limit = limits
@@ -133,7 +133,7 @@ def _run(
     waiting = [hold] * kept
     for tick in range(ticks):
         now = tick * loop.drive_period
-        cascade.measure(_counted(dynamics.q[motors], drive))
+        cascade.measure(_counted(dynamics.q[:n], drive))
         if tick % loop.cycles == 0:
             cascade.correct(told.q[tick])
         wanted = speed_limit.within(told.v[tick] + cascade.correction, now)
@@ -150,7 +150,9 @@ def _run(
             dynamics.advance(waiting[kept + (i - late) // parts], k)
             states[k + 1, :size], states[k + 1, size:] = dynamics.q, dynamics.v
         waiting.pop(0)
-    return states, asked
+    out = np.empty_like(states)
+    out[:, dynamics.state_order] = states
+    return out, asked
 
 
 def _along(truth: Mechanics, motion: Motion, times: Array) -> Along:
