@@ -2,8 +2,8 @@
 
     python benchmarks/closed_loop.py
 
-Processor time, not wall time: it moves less with the machine's load. The plain plant is the same robot with its
-springs and nothing else, in Drake's Simulator with third-order Runge–Kutta at the same step.
+Processor time, not wall time: it moves less with the machine's load. The plain plant is the same robot with
+its springs and nothing else, in Drake's Simulator with third-order Runge–Kutta at the same step.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def main() -> int:
         best = max(best, run(truth, nominal, moved, tuned=tuned).real_time_factor)
         alone = max(alone, plain_plant(truth, drive.rotor, q[0], step, 0.5))
     print(
-        f"everything on   {best:5.2f} x real time (step {1e3 * step:g} ms, {len(truth.screws)} yielding screws, "
-        f"6 springs, 6 drives, {len(truth.gear)} gear errors)"
+        f"everything on   {best:5.2f} x real time (step {1e3 * step:g} ms, {len(truth.screws)} yielding
+        screws, " f"6 springs, 6 drives, {len(truth.gear)} gear errors)"
     )
     print(f"plain plant     {alone:5.2f} x real time (Runge–Kutta 3, same step)")
     print(f"ratio           {best / alone:5.2f}")

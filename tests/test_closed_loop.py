@@ -140,7 +140,8 @@ def test_ripple_is_left_by_a_model_that_does_not_know_it():
 
 
 def test_the_loops_own_lag_is_corrected():
-    """A gear's ripple under load pushes its motor off: the model that knows both corrects the command for it."""
+    """A gear's ripple under load pushes its motor off: the model that knows both corrects the command for
+    it."""
     truth = extended(load_robot("kr500"), [RIPPLE])
     found = verify(line(0.1, TABLE), truth, truth, LOADS, speeds=None, repeats=0, feed_forward="loop")
     static, led = (found.slow.trials[name].figures for name in ("corrected", "loop"))

@@ -1,4 +1,5 @@
-"""The sampled controller: margins, limits, steps; and the simulated robot's motion against Drake's Simulator."""
+"""The sampled controller: margins, limits, steps; and the simulated robot's motion against Drake's
+Simulator."""
 
 from dataclasses import replace
 
@@ -73,7 +74,8 @@ def test_the_delay_margin_is_there_and_ends(name):
 
 
 def test_a_loop_without_its_margin_swings_up():
-    """What the linear analysis calls unstable diverges in the simulation, and what it calls stable does not."""
+    """What the linear analysis calls unstable diverges in the simulation, and what it calls stable does
+    not."""
     truth, nominal, moved, q = short("kr500")
     joints = tuple(replace(joint, effort=np.inf) for joint in truth.robot.joints)
     truth = replace(truth, robot=replace(truth.robot, joints=joints))
@@ -105,7 +107,8 @@ def test_stated_damping_is_used(name):
 
 
 def test_it_swings_as_in_drakes_simulator():
-    """Free of drives, friction and dampers, from slack springs: the same motion as Drake's own integration."""
+    """Free of drives, friction and dampers, from slack springs: the same motion as Drake's own
+    integration."""
     truth, _, _, q = short("kr500", HEAVY)
     truth = replace(truth, compensator=None)
     loop = Loop(coulomb=0.0, viscous=0.0)
@@ -163,7 +166,7 @@ def test_a_motor_crosses_its_play_before_the_joint_follows():
 def test_a_turned_round_joint_is_wound_up_by_friction_behind_its_gear():
     """Held at the same motor angle from both sides, the joint differs by 2 τ / K."""
     loop = Loop(coulomb=0.01, stiction=1.0, load_side=0.5)
-    truth, nominal, _, q = short("kr500")
+    truth, _, _, q = short("kr500")
     truth = replace(truth, compensator=None)
     drive = drives(truth, q[0], loop)
     j, angle = 0, []

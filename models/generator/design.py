@@ -75,7 +75,8 @@ LOOP = {
 
 @dataclass(frozen=True)
 class Design:
-    """One robot. `loop`: what its controller does otherwise than `LOOP`. `mount` is roll, pitch, yaw [deg] of all link frames in the base frame at q = 0."""
+    """One robot. `loop`: what its controller does otherwise than `LOOP`. `mount` is roll, pitch, yaw
+    [deg] of all link frames in the base frame at q = 0."""
 
     name: str
     title: str

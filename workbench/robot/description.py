@@ -47,7 +47,7 @@ class Robot:
     geometry: dict[str, dict[str, float]] = field(default_factory=dict)
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
-    loop: Loop = Loop()
+    loop: Loop = field(default_factory=Loop)
 
     @property
     def joint_names(self) -> tuple[str, ...]:

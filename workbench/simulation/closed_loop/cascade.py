@@ -66,7 +66,8 @@ class Cascade:
         self.correction = _scaled(self.gains.kv, wanted - self.before)
 
     def torque(self, wanted: Array, feed: Array) -> tuple[Array, Array]:
-        """Torque for the velocity wanted (n,) over the feed-forward (n,), and what the integral would become."""
+        """Torque for the velocity wanted (n,) over the feed-forward (n,), and what the integral would
+        become."""
         off = wanted - self.speed
         integral = self.integral + _scaled(self.gains.ki * self.loop.drive_period, off)
         return feed + _scaled(self.gains.kp, off) + integral, integral
@@ -90,8 +91,9 @@ def set_points(motion: Motion, torque: Array, drive: Drives, loop: Loop) -> SetP
     """From the command and the nominal robot's torque (K, n) at its instants."""
     T = loop.drive_period
     count = int(np.ceil(motion.duration / T - 1e-9)) + 1
-    t = T * np.arange(count)
-    coarse = loop.cycles * T * np.arange(int(np.ceil((count - 1) / loop.cycles)) + 2)
+    t = np.asarray(T * np.arange(count), float)
+    cycles = int(np.ceil((count - 1) / loop.cycles)) + 2
+    coarse = np.asarray(loop.cycles * T * np.arange(cycles), float)
     curve = CubicHermiteSpline(
         coarse, interpolated(coarse, motion.times, motion.q), interpolated(coarse, motion.times, motion.v)
     )

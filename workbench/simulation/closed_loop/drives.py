@@ -1,4 +1,5 @@
-"""The drives: reflected inertia, friction, damping and limits of each joint; what is not stated is assumed."""
+"""The drives: reflected inertia, friction, damping and limits of each joint; what is not stated is
+assumed."""
 
 from __future__ import annotations
 

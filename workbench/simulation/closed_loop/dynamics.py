@@ -150,7 +150,8 @@ class Dynamics:
             self.side = self.gears.crossed(self.side, moved[: self.n])
 
     def _rubbing(self, x: Array) -> Array:
-        """(2 n,) of what the coordinates move at the drives, and behind the gears: motor and spring together."""
+        """(2 n,) of what the coordinates move at the drives, and behind the gears: motor and spring
+        together."""
         out = np.concatenate([x[: self.n], x[: self.n]])
         out[self.n + self.sprung] += x[self.own]
         return out
@@ -220,7 +221,7 @@ class Dynamics:
             way = law.body_pivot - X[:, :3] @ law.arm_pivot - X[:, 3]
             s = math.sqrt(way @ way)
             gas = (1.0 if self.along.charge is None else self.along.charge[k]) * (1 + self._warmed(s))
-            full, _, gradient = law.force(s)
+            full, _, gradient = law.force(np.asarray(s))
             pull = (float(full) + (gas - 1) * float(gradient)) / s * way
             J = plant.CalcJacobianTranslationalVelocity(
                 context, JacobianWrtVariable.kV, moving, law.arm_pivot, body, body
@@ -245,7 +246,9 @@ class Dynamics:
         length = data.gas_length - (s - data.reference)
         if not math.isnan(self.length):
             faster = max(self.loop.gas_exponent - data.exponent, 0.0)
-            self.heat -= faster * (length - self.length) / length + self.h * self.held / self.loop.gas_time * self.heat
+            self.heat -= (
+                faster * (length - self.length) / length + self.h * self.held / self.loop.gas_time * self.heat
+            )
         self.length = length
         return self.heat
 

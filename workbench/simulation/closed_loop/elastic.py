@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
@@ -58,14 +59,14 @@ def with_elastic_lead(
     )  # fmt: skip
 
 
-def _nearest(t: Array, moved: Motion) -> Array:
+def _nearest(t: Array, moved: Motion) -> NDArray[np.int64]:
     """Number of the path's sample that is next to each instant (K,)."""
-    return np.asarray(np.rint(np.interp(t, moved.sample_times, np.arange(len(moved.sample_times)))), int)
+    return np.asarray(np.rint(np.interp(t, moved.sample_times, np.arange(len(moved.sample_times)))), np.int64)
 
 
 def inertial_wrenches(arm: Arm, where: Frames, loads: Loads, t: Array) -> Array:
-    """(K, S, 6) wrenches [N, N·m] at the slots, on their axes, of the inertia of all beyond them, along a motion
-    whose frames are known at K instants t [s] (d'Alembert)."""
+    """(K, S, 6) wrenches [N, N·m] at the slots, on their axes, of the inertia of all beyond them, along a
+    motion whose frames are known at K instants t [s] (d'Alembert)."""
     slots = arm.slots
     force, moment = np.zeros((slots, len(t), 3)), np.zeros((slots, len(t), 3))
     for k in range(slots - 1, 0, -1):

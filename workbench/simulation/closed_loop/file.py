@@ -53,7 +53,9 @@ class Verified:
             what = f"{COMMAND_NAMES[r.name]}, {r.count} runs at {r.speed:.3g} m/s"
             lines.append(f"  {what}: AT {mm(r.at_mm)} mm, RT {rt}")
         if found.repeatability_mm is not None:
-            lines.append(f"  the joints' repeatability makes {mm(found.repeatability_mm)} mm at the tool (RP)")
+            lines.append(
+                f"  the joints' repeatability makes {mm(found.repeatability_mm)} mm at the tool (RP)"
+            )
         ratio = found.slow.ratio_to_perfect
         if ratio is not None:
             lines.append(f"  {ratio:.2f} times what a perfect model would reach")

@@ -18,7 +18,8 @@ def gone_over(s: Array, dx: Array, way: Array) -> Array:
 
 
 def mean_on_the_way(s: Array, dx: Array, way: Array) -> tuple[Array, Array]:
-    """Mean of the state along motions dx (m,), and its slope by dx [1/rad, 1/m]; the slope is not negative."""
+    """Mean of the state along motions dx (m,), and its slope by dx [1/rad, 1/m]; the slope is not
+    negative."""
     sign = np.sign(dx)
     a = np.abs(dx) / way + 1e-4
     left = np.exp(-a)

@@ -2,9 +2,10 @@
 
 The velocity loop is sized for the drive alone, which is what a motor feels above the arm's first mode. What
 hold, filter and delay take of its phase at the crossover, and the integral, leave the stated margin:
-ω T + atan(ω_i/ω) = 90° − margin. Then the whole arm is put on it: the sampled loop, elastic arm and all joints
-at once, has to stay stable with `gain_margin` times the gains and with `delay_margin` more delay, at each of
-some poses. Where it does not, the joint that moves most in the least stable motion is slowed until it does.
+ω T + atan(ω_i/ω) = 90° − margin. Then the whole arm is put on it: the sampled loop, elastic arm and all
+joints at once, has to stay stable with `gain_margin` times the gains and with `delay_margin` more delay, at
+each of some poses. Where it does not, the joint that moves most in the least stable motion is slowed until
+it does.
 """
 
 from __future__ import annotations

@@ -37,8 +37,8 @@ def with_loop_lead(
 ) -> Motion:
     """The motion with the predicted error of the tool taken off.
 
-    predicted, wanted: (N, 4, 4) tool poses at the path's samples. What is faster than `feed_forward_hz` stays:
-    it would excite what it is to remove.
+    predicted, wanted: (N, 4, 4) tool poses at the path's samples. What is faster than `feed_forward_hz`
+    stays: it would excite what it is to remove.
     """
     trajectory = trajectory_of(belief, replace(path, q=q, X=None), conditions, tool)
     error = np.empty((len(q), 6))

@@ -33,7 +33,8 @@ class OverLimit(Exception):
 
 @dataclass(eq=False)
 class Limits:
-    """Limits (n,) of one kind, and how often and how far they were passed. `period`: between two looks [s]."""
+    """Limits (n,) of one kind, and how often and how far they were passed. `period`: between two looks
+    [s]."""
 
     what: str
     names: tuple[str, ...]
@@ -74,5 +75,5 @@ class Limits:
             f"{self.names[j]}: {self.what} saturated for {self.ticks[j] * self.period:.2g} s from "
             f"{self.first[j]:.3g} s on, {100 * (self.worst[j] - 1):.2g} % over its limit of "
             f"{self.limit[j]:.4g} {self._unit(j)} at most"
-            for j in np.flatnonzero(self.ticks)
+            for j in map(int, np.flatnonzero(self.ticks))
         )

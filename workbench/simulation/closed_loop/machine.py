@@ -83,7 +83,8 @@ def mass_matrix(built: Machine, q: Array) -> Array:
 
 
 def modes(built: Machine, q: Array) -> Array:
-    """(K,) natural frequencies [rad/s] of the arm on its springs, drives locked at joints q (n,), ascending."""
+    """(K,) natural frequencies [rad/s] of the arm on its springs, drives locked at joints q (n,),
+    ascending."""
     M = mass_matrix(built, q)[np.ix_(built.springs, built.springs)]
     scale = 1 / np.sqrt(built.stiffness)
     slowness = np.maximum(np.linalg.eigvalsh(scale[:, None] * M * scale), 1e-12)

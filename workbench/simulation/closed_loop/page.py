@@ -47,8 +47,8 @@ def headline(found: Verification) -> str:
 
 def _lead(found: Verification) -> list[str]:
     said = [
-        "The simulated robot ran the path in closed loop: sampled controller, drives, gears, springs, friction "
-        f"and loads, {len(found.path)} samples. Commands were corrected by what the model knows."
+        "The simulated robot ran the path in closed loop: sampled controller, drives, gears, springs, "
+        f"friction and loads, {len(found.path)} samples. Commands were corrected by what the model knows."
     ]
     if found.repeatability_mm is not None:
         said.append(
@@ -92,9 +92,9 @@ def _numbers(series: Series) -> Table:
 def _roughness(found: Verification) -> Table:
     n = ", ".join(f"{x:.2f}" for x in found.normal + 0.0)
     return Table(
-        f"Error along the normal ({n}) of the path's plane, by ISO 4287: R_a the mean size about its mean line, "
-        "R_z highest peak minus deepest valley, mean of five lengths. A constant height is no roughness: it "
-        "stands by itself.",
+        f"Error along the normal ({n}) of the path's plane, by ISO 4287: R_a the mean size about its mean "
+        "line, R_z highest peak minus deepest valley, mean of five lengths. A constant height is no "
+        "roughness: it stands by itself.",
         ("Speed", "Command", "R_a, mm", "R_z, mm", "Height, mm"),
         [
             [
@@ -152,7 +152,10 @@ def _facts(found: Verification) -> list[tuple[str, str]]:
     facts = [(f"At {speed_text(series.speed)}", step_said(series)) for series in found.series]
     facts += [
         ("The model itself expects, at rest", f"{mm(found.expected_mm)} mm RMS"),
-        ("Integration", "implicit midpoint on Drake's mass matrix and forces; no inertia is added to any spring"),
+        (
+            "Integration",
+            "implicit midpoint on Drake's mass matrix and forces; no inertia is added to any spring",
+        ),
         ("Servo error, largest", f"{servo:.3g} µrad (or µm)"),
     ]
     if found.modes_hz:

@@ -15,12 +15,12 @@ from ...robot.description import Robot
 from ...robot.kinematics import Array, frames
 from ...robot.loop import Loop
 from ...robot.rigid_plant import arrays
-from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
 from .drives import drives
 from .limits import OnLimit, OverLimit
 from .machine import machine, modes
+from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
 from .mechanics import mechanics
-from .runs import FeedForward, Outcome, Task, World, simulate_all
+from .runs import FEED_FORWARD, FeedForward, Outcome, Task, World, simulate_all
 from .sweep import swept
 from .verification import COMMAND_NAMES, Repeats, Series, Trial, Verification
 
@@ -51,14 +51,14 @@ def verify(
 
     path: N samples, joints [rad, m] or tool poses [m]; tool: (4, 4) pose of the tool in the flange frame;
     start: (n,) joints near the first pose.
-    truth, belief: robots with the corrections and effects of a model.toml; where they are one, the result shows
-    what the controller adds, and says so. conditions: loads as the program believes them, `true_conditions` as
-    they are (default: the same). speeds: tool speeds [m/s] to which the path's time is stretched; None: its
-    own. repeats: runs for AT and RT. loop: the controller (default: that of the truth's TOML). feed_forward:
-    "elastic" adds a command whose drives lead by what the arm yields under its inertia, "loop" also by what the
-    model's own loop lags. on_limit: whether a drive over its limit of torque or speed stops the run, or
-    saturates. sweep: error by speed too. workers: processes. Raises `InputError` where the path cannot be run,
-    or a drive is over its limit.
+    truth, belief: robots with the corrections and effects of a model.toml; where they are one, the result
+    shows what the controller adds, and says so. conditions: loads as the program believes them,
+    `true_conditions` as they are (default: the same). speeds: tool speeds [m/s] to which the path's time is
+    stretched; None: its own. repeats: runs for AT and RT. loop: the controller (default: that of the truth's
+    TOML). feed_forward: "elastic" adds a command whose drives lead by what the arm yields under its inertia,
+    "loop" also by what the model's own loop lags. on_limit: whether a drive over its limit of torque or
+    speed stops the run, or saturates. sweep: error by speed too. workers: processes. Raises `InputError`
+    where the path cannot be run, or a drive is over its limit.
 
     >>> import numpy as np
     >>> from workbench import Path, load_robot, parse_effect, planned, problem, record, stored, verify
@@ -73,13 +73,11 @@ def verify(
     """
     _check_call(truth, belief, speeds, repeats)
     loads = conditions or stated_conditions(belief)
-    world = World(
-        truth, belief, loads, true_conditions or loads, tool, loop or truth.loop, on_limit=on_limit
-    )
+    world = World(truth, belief, loads, true_conditions or loads, tool, loop or truth.loop, on_limit=on_limit)
     plans = _Plans(world, path, start, seed)
     timed, notes = plans.at_speeds(speeds)
     commands = [plans.commands(p) for p, _ in timed]
-    extra = {"static": (), "elastic": ("elastic",), "loop": ("elastic", "loop")}[feed_forward]
+    extra = FEED_FORWARD[1 : FEED_FORWARD.index(feed_forward) + 1]
     try:
         settled = simulate_all(world, _settling(plans.desired, timed, commands), workers, progress)
         tasks = _others(plans.desired, timed, commands, settled, extra)
@@ -95,11 +93,11 @@ def verify(
         names = [name for name in (*variants, *extra) if name != "corrected"]
         outcomes = {"corrected": first} | dict(zip(names, done[place:], strict=False))
         place += len(names)
-        trials = {
-            name: _trial(name, outcomes[name], p, orders) for name in COMMAND_NAMES if name in outcomes
-        }
+        trials = {name: _trial(name, outcomes[name], p, orders) for name in COMMAND_NAMES if name in outcomes}
         refined = first.step < 0.99 * world.loop.drive_period
-        series.append(Series(speed, first.time - first.time[0], trials, first.step, 1e6 * first.change, refined))
+        series.append(
+            Series(speed, first.time - first.time[0], trials, first.step, 1e6 * first.change, refined)
+        )
     return Verification(
         robot=truth,
         path=path,
@@ -147,7 +145,9 @@ def _others(
 def _over(path: Path, over: OverLimit) -> Fault:
     """Where on the path a drive was asked for too much."""
     mend = "run it slower (--speed), or let the drive saturate (--on-limit saturate)"
-    return Fault(f"{path.file or path.title or 'path'}, {over.time:.3g} s after its start at rest", str(over), mend)
+    return Fault(
+        f"{path.file or path.title or 'path'}, {over.time:.3g} s after its start at rest", str(over), mend
+    )
 
 
 def _repeatability(robot: Robot, q: Array) -> float | None:

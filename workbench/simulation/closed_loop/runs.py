@@ -32,7 +32,8 @@ HALVINGS = 3
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """What all runs have in common: the simulated robot, its loads, what is believed of both, the controller."""
+    """What all runs have in common: the simulated robot, its loads, what is believed of both, the
+    controller."""
 
     truth: Robot
     belief: Robot
@@ -47,8 +48,8 @@ class World:
 class Task:
     """One run: `q` (N, n) commanded along the path; `offset` (n,) of the encoders; said: for progress.
 
-    X: (N, 4, 4) desired tool poses. step: [s] of the integration, None: the drive period. ahead: by what the drives lead, beside the command. settled: the step is
-    halved until that changes little."""
+    X: (N, 4, 4) desired tool poses. step: [s] of the integration, None: the drive period. ahead: by what the
+    drives lead, beside the command. settled: the step is halved until that changes little."""
 
     said: str
     path: Path

@@ -64,10 +64,11 @@ def run(
     """Simulates a robot under a motion.
 
     nominal: what the controller's feed-forward knows. loop: the controller (default: the robot's own);
-    tuned: its gains (default: made for the start of the motion). step: [s] of the integration, at most (default: the drive period).
-    at_rest: it starts loaded and at rest; else with all springs slack. reaction: of the gear errors on the
-    motors. offset: (n,) of the joints' encoders (repeatability). Raises OverLimit where a drive is asked for
-    too much and `on_limit` is "stop", ArithmeticError where the arm finds no rest.
+    tuned: its gains (default: made for the start of the motion). step: [s] of the integration, at most
+    (default: the drive period). at_rest: it starts loaded and at rest; else with all springs slack.
+    reaction: of the gear errors on the motors. offset: (n,) of the joints' encoders (repeatability). Raises
+    OverLimit where a drive is asked for too much and `on_limit` is "stop", ArithmeticError where the arm
+    finds no rest.
     """
     loop = loop or truth.robot.loop
     drive = drives(truth, motion.q[0], loop)

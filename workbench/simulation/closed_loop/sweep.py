@@ -28,12 +28,15 @@ def swept(
 ) -> Sweep:
     """The corrected and the uncorrected path at all speeds, and on an arm that does not yield.
 
-    X: (N, 4, 4) desired tool poses; commands: (N, n) joints of each variant. A drive over its limit saturates.
+    X: (N, 4, 4) desired tool poses; commands: (N, n) joints of each variant. Drives over
+    their limits saturate.
     """
     world = replace(world, on_limit="saturate")
     stiff = rigid(world.truth)
     alone = replace(world, truth=stiff, belief=stiff)
-    still = compensate(stiff, replace(path), world.conditions, tool=world.tool, start=commands["uncorrected"][0])
+    still = compensate(
+        stiff, replace(path), world.conditions, tool=world.tool, start=commands["uncorrected"][0]
+    )
     elastic, rigids = [], []
     for speed in SWEEP_SPEEDS:
         timed, kept = _at(path, X, speed)

@@ -44,8 +44,8 @@ class Trial:
 class Series:
     """All variants at one speed [m/s]; time: (N,) [s] when the samples are passed.
 
-    step: [s] of the integration; step_change_um: how far half of it moves the corrected tool at most; refined:
-    the step was halved because of that."""
+    step: [s] of the integration; step_change_um: how far half of it moves the corrected tool at most;
+    refined: the step was halved because of that."""
 
     speed: float
     time: Array
@@ -80,7 +80,7 @@ class Repeats:
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """RMS error [mm] by tool speed [m/s] (V,), for each of some commands: "rigid" (an arm that does not yield,
+    """RMS error [mm] by tool speed [m/s] (V,) of some commands: "rigid" (an arm that does not yield,
     corrected: what the controller alone leaves), "uncorrected", "corrected", "elastic"."""
 
     speeds: Array
@@ -104,9 +104,9 @@ class Verification:
     """The closed loop's verdict on a path. X: (N, 4, 4) desired tool poses; normal: (3,) of R_a, R_z.
 
     series: slowest first. expected_mm: RMS that the belief itself expects of the corrected path, slow.
-    same: the simulated robot is the model itself. repeatability_mm: that of the joints, at the tool, as a data
-    sheet would state it (None: not stated). modes_hz: lowest of the arm on its springs, at the path's start.
-    sweep: error by speed, None where it was not asked for. notes: what was assumed or left out.
+    same: the simulated robot is the model itself. repeatability_mm: that of the joints, at the tool, as a
+    data sheet would state it (None: not stated). modes_hz: lowest of the arm on its springs, at the path's
+    start. sweep: error by speed, None where it was not asked for. notes: what was assumed or left out.
     """
 
     robot: Robot
