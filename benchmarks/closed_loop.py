@@ -64,10 +64,8 @@ def main() -> int:
     for _ in range(3):
         best = max(best, run(truth, nominal, moved, tuned=tuned).real_time_factor)
         alone = max(alone, plain_plant(truth, drive.rotor, q[0], step, 0.5))
-    print(
-        f"everything on   {best:5.2f} x real time (step {1e3 * step:g} ms, {len(truth.screws)} yielding
-        screws, " f"6 springs, 6 drives, {len(truth.gear)} gear errors)"
-    )
+    parts = f"{len(truth.screws)} yielding screws, 6 springs, 6 drives, {len(truth.gear)} gear errors"
+    print(f"everything on   {best:5.2f} x real time (step {1e3 * step:g} ms, {parts})")
     print(f"plain plant     {alone:5.2f} x real time (Runge–Kutta 3, same step)")
     print(f"ratio           {best / alone:5.2f}")
     return 0 if best >= WANTED else 1

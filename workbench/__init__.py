@@ -101,6 +101,7 @@ if TYPE_CHECKING:
     from .robot.find import list_robots as list_robots
     from .robot.kinematics import Array as Array
     from .robot.kinematics import moved_base as moved_base
+    from .robot.loop import Loop as Loop
     from .robot.rotations import pose as pose
     from .robot.rotations import rotation_about as rotation_about
     from .robot.schema import EffectRecord as EffectRecord
@@ -162,6 +163,7 @@ _MODULES = {
     "robot.find": "list_robots",
     "robot.schema": "EffectRecord",
     "robot.kinematics": "Array moved_base",
+    "robot.loop": "Loop",
     "robot.rotations": "pose rotation_about",
     "simulation.closed_loop.file": "Verified verify_file",
     "simulation.closed_loop.proof": "verify",

@@ -1,4 +1,4 @@
-"""The closed loop in Drake: the true robot runs a path, commanded by what is believed of it."""
+"""The closed loop in Drake: a simulated robot runs a path, commanded by what is believed of it."""
 
 from .file import Verified, verify_file, write_verification
 from .proof import verify

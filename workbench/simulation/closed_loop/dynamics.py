@@ -7,8 +7,7 @@ it. One linear solve per step:
 
 (M + h D/2 + h² K/4) Δv = h f + (h D/2 + h² K/4) Δv₀,    f at q + h v/2 + h Δv₀/4, v + Δv₀/2,
 
-Δv₀ the step before's. Second order; on a linear system it is the midpoint rule itself (Hairer, Lubich and
-Wanner 2006, VI.4).
+Δv₀ the step before's. Second order; on a linear system it is the midpoint rule itself (Hairer et al. 2006).
 """
 
 from __future__ import annotations

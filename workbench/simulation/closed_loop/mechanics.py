@@ -1,4 +1,4 @@
-"""What the true robot consists of: springs, gear errors, loads, taken from its model along a path.
+"""What the simulated robot consists of: springs, gear errors, loads, taken from its model along a path.
 
 Every slot that yields does so along a few screws: its compliance C is a sum of λ ξ ξᵀ, so a joint along
 each ξ with a spring of stiffness 1/λ yields by C · wrench. No constraint and no stiff dummy is needed.
@@ -60,7 +60,7 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class Mechanics:
-    """The true robot on a path of N samples: geometry and masses in `arm`, and what moves.
+    """The simulated robot on a path of N samples: geometry and masses in `arm`, and what moves.
 
     screws: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
     placed: (N, S, 6) motions that neither load nor the drive makes (temperature, drift). charge: (N,) of the

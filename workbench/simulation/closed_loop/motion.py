@@ -27,8 +27,7 @@ PERIOD = 2.5e-4  # s: of the tables, half of the finest step
 class Motion:
     """Commanded joints at K instants, `period` apart: q, v, a (K, n) [rad, m, s].
 
-    sample_times: (N,) [s] when the path's samples are passed. side: (n,) from which each came at first, −1 …
-    1.
+    sample_times: (N,) [s] when the path's samples are passed. side: (n,) from which each came, −1 … 1.
     """
 
     period: float
