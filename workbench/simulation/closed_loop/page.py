@@ -20,7 +20,7 @@ def page(found: Verification) -> str:
         path=found.path.title,
         headline=headline(found),
         lead=_lead(found),
-        tiles=[_tile(series) for series in found.series],
+        tiles=[_tile(series, found.repeatability_mm) for series in found.series],
         along=[(drawn, _numbers(series)) for drawn, series in zip(along, found.series, strict=True)],
         heights=heights,
         roughness=_roughness(found),
@@ -64,14 +64,15 @@ def _lead(found: Verification) -> list[str]:
     return said
 
 
-def _tile(series: Series) -> Tile:
+def _tile(series: Series, repeatability_mm: float | None) -> Tile:
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
+    beside = "" if repeatability_mm is None else f"; repeatability {mm(repeatability_mm)} mm"
     return Tile(
         f"RMS error at {speed_text(series.speed)}",
         mm(before.rms_mm),
         mm(after.rms_mm),
         "mm",
-        f"largest {mm(before.max_mm)} → {mm(after.max_mm)} mm",
+        f"largest {mm(before.max_mm)} → {mm(after.max_mm)} mm{beside}",
     )
 
 

@@ -25,6 +25,7 @@ from .sweep import swept
 from .verification import COMMAND_NAMES, Repeats, Series, Trial, Verification
 
 SPEEDS = (0.03, 0.3)  # m/s: as slow as Olabi et al. 2012 drew, and ten times as fast
+LEAST_TOLD = 1e-9  # rad, m: by which a command has to differ to be run beside another
 LONGEST = 60.0  # s that a run may take in the simulated world
 
 
@@ -228,11 +229,9 @@ class _Plans:
         self.notes += everything.lines()[1:]
         if not self.expected_mm:
             self.expected_mm = float(np.sqrt((everything.after_mm**2).mean()))
-        out = {
-            "uncorrected": self.geometry.q_nominal,
-            "geometry": self.geometry.q_command,
-            "corrected": everything.q_command,
-        }
+        out = {"uncorrected": self.geometry.q_nominal, "corrected": everything.q_command}
+        if np.abs(self.geometry.q_command - self.geometry.q_nominal).max() > LEAST_TOLD:
+            out["geometry"] = self.geometry.q_command
         if world.truth is not world.belief:
             best = self._compensate(path, world.truth, world.true_conditions, "exact")
             out["perfect"] = best.q_command
