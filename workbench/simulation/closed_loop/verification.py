@@ -193,8 +193,8 @@ def sweep_said(sweep: Sweep) -> str:
     k = int(np.searchsorted(sweep.speeds, end))
     left, led = sweep.rms_mm["corrected"][k], sweep.rms_mm["elastic"][k]
     return (
-        f"from {end:.3g} m/s on the static correction leaves twice what it leaves standing still: "
-        f"{left:.2g} mm there, {led:.2g} mm with elastic feed-forward"
+        f"from {end:.3g} m/s on the static correction leaves twice what it leaves at "
+        f"{sweep.speeds[0]:.2g} m/s: {left:.2g} mm there, {led:.2g} mm with elastic feed-forward"
     )
 
 
