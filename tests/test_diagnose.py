@@ -9,8 +9,9 @@ from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
 
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.families import families
 from workbench.diagnosis.result import Diagnosis
+from workbench.effects.records import from_record, record
+from workbench.effects.unnamed import KINDS, Product, Warmth, unnamed
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
 
@@ -180,17 +181,32 @@ def test_what_no_cause_explains_is_unknown(name, load, stated):
     assert unknown.structure.startswith("depends on joint_")
 
 
-def test_families_say_what_they_are_about():
-    result = fit(Model(problem_of(measured(time=60.0 * np.arange(120)))))
-    found = list(families(result))
-    kinds = {"joint", "tilt", "pair", "torque", "clock", "side", "payload", "attitude", "bearing"}
-    assert {family.kind for family in found} == kinds
-    for family in found:
-        for j in family.joints:
-            assert result.model.problem.arm.names[j] in family.variable
-        assert len(family.joints) == {"pair": 2, "clock": 0, "payload": 0, "attitude": 0, "bearing": 0}.get(
-            family.kind, 1
-        )
+def test_functions_without_a_name_say_what_they_are_about():
+    problem = problem_of(measured(time=60.0 * np.arange(120)))
+    found = list(unnamed(problem))
+    assert {type(one) for one in found} == {*KINDS} - {Product, Warmth}
+    result = fit(Model(problem))
+    for one in found:
+        for name in filter(None, (one.where.joint, one.where.other)):
+            assert name in one.variable
+        weights = one.given({p.name: p.typical for p in one.params})
+        if one.lasting:  # the others stay in their campaign
+            again, numbers = from_record(record(one, weights), problem)
+            assert again == one
+            assert np.array_equal(numbers, weights)
+        assert_slopes(result, one, weights)
+
+
+def assert_slopes(result, effect, values):
+    """The effect's Jacobian is the derivative of what the whole model predicts."""
+    model = replace(result.model, effects=(effect,))
+    step = 0.1 * values
+    states = [replace(result.state, values=(values + sign * step,)) for sign in (1, -1)]
+    up, down = (model.predict(state) for state in states)
+    line = model.linearise(replace(result.state, values=(values,)))
+    slope = model.effect_jacobian(line, effect, values) @ (2 * step)
+    moved = np.abs(up - down).max()
+    assert np.abs(slope.reshape(up.shape) - (up - down)).max() < max(1e-3 * moved, 1e-12)
 
 
 # ---------------------------------------------------------------- data faults

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..campaign.poses import Poses
 from ..effects import line as gear_line
-from ..effects.base import Effect
+from ..effects.base import UNKNOWN, Effect
+from ..effects.unnamed import products, unnamed
 from ..identification.fit import Fit, fit, refit
+from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from ..robot.kinematics import Array
-from .components import Component, cause_components, free_components, line_component
-from .families import Family, families, product_families
+from .components import Component, Form, bare, cause_components, line_component, nameless_components
+from .noise_choice import from_residual
 from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
-from .sets import Competition, Member, Shares
+from .sets import Chosen, Competition, Member, Shares
+from .stages import rms_mm
 
 ROUNDS = 5
 CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
@@ -33,7 +36,8 @@ LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 class Selection:
     """The likeliest set, strongest member first. fit: with its effects; shares: per member, the
     probability of each component in its place, None: of nothing. unrepeated: members that one half of the
-    poses does not show; scatter: (n,) one sigma [rad, m] of the joints beyond the noise."""
+    poses takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
+    joints beyond the noise."""
 
     fit: Fit
     components: tuple[Component, ...]
@@ -43,39 +47,43 @@ class Selection:
     unrepeated: tuple[Member, ...]
     scatter: Array
 
+    def named(self, effect: Effect) -> bool:
+        """Whether an effect of the fit stands for a member that has a name."""
+        keys = [bare(self.components[m.component].key) for m in self.members]
+        return effect.cause != UNKNOWN and effect.key in keys
+
     def worth_mm(self, member: Member) -> float:
         """RMS length [mm] of what a member makes of the points."""
-        part = self.reduced.parts[member.component][member.form]
-        index = np.arange(len(self.reduced.u))[part]
+        chosen = Chosen(self.reduced, self.members if member in self.members else [member])
+        own = chosen.own[chosen.members.index(member)]
+        index, beta = chosen.index[own], chosen.beta[own]
         S = self.reduced.S[np.ix_(index, index)]
-        beta = np.linalg.solve(S + np.eye(len(index)) * member.scale**-2, self.reduced.u[index])
         sigma = float(np.sqrt(np.mean(self.fit.noise.sigma**2)))
         return 1e3 * sigma * float(np.sqrt(3 * (beta @ S @ beta) / self.reduced.dof))
 
 
 def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     """The likeliest set of causes, gear lines and free functions."""
-    geometry = prepared.geometry
-    source = prepared.noise.source
+    geometry, source = prepared.geometry, prepared.noise.source
     noise_dof = {"stated": PRIORS.noise_dof, "repeats": geometry.noise.dof, "residual": 0.0}[source]
     if not np.isfinite(noise_dof):
         noise_dof = PRIORS.noise_dof
-    at, competition, members = _converged(geometry, candidates, noise_dof)
+    best = _converged(geometry, candidates, noise_dof, prepared.noise_known)
+    at, competition, members = best.found, best.competition, best.members
     reduced, components = competition.reduced, competition.components
     shares = competition.shares(members)
     sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
     sure.sort(key=lambda i: -_size(reduced, members[i]))
     members, shares = [members[i] for i in sure], [shares[i] for i in sure]
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
-    misfit = misfit or any(components[m.component].family is not None for m in members)
+    misfit = misfit or any(components[m.component].nameless for m in members)
     if misfit and positions(geometry) >= 2 * POSES_PER_JOINT * geometry.model.problem.arm.n:
         shares = _in_both_halves(at, components, members, shares, noise_dof)
+    final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     shown = [share[m.component] >= PRIORS.absent for share, m in zip(shares, members, strict=True)]
     unrepeated = [m for m, there in zip(members, shown, strict=True) if not there]
     members = [m for m, there in zip(members, shown, strict=True) if there]
     shares = [share for share, there in zip(shares, shown, strict=True) if there]
-    effects = _effects(competition, members)
-    final = _sharpened(_refitted(at, effects), candidates)
     scatter = np.sqrt(np.maximum(at.noise.joint**2 - geometry.noise.joint**2, 0.0))
     return Selection(
         final, tuple(components), tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter
@@ -95,9 +103,11 @@ def _in_both_halves(
     for poses in _halves(at.model.problem.campaign.poses):
         half = Competition(reduce(at, components, _explained(at), noise_dof, poses), components)
         for share, other, member in zip(out, half.shares(members), members, strict=True):
-            if components[member.component].family is not None:
+            if components[member.component].nameless:
                 continue  # no name is at stake
-            share[member.component] = min(share[member.component], other[member.component])
+            if other[member.component] < share[member.component]:
+                share.clear()
+                share.update(other)
     return out
 
 
@@ -119,19 +129,32 @@ def _refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
 
 
 def _sharpened(result: Fit, candidates: Sequence[Effect]) -> Fit:
-    """The fit with settings (a soft zone's width) moved to where the data want them."""
-    for i, effect in enumerate(result.model.effects):
+    """The fit with settings (a soft zone's width) where the data want them, to first order."""
+    effects = list(result.model.effects)
+    for i, effect in enumerate(effects):
         related = [other for other in candidates if other.key == effect.key and other.finer()]
-        for other in dict.fromkeys([*related, *(fine for one in related for fine in one.finer())]):
-            effects = list(result.model.effects)
-            effects[i] = other
-            try:
-                moved = refit(result, effects)
-            except ArithmeticError:
-                continue
-            if moved.chi2 < result.chi2 - CLEARER:
-                result = moved
-    return result
+        others = list(dict.fromkeys([effect, *related, *(fine for one in related for fine in one.finer())]))
+        if len(others) < 2:
+            continue
+        worth = [_chi2_with(result, i, other) for other in others]
+        best = int(np.argmin(worth))
+        if worth[best] < worth[0] - CLEARER:
+            effects[i] = others[best]
+    return _refitted(result, effects)
+
+
+def _chi2_with(result: Fit, i: int, other: Effect) -> float:
+    """χ² to first order with another form in the place of the model's i-th effect."""
+    G = result.model.effect_jacobian(result.line, other, np.zeros(len(other.params)))
+    G = np.matmul(result.whitener, G).reshape(result.r.size, -1)
+    part = result.columns.effect[i]
+    J = result.J.reshape(result.r.size, -1)
+    r = result.r.ravel() + J[:, part] @ result.state.values[i]
+    rest = np.delete(J * result.columns.prior, np.r_[part], axis=1)
+    A = np.concatenate([rest, G * [LOOSE * p.typical for p in other.params]], axis=1)
+    g = A.T @ r
+    normal = A.T @ A + np.eye(A.shape[1])
+    return float(r @ r - g @ np.linalg.solve(normal, g))
 
 
 def _halves(poses: Poses) -> tuple[Index, Index]:
@@ -145,39 +168,53 @@ def _halves(poses: Poses) -> tuple[Index, Index]:
     return np.sort(np.concatenate(early)), np.sort(np.concatenate(late))
 
 
-def _of_scattering(at: Fit, base: Covariance) -> Iterator[Family]:
+def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
     """Functions of two other joints, for the joints that scatter most."""
     extra = at.noise.joint**2 - base.joint**2
     for j in np.argsort(-extra)[:MOST_SCATTERING]:
         if extra[j] > 0:
-            yield from product_families(at, int(j))
+            yield from products(at.model.problem, int(j))
 
 
-def _converged(
-    geometry: Fit, candidates: Sequence[Effect], noise_dof: float
-) -> tuple[Fit, Competition, list[Member]]:
-    """The likeliest set, found again at its own fit until it stays.
+def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noise_known: bool) -> _Round:
+    """The likeliest set, found again at its own fit until it stays; of sets that do not stay, the one that
+    predicts best what it did not see.
 
-    The joints' scatter beside it is in the noise from the start, and shrinks as causes are found:
-    a cause must stand out of it.
+    The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
+    must stand out of it. So does a noise that nobody knows.
     """
-    base, lines, last = geometry.noise, list[Line](), None
+    base, lines, tried = geometry.noise, list[Line](), list[_Round]()
     at = _fitted(geometry, [], base)
     for _ in range(ROUNDS):
         lines = _with_lines(at, lines)
         components = [
             *cause_components(at, candidates),
             *(_line(at, line) for line in lines),
-            *free_components(at, [*families(at), *_of_scattering(at, base)]),
+            *nameless_components(at, [*unnamed(at.model.problem), *_of_scattering(at, base)]),
         ]
         competition = Competition(reduce(at, components, _explained(at), noise_dof), components)
         members = competition.best()
         effects, noise = _effects(competition, members), at.noise
-        at = _fitted(at, effects, base)
-        if last is not None and set(effects) == set(last) and alike(noise, at.noise):
+        if not noise_known:
+            base = from_residual(_refitted(replace(at, noise=base), effects))[0]
+        found = _fitted(at, effects, base)
+        tried.append(_Round(at, found, competition, members, rms_mm(heldout(found))))
+        same = len(tried) > 1 and set(effects) == set(tried[-2].found.model.effects)
+        at = found
+        if same and alike(noise, at.noise):
             break
-        last = effects
-    return at, competition, members
+    return min(tried, key=lambda one: one.heldout_mm)
+
+
+@dataclass(frozen=True, eq=False)
+class _Round:
+    """One round: where it was linearised, the fit with the set that it found, the error of that held out."""
+
+    at: Fit
+    found: Fit
+    competition: Competition
+    members: list[Member]
+    heldout_mm: float
 
 
 def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:
@@ -190,19 +227,27 @@ def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:
 
 
 def _effects(competition: Competition, members: Sequence[Member]) -> list[Effect]:
-    """The effects that stand for a set: of each cause the form that explains most without its companions."""
+    """The effects that stand for a set: of each cause the form that explains most without its companions, of
+    free functions the likeliest, as large as it is likeliest."""
     out = list[Effect]()
-    for member in members:
+    chosen = Chosen(competition.reduced, members)
+    for i, member in enumerate(members):
         forms = competition.components[member.component].forms
-        if not forms[member.form].effects:
-            continue
-        left = competition.left_by([m for m in members if m is not member])
-        worth = []
-        for form, part in zip(forms, left.parts[member.component], strict=True):
-            main = np.arange(part.start, part.start + sum(len(e.params) for e in form.effects))
-            worth.append(left.explained(main, np.full(len(main), LOOSE**-2)) - CLEARER * len(main))
-        out += forms[int(np.argmax(worth))].effects
+        form = forms[member.form]
+        if not form.held:
+            parts = competition.reduced.parts[member.component]
+            worth = [_worth(chosen, i, f, part) for f, part in zip(forms, parts, strict=True)]
+            form = forms[int(np.argmax(worth))]
+        out += [effect.sized(member.scale) for effect in form.effects]
     return out
+
+
+def _worth(chosen: Chosen, without: int, form: Form, part: slice) -> float:
+    """What a form explains without its companions, beside the others of a set, less a price per number."""
+    main = part.start + np.arange(sum(len(effect.params) for effect in form.effects))
+    S, u = (x[0] for x in chosen.left_of(main[None], without))
+    S[np.diag_indices_from(S)] += LOOSE**-2
+    return float(u @ np.linalg.solve(S, u)) - CLEARER * len(main)
 
 
 def _explained(at: Fit) -> Array | None:

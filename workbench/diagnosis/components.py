@@ -6,16 +6,16 @@ A component is a prior for a pattern in the data: columns with prior sizes. The 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..effects.base import Effect
-from ..effects.place import NOWHERE, Where
+from ..effects.base import UNKNOWN, Effect
+from ..effects.place import Where
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
-from .families import Family
 from .priors import PRIORS
 
 Key = tuple[str, Where]
@@ -26,31 +26,40 @@ EVERY_FINER = 3  # of an effect's finer settings, every third is a form of its o
 class Form:
     """One form of a component: columns (N, D, g), whitened, in prior sizes `sizes` (g,), main columns first.
 
-    effects: what stands for it in the model (none: a function without a name). one_sided: its first number
-    is held to be positive, in units of the column.
+    effects: what stands for it in the model. one_sided: its first number is held to be positive.
     """
 
     columns: Array
     sizes: Array
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[Effect, ...]
     one_sided: bool = False
+
+    @property
+    def held(self) -> bool:
+        """Whether its prior sizes hold its weights in the fit as well: a free function."""
+        return all(p.spread is not None for effect in self.effects for p in effect.params)
 
 
 @dataclass(frozen=True, eq=False)
 class Component:
-    """A cause at one place, a gear line, or a function without a name (family). log_odds: before the data."""
+    """A cause at one place, a gear line, or a function without a name. log_odds: before the data."""
 
     key: Key
     forms: tuple[Form, ...]
     log_odds: float
-    family: Family | None = field(default=None)
+
+    @property
+    def nameless(self) -> bool:
+        return self.key[0] == UNKNOWN
 
     @property
     def label(self) -> str:
-        cause, where = self.key
-        if self.family is not None:
-            return f"a dependence on {self.family.variable}"
-        return f"{cause}({where})" if str(where) else cause
+        return self.forms[0].effects[0].label
+
+
+def bare(key: Key) -> Key:
+    """A key without the order: what a finding is about."""
+    return key[0], replace(key[1], order=None)
 
 
 def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
@@ -80,24 +89,16 @@ def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
     return Component((effect.cause, effect.where), (_form(fit, (effect,)),), float(np.log(odds)))
 
 
-def free_components(fit: Fit, families: Iterable[Family]) -> list[Component]:
-    """Functions without a name: of two joints, of a torque, of the clock, of the side, of the payload."""
-    found: list[tuple[Family, Form]] = []
-    for family in families:
-        if family.kind == "joint":
-            continue  # the joint map is a cause
-        functions = family.functions / np.maximum(np.abs(family.functions).max(axis=0), 1e-12)
-        usual = {"tilt": 5e-5, "clock": 3e-5, "payload": 3e-5}.get(family.kind, 1e-4)
-        columns = (family.motions[..., None] * functions[:, None, None, :]).reshape(*fit.r.shape, -1)
-        sizes = np.full(columns.shape[2], usual / np.sqrt(columns.shape[2]))
-        found.append((family, Form(columns, sizes)))
-    counts: dict[str, int] = {}
-    for family, _ in found:
-        counts[family.kind] = counts.get(family.kind, 0) + 1
-    return [
-        Component(("unknown", NOWHERE), (form,), float(np.log(PRIORS.free / counts[family.kind])), family)
-        for family, form in found
-    ]
+def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component]:
+    """Functions without a name; those of one kind share its probability."""
+    every = list(functions)
+    counts = Counter(type(one) for one in every)
+    out = []
+    for one in every:
+        form = _form(fit, (one,))
+        if form.columns.any():
+            out.append(Component(one.key, (form,), float(np.log(PRIORS.free / counts[type(one)]))))
+    return out
 
 
 def _log_odds(effect: Effect, sites: int) -> float:

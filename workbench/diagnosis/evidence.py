@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..effects.base import Effect
+from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
-from .families import Family
 from .result import Evidence
 
 FAINTEST = 1e-6  # share of its largest size below which an effect says nothing of a pose
@@ -45,36 +45,31 @@ def evidence(result: Fit, effect: Effect, values: Array) -> Evidence:
     )
 
 
-def structure_evidence(result: Fit, family: Family) -> Evidence:
-    """The residual's part that a function without a name takes, against its variable."""
-    flat = family.columns.reshape(-1, family.columns.shape[2])
+def structure_evidence(result: Fit, function: Unnamed) -> Evidence:
+    """The part of the data that a function without a name takes, against its variable."""
+    problem = result.model.problem
+    moved, r = _taken(result, function)
+    sigma = float(np.sqrt(np.mean(result.noise.sigma**2))) * 1e3
+    length = np.maximum(np.linalg.norm(moved, axis=1), 1e-12)
+    part, before = length * sigma, (moved * r).sum(axis=1) / length * sigma
+    turn, unit = (np.degrees(1.0), "deg") if function.unit == "rad" else (1.0, function.unit)
+    x = function.x(problem) * turn
+    order = np.argsort(x)
+    return Evidence(
+        function.variable, unit, "error along the structure", "mm", x, before, before - part, x[order],
+        part[order],
+    )  # fmt: skip
+
+
+def _taken(result: Fit, function: Unnamed) -> tuple[Array, Array]:
+    """(N, D) whitened: what a function takes of the data, and the data without everything else."""
+    for effect, values in zip(result.model.effects, result.state.values, strict=True):
+        if (effect.key, effect.variant) == (function.key, function.variant):
+            G = result.model.effect_jacobian(result.line, effect, values)
+            moved = np.matmul(result.whitener, (G @ values)[..., None])[..., 0]
+            return moved, result.r + moved
+    G = result.model.effect_jacobian(result.line, function, np.zeros(len(function.params)))
+    flat = np.matmul(result.whitener, G).reshape(result.r.size, -1)
     scale = np.linalg.norm(flat, axis=0) + 1e-300
     solution = np.linalg.lstsq(flat / scale, result.r.ravel(), rcond=1e-8)[0]
-    explained = ((flat / scale) @ solution).reshape(result.r.shape)
-    sigma = float(np.sqrt(np.mean(result.noise.sigma**2))) * 1e3
-    if family.joint is not None:
-        problem = result.model.problem
-        column = int(problem.arm.axial[family.joint])
-        g = np.matmul(result.whitener, result.line.direct[:, :, column, None])[..., 0]
-        strength = np.maximum((g**2).sum(axis=1), 1e-3 * np.median((g**2).sum(axis=1)))
-        before = (g * result.r).sum(axis=1) / strength * 1e6
-        part = (g * explained).sum(axis=1) / strength * 1e6
-        unit, name = "µrad", f"error of {problem.arm.names[family.joint]}"
-    else:
-        length = np.maximum(np.linalg.norm(explained, axis=1), 1e-12)
-        part = length * sigma
-        before = (explained * result.r).sum(axis=1) / length * sigma
-        unit, name = "mm", "error along the structure"
-    turn = 180 / np.pi if family.unit == "rad" else 1.0
-    order = np.argsort(family.x)
-    return Evidence(
-        family.variable,
-        "deg" if family.unit == "rad" else family.unit,
-        name,
-        unit,
-        family.x * turn,
-        before,
-        before - part,
-        family.x[order] * turn,
-        part[order],
-    )
+    return ((flat / scale) @ solution).reshape(result.r.shape), result.r

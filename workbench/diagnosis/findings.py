@@ -10,14 +10,14 @@ import numpy as np
 from .. import __version__
 from ..campaign import Campaign
 from ..effects import separation
-from ..effects.base import Effect
+from ..effects.base import UNKNOWN, Effect
 from ..effects.place import NOWHERE, Parameter, Where
+from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit, fit
 from .competition import Selection
-from .components import Component, Key
+from .components import Key, bare
 from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable
-from .families import Family
 from .headline import headline, remarks, verdict_of
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed
@@ -50,7 +50,7 @@ def assemble(parts: Parts) -> Diagnosis:
     """The Diagnosis."""
     prepared, selection, final = parts.prepared, parts.selection, parts.selection.fit
     problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
-    groups = _groups(final)
+    groups = _groups(selection)
     stages, _ = stages_of(prepared, final, groups, parts.seed)
     # what is left is judged by the noise that was there before any scatter was seen
     left = remainder(fit(final.model, final.state, prepared.covariance, max_iterations=4), known)
@@ -89,11 +89,12 @@ def assemble(parts: Parts) -> Diagnosis:
     )
 
 
-def _groups(final: Fit) -> list[Group]:
+def _groups(selection: Selection) -> list[Group]:
     """Effects of one cause and place together, strongest first (indices into the fit's effects)."""
     found: dict[Key, Group] = {}
-    for i, effect in enumerate(final.model.effects):
-        found.setdefault(effect.key, (effect, []))[1].append(i)
+    for i, effect in enumerate(selection.fit.model.effects):
+        if selection.named(effect):
+            found.setdefault(effect.key, (effect, []))[1].append(i)
     return list(found.values())
 
 
@@ -129,7 +130,7 @@ def _shares(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, .
     best: tuple[float, Shares, int] | None = None
     for member, share in zip(selection.members, selection.shares, strict=True):
         component = selection.components[member.component]
-        same = _bare(component.key) == effect.key
+        same = bare(component.key) == effect.key
         if same and (best is None or share[member.component] > best[0]):
             best = share[member.component], share, member.component
     assert best is not None
@@ -144,10 +145,6 @@ def _shares(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, .
             rivals.append(Rival(cause, where, p))
         covered += p
     return probability, tuple(rivals)
-
-
-def _bare(key: Key) -> Key:
-    return key[0], replace(key[1], order=None)
 
 
 def _describe(final: Fit, group: Group) -> tuple[tuple[Parameter, ...], str]:
@@ -170,10 +167,12 @@ def _nameless(selection: Selection, left: Remainder, rms_mm: float) -> list[Find
     found = []
     for member, share in zip(selection.members, selection.shares, strict=True):
         component = selection.components[member.component]
-        if component.family is None or share[None] >= PRIORS.absent:
+        if not component.nameless or share[None] >= PRIORS.absent:
             continue
         worth = rms_mm - float(np.sqrt(max(rms_mm**2 - selection.worth_mm(member) ** 2, 0.0)))
-        found.append(_unknown(selection.fit, component, component.family, share[member.component], worth))
+        (function,) = component.forms[0].effects
+        assert isinstance(function, Unnamed)
+        found.append(_unknown(selection.fit, function, share[member.component], worth))
     if left.scatter and not found:
         found.append(_scatter(selection, left, rms_mm))
     for member in selection.unrepeated:
@@ -216,18 +215,16 @@ def _plain(structure: str, sentence: str, where: Where, worth_mm: float) -> Find
     )
 
 
-def _unknown(final: Fit, component: Component, family: Family, probability: float, worth: float) -> Finding:
-    names = final.model.problem.arm.names
-    where = Where(joint=names[family.joint]) if family.joint is not None else NOWHERE
-    structure = f"depends on {family.variable}"
+def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) -> Finding:
+    structure = f"depends on {function.variable}"
     return Finding(
-        cause="unknown",
+        cause=UNKNOWN,
         title=UNNAMED,
-        where=where,
+        where=function.where if function.where.other is None else NOWHERE,
         status="ambiguous",
         gain_mm=worth,
         probability=float(np.clip(probability, 0.0, 1.0)),
         structure=structure,
         sentence=f"What is left {structure}.",
-        evidence=structure_evidence(final, family),
+        evidence=structure_evidence(final, function),
     )

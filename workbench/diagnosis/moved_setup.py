@@ -11,9 +11,10 @@ from scipy.linalg import solve_triangular
 
 from ..campaign.problem import Problem
 from ..effects import catalogue
+from ..effects.base import Effect
+from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
-from .families import families
 from .result import FaultFound
 from .screen import effective_dof, quadratic, reduce_columns
 
@@ -81,7 +82,11 @@ def _beside_joints(result: Fit, step: Array) -> float:
     Poses measured joint by joint, or load by load, would else let their errors look like a step.
     """
     smooth = np.concatenate(
-        [f.columns for f in families(result) if len(f.joints) == 1] + _load_columns(result), axis=2
+        [
+            _columns(result, e)
+            for e in [*_of_one_joint(result.model.problem), *_of_load(result.model.problem)]
+        ],
+        axis=2,
     )
     if result.J.shape[2] + smooth.shape[2] > 0.6 * result.point_rows:
         return 0.0
@@ -94,16 +99,22 @@ def _beside_joints(result: Fit, step: Array) -> float:
     return quadratic(left, u[n:] - S[n:, :n] @ solved[:, -1], np.ones(step.shape[2]))[0]
 
 
-def _load_columns(result: Fit) -> list[Array]:
-    """Whitened columns of what a change of load does: payloads, and joints that yield to them."""
-    problem, model = result.model.problem, result.model
+def _of_one_joint(problem: Problem) -> list[Effect]:
+    """Functions of single joints, their torques, and their sides of approach."""
+    maps = {e.where: e for e in reversed(catalogue()["joint_map"].sites(problem))}  # the smoothest of each
+    return [*maps.values()] + [e for e in unnamed(problem) if e.variant in ("tilt", "torque", "side")]
+
+
+def _of_load(problem: Problem) -> list[Effect]:
+    """What a change of load does: payloads, and joints that yield to them."""
     every = [e for kind in catalogue().values() if kind.needs(problem) is None for e in kind.sites(problem)]
-    effects = [e for e in every if e.where.payload is not None]
-    effects += [e for e in every if e.always and e.axial]
-    return [
-        np.matmul(result.whitener, model.effect_jacobian(result.line, e, np.zeros(len(e.params))))
-        for e in effects
-    ]
+    return [e for e in every if e.where.payload is not None or (e.always and e.axial)]
+
+
+def _columns(result: Fit, effect: Effect) -> Array:
+    """(N, D, p) whitened columns of an effect."""
+    G = result.model.effect_jacobian(result.line, effect, np.zeros(len(effect.params)))
+    return np.matmul(result.whitener, G)
 
 
 def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Array]]:

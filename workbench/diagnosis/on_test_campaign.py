@@ -56,7 +56,8 @@ def _lengths(problem: Problem, result: Fit) -> Array:
     known = tuple(
         (effect, values)
         for effect, values in result.model.acting(result.state)
-        if effect.needs(problem) is None
+        if effect.lasting
+        and effect.needs(problem) is None
         and (effect.where.payload is None or effect.where.payload in problem.campaign.payload_names)
     )
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))

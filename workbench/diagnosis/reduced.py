@@ -29,18 +29,6 @@ class Reduced:
     dof: float
     noise_dof: float
 
-    def given(self, chosen: Index, precision: Array) -> Reduced:
-        """What is left of everything when columns `chosen` are in, with prior precisions (their number)."""
-        if not len(chosen):
-            return self
-        block = self.S[np.ix_(chosen, chosen)] + np.diag(precision)
-        factor = cho_factor(block)
-        right = np.column_stack([self.S[chosen], self.u[chosen]])
-        solved = cho_solve(factor, right)
-        S = self.S - self.S[:, chosen] @ solved[:, :-1]
-        u = self.u - self.S[:, chosen] @ solved[:, -1]
-        return Reduced(self.parts, S, u, self.chi2, self.dof, self.noise_dof)
-
     def explained(self, chosen: Index, precision: Array) -> float:
         """What columns take off χ², held by their priors."""
         block = self.S[np.ix_(chosen, chosen)] + np.diag(precision)

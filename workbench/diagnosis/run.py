@@ -59,7 +59,6 @@ def diagnose(
     selection = compete(prepared, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
-        selection = compete(prepared, candidates)
     selection = _worth_it(selection, seed)
     progress("writing down what was found")
     diagnosis = assemble(Parts(prepared, selection, candidates, tuple(not_testable), seed, test))

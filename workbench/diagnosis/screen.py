@@ -17,7 +17,6 @@ from scipy.linalg import solve_triangular
 
 from ..effects.base import Effect
 from ..identification.fit import Fit
-from ..identification.parameters import effect_prior
 from ..robot.kinematics import Array
 
 SURVIVES = 1e-6  # share of a column's length² that the background must leave
@@ -121,7 +120,7 @@ def screen(fit: Fit, candidates: Sequence[Effect], known: bool) -> Screen:
         blocks.append(G)
         parts.append(slice(at, at + len(typical)))
         scale.append(typical)
-        held += [(p.typical / effect_prior(p)) ** 2 for p in effect.params]
+        held += ((typical / effect.prior(fit.model.problem)) ** 2).tolist()
         at += len(typical)
     G = np.matmul(fit.whitener, np.concatenate(blocks, axis=2))
     S, u, own = reduce_columns(fit, G)

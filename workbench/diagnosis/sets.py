@@ -1,22 +1,27 @@
-"""Which components together: the set of the highest posterior odds, and what could stand in its place."""
+"""The search for the set of components with the highest posterior odds, and what could stand in for them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
 
 from ..robot.kinematics import Array
 from .components import Component
 from .reduced import Index, Reduced
-from .weight import Weight, weigh
+from .weight import Forms, Weight, likelihood, prior_weight
 
-MOST = 16
+MOST = 24
 EXPLAINS = 1.0  # log Bayes factor from which a component explains anything at all
-
+EXCHANGES = 4  # rounds of them
 
 Shares = dict[int | None, float]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -26,79 +31,172 @@ class Member:
     scale: float
 
 
+class Chosen:
+    """A set of members in the reduced equations: what it explains, and what it leaves of everything.
+
+    With C the set's columns and P their prior precisions: K = S_C (S_CC + P)⁻¹, left S − K S_Cᵀ. One member
+    less gives back K_m (M_mm)⁻¹ K_mᵀ, M = (S_CC + P)⁻¹: no need to solve again.
+    """
+
+    def __init__(self, reduced: Reduced, members: Sequence[Member]) -> None:
+        self.reduced, self.members = reduced, tuple(members)
+        every = np.arange(len(reduced.u))
+        index = [every[reduced.parts[m.component][m.form]] for m in members]
+        self.index: Index = np.concatenate(index) if index else np.zeros(0, int)
+        ends = np.cumsum([0, *(len(i) for i in index)])
+        self.own = [slice(a, b) for a, b in pairwise(ends)]
+        precision = [np.full(len(i), m.scale**-2) for i, m in zip(index, members, strict=True)]
+        self.precision = np.concatenate(precision) if index else np.zeros(0)
+
+    @cached_property
+    def _factor(self) -> tuple[Array, bool]:
+        S = self.reduced.S[np.ix_(self.index, self.index)] + np.diag(self.precision)
+        return cho_factor(S, check_finite=False)
+
+    @cached_property
+    def inverse(self) -> Array:
+        return np.asarray(cho_solve(self._factor, np.eye(len(self.index)), check_finite=False))
+
+    @cached_property
+    def K(self) -> Array:
+        return np.asarray(self.reduced.S[:, self.index] @ self.inverse)
+
+    @cached_property
+    def beta(self) -> Array:
+        return np.asarray(self.inverse @ self.reduced.u[self.index])
+
+    @cached_property
+    def explained(self) -> float:
+        """What the set takes off χ²."""
+        return float(self.reduced.u[self.index] @ self.beta) if len(self.index) else 0.0
+
+    def left_of(self, index: NDArray[np.int64], without: int | None = None) -> tuple[Array, Array]:
+        """S (F, p, p) and u (F, p) of blocks of columns (F, p) beside the set, or beside all but a member."""
+        S = self.reduced.S[index[:, :, None], index[:, None, :]]
+        u = self.reduced.u[index]
+        if not len(self.index):
+            return S, u
+        K = self.K[index]
+        S = S - K @ self.reduced.S[:, self.index][index].swapaxes(1, 2)
+        u = u - K @ self.reduced.u[self.index]
+        if without is not None:
+            own = self.own[without]
+            back = np.linalg.solve(self.inverse[own, own], self.beta[own])
+            half = np.linalg.cholesky(np.linalg.inv(self.inverse[own, own]))
+            Kh = K[:, :, own] @ half
+            S = S + Kh @ Kh.swapaxes(1, 2)
+            u = u + K[:, :, own] @ back
+        return S, u
+
+    def explained_without(self, member: int) -> float:
+        own = self.own[member]
+        return self.explained - float(
+            self.beta[own] @ np.linalg.solve(self.inverse[own, own], self.beta[own])
+        )
+
+    @property
+    def log_determinant(self) -> float:
+        """log |1 + S P⁻¹|: what the set's freedom costs."""
+        if not len(self.index):
+            return 0.0
+        diagonal = np.diag(self._factor[0])
+        return float(2 * np.log(np.abs(diagonal)).sum() - np.log(self.precision).sum())
+
+
 class Competition:
     """The search over sets of components at one linearisation."""
 
     def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
         self.reduced, self.components = reduced, components
+        self.forms = Forms(reduced, components)
 
-    def columns(self, members: Sequence[Member]) -> tuple[Index, Array]:
-        """Columns of a set, and their prior precisions."""
-        index = [np.arange(len(self.reduced.u))[self.reduced.parts[m.component][m.form]] for m in members]
-        precision = [np.full(len(i), m.scale**-2) for i, m in zip(index, members, strict=True)]
-        if not index:
-            return np.zeros(0, int), np.zeros(0)
-        return np.concatenate(index), np.concatenate(precision)
+    def beside(
+        self, chosen: Chosen, without: int | None = None, among: Mask | None = None
+    ) -> dict[int, Weight]:
+        """Weights of the other components beside a set, or beside all of it but one member."""
+        taken = {m.component for i, m in enumerate(chosen.members) if i != without}
+        allowed = np.ones(len(self.components), bool) if among is None else among.copy()
+        allowed[list(taken)] = False
+        explained = chosen.explained if without is None else chosen.explained_without(without)
+        return self.forms.weigh(lambda index: chosen.left_of(index, without), explained, allowed)
 
-    def left_by(self, members: Sequence[Member]) -> Reduced:
-        """What a set leaves of everything."""
-        return self.reduced.given(*self.columns(members))
-
-    def beside(self, members: Sequence[Member], among: Sequence[int] | None = None) -> dict[int, Weight]:
-        """Weights of all other components beside a set."""
-        chosen, precision = self.columns(members)
-        left = self.reduced.given(chosen, precision)
-        explained = self.reduced.explained(chosen, precision) if len(chosen) else 0.0
-        taken = {m.component for m in members}
-        every = range(len(self.components)) if among is None else among
-        return {k: weigh(left, k, self.components[k], explained) for k in every if k not in taken}
+    def score(self, members: Sequence[Member]) -> float:
+        """log posterior odds of a set against the empty one."""
+        chosen = Chosen(self.reduced, members)
+        gained = float(likelihood(self.reduced, 0.0, np.array(chosen.explained)))
+        prior = sum(prior_weight(self.components[m.component], m.scale) for m in members)
+        return gained - 0.5 * chosen.log_determinant + prior
 
     def best(self) -> list[Member]:
-        """Greedy additions, then exchanges until none helps."""
-        members: list[Member] = []
-        while len(members) < MOST:
-            weights = self.beside(members)
-            if not weights:
+        """The better of two searches: everything at once; or causes first, then everything."""
+        everything = np.ones(len(self.components), bool)
+        causes = np.array([not c.nameless for c in self.components])
+        found = [self.search([], everything)]
+        if causes.any() and not all(causes[m.component] for m in found[0]):
+            found.append(self.search(self.search([], causes), everything))
+        return max(found, key=self.score)
+
+    def search(self, start: list[Member], among: Mask) -> list[Member]:
+        """Additions while any helps, then exchanges, and again until neither does."""
+        members = self.grown(list(start), among)
+        for _ in range(EXCHANGES):
+            better = self.exchanged(members, among)
+            if better == members:
                 break
-            k = max(weights, key=lambda i: weights[i].log_odds)
-            if weights[k].log_odds <= 0:
-                break
-            members.append(Member(k, weights[k].form, weights[k].scale))
-            members = self.exchanged(members)
+            members = self.grown(better, among)
         return members
 
-    def exchanged(self, members: list[Member]) -> list[Member]:
+    def grown(self, members: list[Member], among: Mask) -> list[Member]:
+        """The likeliest additions one by one, the members' own forms and scales kept up to date."""
+        for _ in range(MOST):
+            weights = self.beside(Chosen(self.reduced, members), among=among)
+            k = max(weights, key=lambda i: weights[i].log_odds, default=None)
+            if k is None or weights[k].log_odds <= 0:
+                break
+            members.append(Member(k, weights[k].form, weights[k].scale))
+            own = np.zeros(len(self.components), bool)
+            own[[m.component for m in members]] = True
+            members = self.exchanged(members, own)
+        return members
+
+    def exchanged(self, members: list[Member], among: Mask) -> list[Member]:
         """Each member again, the others kept: in its best form, exchanged for a better one, or dropped."""
-        for _ in range(3):
+        for _ in range(2):
             before = list(members)
+            chosen = Chosen(self.reduced, members)
             for member in before:
-                if member not in members:
-                    continue
-                rest = [m for m in members if m is not member]
-                weights = self.beside(rest)
+                i = members.index(member)
+                weights = self.beside(chosen, i, among)
                 k = max(weights, key=lambda i: weights[i].log_odds)
                 own = weights[member.component].log_odds
                 if max(weights[k].log_odds, own) <= 0:
-                    members = rest
-                    continue
-                if weights[k].log_odds < own + 0.5:
-                    k = member.component
-                new = Member(k, weights[k].form, weights[k].scale)
-                members[members.index(member)] = new
+                    members = [m for m in members if m is not member]
+                else:
+                    if weights[k].log_odds < own + 0.5:
+                        k = member.component
+                    new = Member(k, weights[k].form, weights[k].scale)
+                    if new == member:
+                        continue
+                    members = [new if m is member else m for m in members]
+                chosen = Chosen(self.reduced, members)
             if members == before:
                 break
         return members
 
     def shares(self, members: Sequence[Member]) -> list[Shares]:
-        """For each member: probability of it, of each stand-in, and of nothing (None) in its place."""
+        """For each member: probability of it, of each stand-in, and of nothing (None) in its place.
+
+        What would help beside the whole set as well stands in for nobody by that.
+        """
         out = []
-        for member in members:
-            weights = self.beside([m for m in members if m is not member])
-            logs: Shares = {
-                k: w.log_odds
-                for k, w in weights.items()
-                if k == member.component or w.log_odds - self.components[k].log_odds > EXPLAINS
-            }
+        chosen = Chosen(self.reduced, members)
+        anyway = {k: max(w.log_odds, 0.0) for k, w in self.beside(chosen).items()}
+        for i, member in enumerate(members):
+            logs: Shares = {}
+            for k, w in self.beside(chosen, i).items():
+                value = w.log_odds - anyway.get(k, 0.0)
+                if k == member.component or value - self.components[k].log_odds > EXPLAINS:
+                    logs[k] = value
             logs[None] = 0.0
             top = max(logs.values())
             mass = {k: float(np.exp(v - top)) for k, v in logs.items()}

@@ -27,11 +27,13 @@ def stages_of(
     fits = [("nominal", prepared.nominal), ("geometry", prepared.geometry)]
     members: list[int] = []
     name = "geometry"
-    for i, (effect, own) in enumerate(groups):
+    for effect, own in groups:
         members += own
         name += f" + {effect.label}"
-        last = i == len(groups) - 1
-        fits.append((name, final if last else refit(final, [final.model.effects[m] for m in members])))
+        whole = len(members) == len(final.model.effects)
+        fits.append((name, final if whole else refit(final, [final.model.effects[m] for m in members])))
+    if len(members) < len(final.model.effects):
+        fits.append((f"{name} + what has no name", final))
     stages = []
     for name, result in fits:
         out = heldout(result, seed=seed)
@@ -55,8 +57,7 @@ def rms_mm(residual: Array) -> float:
 
 def without(final: Fit, own: Sequence[int], seed: int) -> float:
     """Held-out RMS [mm] of the final model without some of its effects."""
-    rest = [effect for i, effect in enumerate(final.model.effects) if i not in own]
-    return rms_mm(heldout(refit(final, rest), seed=seed))
+    return rms_mm(heldout(final, seed=seed, without=own))
 
 
 def pose_errors(prepared: Prepared, final: Fit) -> PoseErrors:

@@ -1,11 +1,13 @@
-"""The weight of evidence for one component beside a set: log Bayes factor over its forms and scales."""
+"""The weight of evidence for components beside a set: log Bayes factors over their forms and scales."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import logsumexp, ndtr
+from numpy.typing import NDArray
+from scipy.special import log_ndtr, logsumexp
 
 from ..robot.kinematics import Array
 from .components import Component
@@ -14,6 +16,7 @@ from .reduced import Reduced
 
 SCALES = np.array(PRIORS.scales)
 WEIGHTS = np.log(SCALES / (1 + SCALES**2)) - logsumexp(np.log(SCALES / (1 + SCALES**2)))
+Blocks = Callable[[NDArray[np.int64]], tuple[Array, Array]]
 
 
 @dataclass(frozen=True)
@@ -35,20 +38,85 @@ def likelihood(left: Reduced, explained: float, more: Array) -> Array:
     return np.asarray(-0.5 * (nu + n) * (np.log(after) - np.log(before)))
 
 
-def weigh(left: Reduced, k: int, component: Component, explained: float) -> Weight:
-    """Weight of component k when a set is in; left: what the set leaves; explained: what it took off χ²."""
-    table = np.empty((len(component.forms), len(SCALES)))
-    for f, (form, part) in enumerate(zip(component.forms, left.parts[k], strict=True)):
-        S, u = left.S[part, part], left.u[part]
-        d, V = np.linalg.eigh(S)
-        d, y = np.maximum(d, 0.0), V.T @ u
-        s2 = SCALES[:, None] ** 2
-        q = (s2 * y**2 / (1 + s2 * d)).sum(axis=1)
-        table[f] = likelihood(left, explained, q) - 0.5 * np.log1p(s2 * d).sum(axis=1) + WEIGHTS
-        if form.one_sided:
-            z = y[0] * V[0, 0] * SCALES / np.sqrt(1 + SCALES**2 * d[0])
+def prior_weight(component: Component, scale: float) -> float:
+    """log prior odds of a component in one of its forms at one of the scales."""
+    at = int(np.argmin(np.abs(SCALES - scale)))
+    return float(component.log_odds - np.log(len(component.forms)) + WEIGHTS[at])
+
+
+class Forms:
+    """All forms of all components, those with equally many columns together: weighed at once."""
+
+    def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
+        self.reduced, self.components = reduced, components
+        groups: dict[int, list[tuple[int, int, slice, bool]]] = {}
+        for k, component in enumerate(components):
+            for f, (form, part) in enumerate(zip(component.forms, reduced.parts[k], strict=True)):
+                groups.setdefault(part.stop - part.start, []).append((k, f, part, form.one_sided))
+        self.groups = [
+            (
+                np.array([k for k, _, _, _ in rows]),
+                np.array([f for _, f, _, _ in rows]),
+                np.array([np.arange(part.start, part.stop) for _, _, part, _ in rows]),
+                np.array([one for _, _, _, one in rows]),
+            )
+            for rows in groups.values()
+        ]
+
+    def weigh(self, left_of: Blocks, explained: float, allowed: NDArray[np.bool_]) -> dict[int, Weight]:
+        """Weights of the components `allowed`. left_of: S (F, p, p) and u (F, p) that a set leaves of blocks
+        of columns (F, p); explained: what the set took off χ²."""
+        tables: dict[int, list[tuple[int, Array]]] = {}
+        for owner, form, index, one_sided in self.groups:
+            here = np.flatnonzero(allowed[owner])
+            if not len(here):
+                continue
+            table = self._table(*left_of(index[here]), explained, one_sided[here])
+            for row, k, f in zip(table, owner[here], form[here], strict=True):
+                tables.setdefault(int(k), []).append((int(f), row))
+        out = {}
+        for k, rows in tables.items():
+            values = np.array([row for _, row in rows])
+            best = np.unravel_index(int(np.argmax(values)), values.shape)
+            total = float(logsumexp(values)) - np.log(len(rows)) + self.components[k].log_odds
+            out[k] = Weight(total, rows[int(best[0])][0], float(SCALES[best[1]]))
+        return out
+
+    def _table(self, S: Array, u: Array, explained: float, one_sided: NDArray[np.bool_]) -> Array:
+        """(F, scales) log Bayes factors, weighed by the scales' priors."""
+        q, log_det = _quadratic(S, u)
+        table = likelihood(self.reduced, explained, q) - 0.5 * log_det + WEIGHTS
+        if one_sided.any():
+            z = _first(S[one_sided], u[one_sided])
             wrong = PRIORS.wrong_sign
-            table[f] += np.log(2 * ((1 - wrong) * ndtr(z) + wrong * ndtr(-z)))
-    best = np.unravel_index(int(np.argmax(table)), table.shape)
-    total = logsumexp(table) - np.log(len(component.forms))
-    return Weight(float(total + component.log_odds), int(best[0]), float(SCALES[best[1]]))
+            sides = np.logaddexp(np.log(1 - wrong) + log_ndtr(z), np.log(wrong) + log_ndtr(-z))
+            table[one_sided] += np.log(2) + sides
+        return table
+
+
+def _quadratic(S: Array, u: Array) -> tuple[Array, Array]:
+    """uᵀ (S + s⁻²)⁻¹ u and log |1 + s² S| of blocks S (F, p, p), u (F, p) for every scale s: (F, scales).
+
+    The last row of the Cholesky factor of [[A, u], [uᵀ, c]] is L⁻¹ u, for any c that is large enough.
+    """
+    F, p = u.shape
+    A = np.empty((F, len(SCALES), p + 1, p + 1))
+    A[:, :, :p, :p] = S[:, None]
+    A[:, :, np.arange(p), np.arange(p)] = (
+        np.maximum(np.diagonal(S, axis1=1, axis2=2), 0.0)[:, None] * (1 + 1e-12) + SCALES[:, None] ** -2.0
+    )
+    A[:, :, p, :p] = A[:, :, :p, p] = u[:, None]
+    A[:, :, p, p] = 1 + 2 * (u**2).sum(axis=1)[:, None] * SCALES**2
+    L = np.linalg.cholesky(A)
+    diagonal = np.diagonal(L, axis1=2, axis2=3)[..., :p]
+    log_det = 2 * np.log(diagonal).sum(axis=2) + 2 * p * np.log(SCALES)
+    return (L[:, :, p, :p] ** 2).sum(axis=2), log_det
+
+
+def _first(S: Array, u: Array) -> Array:
+    """(F, scales) posterior mean of the first number of each block in its standard deviations."""
+    A = S[:, None] + SCALES[:, None, None] ** -2.0 * np.eye(S.shape[1])
+    right = np.zeros((*A.shape[:3], 2))
+    right[..., 0, 0], right[..., 1] = 1.0, u[:, None]
+    solved = np.linalg.solve(A, right)
+    return np.asarray(solved[..., 0, 1] / np.sqrt(solved[..., 0, 0]))

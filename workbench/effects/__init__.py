@@ -6,7 +6,7 @@ import importlib
 import pkgutil
 from functools import cache
 
-from .base import Effect
+from .base import UNKNOWN, Effect
 from .place import Where
 
 
@@ -16,7 +16,8 @@ def catalogue() -> dict[str, type[Effect]]:
     found: dict[str, type[Effect]] = {}
     for module in pkgutil.iter_modules(__path__):
         for value in vars(importlib.import_module(f"{__name__}.{module.name}")).values():
-            if isinstance(value, type) and issubclass(value, Effect) and "cause" in vars(value):
+            kind = isinstance(value, type) and issubclass(value, Effect) and "cause" in vars(value)
+            if kind and value.cause != UNKNOWN:
                 found[value.cause] = value
     return found
 

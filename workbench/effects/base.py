@@ -31,11 +31,13 @@ from .place import NOWHERE, Parameter, Where
 Acts = Literal["transmission", "load", "yielding", "geometry", "instrument"]
 Depends = frozenset[str]  # of "joints", "load", "side", "time", "temperature", "torque", "readback", "points"
 NOTHING: Depends = frozenset()
+UNKNOWN = "unknown"  # the cause of what has no name
 
 
 @dataclass(frozen=True)
 class Param:
-    """A parameter that is fitted. `typical` is its usual size, `lower`, `upper` what physics allows."""
+    """A parameter that is fitted. `typical` is its usual size, `lower`, `upper` what physics allows;
+    `spread`: prior standard deviation of a weight of a free function, which nothing else holds."""
 
     name: str
     unit: str
@@ -43,6 +45,7 @@ class Param:
     meaning: str = ""
     lower: float = -np.inf
     upper: float = np.inf
+    spread: float | None = None
 
 
 class Rest(Protocol):
@@ -126,6 +129,19 @@ class Effect(ABC):
         """Whether the robot's model has a number for it, from which this one differs."""
         return False
 
+    @property
+    def lasting(self) -> bool:
+        """Whether it is the robot's own, and there in other campaigns as well."""
+        return True
+
+    def prior(self, problem: Problem) -> Array:
+        """(p,) prior standard deviations of the parameters: their spread, what physics allows, or else a
+        thousand usual sizes. Parts that the data do not show stay where a machine can be."""
+        allowed = np.array([(p.upper - p.lower) / 2 for p in self.params])
+        typical = np.array([p.typical for p in self.params])
+        spread = np.array([np.nan if p.spread is None else p.spread for p in self.params])
+        return np.where(np.isfinite(spread), spread, np.where(np.isfinite(allowed), allowed, 1e3 * typical))
+
     def finer(self) -> Sequence[Effect]:
         """The same effect with other settings, to choose from once it is accepted."""
         return ()
@@ -133,6 +149,10 @@ class Effect(ABC):
     def companions(self) -> Sequence[tuple[float, Effect]]:
         """How far a real machine may be off the form: further effects, each with its share of this one."""
         return ()
+
+    def sized(self, scale: float) -> Effect:
+        """The same effect, `scale` times as large as usual: matters where weights have a spread."""
+        return self
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:

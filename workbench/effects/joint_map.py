@@ -62,9 +62,11 @@ class JointMap(TransmissionEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         return tuple(
-            Param(f"wave_{k}", "rad", float(s), lower=-30 * float(s), upper=30 * float(s))
-            for k, s in enumerate(self._sizes, 1)
+            Param(f"wave_{k}", "rad", float(s), spread=float(s)) for k, s in enumerate(self._sizes, 1)
         )
+
+    def sized(self, scale: float) -> JointMap:
+        return replace(self, size=scale * self.size)
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:

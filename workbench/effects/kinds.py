@@ -16,6 +16,7 @@ from .base import Acts, Depends, Effect, Rest, Slopes
 from .drawn import Drawn
 
 GRID = 200  # points of a drawn curve
+MOST_TURN, MOST_SHIFT = 6e-3, 2e-3  # rad, m: one sigma of how far a part of an arm gives way
 
 
 class DirectEffect(Effect):
@@ -99,6 +100,18 @@ class YieldEffect(Effect):
 
         wrench: (N, 6) [N, N·m] at the slot, on its own axes.
         """
+
+    def prior(self, problem: Problem) -> Array:
+        """Nothing in an arm turns by more than some mrad, or shifts by more than a millimetre, under the
+        loads of a campaign."""
+        free = super().prior(problem)
+        if any(p.spread is not None for p in self.params):
+            return free
+        wrench = problem.nominal_load.local[:, self.slot(problem.arm)]
+        per_unit = np.abs(self.law(problem.arm, wrench, np.zeros(len(self.params)))[2])
+        share = per_unit / np.array([MOST_SHIFT] * 3 + [MOST_TURN] * 3)[:, None]
+        most = share.max(axis=(0, 1), initial=0.0)
+        return np.asarray(np.minimum(free, 1 / np.maximum(most, 1e-300)))
 
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
         rest = line.prediction

@@ -13,8 +13,9 @@ from ..files.faults import Fault, InputError
 from ..robot.kinematics import Array
 from ..robot.schema import EffectRecord
 from . import catalogue
-from .base import Effect
+from .base import UNKNOWN, Effect
 from .place import Where
+from .unnamed import kind_of
 
 PLACE = ("joint", "other", "link", "payload")
 
@@ -62,10 +63,11 @@ def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[E
     """The effect of a record, and its values (p,). Raises `InputError` when it cannot be."""
     text = text or f"effect {item.cause}"
     kinds = catalogue()
-    if item.cause not in kinds:
+    if item.cause not in kinds and (item.cause != UNKNOWN or kind_of(item.variant) is None):
         raise InputError(Fault(text, f"no cause {item.cause!r}", f"known: {', '.join(kinds)}"))
     _check_names(item, problem, text)
-    effect = _place(kinds[item.cause], item, problem, text)
+    free = kind_of(item.variant) if item.cause == UNKNOWN else None
+    effect = free(Where(item.joint, item.other)) if free else _place(kinds[item.cause], item, problem, text)
     settings: dict[str, Any] = {name: item.values[name] for name in effect.settings if name in item.values}
     effect = replace(effect, **settings)
     known = (*effect.names, *effect.settings)

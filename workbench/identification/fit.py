@@ -115,53 +115,56 @@ def fit(
     geometry: all of it, none of it, or only the columns 6 · slot + component (tx ty tz rx ry rz) named.
     start: default the registered nominal robot; it may lack the effects' values (zeros then). noise: default
     as the campaign states it. Stops when a step changes no fitted number by more than `tolerance` of its
-    standard deviation. Raises ArithmeticError when it does not converge, `InputError` without any noise.
+    standard deviation, or at the start with `max_iterations` 1. Raises ArithmeticError when it does not
+    converge, `InputError` without any noise.
     """
     problem = model.problem
     start, noise = start or start_state(problem), noise or required_noise(problem)
     if len(start.values) != len(model.effects):
         start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
     cols = columns(problem, model.effects, geometry)
-    state, damping, halved = start, 0.0, 0
-    W, step = np.zeros(0), np.zeros(0)
-    near: Linearisation | None = None
-    at: Equations | None = None
+    line = model.linearise(start)
+    W = whitening(problem, line, noise)
+    at = equations(model, line, cols, start, W)
+    damping = 0.0
     for iteration in range(max_iterations):
-        try:
-            line = model.linearise(state, near)
-        except ArithmeticError:  # the step went to an arm too soft to stand: half of it, and half again
-            if at is None or near is None or halved > 20:
-                raise
-            halved += 1
-            state = moved(problem, cols, at.state, near.centre, 0.5**halved * step)
-            continue
-        near, halved = line, 0
-        if iteration < 2:
-            W = whitening(problem, line, noise)
-        new = equations(model, line, cols, state, W)
-        if at is not None and new.cost > at.cost * (1 + 1e-6) + 1e-3 and iteration > 2:
+        J = jacobian(model, at.line, cols, at.state, W)
+        step, length = quick_step(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior, damping)
+        if (length < tolerance and damping == 0.0) or iteration == max_iterations - 1:
+            break
+        new = _stepped(model, cols, at, W, step)
+        if new is None or new.cost > at.cost * (1 + 1e-6) + 1e-3:
             damping = max(10 * damping, 1e-2)
             if damping > 1e8:
                 raise ArithmeticError("the fit does not converge")
-            back = equations(model, model.linearise(at.state, near), cols, at.state, W)
-            at = replace(back, cost=at.cost)
-        else:
-            at, damping = new, damping / 10 if damping > 1e-9 else 0.0
-        J = jacobian(model, at.line, cols, at.state, W)
-        step, length = quick_step(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior, damping)
-        if length < tolerance and damping == 0.0:
-            break
-        state = moved(problem, cols, at.state, at.line.centre, step)
-    assert at is not None
+            continue
+        at, damping = new, damping / 100 if damping > 1e-7 else 0.0
+        if iteration < 2:  # the points' motion by the joints, in the noise, hardly changes any more
+            W = whitening(problem, at.line, noise)
+            at = equations(model, at.line, cols, at.state, W)
     upper = full_step(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior, 0.0)[1]
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
-    state = at.state if halved else state
-    return Fit(model, state, cols, noise, at.line, W, J, at.r, residual, upper, iteration + 1)
+    return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, iteration + 1)
+
+
+def _stepped(model: Model, cols: Columns, at: Equations, W: Array, step: Array) -> Equations | None:
+    """The equations after a step; None where it goes to an arm too soft to stand."""
+    state = moved(model.problem, cols, at.state, at.line.centre, step)
+    try:
+        return equations(model, model.linearise(state, at.line), cols, state, W)
+    except ArithmeticError:
+        return None
 
 
 def refit(result: Fit, effects: Sequence[Effect]) -> Fit:
     """The same data with other effects, started from the numbers that a fit has already."""
-    had = dict(zip(result.model.effects, result.state.values, strict=True))
-    values = tuple(had.get(effect, np.zeros(len(effect.params))) for effect in effects)
+    had = {
+        (effect.key, effect.variant, len(values)): values
+        for effect, values in zip(result.model.effects, result.state.values, strict=True)
+    }
+    values = tuple(
+        had.get((effect.key, effect.variant, len(effect.params)), np.zeros(len(effect.params)))
+        for effect in effects
+    )
     model = replace(result.model, effects=tuple(effects))
     return fit(model, replace(result.state, values=values), result.noise, max_iterations=12)

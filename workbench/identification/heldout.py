@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..robot.kinematics import Array
@@ -9,26 +11,37 @@ from .fit import Fit
 from .rows import jacobian
 
 
-def heldout(result: Fit, folds: int = 10, seed: int = 0) -> Array:
+def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] = ()) -> Array:
     """Residuals (N, T, 3) [m] of each pose by a fit that did not see it (NaN where not seen).
 
-    Poses with equal joints and set-up (their loads, their repeats) stay together. The fits without a
-    fold are Gauss–Newton steps from the full solution: exact to the second order of the change.
+    Poses with equal joints and set-up (their loads, their repeats) stay together. without: numbers of the
+    model's effects that are left out, everything else fitted anew. The fits are Gauss–Newton steps from the
+    full solution: exact to the second order of the change.
     """
     problem, cols = result.model.problem, result.columns
     block = problem.positions
     blocks = int(block.max()) + 1
     fold = (np.random.default_rng(seed).permutation(blocks) % min(folds, blocks))[block]
     plain = _motions(result)
-    A = result.upper.T @ result.upper
-    out = result.residual.copy()
+    kept = np.ones(len(cols.names), bool)
+    gone = np.zeros(len(cols.names))
+    for i in without:
+        kept[cols.effect[i]] = False
+        gone[cols.effect[i]] = result.state.values[i]
+    A = (result.upper.T @ result.upper)[np.ix_(kept, kept)]
+    J = result.J * cols.prior
+    lost = J @ (gone / cols.prior)
+    r, J = result.r + lost, J[:, :, kept]
+    out = result.residual + (plain @ gone)[:, : 3 * result.residual.shape[1]].reshape(result.residual.shape)
+    slope = np.einsum("ndp,nd->p", J, lost)
     for f in range(fold.max() + 1):
         here = fold == f
-        J = result.J[here].reshape(-1, len(cols.names)) * cols.prior
-        r = result.r[here].ravel()
-        left = A - J.T @ J
+        own = J[here].reshape(-1, J.shape[2])
+        left = A - own.T @ own
         left[np.diag_indices_from(left)] += 1e-12 * np.diag(A)
-        change = np.linalg.solve(left, -(J.T @ r)) * cols.prior
+        change = np.zeros(len(cols.names))
+        change[kept] = np.linalg.solve(left, slope - own.T @ r[here].ravel())
+        change *= cols.prior
         out[here] -= (plain[here] @ change)[:, : 3 * out.shape[1]].reshape(here.sum(), -1, 3)
     return out
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
-from ..effects.base import Effect, Param
+from ..effects.base import Effect
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 from ..robot.schema import GEOMETRY
@@ -80,7 +80,7 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequen
     slices, start = [], len(names)
     for effect in effects:
         names += effect_names(effect)
-        prior += [effect_prior(p) for p in effect.params]
+        prior += effect.prior(problem).tolist()
         slices.append(slice(start, len(names)))
         start = len(names)
     return Columns(
@@ -93,15 +93,6 @@ def effect_names(effect: Effect) -> list[str]:
     where = [f"{part:g}" if isinstance(part, float) else part for part in effect.where.keys().values()]
     path = "/".join(part for part in (effect.cause, *where, effect.variant) if part)
     return [f"{path}/{p.name}" for p in effect.params]
-
-
-def effect_prior(param: Param) -> float:
-    """Prior standard deviation of an effect's parameter: what physics allows, else a thousand usual sizes.
-
-    Parts of an effect that the data do not show stay where a machine can be (a centre of mass in its link).
-    """
-    allowed = (param.upper - param.lower) / 2
-    return allowed if np.isfinite(allowed) else 1e3 * param.typical
 
 
 def _free_targets(problem: Problem, setup: int) -> list[tuple[int | None, str, tuple[str, ...], list[float]]]:
