@@ -44,10 +44,14 @@ def draw_corrected(
 ) -> list[Drawn]:
     """Each path on the simulated robot: uncorrected ("none"), and corrected by each belief, by name.
 
+    Without dry friction, which the source does not state: what it does where a joint turns round is none of
+    the errors that are corrected here.
+
     nominal: what the controller knows of the arm; start: (n,) joints near the first pose.
     """
     loads = conditions or stated_conditions(nominal)
-    world = World(truth, nominal, loads, loads, None, truth.loop)
+    smooth = truth.loop.model_copy(update={"coulomb": 0.0})
+    world = World(truth, nominal, loads, loads, None, smooth)
     made = [
         {name: compensate(robot, path, loads, start=start) for name, robot in beliefs.items()}
         for path in paths
