@@ -61,7 +61,7 @@ def test_every_command_of_the_table_exists():
                 assert parsers, rest
             for parser in parsers:
                 options = {option for action in parser._actions for option in action.option_strings}
-                assert set(re.findall(r"--\w+", rest)) <= options, (name, rest)
+                assert set(re.findall(r"--[\w-]+", rest)) <= options, (name, rest)
 
 
 def subcommands(parser):

@@ -102,10 +102,10 @@ if TYPE_CHECKING:
     from .robot.find import list_robots as list_robots
     from .robot.kinematics import Array as Array
     from .robot.kinematics import moved_base as moved_base
+    from .robot.loop import Loop as Loop
     from .robot.rotations import pose as pose
     from .robot.rotations import rotation_about as rotation_about
     from .robot.schema import EffectRecord as EffectRecord
-    from .simulation.closed_loop.control import Controller as Controller
     from .simulation.closed_loop.file import Verified as Verified
     from .simulation.closed_loop.file import verify_file as verify_file
     from .simulation.closed_loop.proof import verify as verify
@@ -164,8 +164,8 @@ _MODULES = {
     "robot.find": "list_robots",
     "robot.schema": "EffectRecord",
     "robot.kinematics": "Array moved_base",
+    "robot.loop": "Loop",
     "robot.rotations": "pose rotation_about",
-    "simulation.closed_loop.control": "Controller",
     "simulation.closed_loop.file": "Verified verify_file",
     "simulation.closed_loop.proof": "verify",
     "simulation.closed_loop.runs": "Task World simulate_all",

@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.robot.schema import STANDARD_GRAVITY
 
-from .design import Design, Mass
+from .design import LOOP, Design, Mass
 from .kinematics import Array, pose, rotation_x, rotation_y, rotation_z
 from .mesh import Shape, gltf
 
@@ -109,7 +109,9 @@ def toml_text(design: Design) -> str:
         lines += ["", "[[links]]", *_table({"name": name, "bending_stiffness": stiffness})]
     if design.controller is not None:
         lines += ["", "[controller]", *_table(design.controller)]
-    lines += ["", "[source]", *_table(design.source)]
+    lines += ["", "[controller.loop]", *_table({**LOOP, **design.loop})]
+    loop = "assumed: cycle times, delay, bandwidth and friction (share of the stretched arm's weight)"
+    lines += ["", "[source]", *_table({**design.source, "loop": loop})]
     return "\n".join(lines) + "\n"
 
 

@@ -18,8 +18,8 @@ from .urdf import LOOSE, MOVING, WORLD, Urdf, Vector3, number, origin_of, vector
 class MovingJoint:
     """One moving joint of the chain and the link that it carries.
 
-    `lower`, `upper` are the URDF's limits (rad or m, infinite where there are none), `velocity` likewise
-    (rad/s or m/s).
+    `lower`, `upper` are the URDF's limits (rad or m, infinite where there are none), `velocity` and `effort`
+    likewise (rad/s or m/s, N·m or N).
     """
 
     name: str
@@ -28,6 +28,7 @@ class MovingJoint:
     lower: float
     upper: float
     velocity: float
+    effort: float
 
 
 @dataclass(frozen=True)
@@ -111,4 +112,5 @@ def _moving_joint(joint: ET.Element, link: str, place: str, faults: list[Fault])
         lower=lower if bounds else -math.inf,
         upper=upper if bounds else math.inf,
         velocity=number(limit, "velocity", place, 0.0) or math.inf,
+        effort=number(limit, "effort", place, 0.0) or math.inf,
     )

@@ -22,6 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from ..files.faults import Fault
 from .kinematics import Array
+from .loop import Loop
 from .rotations import from_zyx, pose
 
 SI = {"deg": np.pi / 180, "rad": 1.0, "mm": 1e-3, "m": 1.0}
@@ -32,7 +33,7 @@ Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
 class FrameData(_Table):
@@ -82,6 +83,8 @@ class Controller(_Table):
     """the controller's world in the URDF's base"""
     flange: FrameData = FrameData()
     """its flange in the URDF's flange"""
+    loop: Loop = Loop()
+    """how it samples, what its drives bear, how they rub"""
 
     def faults(self, place: str, joints: Sequence[str], sliding: Sequence[bool]) -> list[Fault]:
         """What does not fit the chain of those URDF joints, of which `sliding` say where one slides."""
@@ -91,7 +94,7 @@ class Controller(_Table):
             for key in ("names", "joints", "signs", "zeros", "units")
             if (values := getattr(self, key)) and len(values) != n
         ]
-        if not self.names and self != Controller():
+        if not self.names and self != Controller(loop=self.loop):
             found.append(Fault(f"{place}.names", "is missing", "give the controller's name of every joint"))
         if self.joints and sorted(self.joints) != sorted(joints) and not found:
             found.append(Fault(f"{place}.joints", "are not the URDF's", f"has: {list(joints)}"))

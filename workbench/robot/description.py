@@ -14,6 +14,7 @@ from ..files.faults import Fault, InputError
 from .chain import MovingJoint, read_chain
 from .convention import Controller, Convention, convention_of
 from .find import find_robot
+from .loop import Loop
 from .schema import (
     STANDARD_GRAVITY,
     Compensator,
@@ -59,6 +60,7 @@ class Robot:
     geometry: dict[str, dict[str, float]] = field(default_factory=dict)
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
+    loop: Loop = field(default_factory=Loop)
 
     def __repr__(self) -> str:
         joints = ", ".join(f"{joint.name} ({joint.kind})" for joint in self.joints)
@@ -137,6 +139,7 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         geometry=file.geometry,
         effects=file.effects,
         path=path,
+        loop=file.controller.loop,
     )
 
 

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 from ..files.faults import Fault, InputError
 from ..files.toml import read_toml
 from .convention import Controller
+from .loop import Loop
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 STANDARD_GRAVITY = 9.80665  # m/s²
@@ -165,6 +166,20 @@ class RobotFile(_Table):
     """in a model.toml: corrections tx ty tz rx ry rz [m, rad] by joint"""
     effects: tuple[EffectRecord, ...] = ()
     """in a model.toml: what was found"""
+
+
+class _LoopFile(_Table):
+    """A TOML that holds a controller's loop and nothing else."""
+
+    controller: Controller
+
+
+def parse_loop(path: Path) -> Loop:
+    """The `[controller.loop]` of a TOML file of its own. Raises `InputError` with its faults."""
+    try:
+        return _LoopFile.model_validate(read_toml(path)).controller.loop
+    except ValidationError as error:
+        raise InputError(toml_faults(path, error)) from None
 
 
 def parse_robot(path: Path) -> RobotFile:
