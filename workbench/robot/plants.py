@@ -22,6 +22,7 @@ from .kinematics import Arm, Array
 from .plant_parts import axial_joint, link_inertia, motion_transform, slot_pose
 
 Moving = Callable[[MultibodyPlant, int, Frame], Frame]
+Between = Callable[[MultibodyPlant, tuple[RigidBody, ...]], None]
 
 
 def urdf_plant(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPlant:
@@ -53,12 +54,17 @@ class ArmPlant:
 
 
 def arm_plant(
-    arm: Arm, moving: Moving, payload: SpatialInertia | None = None, placed: Array | None = None
+    arm: Arm,
+    moving: Moving,
+    payload: SpatialInertia | None = None,
+    placed: Array | None = None,
+    between: Between | None = None,
 ) -> ArmPlant:
     """Builds an arm slot by slot; finalised.
 
     moving: adds what moves at a slot, on the frame given, and returns the frame that carries the link.
     payload: inertia of tool and payload in the flange's frame. placed: (S, 6) motions that stay as they are.
+    between: adds what acts between the bodies, base to flange.
     """
     plant = MultibodyPlant(0.0)
     plant.mutable_gravity_field().set_gravity_vector(arm.gravity)
@@ -81,6 +87,8 @@ def arm_plant(
         bodies.append(body)
         slots.append(parent)
         corrected.append(frame)
+    if between is not None:
+        between(plant, tuple(bodies))
     plant.Finalize()
     return ArmPlant(plant, tuple(bodies), tuple(slots), tuple(corrected))
 
