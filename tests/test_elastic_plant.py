@@ -1,4 +1,4 @@
-"""Every element of the elastic twin acts: with one halved, Drake rests elsewhere than the batch arithmetic."""
+"""Every element of the elastic twin acts: with one halved, Drake rests elsewhere than the batch says."""
 
 from dataclasses import replace
 
@@ -116,7 +116,7 @@ def test_without_a_spring_the_arm_finds_no_rest():
         rests_apart(twin, arm, yielding, loads, q)
 
 
-@pytest.mark.parametrize(("name", "what"), [("kr500", "soft gear"), ("rx170", ""), ("longlink", "")])
+@pytest.mark.parametrize(("name", "what"), [("kr500", "soft gear"), ("rx170", "")])
 def test_at_rest_drake_accelerates_nothing_that_yields(name, what):
     """Drake's own acceleration of the whole diagram, ports and all, with the drives' torques applied."""
     robot, arm, yielding, loads, q = case(name, what)
@@ -129,6 +129,5 @@ def test_at_rest_drake_accelerates_nothing_that_yields(name, what):
     twin.diagram.GetInputPort("joint_force").FixValue(twin.root, force)
     acceleration = plant.get_generalized_acceleration_output_port().Eval(context)
     left = plant.CalcInverseDynamics(context, acceleration, MultibodyForces(plant))
-    left += plant.CalcGravityGeneralizedForces(context)  # M a alone: without weight
     pull = np.abs(plant.CalcGravityGeneralizedForces(context)).max()
     assert np.abs(left).max() < 1e-6 * pull

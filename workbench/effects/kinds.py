@@ -82,8 +82,8 @@ class YieldEffect(Effect):
     acts: ClassVar[Acts] = "yielding"
     depends: ClassVar[Depends] = frozenset({"load"})
     in_drake: ClassVar[str] = (
-        "a joint for each component that gives way, with a RevoluteSpring or PrismaticSpring; where components "
-        "are coupled or the law is not linear, SlotSprings at the plant's port"
+        "a joint for each component that gives way, with a RevoluteSpring or PrismaticSpring; "
+        "where components are coupled or the law is not linear, SlotSprings at the plant's port"
     )
 
     @abstractmethod

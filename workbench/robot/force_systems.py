@@ -93,7 +93,8 @@ class SlotSprings(LeafSystem):
         self._at = np.concatenate([spring.at for spring in springs])
         self._ends = np.cumsum([len(spring.at) for spring in springs])[:-1]
         self._state = self.DeclareVectorInputPort("state", n_states)
-        self.DeclareNumericParameter(BasicVector(len(self._at)))
+        slack: Any = np.zeros(len(self._at))
+        self.DeclareNumericParameter(BasicVector(slack))
         self.DeclareVectorOutputPort("force", n_velocities, self._calc)
 
     def set_rest(self, context: Context, positions: Array) -> None:
