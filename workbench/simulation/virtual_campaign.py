@@ -183,7 +183,7 @@ def _direct(problem: Problem, truth: Truth) -> Array:
 
 
 def true_robot(problem: Problem, truth: Truth, direct: Array) -> tuple[ElasticTwin, Loads]:
-    """The true robot in Drake, with a joint for all that moves in N poses by `direct` (N, S, 6); its loads."""
+    """The true robot in Drake, with a joint for all that `direct` (N, S, 6) moves in N poses; its loads."""
     geometry = problem.arm.geometry if truth.geometry is None else problem.arm.geometry + truth.geometry
     arm, loads = truth.acting.loads(problem, problem.arm)
     if truth.torque is not None:
