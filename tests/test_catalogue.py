@@ -76,7 +76,7 @@ def test_what_acts_along_a_joint_moves_nothing_else(name, effect):
 
 @every
 def test_drake_has_what_the_effect_says(name, effect):
-    """Each sentence `in_drake`, word by word: the objects that it names are in the plant that is simulated."""
+    """Each sentence `in_drake`: the objects that it names are in the plant that is simulated."""
     case, _ = job(name)
     truth = Truth(effects=((effect, values_of(effect)),))
     direct = truth.acting.direct(case)

@@ -6,10 +6,10 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
-from . import compensate, demo, diagnose, lists, plan, simulate, study, verify
+from . import compensate, demo, diagnose, export, lists, plan, simulate, study, verify
 from .status import guarded
 
-COMMANDS = (demo, diagnose, simulate, plan, compensate, verify, study, lists)
+COMMANDS = (demo, diagnose, simulate, plan, compensate, verify, export, study, lists)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
