@@ -1,5 +1,6 @@
 """The exported robot in other programs: Drake's parser, MuJoCo, Pinocchio."""
 
+import importlib.util
 from dataclasses import replace
 
 import mujoco
@@ -9,8 +10,10 @@ import pytest
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.framework import DiagramBuilder
 
-from workbench import Conditions, load_robot
+from workbench import Conditions, InputError, load_robot
 from workbench.robot.equilibrium import equilibrium
 from workbench.robot.find import list_robots
 from workbench.robot.kinematics import frames
@@ -165,3 +168,184 @@ def test_mjcf_rests_where_the_model_does(tmp_path, name):
         left(q, x)
         far.append(np.abs(data.body(robot.flange).xpos - p[i]).max())
     assert max(far) < 1e-6
+
+
+def table(file):
+    """Rows of a CSV behind its comments, as dictionaries."""
+    lines = [line for line in file.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    return [dict(zip(lines[0].split(","), line.split(","), strict=True)) for line in lines[1:]]
+
+
+def turn(axis, degrees):
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    X = np.eye(4)
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    X[i, i] = X[j, j] = c
+    X[i, j], X[j, i] = -s, s
+    return X
+
+
+def shift(x, y, z):
+    X = np.eye(4)
+    X[:3, 3] = 1e-3 * np.array([x, y, z])
+    return X
+
+
+def placed(row):
+    p = [float(row[f"{axis}_mm"]) for axis in "xyz"]
+    angles = [float(row[f"{name}_deg"]) for name in ("yaw", "pitch", "roll")]
+    return shift(*p) @ turn("z", angles[0]) @ turn("y", angles[1]) @ turn("x", angles[2])
+
+
+@pytest.mark.parametrize("name", [*(path.stem for path in list_robots()), "6R", "7R", "PRRR"])
+def test_hayati_rows_are_the_arm_and_short(tmp_path, name):
+    robot = model(tmp_path, name)
+    export(robot, "dh", tmp_path)
+    rows, ends = table(tmp_path / "hayati.csv"), table(tmp_path / "frames.csv")
+    arm = content_of(robot, None, Conditions()).arm
+    q = np.random.default_rng(1).uniform(-1, 1, (3, arm.n))
+    where = frames(arm, q)
+    for i in range(3):
+        X = placed(ends[0])
+        for row, joint, moved in zip(rows, robot.joints, q[i], strict=True):
+            theta, d, a, alpha, beta = (float(value) for value in list(row.values())[1:])
+            slides = joint.kind == "prismatic"
+            X = X @ turn("z", theta + (0 if slides else np.degrees(moved)))
+            X = X @ shift(a, 0, d + (1e3 * moved if slides else 0)) @ turn("x", alpha) @ turn("y", beta)
+            assert max(abs(d), abs(a)) < 8000  # 500 m without Hayati's fifth column
+        X = X @ placed(ends[1])
+        assert np.abs(X[:3, 3] - where.p[-1, i]).max() < 1e-9
+        assert np.abs(X[:3, :3] - where.R[-1, i]).max() < 1e-9
+    short = [list(row.values())[1:] for row in table(tmp_path / "standard.csv")]
+    assert short == [list(row.values())[1:5] for row in rows]
+    shifted = [(row["alpha_before_deg"], row["a_before_mm"]) for row in table(tmp_path / "modified.csv")]
+    assert shifted == [("0", "0"), *((row["alpha_deg"], row["a_mm"]) for row in rows[:-1])]
+
+
+@pytest.mark.parametrize("name", ["ur5", "ur10"])
+def test_ur_kinematics_is_the_calibrated_arm(tmp_path, name):
+    robot = model(tmp_path, name)
+    written = export(robot, "ur-kinematics", tmp_path)
+    links, values = [], {}
+    for line in written.files[0].read_text(encoding="utf-8").splitlines():
+        key, _, value = line.strip().partition(": ")
+        if line.startswith("    "):
+            values[key] = float(value)
+            if key == "yaw":
+                lengths = {f"{k}_mm": 1e3 * values[k] for k in "xyz"}
+                angles = {f"{k}_deg": np.degrees(values[k]) for k in ("roll", "pitch", "yaw")}
+                links.append(lengths | angles)
+    arm = content_of(robot, None, Conditions()).arm
+    q = np.random.default_rng(1).uniform(-2, 2, (3, 6))
+    where = frames(arm, q)
+    for i in range(3):
+        X = np.eye(4)
+        for row, moved in zip(links, q[i], strict=True):
+            X = X @ placed(row) @ turn("z", np.degrees(moved))
+        assert np.abs(X[:3, 3] - where.p[-1, i]).max() < 1e-9
+        assert np.abs(X[:3, :3] - where.R[-1, i]).max() < 1e-9
+    # no link in the file is far from the one that the maker publishes
+    assert np.linalg.norm([links[2]["x_mm"], links[2]["y_mm"], links[2]["z_mm"]]) < 700
+
+
+@pytest.mark.parametrize("name", ["kr500", "kr120", "irb120", "rx170"])
+def test_opw_is_exact_for_the_nominal_arm_and_says_what_the_calibrated_loses(tmp_path, name):
+    nominal = replace(load_robot(name), compensator=None)
+    nominal = replace(nominal, joints=tuple(
+        replace(joint, data=joint.data.model_copy(update={"stiffness": None})) for joint in nominal.joints
+    ))  # fmt: skip
+    assert export(nominal, "opw", tmp_path / "nominal").cost.max_mm < 1e-6
+    geometry = model(tmp_path, name).geometry
+    lost = export(replace(nominal, geometry=geometry), "opw", tmp_path / "calibrated").cost
+    assert 0.05 < lost.max_mm < 5.0
+
+
+@pytest.mark.parametrize(("name", "to"), [("ur5", "opw"), ("kr500", "ur-kinematics"), ("kr500", "stl")])
+def test_what_a_format_cannot_hold_is_refused_and_nothing_is_written(tmp_path, name, to):
+    with pytest.raises(InputError):
+        export(name, to, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_header_weighs_what_is_left_out(tmp_path):
+    """An effect that a format does not know costs what the flange moves without it."""
+    ratio = EffectRecord(cause="gear_ratio", joint="joint_1", values={"relative": 1e-3})
+    robot = replace(load_robot("cylindrical"), effects=(ratio,))
+    written = export(robot, "urdf", tmp_path)
+    (item,) = (item for item in written.cost.items if "gear_ratio" in item.what)
+    content = content_of(robot, None, Conditions())
+    q, reach = content.problem.q, np.linalg.norm(frames(content.arm, content.problem.q).p[-1, :, :2], axis=1)
+    assert not item.carried
+    assert item.max_mm == pytest.approx(1e3 * np.abs(2 * reach * np.sin(5e-4 * q[:, 0])).max(), rel=1e-3)
+    assert str(item) in (tmp_path / "cylindrical.urdf").read_text(encoding="utf-8")
+
+
+EFFECTS = (
+    *YIELDS,
+    EffectRecord(cause="gear_ratio", joint="joint_1", values={"relative": 2e-4}),
+    EffectRecord(cause="gear_eccentricity", joint="joint_3", values={"sin": 1e-4, "cos": 5e-5}),
+    EffectRecord(
+        cause="gear_kinematic_error", joint="joint_4", order=200.0, values={"sin": 1e-4, "cos": 0.0}
+    ),
+    EffectRecord(cause="wrist_coupling", joint="joint_6", other="joint_5", values={"coupling": 3e-4}),
+    EffectRecord(cause="hose_torque", joint="joint_5", values={"rate": 20.0}),
+    EffectRecord(cause="gravity_compensator", variant="charge", values={"relative": -0.1}),
+    EffectRecord(cause="gravity_compensator", variant="preload", values={"preload": 400.0}),
+)
+
+
+def package(folder):
+    """The module of an exported package, loaded as a user's would be."""
+    spec = importlib.util.spec_from_file_location("extended_robot", folder / "extended_robot.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("name", ["kr500", "rx170", "longlink", "cylindrical"])
+def test_the_drake_package_rests_where_the_whole_model_does(tmp_path, name):
+    known = set(load_robot(name).joint_names)
+    effects = EFFECTS if name in ("kr500", "rx170") else YIELDS
+    effects = tuple(e for e in effects if e.other is None or e.other in known)
+    robot = model(tmp_path, name, effects)
+    written = export(robot, "drake", tmp_path, conditions=LOAD)
+    assert written.cost.max_mm < 1e-9
+    content = content_of(robot, None, LOAD)
+    whole = content.tool(content.extended.acting)
+    module, builder = package(tmp_path), DiagramBuilder()
+    added = module.AddExtendedRobot(builder)
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    own = added.GetMyMutableContextFromRoot(context)
+    far = []
+    for q, there in zip(joints(content), whole, strict=False):
+        module.Settle(added, context, q)
+        desired = np.concatenate([q, np.zeros_like(q)])
+        added.GetInputPort("desired_state").FixValue(own, desired)
+        X = added.GetOutputPort("tool_pose").Eval(own)
+        far.append(np.abs(X.translation() - there).max())
+        assert added.GetOutputPort("state").Eval(own) == pytest.approx(desired, abs=1e-15)
+    assert max(far) < (1e-6 if robot.bending_stiffness else 1e-9)
+
+
+def test_the_drake_package_follows_its_command_in_a_users_diagram(tmp_path):
+    """At rest it stays; told to move, its drives do."""
+    export(replace(load_robot("kr500"), effects=EFFECTS), "drake", tmp_path)
+    module, builder = package(tmp_path), DiagramBuilder()
+    robot = module.AddExtendedRobot(builder)
+    builder.ExportInput(robot.GetInputPort("desired_state"), "desired_state")
+    builder.ExportOutput(robot.GetOutputPort("tool_pose"), "tool_pose")
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    q = np.array([0.3, -1.0, 1.2, 0.4, 0.7, 0.2])
+    module.Settle(robot, context, q)
+    diagram.GetInputPort("desired_state").FixValue(context, np.concatenate([q, np.zeros(6)]))
+    simulator = Simulator(diagram, context)
+    ApplySimulatorConfig(SimulatorConfig(integration_scheme="runge_kutta3", accuracy=1e-4), simulator)
+    before = diagram.GetOutputPort("tool_pose").Eval(context).translation().copy()
+    simulator.AdvanceTo(0.02)
+    assert np.abs(diagram.GetOutputPort("tool_pose").Eval(context).translation() - before).max() < 1e-7
+    diagram.GetInputPort("desired_state").FixValue(context, np.concatenate([q + 0.01, np.zeros(6)]))
+    simulator.AdvanceTo(0.22)
+    state = robot.GetOutputPort("state").Eval(robot.GetMyContextFromRoot(context))
+    assert np.abs(state[:6] - q - 0.01).max() < 1e-3

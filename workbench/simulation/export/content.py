@@ -75,57 +75,71 @@ class Content:
         """(S, 6, 6) what yields in proportion to its load, the model's effects included."""
         return self.acting(frozenset({"spring"})).yielding(self.problem.arm).linear
 
-    def tool(self, acting: Acting, *, rigid: bool, compensator: CompensatorLaw | None) -> Array:
-        """Flange (N, 3) [m] in the poses with some effects, with the TOML's springs or without."""
-        problem = replace(self.problem, compensator=compensator)
-        arm, loads = acting.loads(problem, problem.arm)
-        if compensator is None:
-            loads = replace(loads, compensator=None)
+    def tool(
+        self, acting: Acting, *, rigid: bool = False, pulled: bool = True, by: CompensatorLaw | None = None
+    ) -> Array:
+        """Flange (N, 3) [m] in the poses under some effects.
+
+        rigid: without the TOML's springs; pulled: with a compensator, the effects' own or `by`.
+        """
+        arm, loads = acting.loads(self.problem, self.problem.arm)
+        if by is not None or not pulled:
+            loads = replace(loads, compensator=by)
         arm = replace(arm, compliance=0 * arm.compliance) if rigid else arm
-        direct = acting.direct(problem)
-        yielding = acting.yielding(arm)
+        direct, yielding = acting.direct(self.problem), acting.yielding(arm)
         if not yielding.columns.any():
-            return frames(arm, problem.q, direct).p[-1]
-        return equilibrium(arm, problem.q, direct, loads, yielding.motion)[1].p[-1]
+            return frames(arm, self.problem.q, direct).p[-1]
+        return equilibrium(arm, self.problem.q, direct, loads, yielding.motion)[1].p[-1]
 
 
 def kind_of(item: Part, problem: Problem) -> str:
     """What an effect does, as far as another program must know.
 
     "mass", "compensator", "torque": what pulls; "spring": yields in proportion to its load, "law": otherwise;
-    "gear": a joint's error that the joints alone decide; "state": hangs on side, time or temperature.
+    "gear": error of a joint that yields, which joints alone decide; "other": of a rigid one, or it hangs on
+    side, time or temperature.
     """
     effect, _ = item
     alone = Acting((item,))
     if not effect.uses <= {"joints", "load"}:
-        return "state"
+        return "other"
     if effect.acts == "yielding":
         return "law" if alone.yielding(problem.arm).bent else "spring"
     if effect.acts in ("transmission", "geometry"):
-        return "gear"
+        return "gear" if effect.acts == "transmission" and _on_springs(effect, problem) else "other"
     _, loads = alone.loads(problem, problem.arm)
     if loads.compensator is not problem.loads.compensator:
         return "compensator"
     return "torque" if (loads.torque != problem.loads.torque).any() else "mass"
 
 
+def _on_springs(effect: Effect, problem: Problem) -> bool:
+    """Whether all that an effect moves are joints, along their own axes, that the TOML gives a stiffness."""
+    arm = problem.arm
+    moved = np.array([int(column) for column in effect.motion(problem)])
+    soft = arm.compliance[moved // 6, moved % 6, moved % 6]
+    return bool(np.isin(moved, arm.axial).all() and (soft > 0).all())
+
+
 def content_of(robot: Robot, campaign: Campaign | None, conditions: Conditions) -> Content:
     """The robot with these loads in the campaign's poses, or in drawn ones (seed 0)."""
+    side = time = temperature = None
     if campaign is not None:
         poses = campaign.poses
-        q, where = poses.q, f"the {len(poses.q)} poses of {campaign.title or campaign.path.name}"
-        state = {"direction": poses.side, "time": poses.time, "temperature": poses.temperature}
+        where = f"the {len(poses.q)} poses of {campaign.title or campaign.path.name}"
+        q, side, time, temperature = poses.q, poses.side, poses.time, poses.temperature
     else:
         rng = np.random.default_rng(0)
         q = random_poses(robot, GRID, rng)
-        state = {"direction": rng.choice([-1.0, 1.0], q.shape), "time": None, "temperature": None}
+        side = rng.choice([-1.0, 1.0], q.shape)
         where = f"{GRID} poses drawn within the joints' limits (seed 0)"
     name = conditions.payload
     plan = planned(
         robot, q, targets=(),
         payloads={name: (conditions.payload_mass, conditions.payload_com)} if name else None,
         payload=[name] * len(q) if name else None,
-        tool=(conditions.tool_mass, conditions.tool_com), **state,
+        tool=(conditions.tool_mass, conditions.tool_com),
+        direction=side, time=time, temperature=temperature,
     )  # fmt: skip
     mass = conditions.payload_mass + conditions.tool_mass
     return Content(robot, extended_arm(problem_of(plan)), f"{where}, {mass:g} kg at the flange")

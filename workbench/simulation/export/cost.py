@@ -55,26 +55,27 @@ def cost(content: Content, carries: frozenset[str], approximated: Array | None =
     poses of a format that only comes near the geometry; default: as the model's.
     """
     law, acting = content.compensator, content.extended.acting
-    whole = content.tool(acting, rigid=False, compensator=law)
+    whole, elastic = content.tool(acting), "spring" in carries
     items = [_calibration(content)]
-    elastic = "spring" in carries
     if content.problem.arm.compliance.any():
-        without = content.tool(acting, rigid=True, compensator=law)
+        without = content.tool(acting, rigid=True)
         items.append(_item("springs of joints, bearings and links", elastic, whole, without))
     kept: CompensatorLaw | None = None
     if law is not None:
         kept = law if "gas" in carries else nearest_coil(content) if "coil" in carries else None
-        without = content.tool(acting, rigid=False, compensator=kept)
         exact = kept is not None and (kept is law or law.coil is not None)
-        name = "compensator's difference from the nearest coil spring" if kept else "compensator"
-        items.append(_item("compensator" if exact else name, exact, whole, without))
+        what = (
+            "compensator's difference from the nearest coil spring" if kept and not exact else "compensator"
+        )
+        without = content.tool(acting, pulled=False, by=None if exact else kept)
+        items.append(_item(what, exact, whole, without))
     for item, kind in zip(acting, content.kinds, strict=True):
         rest = Acting(tuple(other for other in acting if other is not item))
-        pulls = kind == "compensator"
-        moved = content.tool(rest, rigid=False, compensator=content.problem.compensator if pulls else law)
-        items.append(_item(item[0].label, kind in carries or (pulls and kept is not None), whole, moved))
+        carried = kind in carries or (kind == "compensator" and kept is not None)
+        items.append(_item(item[0].label, carried, whole, content.tool(rest)))
     if approximated is None:
-        approximated = content.tool(content.acting(carries), rigid=not elastic, compensator=kept)
+        some = content.acting(carries | {"compensator"})
+        approximated = content.tool(some, rigid=not elastic, pulled=kept is not None, by=kept)
     far = 1e3 * np.linalg.norm(approximated - whole, axis=1)
     return Cost(
         tuple(items), float(far.mean()), float(far.max()), content.poses, tuple(content.extended.notes)

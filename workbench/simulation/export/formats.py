@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
-from . import mjcf, sdf, urdf
+from . import dh, drake_package, mjcf, opw, sdf, ur_kinematics, urdf
 from .content import Content
 from .tree import assumed
 from .urdf import Files
@@ -33,6 +33,7 @@ class Format:
 
 
 ELASTIC = frozenset({"mass", "spring", "coil"})
+WHOLE = frozenset({"mass", "spring", "gas", "gear", "torque", "compensator"})
 
 
 def in_drake(content: Content) -> list[str]:
@@ -47,7 +48,11 @@ def in_drake(content: Content) -> list[str]:
 FORMATS = {
     "urdf": Format("URDF, rigid", frozenset(), urdf.write),
     "sdf": Format("SDF for Drake, elastic", ELASTIC, sdf.write, in_drake),
+    "drake": Format("package for Drake, elastic, with its effects", WHOLE, drake_package.write, in_drake),
     "mjcf": Format("MJCF for MuJoCo, elastic", ELASTIC, mjcf.write, assumed),
+    "ur-kinematics": Format("Universal Robots' kinematics file, rigid", frozenset(), ur_kinematics.write),
+    "dh": Format("Denavit-Hartenberg tables, rigid", frozenset(), dh.write, dh.notes),
+    "opw": Format("ortho-parallel arm, rigid and nearest", frozenset(), opw.write, flange=opw.near),
 }
 
 
