@@ -64,9 +64,9 @@ def cost(content: Content, carries: frozenset[str], approximated: Array | None =
     if law is not None:
         kept = law if "gas" in carries else nearest_coil(content) if "coil" in carries else None
         exact = kept is not None and (kept is law or law.coil is not None)
-        what = (
-            "compensator's difference from the nearest coil spring" if kept and not exact else "compensator"
-        )
+        what = "compensator"
+        if kept is not None and not exact:
+            what = "compensator's difference from the nearest coil spring"
         without = content.tool(acting, pulled=False, by=None if exact else kept)
         items.append(_item(what, exact, whole, without))
     for item, kind in zip(acting, content.kinds, strict=True):

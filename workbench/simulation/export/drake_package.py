@@ -1,4 +1,4 @@
-"""A package for Drake: SDF, model directives, and a module that adds the robot with its effects to a diagram."""
+"""A package for Drake: SDF, model directives, and a module that adds the robot with its effects."""
 
 from __future__ import annotations
 
@@ -48,13 +48,14 @@ def write(content: Content, header: list[str]) -> Files:
         tree = replace(tree, coil=None)
     meshes = mesh_files(content.robot.urdf)
     root = sdf_of(content, tree, meshes)
-    return {
+    texts: dict[str, str | bytes] = {
         "package.xml": PACKAGE.format(name=name, title=content.robot.title.replace("&", "&amp;")),
         f"{name}.dmd.yaml": commented(header) + DIRECTIVES.format(name=name, root=tree.bodies[0].name),
         f"{name}.sdf": xml_text(root, header),
         "extended_robot.py": commented(header) + MODULE.read_text(encoding="utf-8"),
         "effects.npz": effects(content),
-    } | {mesh: path.read_bytes() for mesh, path in meshes.items()}
+    }
+    return texts | {mesh: path.read_bytes() for mesh, path in meshes.items()}
 
 
 def effects(content: Content) -> bytes:
@@ -71,15 +72,8 @@ def effects(content: Content) -> bytes:
     }
     if law is not None and law.coil is None:
         d = law.data
-        data["gas"] = [
-            d.piston_area,
-            law.charge,
-            law.preload,
-            d.precharge,
-            d.gas_length,
-            d.reference,
-            d.exponent,
-        ]
+        gas = (d.piston_area, law.charge, law.preload, d.precharge, d.gas_length, d.reference, d.exponent)
+        data["gas"] = np.array(gas, dtype=np.float64)
         data["gas_bodies"] = [arm.links[law.body], arm.links[law.arm]]
         data["gas_pivots"] = np.array(pivots(arm, law))
     for kind in ("gear", "torque"):

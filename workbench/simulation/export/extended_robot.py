@@ -1,7 +1,7 @@
 """The extended robot for Drake: `AddExtendedRobot(builder)`. It needs pydrake and NumPy alone.
 
 Beside this file stand the robot as SDF (springs, rotors, coil compensator), `package.xml`, the model
-directives, and `effects.npz` with what SDF cannot say: gas compensator, errors of the gears, torques of hoses.
+directives, and `effects.npz` with what SDF cannot say: gas compensator, gears' errors, hoses' torques.
 """
 
 from __future__ import annotations
@@ -57,7 +57,8 @@ def AddExtendedRobot(builder: DiagramBuilder, folder: Path = HERE) -> Diagram:
 
 def Settle(robot: Diagram, context: Context, q: Any) -> None:
     """Puts the robot to rest at joints q (n,) under its loads. context: of the whole diagram."""
-    plant, effects = robot.GetSubsystemByName("plant"), robot.GetSubsystemByName("effects")
+    plant: Any = robot.GetSubsystemByName("plant")
+    effects: Any = robot.GetSubsystemByName("effects")
     own = plant.GetMyMutableContextFromRoot(context)
     positions = np.zeros(plant.num_positions())
     positions[effects.motors] = q
@@ -92,7 +93,7 @@ class Effects(LeafSystem):
         self.stiffness, self.damping = effects["stiffness"], effects["damping"]
         self.gears = [_Curve(effects, key) for key in effects.files if key.startswith("gear/")]
         self.hoses = [_Curve(effects, key) for key in effects.files if key.startswith("torque/")]
-        self.gas = effects["gas"] if "gas" in effects.files else None
+        self.gas: Any = effects["gas"] if "gas" in effects.files else None
         if self.gas is not None:
             self.bodies = [plant.GetBodyByName(str(name)) for name in effects["gas_bodies"]]
             self.pivots = effects["gas_pivots"]
@@ -125,7 +126,7 @@ class Effects(LeafSystem):
         for gear in self.gears:
             error[gear.joint] += gear.value(q)
             rate[gear.joint] += gear.slope(q) * v[gear.other]
-        for j in np.flatnonzero(error):
+        for j in np.flatnonzero(error).tolist():
             force[self.springs[j]] += self.stiffness[j] * error[j] + self.damping[j] * rate[j]
         for gear in self.gears:  # the motor feels what turns the gear's error
             j = gear.joint
@@ -149,7 +150,7 @@ class Effects(LeafSystem):
         pull = (area * (pressure - ATMOSPHERE) + preload) / s * way
         self.forces.SetZero()
         for body, pose, pivot, sign in zip(self.bodies, X, self.pivots, (1.0, -1.0), strict=True):
-            pair: Any = SpatialForce(np.zeros(3), sign * pull)
+            pair = SpatialForce(tau=np.zeros(3), f=sign * pull)  # type: ignore[arg-type]
             body.AddInForce(self.scratch, pose.rotation() @ pivot, pair, world, self.forces)
         return self.plant.CalcGeneralizedForces(self.scratch, self.forces)
 
