@@ -25,15 +25,19 @@ Moving = Callable[[MultibodyPlant, int, Frame], Frame]
 Between = Callable[[MultibodyPlant, tuple[RigidBody, ...]], None]
 
 
-def urdf_plant(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPlant:
+def urdf_plant(
+    robot: Robot, plant: MultibodyPlant | None = None, more: Callable[[MultibodyPlant], None] | None = None
+) -> MultibodyPlant:
     """The robot's URDF in Drake, base welded to the world, gravity as the TOML says; finalised.
 
-    plant: an empty one that is part of a diagram already.
+    plant: an empty one that is part of a diagram already; more: adds to it what the URDF does not have.
     """
     plant = MultibodyPlant(0.0) if plant is None else plant
     Parser(plant).AddModels(str(robot.urdf))
     plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
     plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(robot.base).body_frame())
+    if more is not None:
+        more(plant)
     plant.Finalize()
     return plant
 
