@@ -23,8 +23,11 @@ DECIDES = 20.0  # odds: as rare as a test at 5 %
 
 @dataclass(frozen=True)
 class PressureFit:
-    """A law fitted to M pressures. values: precharge [Pa], then length [m] or exponent of the gas, or the coil's
-    rate [Pa/m]; std: their standard deviations, from the scatter; rms [Pa]; count: M."""
+    """A law fitted to M pressures.
+
+    values: precharge [Pa], then length [m] or exponent of the gas, or the coil's rate [Pa/m]; std: their
+    standard deviations, from the scatter; rms [Pa]; count: M.
+    """
 
     names: tuple[str, str]
     values: Array
