@@ -100,7 +100,7 @@ KR120 = Design(
         "damping": (1.0e3, 1.0e3, 6.0e2, 3.0e2, 1.0e2, 1.0e2),
         "repeatability": (3e-6, 3e-6, 3e-6, 9e-6, 9e-6, 9e-6),
     },
-    compensator=gas_spring(joint_2_ahead=0.35, piston_area=1.2e-3),
+    compensator=gas_spring(joint_2_ahead=0.35, piston_area=1.0e-3),
     source={
         "kinematics": "public URDF of the KR 120 R2500 pro (ROS-Industrial), controller signs and zeros; "
         "flange x down, z out as the controller has it",
