@@ -92,7 +92,8 @@ def _fitted(
 
     found = least_squares(left, np.ones(2), xtol=1e-14, ftol=1e-14, gtol=1e-14)
     scatter = float(found.fun @ found.fun) / (len(pressure) - 2)
-    covariance = np.linalg.inv(found.jac.T @ found.jac) * scatter
+    J: Array = np.asarray(found.jac)
+    covariance = np.linalg.inv(J.T @ J) * scatter
     rms = float(np.sqrt((found.fun**2).mean()) * pressure.mean())
     std = np.sqrt(np.diag(covariance)) * np.abs(start)
     return PressureFit(names, found.x * start, std, rms, len(pressure))

@@ -11,8 +11,8 @@ from ...correction.conditions import Conditions, stated_conditions
 from ...files.whole import put_all
 from ...robot.description import Robot, load_robot
 from .content import content_of
-from .cost import Cost, cost
 from .formats import FORMATS, find_format
+from .left_out import Cost, cost
 
 __all__ = ["FORMATS", "Cost", "Exported", "export"]
 

@@ -19,7 +19,7 @@ def nothing(_: Content) -> list[str]:
 
 @dataclass(frozen=True)
 class Format:
-    """One format. carries: see `cost.cost`. write: (content, header) → file name → what is in it.
+    """One format. carries: see `left_out.cost`. write: (content, header) → file name → what is in it.
 
     notes: what else a reader must know, a line each; flange: (N, 3) [m] of a format that only comes near the
     geometry. Both raise `InputError` for a robot that the format cannot hold.

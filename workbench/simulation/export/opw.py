@@ -1,6 +1,6 @@
 """Parameters of an ortho-parallel arm with a spherical wrist, for closed-form inverse kinematics.
 
-Brandstötter, Angerer and Hofbaur (2014): lengths a1 a2 b c1 c2 c3 c4; joint angles are sign · q − offset.
+Brandstötter et al. 2014: lengths a1 a2 b c1 c2 c3 c4; joint angles are sign · q − offset.
 A calibrated arm is ortho-parallel only nearly: the parameters are those that come nearest to its flange.
 """
 
