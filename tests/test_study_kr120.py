@@ -115,4 +115,4 @@ def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
         assert (folder / link).exists()
     campaign = load_campaign(folder / "campaign" / "soft" / "campaign.toml")
     assert campaign.robot.compensator is not None
-    assert campaign.robot.compensator.precharge == 163e5
+    assert campaign.robot.compensator.piston_area == machines.PISTON
