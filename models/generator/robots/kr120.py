@@ -5,7 +5,7 @@ from ..kinematics import Table, chain_along, pose, rotation_y
 from ..looks.arms import Sizes
 from ..looks.heavy import heavy
 from ..looks.paints import ORANGE
-from .kr210 import gas_spring
+from .kr210 import GAUGED, gas_spring
 
 # Arm level and forwards at q = 0, as in the controller, which turns A1, A4 and A6 the other way round.
 KINEMATICS = chain_along(
@@ -100,7 +100,7 @@ KR120 = Design(
         "damping": (1.0e3, 1.0e3, 6.0e2, 3.0e2, 1.0e2, 1.0e2),
         "repeatability": (3e-6, 3e-6, 3e-6, 9e-6, 9e-6, 9e-6),
     },
-    compensator=gas_spring(joint_2_ahead=0.35, piston_area=1.0e-3),
+    compensator=gas_spring(joint_2_ahead=0.35, piston_area=1.0e-3, **GAUGED),
     source={
         "kinematics": "public URDF of the KR 120 R2500 pro (ROS-Industrial), controller signs and zeros; "
         "flange x down, z out as the controller has it",

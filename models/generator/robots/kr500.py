@@ -89,7 +89,7 @@ KR500 = Design(
         "damping": (1.9e3, 1.4e3, 0.6e3, 1.9e3, 1.4e3, 1.4e3),
         "repeatability": (4e-6, 4e-6, 4e-6, 12e-6, 12e-6, 12e-6),
     },
-    compensator=gas_spring(joint_2_ahead=0.5, piston_area=1.6e-3),
+    compensator=gas_spring(joint_2_ahead=0.5, piston_area=2.0e-3, precharge=100e5, gas_length=0.89),
     source={
         "kinematics": "public modified DH table of the KR 500 R2830 (robot kinematics catalogue), its "
         "signs and zeros; a KUKA controller counts A1, A4 and A6 the other way",
@@ -102,8 +102,7 @@ KR500 = Design(
         "rotor_inertia": "assumed",
         "repeatability": "assumed per joint so that the pose scatters within the data sheet's 0.08 mm",
         "compensator": "pivots: geometry of the KR 210 R2700, put at this robot's joint 2 (assumed); "
-        "charge and gas length: as gauged on a KR 300, a robot of this class (assumed to hold); area: "
-        "assumed, so that the stretched, unloaded arm is nearly balanced",
+        "charge, area and length: assumed, so that about half of the arm's weight is carried",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),
