@@ -112,6 +112,8 @@ if TYPE_CHECKING:
     from .simulation.closed_loop.runs import Task as Task
     from .simulation.closed_loop.runs import World as World
     from .simulation.closed_loop.runs import simulate_all as simulate_all
+    from .simulation.export import Exported as Exported
+    from .simulation.export import export as export
     from .simulation.virtual_campaign import Truth as Truth
     from .simulation.virtual_campaign import random_geometry as random_geometry
     from .simulation.virtual_campaign import simulate as simulate
@@ -169,6 +171,7 @@ _MODULES = {
     "simulation.closed_loop.file": "Verified verify_file",
     "simulation.closed_loop.proof": "verify",
     "simulation.closed_loop.runs": "Task World simulate_all",
+    "simulation.export": "Exported export",
     "simulation.virtual_campaign": "Truth random_geometry simulate",
     "studies": "as_package",
     "studies.telling": "by_joint",

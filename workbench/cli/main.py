@@ -6,10 +6,10 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
-from . import check, compensate, demo, diagnose, init, lists, plan, simulate, study, verify
+from . import check, compensate, demo, diagnose, export, init, lists, plan, simulate, study, verify
 from .status import guarded
 
-COMMANDS = (demo, init, check, diagnose, simulate, plan, compensate, verify, study, lists)
+COMMANDS = (demo, init, check, diagnose, simulate, plan, compensate, verify, export, study, lists)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -89,7 +89,7 @@ KR500 = Design(
         "damping": (1.9e3, 1.4e3, 0.6e3, 1.9e3, 1.4e3, 1.4e3),
         "repeatability": (4e-6, 4e-6, 4e-6, 12e-6, 12e-6, 12e-6),
     },
-    compensator=gas_spring(joint_2_ahead=0.5),
+    compensator=gas_spring(joint_2_ahead=0.5, piston_area=2.0e-3, precharge=100e5, gas_length=0.89),
     controller={
         "make": "KUKA",
         "names": ("A1", "A2", "A3", "A4", "A5", "A6"),

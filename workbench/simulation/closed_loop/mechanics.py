@@ -15,13 +15,14 @@ from ...campaign.problem import Problem
 from ...correction.conditions import Conditions, path_campaign
 from ...correction.extended_arm import extended_arm
 from ...correction.paths import Path
-from ...effects.acting import Acting, Yielding
-from ...effects.acting import Law as Law6
+from ...effects.acting import Acting
 from ...effects.base import Effect
 from ...robot.compensator import CompensatorLaw, compensator_law
 from ...robot.description import Robot
 from ...robot.kinematics import RX, Arm, Array
 from ...robot.rigid_plant import arrays
+from ...robot.yielding import Law as Law6
+from ...robot.yielding import Yielding
 
 RIGID = 1e-10  # rad/(N·m), m/N: what a joint without compliance yields, where it needs a joint at all
 TABLE = 8001  # torques at which a law that is not linear is tabulated
