@@ -6,18 +6,19 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
-from . import check, compensate, demo, diagnose, export, init, lists, plan, simulate, study, verify
+from . import check, compare, compensate, demo, diagnose, export, init, lists, plan, simulate, study, verify
 from .status import guarded
 
-COMMANDS = (demo, init, check, diagnose, simulate, plan, compensate, verify, export, study, lists)
+COMMANDS = (demo, init, check, diagnose, compare, simulate, plan, compensate, verify, export, study, lists)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command; its exit status (`status.guarded`)."""
 
-    def action() -> None:
+    def action() -> int | None:
         arguments = command_line().parse_args(argv)
-        arguments.run(arguments)
+        status: int | None = arguments.run(arguments)
+        return status
 
     return guarded(action)
 

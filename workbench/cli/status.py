@@ -16,8 +16,8 @@ from ..files.faults import InputError
 DONE, FAILED, WRONG, INTERRUPTED = 0, 1, 2, 130
 
 
-def guarded(action: Callable[[], object]) -> int:
-    """Exit status of an action: 0 done, 2 the input or the call is wrong (a line per fault), 1 it failed,
+def guarded(action: Callable[[], int | None]) -> int:
+    """Exit status of an action: its own, or 0 where it has none; 2 the input or the call is wrong (a line per fault), 1 it failed,
     130 interrupted."""
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(threads, "1")
@@ -26,7 +26,7 @@ def guarded(action: Callable[[], object]) -> int:
             stream.reconfigure(errors="replace")  # a terminal without µ is no reason to fail
     try:
         with _workers_stop_too():
-            action()
+            status = action()
     except InputError as error:
         for fault in error.faults:
             print(f"error: {fault}", file=sys.stderr)
@@ -41,6 +41,8 @@ def guarded(action: Callable[[], object]) -> int:
             raise
         print(f"failed: {type(error).__name__}: {error} (WORKBENCH_DEBUG=1 shows where)", file=sys.stderr)
         return FAILED
+    else:
+        return DONE if status is None else status
     return DONE
 
 

@@ -77,7 +77,7 @@ def _assembled(decided: Decided) -> Comparison:
         bound,
         tuple(unchanged(decided)),
         tuple(unseen(decided)),
-        tuple(repeats(decided)),
+        tuple(repeats(decided, changes)),
         beside,
         tuple(tracks(decided)),
         tuple(_notes(decided)),

@@ -8,7 +8,6 @@ import numpy as np
 from scipy.stats import chi2
 
 from ...robot.kinematics import Array
-from ..stages import rms_mm
 from .occasions import Occasion
 from .result import Apart, TargetMoved
 from .system import Solved, System
@@ -33,9 +32,16 @@ def apart(system: System, final: Sequence[Occasion], solved: Solved) -> Iterator
             moved,
             noise.sigma_mm,
             noise.source,
-            rms_mm(one.fit.residual),
+            _rms_mm(system, solved, k),
             float(np.nanmean(temperature)) if warm and temperature is not None else None,
         )
+
+
+def _rms_mm(system: System, solved: Solved, k: int) -> float:
+    """RMS length [mm] of what is left of an occasion's points."""
+    here = (system.own == k) & system.used
+    sigma = float(np.sqrt(np.mean(system.occasions[k].fit.noise.sigma ** 2)))
+    return 1e3 * sigma * float(np.sqrt(3 * np.mean(solved.left[here] ** 2)))
 
 
 def _frame(

@@ -62,12 +62,12 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
     noise_dof = _noise_dof(occasions)
     for last in range(ROUNDS):
         system = system_of(occasions)
-        candidates = candidates_of(occasions, whole, effects)
-        reduced = reduced_of(system, candidates, noise_dof)
-        candidates, reduced, hidden = _distinct(candidates, reduced)
+        every = candidates_of(occasions, whole, effects)
+        reduced = reduced_of(system, every, noise_dof)
+        candidates, reduced, hidden = _distinct(every, reduced)
         competition = Competition(reduced, [c.component for c in candidates])
         members = competition.best()
-        shares = _shares(system, candidates, competition, members, noise_dof)
+        shares = _shares(system, every, competition, members, noise_dof)
         sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
         members, shares = [members[i] for i in sure], [shares[i] for i in sure]
         shapes = [candidates[m.component].shapes[m.form] for m in members]
@@ -97,7 +97,7 @@ def _held(shape: Shape, member: Member) -> float:
 
 def _shares(
     system: System,
-    candidates: Sequence[Candidate],
+    every: Sequence[Candidate],
     competition: Competition,
     members: Sequence[Member],
     noise_dof: float,
@@ -109,18 +109,13 @@ def _shares(
         return shares
     out = [dict(share) for share in shares]
     for rows in _halves(system):
-        reduced = _like(reduced_of(system, candidates, noise_dof, rows), competition.reduced)
+        reduced = replace(reduced_of(system, every, noise_dof, rows), parts=competition.reduced.parts)
         half = Competition(reduced, competition.components)
         for share, other, member in zip(out, half.shares(members), members, strict=True):
             if other.get(member.component, 0.0) < share.get(member.component, 0.0):
                 share.clear()
                 share.update(other)
     return out
-
-
-def _like(reduced: Reduced, other: Reduced) -> Reduced:
-    """The same columns for each form as in another."""
-    return replace(reduced, parts=other.parts)
 
 
 def _halves(system: System) -> tuple[Mask, Mask]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from scipy.stats import chi2
-
+from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
 from ..priors import PRIORS
@@ -17,6 +16,7 @@ from .result import Change, Repeats, Rival, Track, Unseen
 from .system import LOOSE, Solved, solve
 
 ROBOT = "robot"
+REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
 
 
 def changes_of(decided: Decided) -> Iterator[Change]:
@@ -107,30 +107,33 @@ def unseen(decided: Decided) -> Iterator[Unseen]:
             yield Unseen(label, hidden.same_as or "the instrument's frame or the targets")
 
 
-def repeats(decided: Decided) -> Iterator[Repeats]:
-    """The effects that the campaigns show: whether they repeat, and how closely that is known."""
-    taken = {decided.candidates[m.component].where: m for m in decided.members}
-    background = decided.solved.values[: decided.solved.background] * decided.system.prior
+def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
+    """The named effects of the robot that the campaigns show: whether they repeat, and how closely."""
+    changed = {(change.cause, change.where) for change in changes}
     result = decided.system.occasions[0].fit
     start = result.columns.geometry_slice.start
+    common = (decided.solved.values[: decided.solved.background] * decided.system.prior)[decided.system.common]
     last = np.arange(decided.system.count) == decided.system.count - 1
     for k, candidate in enumerate(decided.candidates):
+        if not candidate.change or candidate.side != ROBOT or candidate.cause == UNKNOWN:
+            continue
         for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
             known = [e for e in shape.effects if e in result.model.effects]
-            if not candidate.change or not known or not np.array_equal(shape.pattern, last):
+            if not known or not np.array_equal(shape.pattern, last):
                 continue
             columns = result.columns.effect[result.model.effects.index(known[0])]
-            common = background[decided.system.common][columns.start - start : columns.stop - start]
-            p = len(common)
-            index = np.arange(part.start, part.start + p)
-            S, u = (x[0] for x in decided.chosen.left_of(index[None]))
+            value = common[columns.start - start : columns.stop - start]
+            p = len(value)
+            S, u = (x[0] for x in decided.chosen.left_of(np.arange(part.start, part.start + p)[None]))
             held = S + np.eye(p)
             change, half = np.linalg.solve(held, u), np.linalg.cholesky(np.linalg.inv(held))
-            motion = shape.columns[:, :p]
-            size = float(np.linalg.norm(motion @ (common / shape.sizes[:p])))
-            spread = decided.solved.factor * np.linalg.norm(motion @ half) * np.sqrt(chi2.ppf(0.95, 1))
-            bound = float(np.hypot(np.linalg.norm(motion @ change), spread))
-            yield Repeats(label_of(candidate, shape), candidate.where not in taken, bound / max(size, 1e-12))
+            size = float(np.linalg.norm(shape.columns[:, :p] @ (value / shape.sizes[:p])))
+            spread = 1.96 * decided.solved.factor * float(np.linalg.norm(shape.columns[:, :p] @ half))
+            share = float(np.hypot(np.linalg.norm(shape.columns[:, :p] @ change), spread)) / max(size, 1e-12)
+            status = "repeats" if share < REPEATS else "not decided"
+            if (candidate.cause, candidate.where) in changed:
+                status = "changed"
+            yield Repeats(label_of(candidate, shape), status, share)
 
 
 def tracks(decided: Decided) -> Iterator[Track]:

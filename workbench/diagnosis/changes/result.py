@@ -70,11 +70,11 @@ class Unseen:
 
 @dataclass(frozen=True)
 class Repeats:
-    """An error of a joint or link that the campaigns show: whether it repeats. share: 95 % bound of its change
-    over its size (RMS of the points)."""
+    """An error of a joint or link that the campaigns show. status: repeats, changed, or not decided; share: 95 %
+    bound of its change over its size (RMS of the points)."""
 
     label: str
-    repeats: bool
+    status: str
     share: float
 
 
@@ -171,7 +171,7 @@ class Comparison:
             ],
             "not_testable": [{"what": item.label, "same_as": item.same_as} for item in self.unseen],
             "repeats": [
-                {"what": item.label, "repeats": item.repeats, "within_share": item.share}
+                {"what": item.label, "status": item.status, "within_share": item.share}
                 for item in self.repeats
             ],
             "apart": [_apart(item) for item in self.apart],

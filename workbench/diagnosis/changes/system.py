@@ -101,18 +101,18 @@ def reduced_of(
 @dataclass(frozen=True, eq=False)
 class Solved:
     """All numbers at once. values: (n + g,) in prior sizes, background first; half: (n + g, n + g) with
-    half halfᵀ their covariance; chi2, dof: what is left; factor: on standard deviations, from what is left
+    half halfᵀ their covariance; left: (R,) what is left, whitened; dof: its degrees of freedom; factor: on standard deviations, from what is left
     where that is more than the noise."""
 
     values: Array
     half: Array
     background: int
-    chi2: float
+    left: Array
     dof: float
 
     @property
     def factor(self) -> float:
-        return float(np.sqrt(max(1.0, self.chi2 / self.dof)))
+        return float(np.sqrt(max(1.0, float(self.left @ self.left) / self.dof)))
 
     def of(self, part: slice) -> tuple[Array, Array]:
         """Values and covariance of some of the columns behind the background, in their prior sizes."""
@@ -137,7 +137,7 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
         values * unit,
         inverse * unit[:, None],
         system.J.shape[1],
-        float(left @ left),
+        left,
         max(dof, 1.0),
     )
 
