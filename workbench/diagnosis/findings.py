@@ -21,7 +21,7 @@ from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable
 from .headline import headline, remarks, verdict_of
 from .on_test_campaign import test_figures
-from .power import detectable, swallowed
+from .power import detectable, swallowed, visible_mm
 from .prepared import Prepared
 from .priors import PRIORS
 from .remainder import Remainder, remainder
@@ -72,7 +72,7 @@ def assemble(parts: Parts) -> Diagnosis:
         noise=prepared.noise,
         stages=tuple(stages),
         verdict=verdict,
-        headline=headline(verdict, findings, stages, brought, ceiling, ""),
+        headline=headline(verdict, findings, stages, brought, ceiling, visible_mm(final, parts.candidates)),
         causes=tuple(findings),
         ceiling_mm=ceiling,
         remainder_chi2=left.chi2,
