@@ -16,7 +16,9 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "campaigns", nargs="+", metavar="CAMPAIGN.toml", help="two or more of one robot, in the order of time"
     )
-    out_option(parser, "folder for the page, the report and the numbers (nothing is written unless this is given)")
+    out_option(
+        parser, "folder for the page, the report and the numbers (nothing is written unless this is given)"
+    )
     json_option(parser)
     parser.set_defaults(run=run)
 

@@ -17,8 +17,8 @@ DONE, FAILED, WRONG, INTERRUPTED = 0, 1, 2, 130
 
 
 def guarded(action: Callable[[], int | None]) -> int:
-    """Exit status of an action: its own, or 0 where it has none; 2 the input or the call is wrong (a line per fault), 1 it failed,
-    130 interrupted."""
+    """Exit status of an action: its own, or 0 where it has none; 2 the input or the call is wrong (a line per
+    fault), 1 it failed, 130 interrupted."""
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(threads, "1")
     for stream in (sys.stdout, sys.stderr):

@@ -67,7 +67,8 @@ def reduce(
 def without_background(
     J: Array, offset: Array, G: Array, e: Array, rows: int
 ) -> tuple[Array, Array, float, float]:
-    """S (g, g), u (g,), χ² and degrees of freedom that a background leaves of columns G (R, g) and data e (R,).
+    """S (g, g), u (g,), χ² and degrees of freedom that a background leaves of columns G (R, g) and data e
+    (R,).
 
     J: (R, n) the background in its priors, offset: (n,) how far it is from their means; rows: with data."""
     n = J.shape[1]

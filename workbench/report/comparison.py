@@ -82,7 +82,8 @@ def _change(change: Change) -> dict[str, Any]:
     lines = [f"moves the targets by {mm(change.moves_mm)} mm RMS; probability {percent(change.probability)}"]
     if change.rivals:
         said = [
-            f"{r.label}{'' if r.change else ' in all campaigns'} ({percent(r.probability)})" for r in change.rivals
+            f"{r.label}{'' if r.change else ' in all campaigns'} ({percent(r.probability)})"
+            for r in change.rivals
         ]
         lines.append(f"fits as well: {', '.join(said)}")
     if change.side != "robot":
@@ -115,15 +116,21 @@ def _apart(comparison: Comparison) -> list[list[str]]:
     rows = []
     for one in comparison.apart:
         moved = [
-            f"{t.target} {sum(v * v for v in t.by_mm) ** 0.5:.3f} mm" for t in one.targets if one.targets_moved
+            f"{t.target} {sum(v * v for v in t.by_mm) ** 0.5:.3f} mm"
+            for t in one.targets
+            if one.targets_moved
         ]
         first = one is comparison.apart[0]
         rows.append(
             [
                 one.label,
-                "" if first else f"instrument from base: {one.frame_mm:.2f} ± {one.frame_std_mm:.2g} mm and "
+                ""
+                if first
+                else f"instrument from base: {one.frame_mm:.2f} ± {one.frame_std_mm:.2g} mm and "
                 f"{one.frame_mrad:.2f} ± {one.frame_std_mrad:.2g} mrad from the first",
-                "" if first else (f"targets moved: {', '.join(moved)}" if moved else "targets where they were"),
+                ""
+                if first
+                else (f"targets moved: {', '.join(moved)}" if moved else "targets where they were"),
                 f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), left {mm(one.rms_mm)} mm RMS",
                 "" if one.temperature is None else f"{one.temperature:.1f} °C",
             ]
@@ -133,7 +140,7 @@ def _apart(comparison: Comparison) -> list[list[str]]:
 
 def chart(tracks: Sequence[Track], labels: Sequence[str]) -> list[Figure]:
     """Control charts: each number against the first campaign, with 95 % intervals."""
-    figures = []
+    figures = list[Figure]()
     for unit in dict.fromkeys(track.unit for track in tracks):
         own = [track for track in tracks if track.unit == unit]
         for first in range(0, len(own), TRACKS):

@@ -16,9 +16,9 @@ from ...files.faults import Fault, InputError
 from ..prepared import Progress
 from ..priors import PRIORS
 from ..run import testable
-from .apart import apart
-from .decide import Decided, decide
+from .decision import Decided, decide
 from .findings import changes_of, repeats, tracks, unseen
+from .frames import apart
 from .occasions import occasions_of
 from .result import Apart, Comparison
 from .sensitivity import unchanged, within_mm
@@ -28,9 +28,7 @@ from .words import headline
 OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
 
 
-def compare(
-    campaigns: Sequence[Campaign | str | Path], progress: Progress = lambda _: None
-) -> Comparison:
+def compare(campaigns: Sequence[Campaign | str | Path], progress: Progress = lambda _: None) -> Comparison:
     """What changed between campaigns of one robot, in the order of time.
 
     campaigns: two or more, as loaded, or the paths of their campaign.toml. progress: is told each step in

@@ -1,4 +1,4 @@
-"""What may explain that campaigns differ: a number of the robot that changed, or a cause that all of them have."""
+"""What may explain that campaigns differ: a number that changed, or a cause that all of them have."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ PLACED = "geometry"  # cause of a number of the geometry
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """One form of a change or of a common cause. base: (R, g) whitened, in prior sizes, over the rows of all
-    occasions one after the other; own: (R,) occasion of each; pattern: (K,) share of it at each occasion;
-    geometry: columns 6 · slot + component that it moves, zero: it is a joint's own; named: name and unit of the
-    numbers where they are not the effects' own."""
+    """One form of a change or of a common cause. base: (R, g) whitened, in prior sizes, over the rows of
+    all occasions one after the other; own: (R,) occasion of each; pattern: (K,) share of it at each
+    occasion; geometry: columns 6 · slot + component that it moves, zero: it is a joint's own; named: name
+    and unit of the numbers where they are not the effects' own."""
 
     base: Array
     own: NDArray[np.int64]
@@ -79,7 +79,8 @@ def candidates_of(
     shared = occasions[0].fit.model.effects
     out = list(_geometry(occasions, whole, patterns))
     places: dict[object, list[Effect]] = {}
-    for effect in [*effects, *(one for one in shared if one not in effects)]:
+    seen = [e for kind in catalogue().values() for e in kind.places(whole) if e.acts == "instrument"]
+    for effect in [*effects, *(one for one in (*shared, *seen) if one not in effects)]:
         places.setdefault(effect.key, []).append(effect)
     counts: dict[str, int] = {}
     for own in places.values():
@@ -88,14 +89,17 @@ def candidates_of(
     for own in places.values():
         effect, sites = own[0], counts[own[0].cause]
         together = [tuple(own)] if effect.together and len(own) > 1 else []
-        if effect.key not in known:
+        if effect.key not in known and effect in effects:
             finer = [fine for one in own for fine in one.finer()[::EVERY_FINER]]
-            shapes = [*(_shape(occasions, (e,)) for e in (*own, *finer)), *(_shape(occasions, t) for t in together)]
+            shapes = [
+                *(_shape(occasions, (e,)) for e in (*own, *finer)),
+                *(_shape(occasions, t) for t in together),
+            ]
             out += _candidate(effect, False, shapes, log_odds_of(effect, sites))
         shapes = [replace(_shape(occasions, (e,)), one_sided=False) for e in own]
-        out += _candidate(effect, True, list(_stepped(shapes, patterns)), _odds(sites))
+        out += _candidate(effect, True, list(_stepped(shapes, patterns)), _odds(whole.arm.n))
     if whole.campaign.poses.temperature is None:
-        out += _growth(occasions, patterns)
+        out += _growth(occasions, whole, patterns)
     return out
 
 
@@ -121,6 +125,9 @@ def side_of(effect: Effect) -> str:
 
 
 def _odds(sites: int) -> float:
+    """log prior odds of a change at one place. sites: joints, for every cause: no cause gains by sitting at
+    few
+    places, since it is a place that something happens to."""
     p = PRIORS.cause / sites
     return float(np.log(p / (1 - p)))
 
@@ -172,7 +179,7 @@ def moved(occasions: Sequence[Occasion], columns: tuple[int, ...]) -> Shape:
     return Shape(np.concatenate(blocks), own_of(occasions), sizes, np.ones(len(occasions)), geometry=columns)
 
 
-def _growth(occasions: Sequence[Occasion], patterns: Array) -> Iterator[Candidate]:
+def _growth(occasions: Sequence[Occasion], whole: Problem, patterns: Array) -> Iterator[Candidate]:
     """A warmer arm where nobody wrote the temperature down: all links longer by the same share."""
     warm = [_at(one.problem, 21.0) for one in occasions]
     kinds = [effect for kind in catalogue().values() for effect in kind.places(warm[0])]
@@ -185,7 +192,7 @@ def _growth(occasions: Sequence[Occasion], patterns: Array) -> Iterator[Candidat
         named = (("growth", "1"),)
         every = np.ones(len(occasions))
         shape = Shape(np.concatenate(blocks), own_of(occasions), sizes, every, (effect,), named=named)
-        yield from _candidate(effect, True, list(_stepped([shape], patterns)), _odds(1))
+        yield from _candidate(effect, True, list(_stepped([shape], patterns)), _odds(whole.arm.n))
 
 
 def _at(problem: Problem, temperature: float) -> Problem:

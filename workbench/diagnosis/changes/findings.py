@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
 from ..priors import PRIORS
 from .candidates import Shape, numbers_of_shape
-from .decide import Decided, label_of
+from .decision import Decided, label_of
 from .recheck import recheck
 from .result import Change, Repeats, Rival, Track, Unseen
 from .system import LOOSE, Solved, solve
@@ -78,7 +79,8 @@ def _without(decided: Decided, i: int) -> Solved:
 
 
 def _moves_mm(decided: Decided, shape: Shape, mean: Array) -> float:
-    """RMS of what a change makes of the points of the occasions that have it, frames and targets as they are."""
+    """RMS of what a change makes of the points of the occasions that have it, frames and targets as they
+    are."""
     here = shape.pattern[decided.system.own] > 0
     motion = shape.columns[here] @ mean
     share = decided.system.used.sum() / max(decided.system.used[here].sum(), 1)
@@ -112,7 +114,9 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
     changed = {(change.cause, change.where) for change in changes}
     result = decided.system.occasions[0].fit
     start = result.columns.geometry_slice.start
-    common = (decided.solved.values[: decided.solved.background] * decided.system.prior)[decided.system.common]
+    common = (decided.solved.values[: decided.solved.background] * decided.system.prior)[
+        decided.system.common
+    ]
     last = np.arange(decided.system.count) == decided.system.count - 1
     for k, candidate in enumerate(decided.candidates):
         if not candidate.change or candidate.side != ROBOT or candidate.cause == UNKNOWN:
@@ -143,7 +147,11 @@ def tracks(decided: Decided) -> Iterator[Track]:
     each = np.eye(system.count)[1:]
     for k, candidate in enumerate(decided.candidates):
         mine = [m for m in decided.members if m.component == k]
-        shapes = [decided.shape(mine[0])] if mine else [s for s in candidate.shapes if np.array_equal(s.pattern, last)]
+        shapes = (
+            [decided.shape(mine[0])]
+            if mine
+            else [s for s in candidate.shapes if np.array_equal(s.pattern, last)]
+        )
         shape = next((s for s in shapes if s.main == 1 and (mine or s.zero)), None)
         if not candidate.change or shape is None:
             continue

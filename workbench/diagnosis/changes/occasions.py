@@ -72,7 +72,9 @@ def _told_apart(campaigns: Sequence[Campaign]) -> list[Campaign]:
         twins = [other for other in out if other.path.resolve() == campaign.path.resolve()]
         same = any(np.array_equal(campaign.points, twin.points, equal_nan=True) for twin in twins)
         if twins and not same:
-            campaign = replace(campaign, path=campaign.path.parent / f"campaign {number}" / campaign.path.name)
+            campaign = replace(
+                campaign, path=campaign.path.parent / f"campaign {number}" / campaign.path.name
+            )
         out.append(campaign)
     return out
 

@@ -45,7 +45,7 @@ def recheck(
         left = [n for n in range(len(poses)) if n not in chosen]
         if not left or len(chosen) >= MOST:
             return None, ()
-        inverse = np.linalg.inv(M)
+        inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
         best = max(left, key=lambda n: _gain(X[n], c[n], inverse, cross))
         chosen.append(best)
         M, cross = M + X[best].T @ X[best], cross + X[best].T @ c[best]

@@ -24,7 +24,8 @@ class Rival:
 
 @dataclass(frozen=True)
 class Change:
-    """What changed. side: robot, load, instrument or surroundings; status: named or ambiguous; since: label of
+    """What changed. side: robot, load, instrument or surroundings; status: named or ambiguous; since: label
+    of
     the first campaign with it; alone: only that one has it; probability: of this; any: that something of the
     robot changed here; moves_mm: RMS of what it makes of the points; recheck_poses: how many poses would show
     it again with 80 % power (None: more than were measured), recheck_ids: which."""
@@ -47,9 +48,10 @@ class Change:
 
 @dataclass(frozen=True)
 class Unchanged:
-    """A number without a change. number: difference of the last campaign from those before; detectable: size
-    that would have been named with 80 % power [unit of the number], detectable_mm: RMS of what that makes of
-    the points once frame and targets are fitted anew."""
+    """A number without a change. number: difference of the last campaign from those before; detectable:
+    size that would have been seen with 80 % power [unit of the number]; to be named it may have to be
+    larger, where another number does nearly the same, detectable_mm: RMS of what that makes of the points
+    once frame and targets are fitted anew."""
 
     label: str
     cause: str
@@ -70,7 +72,8 @@ class Unseen:
 
 @dataclass(frozen=True)
 class Repeats:
-    """An error of a joint or link that the campaigns show. status: repeats, changed, or not decided; share: 95 %
+    """An error of a joint or link that the campaigns show. status: repeats, changed, or not decided; share:
+    95 %
     bound of its change over its size (RMS of the points)."""
 
     label: str
@@ -89,9 +92,10 @@ class TargetMoved:
 
 @dataclass(frozen=True)
 class Apart:
-    """What is not the robot, at one campaign against the first. frame_mm, frame_mrad: shift in the middle of
-    the points and turn between instrument and base, with one sigma; targets_moved: whether they sit elsewhere on
-    the robot; sigma_mm, source: the noise; rms_mm: what the model leaves; temperature: mean [°C]."""
+    """What is not the robot, at one campaign against the first. frame_mm, frame_mrad: shift in the middle
+    of the points and turn between instrument and base, with one sigma; targets_moved: whether they sit
+    elsewhere on the robot; sigma_mm, source: the noise; rms_mm: what the model leaves; temperature: mean
+    [°C]."""
 
     label: str
     frame_mm: float
@@ -121,9 +125,8 @@ class Track:
 class Comparison:
     """What changed between campaigns of one robot.
 
-    changed: whether the robot did, with a probability of 0.95 or more. within_mm: 95 % bound of what all other
-    changes of geometry together make of the points (RMS, frame and targets fitted anew).
-    """
+    changed: whether the robot did, with a probability of 0.95 or more. within_mm: 95 % bound of what all
+    other changes of geometry together make of the points (RMS, frame and targets fitted anew)."""
 
     robot: str
     title: str

@@ -15,7 +15,7 @@ from ..priors import PRIORS
 from ..reduced import without_background
 from ..weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
-from .decide import Decided, label_of
+from .decision import Decided, label_of
 from .result import Unchanged
 from .system import LOOSE, System, solve
 
@@ -44,21 +44,26 @@ def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice
     held = S + LOOSE**-2 * np.eye(len(S))
     value, covariance = np.linalg.solve(held, u), np.linalg.inv(held)
     factor = decided.solved.factor
-    value, std = value * shape.sizes[: shape.main], factor * np.sqrt(np.diag(covariance)) * shape.sizes[: shape.main]
+    value, std = (
+        value * shape.sizes[: shape.main],
+        factor * np.sqrt(np.diag(covariance)) * shape.sizes[: shape.main],
+    )
     values, vectors = np.linalg.eigh(S)
     if values[0] * LOOSE**2 < 1.0:
         return
-    z = threshold(candidate, float(values[0])) + norm.isf(1 - POWER)
+    z = threshold(candidate, float(values[0])) + float(norm.isf(1 - POWER))
     weakest = factor * z / np.sqrt(values[0]) * vectors[:, 0]
     mm = seen_mm(decided.system, shape.columns[:, : shape.main], weakest, shape.pattern)
     name, unit = numbers_of_shape(shape)[0]
     size = float(np.linalg.norm(weakest)) * float(shape.sizes[0])
     number = Parameter(name, float(value[0]), float(std[0]), unit)
-    yield Unchanged(label_of(candidate, shape), candidate.cause, candidate.where, candidate.side, number, size, mm)
+    yield Unchanged(
+        label_of(candidate, shape), candidate.cause, candidate.where, candidate.side, number, size, mm
+    )
 
 
 def threshold(candidate: Candidate, S: float) -> float:
-    """Standard deviations from which one number with information S (in prior sizes) is named."""
+    """Standard deviations from which a change of one number with information S (in prior sizes) is seen."""
     need = np.log(PRIORS.named / (1 - PRIORS.named)) - candidate.log_odds + np.log(len(candidate.shapes))
     gain = 0.5 * GRID[:, None] ** 2 / (1 + 1 / (SCALES**2 * S)) - 0.5 * np.log1p(SCALES**2 * S) + WEIGHTS
     enough = logsumexp(gain, axis=1) >= need
@@ -69,11 +74,12 @@ def seen_mm(system: System, columns: Array, size: Array, pattern: Array) -> floa
     """RMS [mm] of what columns (R, p) in a size (p,) make of the points of the occasions that have it, once
     frames and targets are fitted anew."""
     S = _beside_local(system, columns)
-    return float(np.sqrt(max(size @ S @ size, 0.0))) * _per_root(system, pattern)
+    return float(np.sqrt(max(float(size @ S @ size), 0.0))) * _per_root(system, pattern)
 
 
 def within_mm(decided: Decided) -> float:
-    """95 % bound [mm] of what all changes of geometry together make of the points, as far as neither frames and
+    """95 % bound [mm] of what all changes of geometry together make of the points, as far as neither frames
+    and
     targets nor the members do the same."""
     system, last = decided.system, _last(decided.system)
     geometry = tuple(int(c) for c in system.occasions[0].fit.columns.geometry)
@@ -84,7 +90,8 @@ def within_mm(decided: Decided) -> float:
     mean, covariance = solved.of(slice(before, before + len(geometry)))
     S = _beside_local(system, every.columns, [shape.columns for shape in shapes])
     draws = np.random.default_rng(0).multivariate_normal(mean, covariance, DRAWS, method="svd")
-    length = np.sqrt(np.maximum(np.einsum("di,ij,dj->d", draws, S, draws), 0.0))
+    square = np.asarray(np.einsum("di,ij,dj->d", draws, S, draws), dtype=np.float64)
+    length = np.sqrt(np.maximum(square, 0.0))
     return float(np.quantile(length, SEEN)) * _per_root(system, last)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,9 +25,10 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """R whitened rows of K occasions. J: (R, n) in prior sizes `prior` (n,): what each occasion has to itself
-    (`local[k]`), then geometry and effects, which are common (`common`); e: (R,) the data, as far as the nominal
-    robot does not explain them; own: (R,) occasion; pose: (R,) number among all poses; used: rows with data."""
+    """R whitened rows of K occasions. J: (R, n) in prior sizes `prior` (n,): what each occasion has to
+    itself (`local[k]`), then geometry and effects, which are common (`common`); e: (R,) the data, as far as
+    the nominal robot does not explain them; own: (R,) occasion; pose: (R,) number among all poses; used:
+    rows with data."""
 
     occasions: tuple[Occasion, ...]
     J: Array
@@ -54,7 +56,8 @@ def system_of(occasions: Sequence[Occasion]) -> System:
     starts = [one.fit.columns.geometry_slice.start for one in occasions]
     ends = np.cumsum([0, *starts])
     common = occasions[0].fit.J.shape[2] - starts[0]
-    J, e, pose, used, priors = [], [], [], [], []
+    J, e, used, priors = [], [], [], []
+    pose = list[NDArray[np.int64]]()
     for k, one in enumerate(occasions):
         result, n = one.fit, starts[k]
         flat = result.J.reshape(-1, result.J.shape[2])
@@ -71,7 +74,7 @@ def system_of(occasions: Sequence[Occasion]) -> System:
         tuple(occasions),
         np.concatenate(J) * prior,
         prior,
-        tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)),
+        tuple(slice(int(a), int(b)) for a, b in itertools.pairwise(ends)),
         slice(int(ends[-1]), int(ends[-1]) + common),
         np.concatenate(e),
         own_of(occasions),
@@ -101,8 +104,8 @@ def reduced_of(
 @dataclass(frozen=True, eq=False)
 class Solved:
     """All numbers at once. values: (n + g,) in prior sizes, background first; half: (n + g, n + g) with
-    half halfᵀ their covariance; left: (R,) what is left, whitened; dof: its degrees of freedom; factor: on standard deviations, from what is left
-    where that is more than the noise."""
+    half halfᵀ their covariance; left: (R,) what is left, whitened; dof: its degrees of freedom; factor: on
+    standard deviations, from what is left where that is more than the noise."""
 
     values: Array
     half: Array
@@ -132,7 +135,9 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
     values = inverse @ R[:n, n]
     left = system.e - A @ values
     dof = float(system.used.sum()) - (n - float((inverse**2).sum()))
-    unit = np.concatenate([np.ones(system.J.shape[1]), *(np.full(c.shape[1], s) for c, s in zip(C, scales, strict=True))])
+    unit = np.concatenate(
+        [np.ones(system.J.shape[1]), *(np.full(c.shape[1], s) for c, s in zip(C, scales, strict=True))]
+    )
     return Solved(
         values * unit,
         inverse * unit[:, None],

@@ -21,7 +21,8 @@ def said(p: Parameter) -> str:
 
 
 def with_std(value: float, std: float) -> str:
-    """Both with as many decimals as the uncertainty has worth: two figures where it begins with 1, else one."""
+    """Both with as many decimals as the uncertainty has worth: two figures where it begins with 1, else
+    one."""
     if not std > 0:
         return f"{value:.3g}"
     digits = 1 if f"{std:.1e}"[0] in "123" else 0
@@ -36,7 +37,8 @@ def moved_by(change: Change) -> str:
     largest = max(change.parameters, key=lambda p: abs(p.value) / max(p.std, 1e-300))
     if len(change.parameters) == 1:
         return f"{change.label} moved by {said(largest)}"
-    return f"{change.label} changed by {change.moves_mm:.2f} mm RMS at the targets ({largest.name} by {said(largest)})"
+    at = f"{change.moves_mm:.2f} mm RMS at the targets"
+    return f"{change.label} changed by {at} ({largest.name} by {said(largest)})"
 
 
 def headline(changes: Sequence[Change], within_mm: float, apart: Sequence[str], robot_changed: bool) -> str:

@@ -1,4 +1,4 @@
-"""Which changes, and which causes common to all occasions, explain the data: the competition, and its members."""
+"""Which changes, and which causes common to all occasions, explain the data: the competition."""
 
 from __future__ import annotations
 

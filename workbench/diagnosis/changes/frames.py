@@ -47,7 +47,8 @@ def _rms_mm(system: System, solved: Solved, k: int) -> float:
 def _frame(
     system: System, solved: Solved, first: Occasion, one: Occasion, k: int
 ) -> tuple[float, float, tuple[float, float]]:
-    """Shift [m] of the middle of the first occasion's points and turn [rad] between the first set-ups, and one
+    """Shift [m] of the middle of the first occasion's points and turn [rad] between the first set-ups, and
+    one
     sigma of each: of the one instrument in the other, which no choice of the base changes."""
     middle = first.fit.line.prediction.base.mean(axis=(0, 1))
     a, b = first.fit.state, one.fit.state
@@ -79,7 +80,10 @@ def _difference(system: System, solved: Solved, k: int, there: slice, here: slic
     a, b = system.local[0].start, system.local[k].start
     scale = system.prior[b + there.start : b + there.stop, None]
     half = solved.half[b + there.start : b + there.stop] * scale
-    half = half - solved.half[a + here.start : a + here.stop] * system.prior[a + here.start : a + here.stop, None]
+    half = (
+        half
+        - solved.half[a + here.start : a + here.stop] * system.prior[a + here.start : a + here.stop, None]
+    )
     return np.asarray(solved.factor**2 * half @ half.T)
 
 
