@@ -60,8 +60,8 @@ def _change(decided: Decided, i: int, own: float, robot: float) -> Change:
 
 
 def _tied(decided: Decided, i: int) -> bool:
-    """Whether a rival in the i-th member's place fits the data as well, number for number: then only its prior
-    speaks against it."""
+    """Whether a rival in the i-th member's place fits the data as well, number for number: then only its
+    prior speaks against it."""
     member, share = decided.members[i], decided.shares[i]
     own = _worth(decided, i, member.component, member.form)
     rivals = [k for k, p in share.items() if k not in (None, member.component) and p >= PRIORS.faintest_rival]

@@ -27,8 +27,8 @@ class Change:
     """What changed.
 
     side: robot, load, instrument or surroundings; status: named (probability from 0.95 on, and no rival that
-    fits as well, number for number) or ambiguous; since: label of the first campaign with it; alone: only that
-    one has it; probability: of this; any: that something of the robot changed here; moves_mm: RMS of what it
+    fits as well, number for number) or ambiguous; since: label of the first campaign with it; alone: only
+    that has it; probability: of this; any: that something of the robot changed here; moves_mm: RMS of what it
     makes of the points; recheck_poses: how many poses would show it again with 80 % power (None: more than
     were measured), recheck_ids: which.
     """
