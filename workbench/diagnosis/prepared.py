@@ -6,6 +6,7 @@ on their own, they come to prepare differently.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -70,6 +71,8 @@ def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambd
         progress("fitting geometry")
         return _fitted(sound)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
+        if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
+            raise
         what = f"no robot of this kind moves as these data say ({error})"
         raise InputError(Fault(str(campaign.path), what, "check loads, stiffness and points")) from error
 

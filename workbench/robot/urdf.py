@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from ..files.faults import Fault, InputError, read_text
+from ..files.toml import SHOWN
 
 
 @dataclass(frozen=True)
@@ -44,12 +46,13 @@ def read_chain(urdf: Path, flange: str) -> tuple[str, list[MovingJoint]]:
     if flange not in {link.get("name") for link in root.iter("link")}:
         raise InputError(Fault(str(urdf), f"has no link {flange!r}", "mend `flange` in the robot's TOML"))
     chain: list[MovingJoint] = []
-    link, faults = flange, []
+    faults: list[Fault] = []
+    link = flange
     while link in parents:
-        joint, parent_link = parents[link]
+        joint, parent_link = parents.pop(link)
         kind = joint.get("type")
         if kind in ("revolute", "continuous", "prismatic"):
-            chain.append(_moving_joint(joint, link))
+            chain.append(_moving_joint(urdf, joint, link, faults))
         elif kind != "fixed":
             faults.append(
                 Fault(str(urdf), f"joint {joint.get('name')!r} is {kind!r}", "revolute, prismatic, fixed")
@@ -62,16 +65,30 @@ def read_chain(urdf: Path, flange: str) -> tuple[str, list[MovingJoint]]:
     return link, chain[::-1]
 
 
-def _moving_joint(joint: ET.Element, link: str) -> MovingJoint:
-    limit = joint.find("limit")
-    revolute = joint.get("type") != "prismatic"
-    bounds = limit is not None and joint.get("type") != "continuous"
-    inf = float("inf")
+def _moving_joint(urdf: Path, joint: ET.Element, link: str, faults: list[Fault]) -> MovingJoint:
+    """The joint; what is wrong with its limits is added to the faults."""
+    limit, name, kind = joint.find("limit"), joint.get("name", ""), joint.get("type")
+    limits = {} if limit is None else {key: limit.get(key, "0") for key in ("lower", "upper", "velocity")}
+    numbers = {key: _number(text) for key, text in limits.items()}
+    faults += [
+        Fault(f"{urdf}: joint {name!r}", f"{key} is {limits[key][:SHOWN]!r}, not a number")
+        for key, number in numbers.items()
+        if math.isnan(number)
+    ]
+    endless = limit is None or kind == "continuous"
     return MovingJoint(
-        name=joint.get("name", ""),
-        kind="revolute" if revolute else "prismatic",
+        name=name,
+        kind="prismatic" if kind == "prismatic" else "revolute",
         link=link,
-        lower=float(limit.get("lower", 0.0)) if bounds and limit is not None else -inf,
-        upper=float(limit.get("upper", 0.0)) if bounds and limit is not None else inf,
-        velocity=(float(limit.get("velocity", 0.0)) or inf) if limit is not None else inf,
+        lower=-math.inf if endless else numbers["lower"],
+        upper=math.inf if endless else numbers["upper"],
+        velocity=numbers.get("velocity") or math.inf,
     )
+
+
+def _number(text: str) -> float:
+    """The number that a text is, NaN where it is none."""
+    try:
+        return math.nan if "_" in text else float(text)
+    except ValueError:
+        return math.nan
