@@ -607,9 +607,16 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("everyone", [False, True])
-def test_ctrl_c_ends_workers_too_and_says_one_line(tmp_path, everyone):
-    """As `kill -INT` tells the one process, and as a terminal tells all of them."""
+@pytest.mark.parametrize(
+    ("number", "everyone", "status", "line"),
+    [
+        (signal.SIGINT, False, 130, "interrupted\n"),
+        (signal.SIGINT, True, 130, "interrupted\n"),
+        (signal.SIGTERM, False, 143, "terminated\n"),
+    ],
+)
+def test_ctrl_c_and_sigterm_end_workers_too_and_say_one_line(tmp_path, number, everyone, status, line):
+    """As `kill` tells the one process, and as a terminal tells all of them."""
     (tmp_path / "sleepy.py").write_text(SLEEPY)
     running = subprocess.Popen(
         [sys.executable, "sleepy.py"],
@@ -622,9 +629,9 @@ def test_ctrl_c_ends_workers_too_and_says_one_line(tmp_path, everyone):
     until = time.monotonic() + 60
     while len(list(tmp_path.glob("*.started"))) < 2 and time.monotonic() < until:
         time.sleep(0.05)
-    (os.killpg if everyone else os.kill)(running.pid, signal.SIGINT)
+    (os.killpg if everyone else os.kill)(running.pid, number)
     said = running.communicate(timeout=30)[1]
-    assert (said, running.returncode) == ("interrupted\n", 130)
+    assert (said, running.returncode) == (line, status)
 
 
 # ---------------------------------------------------------------- as a process

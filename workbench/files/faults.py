@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from .whole import settle
+
 LARGEST = 1 << 29  # bytes of a file that is read
 CONTROL = re.compile("[\x00-\x08\x0b\x0e-\x1f\x7f-\x84\x86-\x9f]")  # act in a terminal, are no text
 FAULTS_SHOWN = 10  # faults of one kind that are listed one by one; the rest is counted
@@ -52,6 +54,7 @@ def read_text(path: Path) -> str:
     try:
         if stat.S_ISCHR(path.stat().st_mode):
             raise InputError(Fault(str(path), "is a device, not a file", "name a file"))
+        settle(path.parent)
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
         if len(content) > LARGEST:
