@@ -24,7 +24,7 @@ def guarded(action: Callable[[], object]) -> int:
     """Exit status of an action: 0 done, 2 the input or the call is wrong (a line per fault), 1 it failed,
     130 interrupted, 143 terminated."""
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ.setdefault(threads, "1")
+        os.environ[threads] = "1"  # sums in one order: the same bytes out, however many cores there are
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without µ is no reason to fail
@@ -66,7 +66,7 @@ def progress(message: str) -> None:
 def _workers_stop_too() -> Iterator[None]:
     """Ctrl-C and SIGTERM in here stop worker processes as well: a pool would wait for the tasks that they are
     at."""
-    usual = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+    usual: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
     ours = threading.current_thread() is threading.main_thread() and all(
         signal.getsignal(number) is handler for number, handler in usual.items()
     )

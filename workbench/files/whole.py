@@ -62,7 +62,7 @@ def settle(folder: Path) -> None:
 
 
 def _list_moves(fresh: Mapping[Path, Path], temporary: ExitStack) -> None:
-    """From here on the result is the new one, unless a move fails. Where the files share no folder, no list."""
+    """From here on the result is the new one, unless a move fails. No list where the files share no folder."""
     folder = Path(os.path.commonpath([path.parent.absolute() for path in fresh]))
     if folder not in {path.parent.absolute() for path in fresh}:
         return
@@ -81,12 +81,9 @@ def _finish(folder: Path) -> None:
         return
     with suppress(ValueError, TypeError):
         for source, target in json.loads(listed.read_text(encoding="utf-8")):
-            inside = not Path(target).is_absolute() and ".." not in Path(target).parts
-            if (
-                inside
-                and Path(source).parent == Path(target).parent
-                and TEMPORARY.fullmatch(Path(source).name)
-            ):
+            old, new = Path(source), Path(target)
+            inside = not new.is_absolute() and ".." not in new.parts and old.parent == new.parent
+            if inside and TEMPORARY.fullmatch(old.name):
                 with suppress(FileNotFoundError):  # was moved already
                     os.replace(folder / source, folder / target)
     listed.unlink(missing_ok=True)
