@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..files.faults import InputError
+from ..files.faults import InputError, plain
 
 DONE, FAILED, WRONG, INTERRUPTED, TERMINATED = 0, 1, 2, 130, 143
 
@@ -33,7 +33,7 @@ def guarded(action: Callable[[], object]) -> int:
             action()
     except InputError as error:
         for fault in error.faults:
-            print(f"error: {fault}", file=sys.stderr)
+            print(f"error: {plain(str(fault))}", file=sys.stderr)
         return WRONG
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -46,15 +46,24 @@ def guarded(action: Callable[[], object]) -> int:
     except OSError as error:  # a full disk, a folder that nobody may write in
         if os.environ.get("WORKBENCH_DEBUG"):
             raise
-        where, what = error.filename or "writing", error.strerror or type(error).__name__
+        where, what = plain(str(error.filename or "writing")), error.strerror or type(error).__name__
         print(f"error: {where}: {what}; make room, or name another place with --out", file=sys.stderr)
         return WRONG
+    except SystemExit as error:
+        if not isinstance(error.code, str):
+            raise
+        return _failed(error)  # Drake's assertions
     except Exception as error:
         if os.environ.get("WORKBENCH_DEBUG"):
             raise
-        print(f"failed: {type(error).__name__}: {error} (WORKBENCH_DEBUG=1 shows where)", file=sys.stderr)
-        return FAILED
+        return _failed(error)
     return DONE
+
+
+def _failed(error: BaseException) -> int:
+    what = plain(str(error))
+    print(f"failed: {type(error).__name__}: {what} (WORKBENCH_DEBUG=1 shows where)", file=sys.stderr)
+    return FAILED
 
 
 def progress(message: str) -> None:

@@ -94,6 +94,7 @@ def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
     possible = without_impossible(problem)
     problem, faults = _measured_only(possible.problem), possible.faults
+    enough_poses(problem)  # what cannot be enough is not searched for mistakes
     far = jump(problem)
     if far is not None:
         problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))

@@ -12,6 +12,7 @@ from .whole import settle
 
 LARGEST = 1 << 29  # bytes of a file that is read
 CONTROL = re.compile("[\x00-\x08\x0b\x0e-\x1f\x7f-\x84\x86-\x9f]")  # act in a terminal, are no text
+BUILD = re.compile(r"Failure at \S+ in ")  # before what Drake says
 FAULTS_SHOWN = 10  # faults of one kind that are listed one by one; the rest is counted
 
 
@@ -37,6 +38,11 @@ class InputError(ValueError):
     def __init__(self, faults: Sequence[Fault] | Fault) -> None:
         self.faults: tuple[Fault, ...] = (faults,) if isinstance(faults, Fault) else tuple(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+def plain(text: str) -> str:
+    """The text with what acts in a terminal made visible, and without places in Drake's own source."""
+    return CONTROL.sub(lambda found: repr(found[0])[1:-1], BUILD.sub("", text))
 
 
 def counted(faults: Sequence[Fault]) -> list[Fault]:

@@ -62,7 +62,7 @@ def settle(folder: Path) -> None:
 
 
 def _list_moves(fresh: Mapping[Path, Path], temporary: ExitStack) -> None:
-    """From here on the result is the new one, unless a move fails. No list where the files share no folder."""
+    """From here on the result is the new one, unless a move fails; for files that share a folder."""
     folder = Path(os.path.commonpath([path.parent.absolute() for path in fresh]))
     if folder not in {path.parent.absolute() for path in fresh}:
         return

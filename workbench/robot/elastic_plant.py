@@ -18,7 +18,7 @@ from pydrake.multibody.tree import Frame, JacobianWrtVariable
 from pydrake.systems.framework import Context
 
 from .description import Robot
-from .equilibrium import Law
+from .equilibrium import Law, NoRest
 from .kinematics import Arm, Array
 from .loads import Loads
 from .plant_parts import (
@@ -104,7 +104,7 @@ class ElasticTwin:
                 self._pose(q, motion)
                 return motion
             last = step
-        raise ArithmeticError("Drake's equilibrium was not reached")
+        raise NoRest
 
     def wrenches(self, loads: Loads) -> Array:
         """Local wrenches (1, S, 6) at the present pose; zero where the twin has no joint."""

@@ -39,11 +39,11 @@ def read_chain(urdf: Path, flange: str) -> tuple[str, list[MovingJoint]]:
     except ET.ParseError as error:
         raise InputError(Fault(str(urdf), f"is not XML: {error}")) from None
     parents = {}
-    for joint in root.iter("joint"):
+    for joint in root.findall("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if parent is not None and child is not None:
             parents[child.get("link", "")] = (joint, parent.get("link", ""))
-    if flange not in {link.get("name") for link in root.iter("link")}:
+    if flange not in {link.get("name") for link in root.findall("link")}:
         raise InputError(Fault(str(urdf), f"has no link {flange!r}", "mend `flange` in the robot's TOML"))
     chain: list[MovingJoint] = []
     faults: list[Fault] = []

@@ -13,6 +13,7 @@ import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from ...robot.equilibrium import NoRest
 from ...robot.kinematics import Array
 from .control import Drives
 from .machine import Machine
@@ -181,7 +182,7 @@ class Forces(LeafSystem):
                 break
             last = change
         else:
-            raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")
+            raise NoRest
         needed = -torque[machine.motors]
         if len(self.pairs) and self.reaction:
             np.subtract.at(needed, self.motor_of, self.slopes[0] * load[self.spring_of])
