@@ -1,3 +1,4 @@
+# ruff: noqa: E501  # lists of data
 """Spoilt inputs, each from a number: files in a folder, and the command that is given them."""
 
 from __future__ import annotations

@@ -27,14 +27,15 @@ BLOCK = 500
 DRAWS = {"quick": QUICK, "long": LONG}
 HEAD = """# What was tried to break it
 
-Written by `make fuzz` ({cases} spoilt inputs; `make test` tries 2,000 of them). Each is a sound campaign, robot, model, path
-or command line with one to three things spoilt at random (`tests/robustness/mutators.py`): cells, rows, columns,
-units and separators of tables; values, keys and sections of TOML; attributes and elements of URDF; cut, empty,
-repeated and scrambled files; numbers that are none, not finite, or beyond all measure; texts that would act in a
-terminal, a page or a program; arguments dropped, doubled, exchanged. The command must answer (exit 0) or refuse
-(exit 2, a line for each fault), leave nothing behind when it refuses, and never show a traceback.
+Written by `make fuzz`: {cases} spoilt inputs, of which `make test` tries 2,000. Each is a sound campaign,
+robot, model, path or command line with one to three things spoilt at random (`tests/robustness/mutators.py`):
+cells, rows, columns, units and separators of tables; values, keys and sections of TOML; attributes and
+elements of URDF; cut, empty, repeated and scrambled files; numbers that are none, not finite, or beyond all
+measure; texts that would act in a terminal, a page or a program; arguments dropped, doubled, exchanged.
+The command must answer (exit 0) or refuse (exit 2, a line for each fault), leave nothing behind when it
+refuses, and never show a traceback or a warning of a library.
 
-| what is spoilt, and the command | cases | exit 0 | exit 2 | exit 1 | crash | longer than 30 s | else wrong | slowest |
+| what is spoilt: command | cases | exit 0 | exit 2 | exit 1 | crash | over 30 s | else wrong | slowest |
 |---|---|---|---|---|---|---|---|---|
 """
 

@@ -1,3 +1,4 @@
+# ruff: noqa: E501  # lists of data
 """Ways to spoil a text: any, a table, a TOML, a URDF, a command line. Each from one random generator."""
 
 from __future__ import annotations

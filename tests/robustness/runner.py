@@ -24,12 +24,12 @@ from workbench.files.faults import CONTROL
 
 PARSER = cache(command.command_line)  # makes hundreds of options every time
 LONGEST = 30  # s of a case, from which it hangs
-RAW = re.compile(r"Traceback|bazel|pydantic|numpy\.|Error:|\bSVD\b|Eigenvalue|infs or NaNs|errors\.pydantic")
+RAW = re.compile(r"Traceback|Warning:|bazel|pydantic|numpy\.|Error:|SVD did|Eigenvalue|infs or NaNs")
 
 
 @dataclass(frozen=True)
 class Ended:
-    """number, case; status: exit status, "hang" or "crash"; wrong: what must not be, empty when all is well."""
+    """number, case; status: exit status, "hang" or "crash"; wrong: what must not be, "" when all is well."""
 
     number: int
     case: Case

@@ -17,7 +17,7 @@ sys.path.insert(0, str(HERE))
 from cases import LONG, QUICK, seeds  # noqa: E402
 from runner import run  # noqa: E402
 
-CASES, CHUNKS, DIAGNOSED = 2000, 8, 8
+CASES, CHUNKS, DIAGNOSED = 2000, 8, 12
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,6 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return seeds(tmp_path_factory.mktemp("sound"))
 
 
-@pytest.mark.filterwarnings("default")  # as on the command line
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_spoilt_input_is_refused_in_words(tmp_path: Path, sound: dict[str, str], chunk: int) -> None:
     ended = [run(number, sound, QUICK, tmp_path / "case") for number in range(chunk, CASES, CHUNKS)]
@@ -33,7 +32,6 @@ def test_spoilt_input_is_refused_in_words(tmp_path: Path, sound: dict[str, str],
     assert {one.status for one in ended} == {"0", "2"}
 
 
-@pytest.mark.filterwarnings("default")
 def test_spoilt_campaigns_are_diagnosed_or_refused(tmp_path: Path, sound: dict[str, str]) -> None:
     ended = [run(number, sound, LONG, tmp_path / "case") for number in range(DIAGNOSED)]
     assert [(one.number, one.wrong, one.said) for one in ended if one.wrong] == []
