@@ -61,7 +61,7 @@ models: $(STAMP)
 	$(RUN)python models/make_models.py
 
 lock: $(STAMP)
-	$(RUN)uv pip compile --quiet pyproject.toml --extra dev --generate-hashes --no-emit-index-url \
+	$(RUN)uv pip compile --quiet pyproject.toml --extra dev --extra robots --generate-hashes --no-emit-index-url \
 		--no-header --no-annotate --python-version 3.11 -o requirements.lock
 
 clean:

@@ -24,7 +24,7 @@ ORDER = {
     "identification": "model, fit, noise, model file",
     "diagnosis": "prepared → candidates → evidence → findings",
     "report": "page, PDF, scene and figures of a result",
-    "simulation": "virtual campaigns, closed loop in Drake",
+    "simulation": "virtual campaigns, closed loop, export",
     "measurement": "the next poses; protocols for one purpose",
     "studies": "one folder per study; demo, blind",
     "cli": "arguments, files in and out",

@@ -71,12 +71,13 @@ def test_loaded_equilibrium_equals_drake(tmp_path, kind):
         return np.einsum("sij,nsj->nsi", arm.compliance, local)
 
     motion, where, _ = equilibrium(arm, q, direct, loads, law)
-    twin = elastic_twin(arm, robot)
+    every = [(slot, c) for slot in range(arm.slots) for c in range(6)]
+    twin = elastic_twin(arm, robot, None, every, loads.compensator)
     for i in range(n_poses):
         one = Loads(
             *(x[i : i + 1] for x in (loads.mass, loads.moment, loads.wrench, loads.torque)), loads.compensator
         )
-        there = twin.equilibrium(q[i], direct[i], one, law)
+        there = twin.equilibrium(q[i], direct[i], one)
         assert np.abs(there - motion[i]).max() < 1e-11
         tip = twin.points(np.array([[0.1, 0.2, 0.3]]), [arm.n + 1])
         assert np.abs(tip - where.points(np.array([[0.1, 0.2, 0.3]]), [arm.n + 1])[i]).max() < 1e-10

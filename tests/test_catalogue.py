@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydrake.multibody.tree import ForceElementIndex, LinearSpringDamper, PrismaticSpring, RevoluteSpring
 from test_effects import CASES, job, values_of
 
 import workbench
@@ -17,12 +18,22 @@ from workbench.campaign import Target
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.evidence import evidence
 from workbench.effects import catalogue, rivals, separation
+from workbench.effects.gravity_compensator import GravityCompensator
+from workbench.effects.kinds import (
+    DirectEffect,
+    InstrumentEffect,
+    LinearYield,
+    LoadEffect,
+    TransmissionEffect,
+    YieldEffect,
+)
+from workbench.effects.masses import MassEffect
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.noise import required_noise
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
-from workbench.simulation.virtual_campaign import Truth
+from workbench.simulation.virtual_campaign import Truth, pose_loads, true_robot
 
 PACKAGE = Path(workbench.__file__).parent
 COLUMNS = ("side", "time", "temperature", "readback")
@@ -65,21 +76,123 @@ def test_what_acts_along_a_joint_moves_nothing_else(name, effect):
 
 @every
 def test_drake_has_what_the_effect_says(name, effect):
-    """Joints for what moves and gives way; bodies whose mass is in the Context; for the rest, forces."""
+    """Each sentence `in_drake`: the objects that it names are in the plant that is simulated."""
     case, _ = job(name)
-    if "joint" in effect.in_drake.split(" for each component")[0] and effect.acts != "load":
-        moving = {"transmission", "geometry"}
-        columns = (
-            list(effect.motion(case))
-            if effect.acts in moving
-            else [6 * effect.slot(case.arm) + c for c in effect.components(case.arm)]
+    truth = Truth(effects=((effect, values_of(effect)),))
+    direct = truth.acting.direct(case)
+    twin, loads = true_robot(case, truth, direct)
+    twin.set_loads(pose_loads(loads, 0))
+    CLAIMS[effect.in_drake](case, effect, twin, direct)
+
+
+def moves(case, effect, twin, direct):
+    columns = [int(c) for c, basis in effect.motion(case).items() if (basis @ values_of(effect)).any()]
+    assert columns
+    first = int(np.argmax(np.abs(direct).max(axis=(1, 2))))
+    twin.set_motion(case.q[first], direct[first], direct[first])
+    for column in columns:
+        joint = twin.plant.GetJointByName(twin.joints[divmod(column, 6)])
+        at = twin.plant.GetPositions(twin.context)[joint.position_start()]
+        own = case.arm.axial.tolist()
+        if column in own:
+            motor = twin.plant.GetJointByName(twin.motors[own.index(column)])
+            at += twin.plant.GetPositions(twin.context)[motor.position_start()]
+            at -= case.q[first][own.index(column)]
+        assert at == pytest.approx(direct[first].reshape(-1)[column], abs=1e-15)
+
+
+def drives(case, effect, twin, direct):
+    (column,) = effect.motion(case)
+    j = case.arm.axial.tolist().index(column)
+    motor = twin.plant.GetJointByName(twin.motors[j]).position_start()
+    for i in (0, 1):
+        twin.set_motion(case.q[i], direct[i], direct[i])
+        command = twin.plant.GetPositions(twin.context)[motor]
+        assert command == pytest.approx(case.q[i, j] + direct[i].reshape(-1)[column], abs=1e-15)
+
+
+def springs(case, effect, twin, direct):
+    slot = effect.slot(case.arm)
+    plant, C = twin.plant, twin.yielding.linear[slot]
+    found = [plant.get_force_element(ForceElementIndex(i)) for i in range(plant.num_force_elements())]
+    native = {e.joint().name(): e for e in found if isinstance(e, RevoluteSpring | PrismaticSpring)}
+    for c in effect.components(case.arm):
+        joint = twin.joints[slot, c]
+        if isinstance(effect, LinearYield) and not (C - np.diag(np.diag(C))).any():
+            spring = native[joint]
+            rate = spring.stiffness() if isinstance(spring, PrismaticSpring) else spring.default_stiffness()
+            assert rate == pytest.approx(1 / C[c, c], rel=1e-12)
+        else:
+            assert joint not in native
+            (law,) = (law for law in twin.laws.springs if law.slot == slot)
+            wrench = 10.0 * np.eye(6)[c]
+            moved = twin.yielding.motion(np.tile(wrench, (1, case.arm.slots, 1)))[0, slot]
+            back = np.zeros((1, case.arm.slots, 6))
+            back[0, slot, law.components] = law.wrench(moved[law.components])
+            there = twin.yielding.motion(back)[0, slot]
+            assert there == pytest.approx(moved, abs=1e-9 * np.abs(moved).max())
+
+
+def torques(case, effect, twin, direct):
+    j = case.joint(effect.where.joint)
+    force = twin.plant.get_applied_generalized_force_input_port().Eval(twin.context)
+    (spring,) = (twin.joints[divmod(int(case.arm.axial[j]), 6)],)
+    at = [twin.plant.GetJointByName(name).velocity_start() for name in (twin.motors[j], spring)]
+    assert force[at].all()
+    assert force[at[0]] == force[at[1]]
+    assert not np.delete(force, at).any()
+
+
+def pulls(case, effect, twin, direct):
+    law = twin.compensator
+    s = 1.1 * (law.data.reference or law.data.free_length)
+    plant = twin.plant
+    found = [plant.get_force_element(ForceElementIndex(i)) for i in range(plant.num_force_elements())]
+    coils = [e for e in found if isinstance(e, LinearSpringDamper)]
+    if law.data.kind == "spring":
+        (coil,) = coils
+        pull = coil.stiffness() * (s - coil.free_length())
+        assert pull == pytest.approx(float(law.force(np.array([s]))[0][0]), rel=1e-12)
+        return
+    assert not coils
+    there = plant.get_applied_spatial_force_input_port().Eval(twin.context)
+    pair = [one.F_Bq_W.translational() for one in there[1:]]
+    assert np.linalg.norm(pair[0]) > 100
+    np.testing.assert_allclose(pair[0], -pair[1])
+    others = twin.cylinder.GetMyContextFromRoot(twin.root).get_numeric_parameter(0).get_value()
+    assert tuple(others) != (1.0, 0.0)
+
+
+def weighs(case, effect, twin, direct):
+    stated = elastic_twin(case.arm, case.robot, compensator=case.compensator)
+    stated.set_loads(pose_loads(case.loads, 0))
+    changed = [
+        not np.allclose(
+            a.CalcSpatialInertiaInBodyFrame(twin.context).CopyToFullMatrix6(),
+            b.CalcSpatialInertiaInBodyFrame(stated.context).CopyToFullMatrix6(),
+            rtol=1e-9, atol=1e-12,
         )
-        pairs = [divmod(int(column), 6) for column in columns]
-        twin = elastic_twin(case.arm, case.robot, pairs)
-        for pair in pairs:
-            assert twin.plant.GetJointByName(twin.yielding[pair]).num_velocities() == 1
-    else:
-        assert effect.acts in ("load", "instrument")
+        for a, b in zip(twin.built.bodies, stated.built.bodies, strict=True)
+    ]  # fmt: skip
+    body = case.arm.links.index(effect.where.link) if effect.where.link else len(changed) - 1
+    carried = effect.where.payload in (None, case.campaign.payload_names[case.campaign.poses.payload[0]])
+    assert np.flatnonzero(changed).tolist() == ([body] if carried else [])
+
+
+def nothing(case, effect, twin, direct):
+    assert effect.acts == "instrument"
+    assert not direct.any()
+
+
+CLAIMS = {
+    DirectEffect.in_drake: moves,
+    TransmissionEffect.in_drake: drives,
+    YieldEffect.in_drake: springs,
+    LoadEffect.in_drake: torques,
+    GravityCompensator.in_drake: pulls,
+    MassEffect.in_drake: weighs,
+    InstrumentEffect.in_drake: nothing,
+}
 
 
 @on_one_robot
@@ -101,7 +214,7 @@ def test_evidence_shows_the_hidden_curve(effect):
     values = large * values_of(effect)
     truth = Truth(effects=((effect, values),), sigma=2e-6, repeatability=np.zeros(n))
     whole = problem_of(simulate(plan, truth, seed=1))
-    found = fit(Model(whole, (effect,)), start_state(whole), required_noise(whole))
+    found = fit(Model(whole, (effect.sized(large),)), start_state(whole), required_noise(whole))
     seen = evidence(found, effect, found.state.values[0])
     shown = effect.drawn(whole, found.line.prediction, values)
     x, y = shown.line

@@ -96,7 +96,11 @@ def test_causes(capsys):
     status, out, _ = call(capsys, "causes")
     assert status == 0
     assert [line.split()[0] for line in out.splitlines()] == list(catalogue())
-    assert [item["cause"] for item in json.loads(call(capsys, "causes", "--json")[1])] == list(catalogue())
+    assert any("half_width [rad]" in line for line in out.splitlines())
+    listed = {item["cause"]: item for item in json.loads(call(capsys, "causes", "--json")[1])}
+    assert list(listed) == list(catalogue())
+    assert listed["backlash"]["parameters"] == [{"name": "half_width", "unit": "rad"}]
+    assert listed["backlash"]["sits_at"] == "joint"
 
 
 # ---------------------------------------------------------------- the loop
@@ -482,7 +486,8 @@ def test_options_stand_where_they_act():
         for option in options(name):
             having.setdefault(option, set()).add(name)
     assert having["json"] == set(COMMANDS)
-    assert having["seed"] == having["out"] == set(COMMANDS) - {"robots", "causes"}
+    assert having["out"] == set(COMMANDS) - {"robots", "causes"}
+    assert having["seed"] == having["out"] - {"init", "check", "export"}
     assert having["quick"] == {"demo", "plan", "verify", "study blind"} | STUDIES
     assert having["workers"] == {"verify"} | BLIND
     assert having["resume"] == having["draws"] == {"study blind"}

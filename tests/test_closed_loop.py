@@ -22,14 +22,17 @@ from workbench.files.faults import InputError
 from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
 from workbench.robot.equilibrium import equilibrium
+from workbench.robot.loop import Loop
 from workbench.robot.rigid_plant import arrays
-from workbench.simulation.closed_loop import Controller, verify, verify_file
-from workbench.simulation.closed_loop.control import drives, nominal_mechanics
-from workbench.simulation.closed_loop.forces import Forces
+from workbench.simulation.closed_loop import verify, verify_file
+from workbench.simulation.closed_loop.control import nominal_mechanics
+from workbench.simulation.closed_loop.drives import drives
+from workbench.simulation.closed_loop.dynamics import Along, Dynamics
+from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.machine import machine
-from workbench.simulation.closed_loop.measures import main_lines, path_accuracy
+from workbench.simulation.closed_loop.measures import figures, main_lines, path_accuracy
 from workbench.simulation.closed_loop.mechanics import mechanics
-from workbench.simulation.closed_loop.motion import hold, motion, sides
+from workbench.simulation.closed_loop.motion import hold, motion
 from workbench.simulation.closed_loop.simulation import run
 
 LOADS = Conditions(
@@ -42,6 +45,7 @@ LOADS = Conditions(
     temperature=27.0,
     clock=7200.0,
 )
+SMOOTH = Loop(coulomb=0.0)  # no dry friction, which holds a tool where it comes to rest first
 LIGHT = replace(LOADS, payload_mass=3.0, tool_mass=0.5, wrench=(5.0, -5.0, 10.0, 0.2, 0.1, 0.3))
 POSES = {
     "kr500": (0.3, -1.0, 1.2, 0.4, 0.7, 0.2),
@@ -93,8 +97,8 @@ def of_each_cause():
 def test_statics_are_the_arms(name, robot):
     """Springs slack at first, command held: the tool settles within 1 µm of the arm's loaded pose.
 
-    The long-link arm swings at 1 to 2 Hz for half a minute, a gear that softens nearly as long: they start
-    loaded, and have to stay there.
+    The long-link arm swings at 1 to 2 Hz for half a minute, a gear that softens nearly as long, and a motor
+    that is shaken crosses its play: they start loaded, and have to stay there.
     """
     path, loads, whole = standing(name)
     whole = replace(whole, robot=robot, arm=arrays(robot))
@@ -105,10 +109,10 @@ def test_statics_are_the_arms(name, robot):
     _, where, _ = equilibrium(arm, path.q, ext.direct(here), pull, ext.acting.yielding(arm).motion)
     truth = mechanics(robot, path, path.q, loads)
     moved = hold(path.q[0], 1.8 if name == "kr500" else 1.0, side)
-    swings = name == "longlink" or any(effect.variant == "cubic" for effect in robot.effects)
-    done = run(truth, nominal_mechanics(robot, truth), moved, at_rest=swings)
-    off = done.tool[-1, :3, 3] - where.p[-1][1]
-    turned = where.R[-1][1].T @ done.tool[-1, :3, :3]
+    swings = name == "longlink" or any(e.variant == "cubic" or e.cause == "backlash" for e in robot.effects)
+    done = run(truth, nominal_mechanics(robot, truth), moved, at_rest=swings, loop=SMOOTH)
+    off = done.tool[-1, :3, 3] - where.p[-1][0]
+    turned = where.R[-1][0].T @ done.tool[-1, :3, :3]
     assert np.abs(off).max() < 1e-6
     assert np.abs(turned - np.eye(3)).max() < 1e-6
 
@@ -125,19 +129,30 @@ def proof():
     return verify(line(0.1, TABLE), truth, belief, LOADS, speeds=None, repeats=2)
 
 
-def test_ripple_is_corrected_in_the_loop():
+def test_ripple_is_left_by_a_model_that_does_not_know_it():
     trials = proof().series[0].trials
     left, perfect = trials["corrected"].figures, trials["perfect"].figures
     assert trials["geometry"].figures.rms_mm > 1.0  # it sags under the load
     assert left.rms_mm > 0.03
-    assert perfect.rms_mm < 0.4 * left.rms_mm
-    assert perfect.rz_mm < 0.4 * left.rz_mm
     assert trials["corrected"].lines[0].cause == "joint_2, 800 per joint turn"
     assert proof().series[0].ratio_to_perfect == pytest.approx(left.rms_mm / perfect.rms_mm)
+    assert not proof().same
+
+
+def test_the_loops_own_lag_is_corrected():
+    """A gear's ripple under load pushes its motor off: the model that knows both corrects the command for
+    it."""
+    truth = extended(load_robot("kr500"), [RIPPLE])
+    found = verify(line(0.1, TABLE), truth, truth, LOADS, speeds=None, repeats=0, feed_forward="loop")
+    static, led = (found.slow.trials[name].figures for name in ("corrected", "loop"))
+    assert led.rms_mm < 0.4 * static.rms_mm
+    assert led.rz_mm < 0.4 * static.rz_mm
 
 
 def test_half_the_step_changes_nothing():
-    assert proof().step_change_um < 0.1
+    series = proof().series[0]
+    assert series.step_change_um < 0.1
+    assert not series.refined
 
 
 def test_repeats_scatter_by_the_joints():
@@ -168,21 +183,20 @@ def test_the_gear_pushes_back():
 def test_gear_and_spring_have_one_potential():
     """What spring and motor feel is the gradient of U(e − δ(q))."""
     truth, _, moved = moving()
-    truth = replace(truth, compensator=None)
-    drive = drives(truth, moved.q[0], Controller())
+    drive = drives(truth, moved.q[0], SMOOTH)
     built = machine(truth, drive.rotor)
+    gears = Gears(truth, moved.q)
     j, k = truth.arm.names.index("joint_2"), len(moved.q) // 2
-    at, e = built.springs[built.own[j]], 3e-4
+    at, e = truth.arm.n + built.own[j], 3e-4
     felt = []
     for reaction in (True, False):
-        forces = Forces(truth, built, drive, moved, np.zeros_like(moved.q), reaction=reaction)
-        context = forces.CreateDefaultContext()
-        context.SetTime(moved.times[k])
-        x = np.zeros(built.plant.num_multibody_states())
-        x[built.motors], x[at] = moved.q[k], e
-        forces.state.FixValue(context, x)
-        forces.travel.FixValue(context, np.zeros(truth.arm.n))
-        felt.append(forces.get_output_port().Eval(context))
+        dynamics = Dynamics(truth, built, drive, SMOOTH, gears, Along(), 5e-4, reaction)
+        force, still = np.zeros(dynamics.size), np.zeros(dynamics.size)
+        q = np.concatenate([moved.q[k], np.zeros(dynamics.size - truth.arm.n)])
+        q[at] = e
+        dynamics.springs(q, still, force, still.copy())
+        force[truth.arm.n :] -= dynamics.extra * q[truth.arm.n :]  # the plant's own springs
+        felt.append(force)
 
     def potential(q, stretch):
         return 0.5 * built.stiffness[built.own[j]] * (stretch - truth.gear_error(q[None], q[None])[0, j]) ** 2
@@ -191,8 +205,8 @@ def test_gear_and_spring_have_one_potential():
     q = moved.q[k]
     by_motor = (potential(q + step, e) - potential(q - step, e)) / 2e-7
     by_spring = (potential(q, e + 1e-7) - potential(q, e - 1e-7)) / 2e-7
-    assert felt[0][at] == pytest.approx(-by_spring, rel=1e-6)
-    assert (felt[0] - felt[1])[built.motors[j]] == pytest.approx(-by_motor, rel=1e-5)
+    assert felt[0][at] == pytest.approx(-by_spring, rel=1e-3)
+    assert (felt[0] - felt[1])[j] == pytest.approx(-by_motor, rel=1e-3)
 
 
 def test_two_runs_are_bitwise_equal():
@@ -204,17 +218,9 @@ def test_two_runs_are_bitwise_equal():
 def test_an_encoders_steps_show_a_little():
     truth, nominal, moved = moving()
     fine = run(truth, nominal, moved)
-    coarse = run(truth, nominal, moved, controller=Controller(resolution=4096.0))
+    coarse = run(truth, nominal, moved, loop=Loop(encoder_steps=65536.0))
     off = np.linalg.norm(fine.tool[:, :3, 3] - coarse.tool[:, :3, 3], axis=1)
     assert 1e-9 < off.max() < 2e-5
-
-
-def test_a_side_of_approach_goes_over_once():
-    q = np.concatenate([np.linspace(0, 0.1, 4000), np.linspace(0.1, 0, 4000)])[:, None]
-    side = sides(q)[:, 0]
-    assert side[0] == pytest.approx(1.0)
-    assert side[-1] == pytest.approx(-1.0)
-    assert (np.diff(side) <= 1e-12).all()
 
 
 def test_iso_figures():
@@ -225,6 +231,13 @@ def test_iso_figures():
     at, rt = path_accuracy(runs)
     assert at == pytest.approx(2.0)
     assert rt == pytest.approx(1.0)  # both runs are 1 mm off their mean: l̄ = 1, S = 0
+
+
+def test_a_constant_height_is_no_roughness():
+    error = np.tile([0.0, 0.0, 2e-4], (100, 1))
+    found = figures(error, error, error[:, 2])
+    assert (found.ra_mm, found.rz_mm) == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert found.offset_mm == pytest.approx(0.2)
 
 
 def test_a_gear_is_named_by_its_order():
@@ -250,6 +263,10 @@ def test_files_are_whole(files, tmp_path):
     assert "nan" not in page
     assert "PerspectiveCamera" in (tmp_path / "out" / "scene.html").read_text(encoding="utf-8")
     assert "AT" in done.text
+    assert done.text.startswith("truth = model: this shows what the controller adds")
+    assert "<h1>truth = model: this shows what the controller adds" in page
+    assert "times as accurate" not in page
+    assert "true robot" not in page
     assert done.to_json()["speeds"][0]["commands"]["corrected"]["rms_mm"] < 0.1
 
 

@@ -295,7 +295,7 @@ def test_the_command_writes_poses(tmp_path, capsys):
     assert load_campaign(tmp_path / "measured/campaign.toml").n_poses == 7
     source = str(tmp_path / "measured/campaign.toml")
     capsys.readouterr()
-    assert main(["plan", source, "--poses", "7", "--quick", "--out", str(out)]) == 0
+    assert main(["plan", source, "--poses", "7", "--quick", "--force", "--out", str(out)]) == 0
     assert f"7 poses written to {out}" in capsys.readouterr().out
 
 
@@ -314,7 +314,7 @@ def test_the_command_refuses(tmp_path, capsys):
         ([str(tmp_path / "no.toml")], "no such file"),
         ([str(tmp_path)], "neither a TOML file nor a robot"),
         ([str(tmp_path / "broken.toml")], "is not TOML"),
-        (["kr500", "--out", str(tmp_path)], "is a folder"),
+        (["kr500", "--out", str(tmp_path / "poses.txt")], "ends in .txt; CSV ends in .csv"),
         (["kr500", "--poses", "0"], "give a number of poses"),
     ]:
         assert main(["plan", *arguments]) == 2

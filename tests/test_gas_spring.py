@@ -13,6 +13,7 @@ from workbench.campaign.problem import Problem, problem_of
 from workbench.files.faults import InputError
 from workbench.identification.gravity_compensator.charge import EFFECTS, identify_charge
 from workbench.identification.gravity_compensator.gas_spring import Linkage, added_stiffness, bias, linkage
+from workbench.identification.gravity_compensator.pressure import fit_coil, fit_gas, odds, told_apart
 from workbench.identification.gravity_compensator.spring_fit import fit_spring
 from workbench.measurement.load_pairs import (
     compliances,
@@ -138,3 +139,37 @@ def test_compliances_by_group_come_out_of_loaded_minus_unloaded() -> None:
     k = [1 / (joint.data.stiffness or np.inf) for joint in robot.joints]
     np.testing.assert_array_less(abs(values - [k[0], k[1], *k[1:]]), 4 * std)
     assert len({effect.label for effect in found.model.effects}) == 7
+
+
+# KUKA KR 300, Robot_Identification (Weigand, public): the gauge at nine angles of joint 2, and its geometry
+KR300_ANGLES = np.radians(np.arange(-120.0, -39.0, 10.0))
+KR300_PRESSURES = 1e5 * np.array([170.0, 167, 164, 162, 164, 170, 180, 190, 200])
+KR300 = Linkage(0.8, 0.2, np.radians(85.0))
+KR300_AREA = np.pi / 4 * (0.055**2 - 0.030**2)  # m², piston less rod
+
+
+def test_nine_measured_pressures_give_charge_and_length_and_no_kind() -> None:
+    gas = fit_gas(KR300, KR300_ANGLES, KR300_PRESSURES)
+    assert gas.values == pytest.approx([163.0e5, 0.547], rel=2e-3)
+    assert gas.std == pytest.approx([0.66e5, 0.0196], rel=0.02)
+    known = fit_gas(KR300, KR300_ANGLES, KR300_PRESSURES, length=2 * 0.48e-3 / KR300_AREA)
+    assert known.values[1] == pytest.approx(1.059, abs=2e-3)
+    assert known.std[1] == pytest.approx(0.042, abs=1e-3)
+    coil = fit_coil(KR300, KR300_ANGLES, KR300_PRESSURES)
+    assert (gas.rms, coil.rms) == pytest.approx((1.34e5, 1.11e5), rel=0.01)
+    assert not told_apart(gas, coil)
+    assert 0.1 < odds(gas, coil) < 1.0
+
+
+def test_a_longer_stroke_tells_gas_from_coil() -> None:
+    """The same gas with the same scatter, over the whole range of the joint."""
+    q = np.radians(np.arange(-140.0, 21.0, 10.0))
+    rng = np.random.default_rng(3)
+    s = KR300.stretch(q)[0] - 0.6
+    for kind, pressure in (("gas", 163e5 * 0.547 / (0.547 - s)), ("coil", 163e5 + 4e7 * s)):
+        seen = pressure + 1.3e5 * rng.normal(size=len(q))
+        gas, coil = fit_gas(KR300, q, seen), fit_coil(KR300, q, seen)
+        assert told_apart(gas, coil)
+        assert (odds(gas, coil) > 1) == (kind == "gas")
+        if kind == "gas":
+            assert (np.abs(gas.values - [163e5, 0.547]) < 4 * gas.std).all()

@@ -121,10 +121,13 @@ def proof_of(text: str) -> Verification:
         path=ToolPath(t, q=np.zeros((50, 6)), title=text),
         X=np.tile(np.eye(4), (50, 1, 1)),
         normal=np.array([0.0, 0.0, 1.0]),
-        series=(Series(0.05, t, trials),),
+        series=(Series(0.05, t, trials, 5e-4, 0.01, refined=True),),
         repeats=(Repeats("corrected", 2, 0.05, 0.1, None),),
-        step_change_um=0.01,
         expected_mm=0.01,
+        same=False,
+        repeatability_mm=0.02,
+        modes_hz=(9.0, 12.0),
+        sweep=None,
         notes=(text,),
     )
 

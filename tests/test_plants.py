@@ -4,16 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.multibody.tree import MultibodyForces
+from pydrake.systems.framework import DiagramBuilder
 
 from workbench.correction import Conditions
 from workbench.correction.paths import Path
 from workbench.report.meshcat_page import draw_robot, meshcat_alone
+from workbench.robot.compensator import compensator_law
+from workbench.robot.cylinder import NAMES, add_cylinder
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
+from workbench.robot.kinematics import frames
 from workbench.robot.loads import Loads
-from workbench.robot.plants import rigid_arm_plant
-from workbench.robot.rigid_plant import arrays, rigid_twin
+from workbench.robot.plants import rigid_arm_plant, urdf_plant
+from workbench.robot.rigid_plant import Twin, arrays, rigid_twin
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.random_robot import write_random_robot
@@ -89,17 +94,54 @@ def test_springs_hold_the_elastic_twin(tmp_path, kind):
     twin = elastic_twin(arm, robot)
     zero = np.zeros((1, 6))
     loads = Loads(np.array([20.0]), np.array([[1.0, 2.0, 3.0]]), zero, np.zeros((1, arm.n)))
-    twin.equilibrium(
-        0.4 * np.ones(arm.n),
-        np.zeros((arm.slots, 6)),
-        loads,
-        lambda wrench: np.einsum("sij,nsj->nsi", arm.compliance, wrench),
-    )
+    twin.equilibrium(0.4 * np.ones(arm.n), np.zeros((arm.slots, 6)), loads)
     forces = MultibodyForces(twin.plant)
     twin.plant.CalcForceElementsContribution(twin.context, forces)
     weight = twin.plant.CalcGravityGeneralizedForces(twin.context)
     for slot, name in enumerate(robot.joint_names, start=1):
-        place = twin.plant.GetJointByName(twin.yielding[slot, arm.axial[slot - 1] % 6]).velocity_start()
+        joint = twin.plant.GetJointByName(twin.joints[slot, arm.axial[slot - 1] % 6])
+        place = joint.velocity_start()
         sprung = forces.generalized_forces()[place]
         assert abs(weight[place]) > 1e-3 or name == "joint_1"
         assert sprung == pytest.approx(-weight[place], abs=1e-9 * np.abs(weight).max())
+
+
+@pytest.mark.parametrize("name", ["kr500", "kr120", "rx170"])
+def test_the_compensator_is_drawn_between_its_pivots(name):
+    """Cylinder and rod sit on the pivots of the force law, point at each other, and turn with joint 2."""
+    robot = load_robot(name)
+    arm = arrays(robot)
+    law = compensator_law(robot, arm)
+    builder = DiagramBuilder()
+    plant, scene = AddMultibodyPlantSceneGraph(builder, 0.0)
+    drawn = []
+    urdf_plant(robot, plant, lambda grown: drawn.append(add_cylinder(grown, robot, arm, law)))
+    diagram = builder.Build()
+    context = plant.GetMyMutableContextFromRoot(root := diagram.CreateDefaultContext())
+    twin, directions = Twin(robot, plant, context), []
+    for second in (robot.joint("joint_2").lower, -0.7, robot.joint("joint_2").upper):
+        q = np.full(arm.n, 0.3)
+        q[1] = second
+        twin.set_positions(q)
+        drawn[0].aim(plant, context)
+        X = [plant.GetBodyByName(body).EvalPoseInWorld(context) for body in NAMES]
+        moving, way, s = law.ends(frames(arm, q[None]))
+        fixed = moving + way * s[:, None]
+        for pose, place, along in ((X[0], fixed[0], -way[0]), (X[1], moving[0], way[0])):
+            np.testing.assert_allclose(pose.translation(), place, atol=1e-12)
+            np.testing.assert_allclose(pose.rotation().matrix()[:, 2], along, atol=1e-12)
+        directions.append(way[0])
+    assert np.linalg.norm(directions[0] - directions[-1]) > 0.1
+    shapes = scene.model_inspector()
+    for body in NAMES:
+        frame = plant.GetBodyFrameIdOrThrow(plant.GetBodyByName(body).index())
+        assert shapes.NumGeometriesForFrame(frame) == 2
+    assert root is not None
+
+
+def test_every_scene_has_the_compensator():
+    with meshcat_alone() as meshcat:
+        for name, bodies in (("kr500", NAMES), ("rx170", NAMES), ("ur5", ())):
+            draw_robot(meshcat, load_robot(name), np.zeros(6), f"/{name}")
+            drawn = [body for body in NAMES if meshcat.HasPath(f"/{name}/{name}/{body}")]
+            assert drawn == list(bodies)

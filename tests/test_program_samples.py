@@ -202,7 +202,9 @@ def test_fanuc() -> None:
     assert program.time == pytest.approx([0, 2, 3.5])
     home = find_format("ls").read({"home.ls": LS.replace("L P[", "!L P[")})
     assert home.q is not None
-    assert np.degrees(home.q) == pytest.approx(np.array([[0, -30, 0, 0, -90, 0]]))  # J3 is shown against J2
+    assert np.degrees(home.q) == pytest.approx(
+        np.array([[0, -30, 30, 0, -90, 0]])
+    )  # as the controller shows them
 
 
 def test_val3() -> None:
@@ -270,7 +272,8 @@ def test_faulty_tables(text: str, what: str) -> None:
 @pytest.mark.parametrize(
     ("name", "file", "text", "what"),
     [
-        ("krl", "a.src", "DEF a( )\nCIRC XP1, XP2\nEND", "a.src line 2: CIRC cannot be read"),
+        ("krl", "a.src", "DEF a( )\nCIRC XP1, XP2\nEND", "a.src line 2: no position 'XP2' declared"),
+        ("krl", "a.src", "DEF a( )\nCIRC {X 1,Y 1,Z 1}\nEND", "a.src line 2: CIRC cannot be read"),
         (
             "krl",
             "a.src",
@@ -278,17 +281,22 @@ def test_faulty_tables(text: str, what: str) -> None:
             "line 2: no position 'XP1' declared; give the .dat as well",
         ),
         ("krl", "a.src", "DEF a( )\nLIN {X 5}\nEND", "line 2: no whole position"),
-        ("krl", "a.src", "$BASE={X 5,Y 0,Z 0,A 0,B 0,C 0}", "line 1: $BASE is not the robot's base"),
+        (
+            "krl",
+            "a.src",
+            "$BASE=BASE_DATA[3]\nLIN {X 1,Y 1,Z 1,A 0,B 0,C 0}",
+            "BASE_DATA[3]: the base of the path stands on the controller, not in the file",
+        ),
         ("krl", "a.src", "DEF a( )\nEND", "has no motion"),
-        ("rapid", "a.mod", "MODULE a\nMoveC p1,p2,v10,fine,tool0;", "a.mod line 2: MoveC cannot be read"),
+        ("rapid", "a.mod", "MODULE a\nMoveC p1,p2,v10,fine,tool0;", "a.mod line 2: no target 'p1' declared"),
         ("rapid", "a.mod", "MODULE a\n\n MoveL p1,v10,fine,tool0;", "a.mod line 3: no target 'p1' declared"),
-        ("ls", "a.ls", "/MN\n 1:C P[1] P[2] 5mm/sec FINE ;\n/POS\n/END", "a.ls line 2: C P[1]"),
+        ("ls", "a.ls", "/MN\n 1:C P[1] 5mm/sec FINE ;\n/POS\n/END", "a.ls line 2: C P[1] cannot be read"),
         ("ls", "a.ls", "/MN\n 1:L P[7] 5mm/sec FINE ;\n/POS\n/END", "L P[7] has no position cannot be read"),
         ("val3", "a.pjx", "<Project", "a.pjx: is not XML"),
         (
             "urscript",
             "a.script",
-            "def a():\n movec(p[1,2,3,4,5,6],p[1,2,3,4,5,6])",
+            "def a():\n movec(p[1,2,3,4,5,6],p[1,2,3])",
             "line 2: movec cannot be read",
         ),
         (

@@ -23,7 +23,6 @@ from workbench.correction.programs import (
     write_program,
 )
 from workbench.correction.programs.base import Array, legs_of
-from workbench.correction.programs.ls import Ls
 from workbench.correction.programs.urscript import UrScript
 from workbench.files.faults import InputError
 from workbench.robot import rotations
@@ -203,15 +202,6 @@ def test_the_start_is_approached_by_joints_where_known(name: str) -> None:
     program = path(q=np.full((len(SPIRAL), 6), 0.3))
     assert again(program, name).count == len(SPIRAL)
     assert not any("posture that it stands in" in text for text in find_format(name).warnings(program))
-
-
-def test_fanuc_shows_joint_3_against_the_horizontal() -> None:
-    q = np.radians([[10.0, 20.0, 50.0, 0.0, 0.0, 0.0]])
-    text = next(iter(Ls().write(Program("J", q=q, kind="joints")).values()))
-    assert "J3=    30.000 deg" in text
-    assert "J3=    50.000 deg" in next(
-        iter(Ls(coupled=False).write(Program("J", q=q, kind="joints")).values())
-    )
 
 
 def test_ur_streams_dense_paths() -> None:

@@ -3,14 +3,20 @@
 import argparse
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from workbench import Conditions, load_robot
 from workbench.campaign.file import CampaignFile
 from workbench.cli.main import command_line, main
 from workbench.effects import catalogue
 from workbench.report.causes import causes_page, causes_table
+from workbench.robot.equilibrium import equilibrium
+from workbench.robot.yielding import own_yielding
+from workbench.simulation.export.content import content_of
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -42,6 +48,26 @@ def test_python_runs(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "found/index.html").is_file()
 
 
+def test_a_drake_user_adds_the_exported_robot(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path / "kr500_drake"))
+    assert main(["export", "kr500", "--to", "drake", "--out", "kr500_drake"]) == 0
+    names: dict = {}
+    exec(compile(block("py"), "README.md", "exec"), names)
+    assert sum(bool(line.strip()) for line in block("py").splitlines()) <= 12
+    names["simulator"].AdvanceTo(0.002)
+    own = names["robot"].GetMyContextFromRoot(names["simulator"].get_context())
+    tool = names["robot"].GetOutputPort("tool_pose").Eval(own).translation()
+    robot = load_robot("kr500")
+    content = content_of(robot, None, Conditions())
+    arm, loads = content.loaded
+    one = replace(loads, mass=loads.mass[:1], moment=loads.moment[:1], wrench=loads.wrench[:1])
+    one = replace(one, torque=loads.torque[:1])
+    still = np.zeros((1, arm.slots, 6))
+    rest = equilibrium(arm, np.array([names["q"]]), still, one, own_yielding(arm).motion)[1].p[-1, 0]
+    assert np.abs(tool - rest).max() < 1e-8
+
+
 def test_the_table_is_the_catalogue():
     assert causes_table() in README, STALE
     assert (ROOT / "docs/causes.md").read_text(encoding="utf-8") == causes_page(), STALE
@@ -61,7 +87,7 @@ def test_every_command_of_the_table_exists():
                 assert parsers, rest
             for parser in parsers:
                 options = {option for action in parser._actions for option in action.option_strings}
-                assert set(re.findall(r"--\w+", rest)) <= options, (name, rest)
+                assert set(re.findall(r"--[\w-]+", rest)) <= options, (name, rest)
 
 
 def subcommands(parser):

@@ -16,6 +16,7 @@ from workbench.robot.elastic_plant import elastic_twin
 from workbench.robot.find import list_robots
 from workbench.robot.loads import Loads
 from workbench.robot.rigid_plant import arrays, rigid_twin
+from workbench.robot.yielding import Yielding
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
 STILL = np.zeros(6)
@@ -95,14 +96,14 @@ def test_torques_are_those_that_hold_the_arm():
     robot = load_robot("longlink")
     plan = planned(robot, random_poses(robot, 3, np.random.default_rng(5)), tool=(10.0, (0.0, 0.0, 0.1)))
     measured = simulate(plan, Truth(), torque_sigma=0.0)
-    arm, twin = arrays(robot), elastic_twin(arrays(robot), robot, [])
+    arm, twin = arrays(robot), elastic_twin(arrays(robot), robot, Yielding(0 * arrays(robot).compliance))
     for q, torque in zip(plan.poses.q, measured.poses.torque, strict=True):
         loads = Loads(np.array([10.0]), np.array([[0, 0, 1.0]]), np.zeros((1, 6)), np.zeros((1, 7)))
-        twin.equilibrium(q, np.zeros((arm.slots, 6)), loads, np.zeros_like)
+        twin.equilibrium(q, np.zeros((arm.slots, 6)), loads)
         up = twin.plant.CalcPotentialEnergy(twin.context)
         for j in range(arm.n):
             step = 1e-5 * np.eye(arm.n)[j]
-            twin.equilibrium(q + step, np.zeros((arm.slots, 6)), loads, np.zeros_like)
+            twin.equilibrium(q + step, np.zeros((arm.slots, 6)), loads)
             slope = (twin.plant.CalcPotentialEnergy(twin.context) - up) / 1e-5
             assert abs(torque[j] - slope) < 0.01 * np.abs(torque).max()
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .correction import Conditions as Conditions
     from .correction import compensate as compensate
     from .correction import compensate_file as compensate_file
+    from .correction import compensate_program as compensate_program
     from .correction import conditions_of as conditions_of
     from .correction import nominal_joints as nominal_joints
     from .correction import path_shapes as path_shapes
@@ -101,16 +102,18 @@ if TYPE_CHECKING:
     from .robot.find import list_robots as list_robots
     from .robot.kinematics import Array as Array
     from .robot.kinematics import moved_base as moved_base
+    from .robot.loop import Loop as Loop
     from .robot.rotations import pose as pose
     from .robot.rotations import rotation_about as rotation_about
     from .robot.schema import EffectRecord as EffectRecord
-    from .simulation.closed_loop.control import Controller as Controller
     from .simulation.closed_loop.file import Verified as Verified
     from .simulation.closed_loop.file import verify_file as verify_file
     from .simulation.closed_loop.proof import verify as verify
     from .simulation.closed_loop.runs import Task as Task
     from .simulation.closed_loop.runs import World as World
     from .simulation.closed_loop.runs import simulate_all as simulate_all
+    from .simulation.export import Exported as Exported
+    from .simulation.export import export as export
     from .simulation.virtual_campaign import Truth as Truth
     from .simulation.virtual_campaign import random_geometry as random_geometry
     from .simulation.virtual_campaign import simulate as simulate
@@ -124,7 +127,7 @@ _MODULES = {
     "campaign": "Campaign Target load_campaign write_campaign",
     "campaign.planned": "planned random_poses",
     "campaign.problem": "Problem problem problem_of",
-    "correction": "Compensation Conditions compensate compensate_file "
+    "correction": "Compensation Conditions compensate compensate_file compensate_program "
     "conditions_of nominal_joints path_shapes stated_conditions",
     "correction.paths": "Path load_path write_path",
     "diagnosis.result": "Diagnosis",
@@ -163,11 +166,12 @@ _MODULES = {
     "robot.find": "list_robots",
     "robot.schema": "EffectRecord",
     "robot.kinematics": "Array moved_base",
+    "robot.loop": "Loop",
     "robot.rotations": "pose rotation_about",
-    "simulation.closed_loop.control": "Controller",
     "simulation.closed_loop.file": "Verified verify_file",
     "simulation.closed_loop.proof": "verify",
     "simulation.closed_loop.runs": "Task World simulate_all",
+    "simulation.export": "Exported export",
     "simulation.virtual_campaign": "Truth random_geometry simulate",
     "studies": "as_package",
     "studies.telling": "by_joint",

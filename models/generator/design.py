@@ -59,9 +59,24 @@ class Limits:
     effort: float
 
 
+# Assumed of every robot: a position cycle of 4 ms, a drive cycle of 0.5 ms and as much delay.
+LOOP = {
+    "position_period": 0.004,
+    "drive_period": 0.0005,
+    "delay": 0.0005,
+    "velocity_filter": 0.00025,
+    "encoder_steps": 1048576.0,
+    "position_hz": 5.0,
+    "coulomb": 0.01,
+    "stiction": 1.2,
+    "load_side": 0.1,
+}
+
+
 @dataclass(frozen=True)
 class Design:
-    """One robot. `mount` is roll, pitch, yaw [deg] of all link frames in the base frame at q = 0."""
+    """One robot. `loop`: what its controller does otherwise than `LOOP`. `mount` is roll, pitch, yaw
+    [deg] of all link frames in the base frame at q = 0."""
 
     name: str
     title: str
@@ -75,7 +90,9 @@ class Design:
     mount: Vector = (0.0, 0.0, 0.0)
     joint_data: Mapping[str, Vector] = field(default_factory=dict)
     compensator: Mapping[str, Any] | None = None
+    loop: Mapping[str, float] = field(default_factory=dict)
     bending_stiffness: Mapping[str, float] = field(default_factory=dict)
+    controller: Mapping[str, Any] | None = None
 
     @property
     def joint_names(self) -> list[str]:

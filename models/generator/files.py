@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.robot.schema import STANDARD_GRAVITY
 
-from .design import Design, Mass
+from .design import LOOP, Design, Mass
 from .kinematics import Array, pose, rotation_x, rotation_y, rotation_z
 from .mesh import Shape, gltf
 
@@ -107,7 +107,11 @@ def toml_text(design: Design) -> str:
         lines += ["", "[compensator]", *_table(design.compensator)]
     for name, stiffness in design.bending_stiffness.items():
         lines += ["", "[[links]]", *_table({"name": name, "bending_stiffness": stiffness})]
-    lines += ["", "[source]", *_table(design.source)]
+    if design.controller is not None:
+        lines += ["", "[controller]", *_table(design.controller)]
+    lines += ["", "[controller.loop]", *_table({**LOOP, **design.loop})]
+    loop = "assumed: cycle times, delay, bandwidth and friction (share of the stretched arm's weight)"
+    lines += ["", "[source]", *_table({**design.source, "loop": loop})]
     return "\n".join(lines) + "\n"
 
 
@@ -171,4 +175,6 @@ def _value(value: Any) -> str:
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_value(v) for v in value) + "]"
-    return repr(float(value))
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_value(v)}" for key, v in value.items()) + " }"
+    return repr(value) if isinstance(value, int) else repr(float(value))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +68,42 @@ class Campaign:
     six_dof: bool = False
     warnings: tuple[str, ...] = ()
     files: dict[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        loads = f", payloads {', '.join(self.payload_names[1:])}" if len(self.payload_names) > 1 else ""
+        noise = "" if self.noise_sigma is None else f", noise {1e3 * self.noise_sigma:g} mm"
+        targets = ", ".join(target.name for target in self.targets)
+        seen = f"{self.n_poses} poses, {self.n_points} points of {targets}"
+        return f"Campaign {self.title!r} of {self.robot.name}: {seen}{loads}{noise}"
+
+    @classmethod
+    def from_arrays(
+        cls,
+        robot: Robot | str | Path,
+        q: Any,
+        points: Any,
+        sigma: float | None = None,
+        sections: Mapping[str, Any] | None = None,
+        title: str = "arrays",
+    ) -> Campaign:
+        """A campaign out of arrays or data frames, checked like one out of files.
+
+        robot: as loaded, by name or by its TOML. q: (N, n) commanded joints [rad, m], or a data frame
+        (pandas, polars, a mapping of columns) with the columns of `poses.csv`. points: (N, 3) or
+        (N, T, 3) [m] in the instrument's frame, NaN where not seen, or a data frame with the columns of
+        `points.csv`. sigma: of the instrument [m, per axis]. sections: more of `campaign.toml` by its keys
+        (`targets`, `tool`, ...).
+        Raises `InputError`.
+
+        >>> import numpy as np
+        >>> from workbench import Campaign
+        >>> q = np.random.default_rng(0).uniform(0.1, 0.5, (12, 3))
+        >>> Campaign.from_arrays("cylindrical", q, points=np.ones((12, 3)) + q, sigma=3e-5).n_points
+        12
+        """
+        from .arrays import campaign_from
+
+        return campaign_from(robot, q, points, sigma, sections, title)
 
     @property
     def n_poses(self) -> int:

@@ -2,59 +2,107 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, cast
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from ..files.faults import Fault, InputError
-from ..files.tables import Column, Layout, suggest
+from ..files.tables import Column, ColumnPlace, Layout, suggest
 from ..files.toml import read_toml
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
+from .exports import EXPORTS
 
 Name = Annotated[str, Field(min_length=1)]
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
 class TableFile(Layout):
-    """`[poses]` or `[points]`: a file and how it is laid out."""
+    """`[poses]` or `[points]`: a file and how it is laid out; template: as a program exports it."""
 
     file: Name
+    """beside this file"""
+    template: Literal[*EXPORTS] | None = None  # type: ignore[valid-type]
+    """the layout of a program's export; what is said beside it counts"""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_exported(cls, data: Any) -> Any:
+        known = EXPORTS.get(data.get("template", "")) if isinstance(data, dict) else None
+        return {**known, **data} if known else data
+
+
+class PointsFile(TableFile):
+    """`[points]`; wide: targets side by side, the columns of x, y and z of each."""
+
+    wide: dict[Name, tuple[ColumnPlace, ColumnPlace, ColumnPlace]] = Field(default_factory=dict)
+    """targets side by side: name → columns of x, y and z"""
+
+
+class KnownData(_Section):
+    """`[known]`: what is known of the instrument. scale: true length by shown length."""
+
+    scale: Annotated[FiniteFloat, Field(gt=0)] = 1.0
+    """true length by the length that the instrument shows"""
+
+
+class PosesFile(TableFile):
+    """`[poses]`: joints counts the joint columns as the URDF does, or as the robot's controller does."""
+
+    joints: Literal["urdf", "controller"] = "urdf"
+    """how the joint columns count: as the URDF does, or as the robot's controller does"""
 
 
 class TargetData(_Section):
     """`[targets.T1]`."""
 
     xyz_mm: Vector3 | None = None
+    """nominal place, re-fitted unless fixed; absent = unknown"""
     on: Name = "flange"
+    """flange, base, or a link's name"""
     fixed: bool = False
+    """the place is calibrated: nothing fits it"""
 
 
 class NoiseData(_Section):
     """`[noise]`."""
 
     sigma_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    """of the instrument, one sigma per axis; absent = estimated from repeated poses"""
     pose: bool = False
+    """the targets of a pose are points of one 6-D measurement"""
 
 
 class CampaignFile(_Section):
     """The whole of `campaign.toml`."""
 
     schema_: Literal[1] = Field(alias="schema")
+    """the version of this format, 1"""
     title: str = ""
+    """for pages"""
     robot: Name
-    poses: TableFile
-    points: TableFile
+    """a robot that comes along, or the path of a robot's TOML from this file"""
+    poses: PosesFile
+    """what the controller was told"""
+    points: PointsFile
+    """what the instrument saw, in its own frame"""
     targets: dict[Name, TargetData] = {}
+    """what it looked at, by name"""
     noise: NoiseData = NoiseData()
+    """of the measurement"""
+    known: KnownData = KnownData()
+    """of the instrument"""
     tool: LoadData = LoadData(mass_kg=0.0)
+    """always mounted"""
     payloads: dict[Name, LoadData] = {}
+    """loads by their names in the poses"""
 
 
 def read_campaign_file(path: Path) -> CampaignFile:
@@ -103,10 +151,11 @@ _EXAMPLES = {
     "mass_kg": "mass_kg = 60.0, say",
 }
 _SECTIONS: dict[str, type[BaseModel]] = {
-    "poses": TableFile,
-    "points": TableFile,
+    "poses": PosesFile,
+    "points": PointsFile,
     "targets": TargetData,
     "noise": NoiseData,
+    "known": KnownData,
     "tool": LoadData,
     "payloads": LoadData,
 }
@@ -137,17 +186,17 @@ def joint_column(
     )
 
 
-def pose_columns(robot: Robot) -> list[Column]:
-    """The columns of `poses.csv` for this robot."""
+def pose_columns(robot: Robot, joints: Sequence[Joint] = ()) -> list[Column]:
+    """The columns of `poses.csv` for this robot; joints: in another order than the chain's."""
     columns = [
-        Column("pose_id", text=True, required=True, mend="name every pose"),
+        Column("pose_id", text=True, mend="name every pose"),
         Column("payload", text=True, blank=True),
         Column("setup", text=True, blank=True),
         Column("t", ("time",), blank=True),
         Column("temp", ("temperature",), blank=True),
         *WRENCH_COLUMNS,
     ]
-    for index, joint in enumerate(robot.joints, 1):
+    for index, joint in enumerate(joints or robot.joints, 1):
         position = joint_column(f"q{index}", joint, required=True, mend="a pose needs all its joints")
         pull = ("force",) if joint.kind == "prismatic" else ("torque",)
         columns += [
@@ -159,14 +208,15 @@ def pose_columns(robot: Robot) -> list[Column]:
     return columns
 
 
-def point_columns(file: CampaignFile) -> list[Column]:
-    """The columns of `points.csv`. With a single declared target, its column may be left out."""
+def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
+    """The columns of `points.csv`. With a single target, its column may be left out, and that of the pose
+    where the points stand in the order of the poses (unless `named`)."""
     unseen = "leave out the line of a point that was not seen"
     stated = file.noise.sigma_mm is not None
     sigma = "" if stated else "give it for every point, or state [noise] sigma_mm for the others"
     return [
-        Column("pose_id", text=True, required=True, mend="every point belongs to a pose"),
-        Column("target", text=True, required=len(file.targets) != 1, mend="name the target of every point"),
+        Column("pose_id", text=True, required=named, mend="every point belongs to a pose"),
+        Column("target", text=True, required=len(file.targets) > 1, mend="name the target of every point"),
         *(Column(axis, ("length",), required=True, mend=unseen) for axis in "xyz"),
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
     ]

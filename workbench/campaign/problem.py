@@ -26,6 +26,9 @@ class Problem:
     campaign: Campaign
     compensator: CompensatorLaw | None = None
 
+    def __repr__(self) -> str:
+        return f"Problem: {self.campaign!r}"
+
     @property
     def q(self) -> Array:
         """Commanded joints (N, n) [rad or m]."""

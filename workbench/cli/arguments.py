@@ -14,6 +14,7 @@ from .status import progress
 if TYPE_CHECKING:
     from ..campaign import Campaign
     from ..correction import Conditions
+    from ..robot.kinematics import Array
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -51,6 +52,31 @@ def load_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--campaign", metavar="CAMPAIGN.toml", help="where tool and payload are stated (default: the model)"
     )
+
+
+def program_options(parser: argparse.ArgumentParser) -> None:
+    """How a robot program is written."""
+    parser.add_argument(
+        "--as-urdf", action="store_true",
+        help="joints and frames as the URDF has them, where the robot's TOML has no [controller]",
+    )  # fmt: skip
+    parser.add_argument("--force", action="store_true", help="replace files that are there already")
+
+
+def frame(text: str) -> Array:
+    """(4, 4) of x,y,z or x,y,z,a,b,c: mm and degrees, R = Rz(a) Ry(b) Rx(c)."""
+    import numpy as np
+
+    from ..robot.rotations import from_zyx, pose
+
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (3, 6) or not np.isfinite(numbers).all():
+        raise argparse.ArgumentTypeError(f"{text!r} is no x,y,z or x,y,z,a,b,c (mm, deg)")
+    turn = np.radians([(numbers + [0.0] * 3)[3:6]])
+    return pose(1e-3 * np.array(numbers[:3]), from_zyx(turn)[0])
 
 
 def positive(text: str) -> int:

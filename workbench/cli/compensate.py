@@ -4,35 +4,91 @@ from __future__ import annotations
 
 import argparse
 import json
+from pathlib import Path
 
-from .arguments import Commands, conditions, json_option, load_options, out_option, seed_option
+from .arguments import (
+    Commands,
+    conditions,
+    frame,
+    json_option,
+    load_options,
+    out_option,
+    program_options,
+    seed_option,
+)
 
 
 def add(commands: Commands) -> None:
     parser = commands.add_parser("compensate", help="offline path modification")
-    parser.add_argument("path", metavar="PATH.csv", help="t_s and joints, or tool poses in the base frame")
+    parser.add_argument(
+        "path",
+        metavar="PATH.csv|PROGRAM",
+        help="t_s and joints, or tool poses in the base frame; or a program (.src, .mod, .ls, .script), "
+        "whose targets are corrected and the rest left as it is",
+    )
     parser.add_argument("--model", required=True, metavar="MODEL.toml", help="what diagnose wrote")
     # no choices here: the formats are the files of correction/programs, which take long to import
-    parser.add_argument("--format", default="csv", help="csv (if not said), krl, rapid, val3, ls, urscript")
+    parser.add_argument(
+        "--format", help="csv (if not said), krl, rapid, val3, ls, urscript; of a program: its own"
+    )
+    parser.add_argument("--joints", action="store_true", help="targets of joints in place of tool poses")
+    parser.add_argument(
+        "--tolerance", type=float, metavar="MM",
+        help="fewest lines and circles within this of the path (0.01); 0 keeps every point",
+    )  # fmt: skip
+    for name, what in (
+        ("tool", "tool in the flange frame"),
+        ("base", "frame of the poses in the controller's world"),
+    ):
+        parser.add_argument(
+            f"--{name}", type=frame, metavar="X,Y,Z,A,B,C", help=f"{what}: mm, deg, R = Rz(a) Ry(b) Rx(c)"
+        )
     load_options(parser)
     out_option(
         parser,
-        "the program's file, or a folder that is there (default: beside the path, NAME_compensated)",
+        "the program's file, or a folder (default: beside the path, NAME_compensated)",
     )
+    program_options(parser)
     seed_option(parser, "the postures that are tried for the first pose")
     json_option(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    from ..correction import compensate_file
+    from ..correction import compensate_file, compensate_program, is_program
 
-    written = compensate_file(
+    loads = conditions(arguments.model, arguments.payload, arguments.campaign)
+    if is_program(Path(arguments.path)):
+        written = compensate_program(
+            arguments.path,
+            arguments.model,
+            arguments.out,
+            format=arguments.format,
+            conditions=loads,
+            tool=arguments.tool,
+            base=arguments.base,
+            as_urdf=arguments.as_urdf,
+            keep=not arguments.force,
+        )
+        print(json.dumps(written.to_json()) if arguments.json else written.text)
+        return
+    from ..correction.file import TOLERANCE_MM, Export
+
+    export = Export(
+        base=arguments.base,
+        joints=arguments.joints,
+        tolerance_mm=TOLERANCE_MM if arguments.tolerance is None else arguments.tolerance,
+        as_urdf=arguments.as_urdf,
+        keep=not arguments.force,
+    )
+    done = compensate_file(
         arguments.path,
         arguments.model,
-        arguments.format,
+        arguments.format or "csv",
         arguments.out,
-        conditions=conditions(arguments.model, arguments.payload, arguments.campaign),
+        conditions=loads,
+        tool=arguments.tool,
         seed=arguments.seed,
+        export=export,
     )
-    print(json.dumps(written.to_json()) if arguments.json else written.text)
+    print(json.dumps(done.to_json()) if arguments.json else done.text)

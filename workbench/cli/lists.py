@@ -7,6 +7,8 @@ import json
 
 from .arguments import Commands, json_option
 
+SHOWN = 6  # parameters of a cause in its line
+
 
 def add(commands: Commands) -> None:
     parser = commands.add_parser("robots", help="the robots that come with the workbench")
@@ -31,9 +33,23 @@ def robots(arguments: argparse.Namespace) -> None:
 
 def causes(arguments: argparse.Namespace) -> None:
     from ..effects import catalogue
+    from ..report.causes import parameters
 
+    known = parameters()
     if arguments.json:
-        print(json.dumps([{"cause": key, "title": kind.title} for key, kind in catalogue().items()]))
-    else:
-        for key, kind in catalogue().items():
-            print(f"{key:<22} {kind.title}")
+        found = [
+            {
+                "cause": key,
+                "title": kind.title,
+                "sits_at": known[key][0],
+                "parameters": [{"name": name, "unit": unit} for name, unit in known[key][1].items()],
+            }
+            for key, kind in catalogue().items()
+        ]
+        print(json.dumps(found))
+        return
+    for key, kind in catalogue().items():
+        place, params = known[key]
+        shown = [f"{name} [{unit}]" if unit else name for name, unit in params.items()][:SHOWN]
+        said = ", ".join(shown) + (", ..." if len(params) > SHOWN else "")
+        print(f"{key:<22} {kind.title} ({place}: {said})")

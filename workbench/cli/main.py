@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..files.faults import plain
-from . import compensate, demo, diagnose, lists, plan, simulate, study, verify
+from . import check, compensate, demo, diagnose, export, init, lists, plan, simulate, study, verify
 from .status import guarded
 
-COMMANDS = (demo, diagnose, simulate, plan, compensate, verify, study, lists)
+COMMANDS = (demo, init, check, diagnose, simulate, plan, compensate, verify, export, study, lists)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

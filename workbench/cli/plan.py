@@ -8,7 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..files.faults import Fault, InputError
-from .arguments import Commands, json_option, load_all, out_option, quick_option, seed_option
+from .arguments import (
+    Commands,
+    json_option,
+    load_all,
+    out_option,
+    program_options,
+    quick_option,
+    seed_option,
+)
 from .status import progress
 
 if TYPE_CHECKING:
@@ -36,7 +44,17 @@ def add(commands: Commands) -> None:
         help="two causes as in --effect, without numbers: gear_ratio:joint=joint_2,link_mass:link=link_2; "
         "what is left out (joint, link, payload, variant) is tried everywhere: gear_ratio,hose_torque",
     )
-    out_option(parser, "file for the poses (reports/plan/poses.csv)", "reports/plan/poses.csv")
+    parser.add_argument(
+        "--format", metavar="NAME",
+        help="also a program that stands still at the poses: krl, rapid, val3, ls, urscript",
+    )  # fmt: skip
+    parser.add_argument(
+        "--dwell", type=float, default=4.0, metavar="S", help="standstill of that program at a pose (4)"
+    )
+    out_option(
+        parser, "file for the poses, or for the program with the poses beside it, or a folder (reports/plan)"
+    )
+    program_options(parser)
     seed_option(parser, "the poses that are on offer")
     quick_option(parser, "fewer poses are on offer")
     json_option(parser)
@@ -46,9 +64,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     from ..measurement.design import plan
 
-    out: Path = arguments.out
-    if out.is_dir():
-        raise InputError(Fault(str(out), "is a folder", "name a file with --out"))
+    poses, program = _places(arguments.out, arguments.format)
     source = read_source(arguments.source)
     made = plan(
         source,
@@ -58,15 +74,19 @@ def run(arguments: argparse.Namespace) -> None:
         quick=arguments.quick,
         progress=progress,
     )
+    files: list[Path] = []
     if made.records is not None:
-        write_poses(out, made.records)
+        files = write_poses(poses, made.records, not arguments.force)
+        if arguments.format:
+            files += write_programs(program, made.records, arguments)
     if arguments.json:
-        print(json.dumps(_facts(source, made, out)))
+        print(json.dumps(_facts(source, made, poses) | {"files": [str(file) for file in files]}))
         return
     for fault in made.faults:
         print(f"Data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done}).")
-    written = "Nothing was written." if made.records is None else f"{_written(made.records, out)}\n{HINT}"
-    print(f"{made.text}\n{written}")
+    written = "Nothing was written." if made.records is None else f"{_written(made.records, poses)}\n{HINT}"
+    programs = "".join(f"\n{file}" for file in files[1:])
+    print(f"{made.text}\n{written}{programs}")
 
 
 def read_source(text: str) -> Campaign | Robot:
@@ -75,6 +95,8 @@ def read_source(text: str) -> Campaign | Robot:
     from ..robot.description import load_robot
     from ..robot.find import list_robots
 
+    if Path(text).suffix in (".urdf", ".xacro"):
+        raise InputError(Fault(text, "is not yet a robot", f"workbench init {text} makes one of it"))
     if not text.endswith(".toml"):
         if Path(text).exists() and text not in {path.stem for path in list_robots()}:
             raise InputError(
@@ -87,17 +109,55 @@ def read_source(text: str) -> Campaign | Robot:
     return campaign
 
 
-def write_poses(path: Path, records: Campaign) -> None:
+def _places(out: Path | None, format: str | None) -> tuple[Path, Path]:
+    """Where the poses go, and where the program goes: a file, or a folder."""
+    from ..correction.programs import find_format
+    from ..correction.programs.files import is_folder
+
+    out = Path("reports/plan") if out is None else out
+    if format and out.suffix.lower() != ".csv":
+        chosen = find_format(format)
+        folder = out if is_folder(out, chosen) else out.parent
+        return folder / "poses.csv", out
+    poses = out / "poses.csv" if is_folder(out, find_format("csv")) else out
+    return poses, poses.parent
+
+
+def write_poses(path: Path, records: Campaign, keep: bool = False) -> list[Path]:
     """poses.csv as `write_campaign` writes it, whole or not at all. Raises InputError."""
     from ..campaign.write import poses_text
-    from ..files.whole import put
+    from ..correction.programs.files import put_files
 
-    try:
-        put(path, poses_text(records))
-    except OSError as error:
-        raise InputError(
-            Fault(str(path), error.strerror or "cannot be written", "name a file with --out")
-        ) from None
+    put_files({path: poses_text(records).encode()}, keep)
+    return [path]
+
+
+def write_programs(out: Path, records: Campaign, arguments: argparse.Namespace) -> list[Path]:
+    """A measuring program for each payload, in the order of the poses. Raises InputError."""
+    from ..correction.conditions import carried, conditions_of
+    from ..correction.programs import find_format, measuring_program, write_program
+    from ..correction.programs.files import is_folder
+
+    chosen, poses, files = find_format(arguments.format), records.poses, []
+    stem = "measure" if is_folder(out, chosen) else out.stem
+    for k, payload in enumerate(records.payload_names):
+        rows = poses.payload == k
+        if not rows.any():
+            continue
+        name = f"{stem}_{payload}" if payload else stem
+        place = out if is_folder(out, chosen) else out.with_stem(name)
+        program = measuring_program(
+            records.robot,
+            poses.q[rows],
+            chosen,
+            arguments.dwell,
+            sides=None if poses.side is None else poses.side[rows],
+            name=name,
+            load=carried(conditions_of(records, payload)),
+            as_urdf=arguments.as_urdf,
+        )
+        files += write_program(program, chosen, place, not arguments.force)
+    return files
 
 
 def _facts(source: Campaign | Robot, made: Plan, out: Path) -> dict[str, Any]:

@@ -2,7 +2,8 @@
 
 from .command import Compensation, compensate
 from .conditions import Conditions, conditions_of, stated_conditions
-from .file import Written, compensate_file
+from .file import Export, Written, compensate_file
+from .in_place import Corrected, compensate_program, is_program
 from .ripple import LeftOut
 from .trajectory import nominal_joints
 from .trouble import Trouble
@@ -10,12 +11,16 @@ from .trouble import Trouble
 __all__ = [
     "Compensation",
     "Conditions",
+    "Corrected",
+    "Export",
     "LeftOut",
     "Trouble",
     "Written",
     "compensate",
     "compensate_file",
+    "compensate_program",
     "conditions_of",
+    "is_program",
     "nominal_joints",
     "stated_conditions",
 ]

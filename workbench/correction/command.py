@@ -58,6 +58,11 @@ class Compensation:
     sliding: tuple[bool, ...]
     position_only: bool
 
+    def __repr__(self) -> str:
+        before, after = self.before_mm, self.after_mm
+        said = f"{self.path!r} by {self.method}"
+        return f"Compensation of {said}: {before.mean():.4f} mm before, {after.mean():.4f} mm after"
+
     @property
     def before_mm(self) -> Array:
         """(N,) distance of the uncorrected tool from the path."""

@@ -69,6 +69,17 @@ def stated_conditions(robot: Robot, payload: str = "") -> Conditions:
     return Conditions(payload, load.mass_kg, _metres(load), tool.mass_kg, _metres(tool))
 
 
+def carried(conditions: Conditions) -> LoadData | None:
+    """Tool and payload together, as a controller is told; None where they weigh nothing."""
+    mass = conditions.payload_mass + conditions.tool_mass
+    if not mass > 0:
+        return None
+    moment = conditions.payload_mass * np.array(conditions.payload_com)
+    moment += conditions.tool_mass * np.array(conditions.tool_com)
+    x, y, z = (1e3 * moment / mass).tolist()
+    return LoadData(mass_kg=mass, com_mm=(x, y, z))
+
+
 def _metres(load: LoadData) -> list[float]:
     return [1e-3 * value for value in load.com_mm]
 

@@ -12,22 +12,40 @@ from ..files.faults import Fault, InputError
 from ..robot.description import load_robot
 from ..robot.kinematics import Array
 from .command import BANDWIDTH_HZ, EXACT, Compensation, compensate
-from .conditions import Conditions
+from .conditions import Conditions, carried, stated_conditions
 from .paths import load_path
-from .programs import RoundingEffect, find_format, rounding_effect, write_program
+from .programs import (
+    Format,
+    Program,
+    RoundingEffect,
+    as_shown,
+    as_urdf,
+    find_format,
+    rounding_effect,
+    thinned,
+    write_program,
+)
+from .programs.files import is_folder
+from .programs.shown import stated_convention
+
+TOLERANCE_MM = 0.01  # of thinning on the command line: what a robot repeats to, and less
 
 
 @dataclass(frozen=True, eq=False)
 class Written:
-    """A compensated program on disk. rounding: what the format's decimals do at the tool."""
+    """A compensated program on disk. rounding: what the format's decimals do at the tool; points: of the
+    program, fewer than samples where legs were put together."""
 
     compensation: Compensation
     files: tuple[pathlib.Path, ...]
     rounding: RoundingEffect
+    points: int
 
     def lines(self) -> list[str]:
         """What a user should know, a line each."""
-        return [*self.compensation.lines(), str(self.rounding)]
+        fewer = self.points < len(self.compensation.path)
+        thinned = [f"{len(self.compensation.path)} samples in {self.points} points"] if fewer else []
+        return [*self.compensation.lines(), *thinned, str(self.rounding)]
 
     @property
     def text(self) -> str:
@@ -46,12 +64,31 @@ class Written:
             "schema": 1,
             "files": [str(file) for file in self.files],
             "samples": len(done.path),
+            "points": self.points,
             **sizes,
             "left_out": [str(item) for item in done.left_out],
             "troubles": [{"sample": t.index, "kind": t.kind, "what": t.what} for t in done.troubles],
             "notes": list(done.notes),
             "rounding": asdict(self.rounding),
         }
+
+
+@dataclass(frozen=True)
+class Export:
+    """How a program is to be written.
+
+    base: (4, 4) frame in the controller's world in which the poses are stated; joints: targets of joints in
+    place of poses; tolerance_mm: how far the fewest lines and circles may leave the path's points, 0 keeps
+    them
+    all; as_urdf: joints and frames as the URDF has them, whatever the controller counts; keep: files that
+    are there already are not replaced.
+    """
+
+    base: Array | None = None
+    joints: bool = False
+    tolerance_mm: float = 0.0
+    as_urdf: bool = False
+    keep: bool = False
 
 
 def compensate_file(
@@ -66,29 +103,57 @@ def compensate_file(
     method: str = EXACT,
     bandwidth_hz: float = BANDWIDTH_HZ,
     seed: int = 0,
+    export: Export | None = None,
 ) -> Written:
     """Reads a path, corrects it for the model's robot and writes the program.
 
-    out: the file, or a folder; default: beside the path, with `_compensated` and the format's extension.
+    out: a file with the format's extension, or a folder; default: beside the path, with `_compensated`.
     Raises `InputError` with all faults, and then nothing is written.
     """
-    chosen = find_format(format)
+    chosen, export = find_format(format), export or Export()
     robot = load_robot(model)
     turning = sum(joint.kind == "revolute" for joint in robot.joints)
     if chosen.arm_joints not in (None, turning):
         what = f"{turning} turning joints; poses in {chosen.title} say the posture of {chosen.arm_joints}"
         raise InputError(Fault(f"{model}: {robot.name}", what, "use csv"))
+    if chosen.own_joints and not export.as_urdf:
+        stated_convention(robot)
     wanted = load_path(path, robot)
+    conditions = conditions or stated_conditions(robot)
     done = compensate(
         robot, wanted, conditions, tool=tool, start=start, method=method, bandwidth_hz=bandwidth_hz, seed=seed
     )
     source = pathlib.Path(path)
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated{chosen.extension}")
-    name = chosen.legal_name(place.stem if not place.is_dir() else source.stem)
+    name = chosen.legal_name(source.stem if is_folder(place, chosen) else place.stem)
+    program = _program(done, chosen, export, conditions, name)
+    if chosen.own_joints:
+        program = as_shown(program, robot, export.as_urdf)
+    files = write_program(program, chosen, place, export.keep)
+
+    def forward(q: Array) -> Array:
+        """The controller's joints → tool poses."""
+        if not chosen.own_joints or export.as_urdf:
+            return done.forward(q)
+        told = as_urdf(Program("", q=q, kind="joints", sliding=program.sliding), robot).q
+        assert told is not None
+        return done.forward(told)
+
+    return Written(done, tuple(files), rounding_effect(program, chosen, forward), program.count)
+
+
+def _program(
+    done: Compensation, format: Format, export: Export, conditions: Conditions, name: str
+) -> Program:
+    """The command as it is to be written, in the URDF's joints and frames."""
     # a table of joints says more than one of poses: the redundancy of seven joints, rails, few joints
-    as_joints = chosen.name == "csv" and (wanted.q is not None or len(robot.joints) != 6)
+    as_joints = export.joints or (format.samples and (done.path.q is not None or len(done.sliding) != 6))
     program = done.program(name, "joints" if as_joints else "poses")
-    if wanted.dwell is not None:
-        program = replace(program, dwell=wanted.dwell)
-    files = write_program(program, chosen, place)
-    return Written(done, tuple(files), rounding_effect(program, chosen, done.forward))
+    if done.path.dwell is not None:
+        program = replace(program, dwell=done.path.dwell)
+    if export.base is not None:
+        program = replace(program, base=export.base)
+    program = replace(program, load=carried(conditions))
+    if as_joints or format.samples:
+        return program
+    return thinned(program, 1e-3 * export.tolerance_mm, format.circles)

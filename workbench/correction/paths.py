@@ -56,6 +56,10 @@ class Path:
     def __len__(self) -> int:
         return len(self.time)
 
+    def __repr__(self) -> str:
+        kind = "joints" if self.q is not None else "tool poses"
+        return f"Path {self.title!r}: {len(self)} samples of {kind}, {np.ptp(self.time):g} s"
+
     def place(self, index: int) -> str:
         """Where a sample stands: file and line."""
         line = self.lines[index] if self.lines else index + 2

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +14,15 @@ from ..effects.place import NOWHERE, Parameter, Where
 from .result_json import fault_json, result_json
 
 Array = NDArray[np.float64]
+NAMELESS = "what has no name"  # in a stage's name
 Verdict = Literal["nothing_missing", "named", "ambiguous", "unknown"]
+
+
+def html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A plain table for notebooks; every text is escaped."""
+    first = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{first}</tr></thead><tbody>{body}</tbody></table>"
 
 
 @dataclass(frozen=True)
@@ -201,6 +210,20 @@ class Diagnosis:
     proof: tuple[str, str] | None = None
     version: str = ""
     inputs: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        stages = ", ".join(f"{stage.name} {stage.heldout_rms_mm:.4f} mm" for stage in self.stages)
+        causes = "; ".join(f"{finding.label} {finding.status}" for finding in self.causes)
+        said = f"Diagnosis of {self.robot_title}, {self.campaign}: {self.headline}"
+        return f"{said} Held-out RMS: {stages}." + (f" Causes: {causes}." if causes else "")
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the headline, the stages and the causes."""
+        stages = [(s.name, f"{s.heldout_rms_mm:.4f}", f"{s.heldout_max_mm:.4f}") for s in self.stages]
+        causes = [(f.label, f.status, f"{f.gain_mm:.4f}") for f in self.causes]
+        tables = html_table(("stage", "held-out RMS, mm", "max, mm"), stages)
+        tables += html_table(("cause", "status", "gain, mm"), causes) if causes else ""
+        return f"<p><b>{escape(self.headline)}</b></p>{tables}"
 
     def to_json(self) -> dict[str, Any]:
         """`result.json`, whose keys are fixed by its schema number."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
-from ..campaign import Campaign
+from ..campaign import Campaign, load_campaign
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
@@ -20,6 +21,7 @@ from .prepared import Progress, prepare
 from .result import Diagnosis, NotTestable
 from .stages import rms_mm, without
 
+Given = Campaign | str | Path
 FAINT = 0.1  # of the noise: a gain that decides nothing
 
 
@@ -31,16 +33,23 @@ class Outcome:
     problem: Problem
     fit: Fit
 
+    def __repr__(self) -> str:
+        return f"Outcome: {self.diagnosis!r}"
+
+    def _repr_html_(self) -> str:
+        return self.diagnosis._repr_html_()
+
 
 def diagnose(
-    campaigns: Campaign | Sequence[Campaign],
-    test: Campaign | None = None,
+    campaigns: Given | Sequence[Given],
+    test: Given | None = None,
     progress: Progress = lambda _: None,
     seed: int = 0,
 ) -> Outcome:
     """What the simulation gets wrong, why, and the gain of saying so.
 
-    campaigns: one, or several of one robot, which are fitted together. test: poses kept apart; nothing is
+    campaigns: one, or several of one robot, which are fitted together; each as loaded, or the path of its
+    campaign.toml. test: poses kept apart; nothing is
     fitted on it but the frame and targets of set-ups that the campaigns do not have. progress: is told
     each step in words. seed: of the groups of poses that are held out in turn. Raises `InputError` where
     the data are unusable.
@@ -56,7 +65,9 @@ def diagnose(
     >>> [finding.label for finding in outcome.diagnosis.causes]
     ['gear_eccentricity(joint_1)']
     """
-    prepared = prepare(campaigns, progress)
+    several = [campaigns] if isinstance(campaigns, Campaign | str | Path) else campaigns
+    test = None if test is None else _loaded(test)
+    prepared = prepare([_loaded(one) for one in several], progress)
     progress("testing causes")
     candidates, not_testable = testable(prepared.problem)
     selection = compete(prepared, candidates)
@@ -68,25 +79,42 @@ def diagnose(
     return Outcome(diagnosis, prepared.problem, selection.fit)
 
 
+def _loaded(given: Given) -> Campaign:
+    return given if isinstance(given, Campaign) else load_campaign(given)
+
+
 def _worth_it(selection: Selection, seed: int) -> Selection:
-    """Without effects that bring the tool no nearer to its place on poses that they were not fitted on; and
-    without the names of causes whose part what has no name could play as well, to a tenth of the noise."""
-    result = selection.fit
-    while True:
-        best = rms_mm(heldout(result, seed=seed))
-        gains = [without(result, [i], seed) - best for i in range(len(result.model.effects))]
-        worst = int(np.argmin(gains)) if gains else 0
-        if not gains or gains[worst] > 0:
+    """Without effects that bring the tool no nearer to its place on poses that they were not fitted on. Where
+    something is left without a name, causes that bring less than a tenth of the noise keep none either."""
+    kept = selection
+    while kept.fit.model.effects:
+        gains = _gains(kept, seed)
+        worst = int(np.argmin(gains))
+        if gains[worst] > 0:
             break
-        result = refit(result, [e for i, e in enumerate(result.model.effects) if i != worst])
-    if all(selection.named(effect) for effect in result.model.effects):
-        return replace(selection, fit=result)
+        rest = [effect for i, effect in enumerate(kept.fit.model.effects) if i != worst]
+        kept = replace(kept, fit=refit(kept.fit, rest))
+    result = kept.fit
     least = FAINT * 1e3 * float(np.sqrt(np.mean(result.noise.sigma**2)))
+    nameless = kept.nameless
+    alone = without(result, nameless, seed)
     own: dict[Key, list[int]] = {}
     for i, effect in enumerate(result.model.effects):
-        own.setdefault(effect.key, []).append(i)
-    spare = {key for key, members in own.items() if without(result, members, seed) - best < least}
-    return replace(selection, fit=result, spare=frozenset(spare))
+        if i not in nameless:
+            own.setdefault(effect.key, []).append(i)
+    faint = {key for key, these in own.items() if without(result, [*nameless, *these], seed) - alone < least}
+    return replace(kept, faint=frozenset(faint) if nameless else frozenset())
+
+
+def _gains(selection: Selection, seed: int) -> list[float]:
+    """What each effect brings [mm] on poses held out: one with a name beside the others that have one, one
+    without beside all."""
+    fit, nameless = selection.fit, selection.nameless
+    whole, named = rms_mm(heldout(fit, seed=seed)), without(fit, nameless, seed)
+    return [
+        without(fit, [i], seed) - whole if i in nameless else without(fit, [*nameless, i], seed) - named
+        for i in range(len(fit.model.effects))
+    ]
 
 
 def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:

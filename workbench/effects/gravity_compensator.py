@@ -31,7 +31,9 @@ class GravityCompensator(LoadEffect):
 
     cause: ClassVar[str] = "gravity_compensator"
     title: ClassVar[str] = "Gravity compensator differs from the model"
-    in_drake: ClassVar[str] = "the force between its pivots, as generalised forces by Drake's Jacobians"
+    in_drake: ClassVar[str] = (
+        "a LinearSpringDamper between its pivots (coil), or a pair of forces at the plant's port (gas)"
+    )
     together: ClassVar[bool] = True
     depends: ClassVar[Depends] = frozenset({"joints", "temperature"})
     equation: ClassVar[str] = "Delta tau = -Delta F(s) thin (dif s) / (dif q_2)"

@@ -42,7 +42,7 @@ class TransmissionEffect(DirectEffect):
     acts: ClassVar[Acts] = "transmission"
     depends: ClassVar[Depends] = frozenset({"joints"})
     axial: ClassVar[bool] = True
-    in_drake: ClassVar[str] = "a joint beside the commanded one, set to the error"
+    in_drake: ClassVar[str] = "the joint's motor, set to the command plus the error"
 
     @abstractmethod
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
@@ -83,7 +83,8 @@ class YieldEffect(Effect):
     acts: ClassVar[Acts] = "yielding"
     depends: ClassVar[Depends] = frozenset({"load"})
     in_drake: ClassVar[str] = (
-        "a joint for each component that gives way, moved to where Drake's generalised forces balance the law"
+        "a joint for each component that gives way, with a RevoluteSpring or PrismaticSpring; "
+        "where components are coupled or the law is not linear, SlotSprings at the plant's port"
     )
 
     @abstractmethod
@@ -183,7 +184,7 @@ class LoadEffect(Effect):
     """A change of what pulls on the arm."""
 
     acts: ClassVar[Acts] = "load"
-    in_drake: ClassVar[str] = "a torque beside Drake's own on the joint's spring"
+    in_drake: ClassVar[str] = "a torque on the joint's motor and on its spring, at the plant's port"
     depends: ClassVar[Depends] = frozenset({"joints"})
 
     @abstractmethod

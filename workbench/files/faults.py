@@ -10,6 +10,7 @@ from pathlib import Path
 
 from .whole import settle
 
+BYTE_ORDER_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 LARGEST = 1 << 29  # bytes of a file that is read
 CONTROL = re.compile("[\x00-\x08\x0b\x0e-\x1f\x7f-\x84\x86-\x9f]")  # act in a terminal, are no text
 BUILD = re.compile(r"Failure at \S+ in ")  # before what Drake says
@@ -53,9 +54,9 @@ def counted(faults: Sequence[Fault]) -> list[Fault]:
     return [*faults[:FAULTS_SHOWN], Fault(faults[-1].place, f"and {rest} more like this up to here")]
 
 
-def read_text(path: Path) -> str:
-    """The file's text; `InputError` when it is missing, a folder, endless, not UTF-8, or holds
-    characters that act in a terminal.
+def read_text(path: Path, encoding: str = "utf-8") -> str:
+    """The file's text; `InputError` when it is missing, a folder, endless, not in that encoding, or holds
+    characters that act in a terminal. A byte order mark says the encoding itself: UTF-8 or UTF-16.
     """
     try:
         if stat.S_ISCHR(path.stat().st_mode):
@@ -63,25 +64,31 @@ def read_text(path: Path) -> str:
         settle(path.parent)
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
-        if len(content) > LARGEST:
-            raise InputError(Fault(str(path), f"is larger than {LARGEST >> 20} MB", "split it"))
-        text = content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except FileNotFoundError:
         raise InputError(Fault(str(path), "no such file", "check the path")) from None
     except IsADirectoryError:
         raise InputError(Fault(str(path), "is a folder, not a file", "name the file in it")) from None
-    except UnicodeDecodeError as error:
-        raise InputError(
-            Fault(str(path), f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")
-        ) from None
     except OSError as error:
         raise InputError(Fault(str(path), error.strerror or "cannot be read")) from None
     except InputError:
         raise
     except ValueError as error:  # a null byte in the path
         raise InputError(Fault(repr(str(path)), f"is no path ({error})")) from None
+    if len(content) > LARGEST:
+        raise InputError(Fault(str(path), f"is larger than {LARGEST >> 20} MB", "split it"))
+    text = _decoded(path, content, encoding).replace("\r\n", "\n").replace("\r", "\n")
     if (found := CONTROL.search(text)) is not None:
         line = text.count("\n", 0, found.start()) + 1
         what = f"has the control character {found.group()!r}"
         raise InputError(Fault(f"{path} line {line}", what, "is it text? take the character out"))
     return text
+
+
+def _decoded(path: Path, content: bytes, encoding: str) -> str:
+    marked = next((name for mark, name in BYTE_ORDER_MARKS.items() if content.startswith(mark)), encoding)
+    try:
+        return content.decode(marked)
+    except UnicodeDecodeError as error:
+        said = "UTF-8" if marked.startswith("utf-8") else marked
+        mend = 'save it as UTF-8; of a table, encoding = "latin-1" may say it'
+        raise InputError(Fault(str(path), f"is not {said} text (byte {error.start})", mend)) from None

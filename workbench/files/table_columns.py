@@ -2,29 +2,55 @@
 
 from __future__ import annotations
 
+import codecs
 import difflib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from .faults import Fault
 from .table_units import NO_UNIT, UNITS, USUAL, Unit
 
 
+def _known_encoding(name: str) -> str:
+    try:
+        codecs.lookup(name)
+    except LookupError:
+        raise ValueError("is no encoding that is known; latin-1, cp1252 or utf-16, say") from None
+    return name
+
+
+def _not_zero(number: int) -> int:
+    if number == 0:
+        raise ValueError("columns count from 1")
+    return number
+
+
+ColumnPlace = Annotated[int, AfterValidator(_not_zero)] | str
+
+
 class Layout(BaseModel):
     """How a text table is laid out; the defaults are our own layout."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     separator: Annotated[str, Field(pattern=r"^[^\w.+\-\"\r\n]$")] = ","
+    """between columns; a blank means any run of blanks and tabs"""
     decimal: Literal[".", ","] = "."
+    """point or comma"""
     header: bool = True
+    """the first line names the columns"""
     comment: str = ""
-    columns: dict[str, Annotated[int, Field(ge=1)] | str] = {}
+    """what comment lines begin with"""
+    encoding: Annotated[str, AfterValidator(_known_encoding)] = "utf-8"
+    """of the text; a byte order mark says it itself"""
+    columns: dict[str, ColumnPlace] = {}
+    """our name → the file's: a number (1 = first) or a name, with a minus where the sign is turned"""
     units: dict[str, str] = {}
+    """our name → the unit in the file, where it is another than the name says"""
 
 
 @dataclass(frozen=True)
@@ -71,13 +97,15 @@ class Column:
 
 @dataclass(frozen=True)
 class Found:
-    """A wanted column, found: where in the file, our name for it, its unit, and what messages call it."""
+    """A wanted column, found: where in the file, our name for it, its unit, and what messages call it;
+    sign −1 where the file counts the other way."""
 
     column: Column
     index: int
     name: str
     unit: Unit
     label: str
+    sign: float = 1.0
 
 
 @dataclass
@@ -136,28 +164,39 @@ def _by_mapping(
             result.faults.append(Fault(key, "no such column of this table", mend))
             continue
         column, unit = names[name]
+        at, sign = _signed(where, header)
         if column.name in result.found:
             result.faults.append(Fault(key, f"{column.name} is mapped twice", "keep one of them"))
-        elif isinstance(where, int) and where <= width:
-            result.found[column.name] = Found(column, where - 1, name, unit, f"{name} (column {where})")
-        elif isinstance(where, int):
+        elif sign < 0 and column.text:
+            result.faults.append(Fault(key, "is a text, which has no sign", "take the minus away"))
+        elif isinstance(at, int) and at <= width:
+            label = f"{name} (column {at})"
+            result.found[column.name] = Found(column, at - 1, name, unit, label, sign)
+        elif isinstance(at, int):
             result.missing = True
-            result.faults.append(Fault(key, f"no column {where}", f"the file has {width} columns"))
+            result.faults.append(Fault(key, f"no column {at}", f"the file has {width} columns"))
         elif header is None:
-            result.faults.append(
-                Fault(key, f"no header to look for {where!r} in", "give the column's number")
-            )
-        elif where not in header:
+            result.faults.append(Fault(key, f"no header to look for {at!r} in", "give the column's number"))
+        elif at not in header:
             result.missing = True
-            mend = suggest(where, header) or f"the file has: {_list(header)}"
-            result.faults.append(Fault(key, f"no column {where!r} in the header", mend))
+            mend = suggest(at, header) or f"the file has: {_list(header)}"
+            result.faults.append(Fault(key, f"no column {at!r} in the header", mend))
         else:
-            index = list(header).index(where)
-            result.found[column.name] = Found(column, index, name, unit, f"{name} ({where!r})")
+            index = list(header).index(at)
+            result.found[column.name] = Found(column, index, name, unit, f"{name} ({where!r})", sign)
+
+
+def _signed(where: int | str, header: Sequence[str] | None) -> tuple[int | str, float]:
+    """Number or name of a column, and its sign."""
+    if isinstance(where, int):
+        return abs(where), 1.0 if where > 0 else -1.0
+    bare = where[1:].strip()
+    turned = where.startswith("-") and header is not None and where not in header
+    return (bare, -1.0) if turned else (where, 1.0)
 
 
 def _by_header(result: Finding, header: Sequence[str], layout: Layout, names: _Names, file: str) -> None:
-    mapped = {where for where in layout.columns.values() if isinstance(where, str)}
+    mapped = {_signed(where, header)[0] for where in layout.columns.values()}
     by_hand = {found.column.name for found in result.found.values()}
     taken = {found.index for found in result.found.values()}
     for index, name in enumerate(header):

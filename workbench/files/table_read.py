@@ -65,7 +65,7 @@ def read_table(path: Path, layout: Layout, wanted: Sequence[Column], place: str 
     `place` says where the layout stands, for messages about it ("campaign.toml: points").
     """
     try:
-        text = read_text(path)
+        text = read_text(path, layout.encoding)
     except InputError as error:
         return Table(path, faults=list(error.faults))
     return parse_table(text, path, layout, wanted, place)
@@ -141,7 +141,7 @@ def _read_column(table: Table, found: Found, cells: Sequence[str], layout: Layou
         wrong = [] if column.blank else [row for row, cell in enumerate(cells) if not cell]
     else:
         values = _numbers(cells, layout.decimal)
-        table.numbers[column.name] = values * found.unit.factor + found.unit.offset
+        table.numbers[column.name] = found.sign * values * found.unit.factor + found.unit.offset
         wrong = np.flatnonzero(~np.isfinite(values)).tolist()
         if column.blank:
             wrong = [row for row in wrong if cells[row]]

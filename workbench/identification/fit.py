@@ -44,6 +44,11 @@ class Fit:
     residual: Array
     upper: Array
     iterations: int
+    converged: bool
+
+    def __repr__(self) -> str:
+        names = ", ".join(effect.cause for effect in self.model.effects) or "geometry alone"
+        return f"Fit with {names}: {len(self.columns.names)} numbers, {self.iterations} iterations"
 
     @property
     def covariance(self) -> Array:
@@ -126,11 +131,12 @@ def fit(
     line = model.linearise(start)
     W = whitening(problem, line, noise)
     at = equations(model, line, cols, start, W)
-    damping = 0.0
+    damping, converged = 0.0, False
     for iteration in range(max_iterations):
         J = jacobian(model, at.line, cols, at.state, W)
         step, length = quick_step(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior, damping)
-        if (length < tolerance and damping == 0.0) or iteration == max_iterations - 1:
+        converged = length < tolerance and damping == 0.0
+        if converged or iteration == max_iterations - 1:
             break
         new = _stepped(model, cols, at, W, step)
         if new is None or new.cost > at.cost * (1 + 1e-6) + 1e-3:
@@ -144,7 +150,7 @@ def fit(
             at = equations(model, at.line, cols, at.state, W)
     upper = full_step(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior, 0.0)[1]
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
-    return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, iteration + 1)
+    return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, iteration + 1, converged)
 
 
 def _stepped(model: Model, cols: Columns, at: Equations, W: Array, step: Array) -> Equations | None:
@@ -167,4 +173,11 @@ def refit(result: Fit, effects: Sequence[Effect]) -> Fit:
         for effect in effects
     )
     model = replace(result.model, effects=tuple(effects))
-    return fit(model, replace(result.state, values=values), result.noise, max_iterations=12)
+    start = replace(result.state, values=values)
+    found = fit(model, start, result.noise, max_iterations=12)
+    if found.converged:
+        return found
+    # what was not in the model has bent the geometry far along what hardly shows: from the robot as it is
+    again = replace(start, geometry=model.problem.arm.geometry, values=tuple(0.0 * v for v in values))
+    other = fit(model, again, result.noise)
+    return other if other.converged or other.chi2 < found.chi2 else found

@@ -15,6 +15,7 @@ from ..files.toml import toml_text
 from ..files.whole import put
 from ..robot.description import Robot
 from ..robot.kinematics import Array
+from ..robot.loop import Loop
 from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
 
@@ -38,6 +39,7 @@ def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[Effe
         "title": robot.title,
         "urdf": os.path.relpath(robot.urdf.resolve(), path.parent.resolve()),
         "flange": robot.flange,
+        "base": robot.base,
         "gravity": list(robot.gravity),
         "joints": [
             {"name": joint.name, **_given(joint.data.model_dump(exclude={"name"}))} for joint in robot.joints
@@ -45,8 +47,12 @@ def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[Effe
     }
     if robot.compensator is not None:
         table["compensator"] = _given(robot.compensator.model_dump())
+    if robot.loop != Loop():
+        table["controller"] = {"loop": _given(robot.loop.model_dump(exclude_defaults=True))}
     if robot.bending_stiffness:
         table["links"] = [{"name": k, "bending_stiffness": v} for k, v in robot.bending_stiffness.items()]
+    if controller := robot.controller.model_dump(mode="json", exclude_defaults=True):
+        table["controller"] = controller
     if robot.source:
         table["source"] = robot.source
     if robot.tool is not None:

@@ -4,6 +4,7 @@ writes both anew; a test holds them to the catalogue."""
 from __future__ import annotations
 
 import inspect
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,6 +50,29 @@ def causes_page() -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def parameters() -> dict[str, tuple[str, dict[str, str]]]:
+    """Cause → where it sits, and its parameters with their units, as `--effect` takes them."""
+    bare = _campaigns()[0]
+    return {
+        cause: (_place(kind, bare), _units(kind.places(_carrying(bare))))
+        for cause, kind in catalogue().items()
+    }
+
+
+def _units(effects: Sequence[Effect]) -> dict[str, str]:
+    """Names that any form of a cause understands, with the units in which they are reported."""
+    out: dict[str, str] = {"order": "cycles per joint turn"} if effects[0].ordered else {}
+    for one in effects:
+        effect = replace(one, where=replace(one.where, order=1.0)) if one.ordered else one
+        typical = np.array([param.typical for param in effect.params])
+        said = effect.report(typical, np.diag(typical**2))
+        units = {param.name: param.unit for param in effect.params}
+        units |= {param.name: param.unit for param in said}
+        for name in (*effect.names, *effect.settings):
+            out.setdefault(name, units.get(name, ""))
+    return out
+
+
 def readme_with_table(text: str) -> str:
     """The README with the table in its place."""
     head, rest = text.split(BEGIN)
@@ -66,16 +90,21 @@ def _campaigns() -> tuple[Problem, ...]:
 
 def _place(kind: type[Effect], problem: Problem) -> str:
     """joint, link, payload, or the whole robot."""
+    keys = kind.places(_carrying(problem))[0].where.keys()
+    if "other" in keys:
+        return "two joints"
+    return next((key for key in keys if key != "order"), "robot")
+
+
+def _carrying(problem: Problem) -> Problem:
+    """The same with a payload."""
     carried = replace(
         problem.campaign.with_poses(payload=np.ones(2, dtype=np.int64)),
         payload_names=("", "any"),
         load_mass=np.array([0.0, 1.0]),
         load_com=np.zeros((2, 3)),
     )
-    keys = kind.places(replace(problem, campaign=carried))[0].where.keys()
-    if "other" in keys:
-        return "two joints"
-    return next((key for key in keys if key != "order"), "robot")
+    return replace(problem, campaign=carried)
 
 
 def _lacks(kind: type[Effect], campaigns: tuple[Problem, ...]) -> str:

@@ -38,18 +38,25 @@ def meshcat_alone() -> Iterator[Any]:
 
 
 def draw_robot(meshcat: Any, robot: Robot, q: Array, prefix: str, time: Array | None = None) -> Array:
-    """Publish the robot's visuals at joints q (n,), or in motion through q (F, n) at times (F,) [s]; places
-    of its links (L, 3) [m] in the (first) pose."""
+    """Publish the robot's visuals and its compensator at joints q (n,), or in motion through q (F, n) at
+    times (F,) [s]; places of its links (L, 3) [m] in the (first) pose."""
     from pydrake.geometry import MeshcatVisualizer, MeshcatVisualizerParams
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
     from pydrake.systems.framework import DiagramBuilder
 
+    from ..robot.compensator import compensator_law
+    from ..robot.cylinder import DrawnCylinder, add_cylinder
     from ..robot.plants import urdf_plant
-    from ..robot.rigid_plant import Twin
+    from ..robot.rigid_plant import Twin, arrays
 
     builder: Any = DiagramBuilder()
     plant, graph = AddMultibodyPlantSceneGraph(builder, 0.0)
-    urdf_plant(robot, plant)
+    cylinders: list[DrawnCylinder] = []
+    arm = arrays(robot)
+    if (law := compensator_law(robot, arm)) is not None:
+        urdf_plant(robot, plant, lambda grown: cylinders.append(add_cylinder(grown, robot, arm, law)))
+    else:
+        urdf_plant(robot, plant)
     params = MeshcatVisualizerParams(prefix=prefix, delete_on_initialization_event=False)
     drawn = MeshcatVisualizer.AddToBuilder(builder, graph, meshcat, params)
     diagram = builder.Build()
@@ -59,6 +66,8 @@ def draw_robot(meshcat: Any, robot: Robot, q: Array, prefix: str, time: Array | 
 
     def show(joints: Array) -> None:
         twin.set_positions(joints)
+        for cylinder in cylinders:
+            cylinder.aim(plant, own)
         diagram.ForcedPublish(context)
 
     poses = np.atleast_2d(q)

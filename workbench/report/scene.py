@@ -27,7 +27,7 @@ class Shown:
     """What a scene shows. q: (n,) joints of the robot; points: (M, 3) [m] in the base frame; stages: name →
     errors (M, 3) [m] at the points, the worst first; pose, target: (M,) the number of each point's pose and
     target; noise: σ per axis [m], 0 where there is none; ghost_q: (n,) joints of a translucent second
-    robot, for loaded against unloaded; `ghost_label` says what it is."""
+    robot, for loaded against unloaded; `ghost_label` says what it is. suspicious: (M,) points to be red."""
 
     q: Array
     points: Array
@@ -37,6 +37,7 @@ class Shown:
     noise: float = 0.0
     ghost_q: Array | None = None
     ghost_label: str = ""
+    suspicious: NDArray[np.bool_] | None = None
 
 
 def scene(
@@ -103,6 +104,7 @@ def _data(shown: Shown, links: Array) -> dict[str, Any]:
         "largest_mm": 1e3 * large,
         "extent": extent,
         "centre": ((low + high) / 2).tolist(),
+        "suspicious": [] if shown.suspicious is None else shown.suspicious[::step].tolist(),
         "ghost": shown.ghost_label if shown.ghost_q is not None else "",
     }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,6 +45,22 @@ class CompensatorLaw:
         gas = d.piston_area * d.precharge * (d.gas_length / length) ** d.exponent
         force = self.charge * gas - d.piston_area * ATMOSPHERE + self.preload
         return force, self.charge * gas * d.exponent / length, gas
+
+    def pull(self, s: float, charge: float, preload: float) -> float:
+        """F [N] at one pivot distance s [m], with that charge and preload in place of the law's own."""
+        return float(replace(self, charge=charge, preload=preload).force(np.array([s]))[0][0])
+
+    @property
+    def coil(self) -> tuple[float, float] | None:
+        """Rate [N/m] and free length [m] of the coil spring that pulls as this does; None where none does: a
+        gas, or a spring that would be slack at no length."""
+        if self.data.kind != "spring":
+            return None
+        assert self.data.rate is not None
+        assert self.data.free_length is not None
+        rate = float(np.mean(self.charge)) * self.data.rate
+        free = self.data.free_length - self.preload / rate if rate > 0 else 0.0
+        return (rate, free) if free > 0 else None
 
     def ends(self, where: Frames) -> tuple[Array, Array, Array]:
         """Moving pivot (N, 3), unit vector from it to the fixed pivot (N, 3), distance (N,)."""

@@ -11,9 +11,21 @@ from pathlib import Path
 from typing import Any
 
 from ..files.faults import Fault, InputError
+from .chain import MovingJoint, read_chain
+from .convention import Controller, Convention, convention_of
 from .find import find_robot
-from .schema import Compensator, EffectRecord, JointData, LoadData, Vector3, parse_robot, unknown_names
-from .urdf import MovingJoint, read_chain
+from .loop import Loop
+from .schema import (
+    STANDARD_GRAVITY,
+    Compensator,
+    EffectRecord,
+    JointData,
+    LoadData,
+    Vector3,
+    parse_robot,
+    unknown_names,
+)
+from .urdf import read_urdf
 
 
 @dataclass(frozen=True)
@@ -27,6 +39,7 @@ class Joint(MovingJoint):
 class Robot:
     """A robot as loaded and checked. `joints` run from the base to the flange.
 
+    controller: how the robot's controller counts the joints, as stated; `convention` as arrays.
     tool, payloads: what the campaign behind a model.toml carried; they count only where nobody states
     other loads (a campaign always does).
     """
@@ -40,12 +53,18 @@ class Robot:
     joints: tuple[Joint, ...]
     compensator: Compensator | None = None
     bending_stiffness: dict[str, float] = field(default_factory=dict)
+    controller: Controller = field(default_factory=Controller)
     source: dict[str, Any] = field(default_factory=dict)
     tool: LoadData | None = None
     payloads: dict[str, LoadData] = field(default_factory=dict)
     geometry: dict[str, dict[str, float]] = field(default_factory=dict)
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
+    loop: Loop = field(default_factory=Loop)
+
+    def __repr__(self) -> str:
+        joints = ", ".join(f"{joint.name} ({joint.kind})" for joint in self.joints)
+        return f"Robot {self.name}: {self.title}, from {self.base} to {self.flange} by {joints}"
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -55,6 +74,12 @@ class Robot:
     def links(self) -> tuple[str, ...]:
         """The moving links, base to flange: `links[i]` is carried by `joints[i]`."""
         return tuple(joint.link for joint in self.joints)
+
+    @property
+    def convention(self) -> Convention | None:
+        """How the controller counts the joints; None where the TOML does not say."""
+        sliding = [joint.kind == "prismatic" for joint in self.joints]
+        return convention_of(self.controller, self.joint_names, sliding) if self.controller.names else None
 
     def joint(self, name: str) -> Joint:
         """The joint of that name. Raises KeyError when there is none."""
@@ -77,7 +102,8 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
     path = find_robot(robot, beside)
     file = parse_robot(path)
     urdf = path.parent / file.urdf
-    base, chain = read_chain(urdf, file.flange)
+    found = read_chain(read_urdf(urdf), file.flange, file.base)
+    base, chain = found.base, found.joints
     said = {joint.name: joint for joint in file.joints}
     names = [moving.name for moving in chain]
     faults = [
@@ -88,6 +114,8 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         if name not in names
     ]
     faults += unknown_names(path, file, names, {base, *(moving.link for moving in chain)})
+    sliding = [moving.kind == "prismatic" for moving in chain]
+    faults += file.controller.faults(f"{path}: controller", names, sliding)
     if faults:
         raise InputError(faults)
     return Robot(
@@ -95,7 +123,7 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         title=file.title or file.name,
         urdf=urdf,
         flange=file.flange,
-        gravity=file.gravity,
+        gravity=file.gravity or _along(found.down),
         base=base,
         joints=tuple(
             Joint(**vars(moving), data=said.get(moving.name, JointData(name=moving.name))) for moving in chain
@@ -104,10 +132,18 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         bending_stiffness={
             link.name: link.bending_stiffness for link in file.links if link.bending_stiffness is not None
         },
+        controller=file.controller,
         source=file.source,
         tool=file.tool,
         payloads=file.payloads,
         geometry=file.geometry,
         effects=file.effects,
         path=path,
+        loop=file.controller.loop,
     )
+
+
+def _along(down: Vector3) -> Vector3:
+    """Standard gravity [m/s²] along a unit vector."""
+    x, y, z = (STANDARD_GRAVITY * value for value in down)
+    return x, y, z

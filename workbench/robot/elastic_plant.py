@@ -1,201 +1,156 @@
-"""The elastic twin: the robot in Drake with everything that yields.
+"""The elastic twin: the robot in Drake with everything that yields, and with what pulls on it.
 
 At every slot it has a frame for the geometric correction and small joints for what moves there; at every
-joint also a motor joint with the rotor's inertia, and a spring joint with its spring. Everything that
-calibration changes (frame poses, masses, stiffness) lives in the Context.
+joint also a motor joint with the rotor's inertia, and a spring joint. What yields is a spring that acts:
+
+    a component by itself              RevoluteSpring, PrismaticSpring
+    coupled ones, and laws not linear  `SlotSprings` at the plant's port
+    a compensator's coil               LinearSpringDamper between its pivots
+    a compensator's gas                `Cylinder` at the plant's port
+
+What calibration and causes change (frame poses, masses, stiffness, rest angles, charge) lives in the Context.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Frame, JacobianWrtVariable
-from pydrake.systems.framework import Context
+from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant
+from pydrake.multibody.tree import Frame, Joint, RevoluteSpring, RigidBody
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import Adder
 
+from .compensator import CompensatorLaw
 from .description import Robot
-from .equilibrium import Law, NoRest
-from .kinematics import Arm, Array
-from .loads import Loads
-from .plant_parts import (
-    add_rotor,
-    add_spring,
-    axial_joint,
-    component_joint,
-    link_inertia,
-    point_inertia,
-    slot_pose,
-)
+from .elastic_twin import ElasticTwin
+from .force_systems import Cylinder, SlotSpring, SlotSprings
+from .kinematics import RX, Arm
+from .plant_parts import add_coil, add_rotor, add_spring, axial_joint, component_joint, pivots
 from .plants import ArmPlant, arm_plant
 from .schema import GEOMETRY
+from .yielding import Yielding, own_yielding
+
+Place = tuple[int, int]
 
 
-@dataclass(frozen=True, eq=False)
-class ElasticTwin:
-    """The elastic twin. `yielding` maps (slot, component) to the joint that moves there; `motors`: names of
-    the motor joints, base to flange.
-
-    Masses, frame poses and stiffness are parameters of `context`. All joints have one degree of freedom.
-    """
-
-    arm: Arm
-    built: ArmPlant
-    context: Context
-    yielding: dict[tuple[int, int], str]
-    motors: tuple[str, ...]
-
-    @property
-    def plant(self) -> MultibodyPlant:
-        return self.built.plant
-
-    @cached_property
-    def columns(self) -> NDArray[np.int64]:
-        """Columns 6 · slot + component that have a joint."""
-        return np.array([6 * slot + component for slot, component in self.yielding])
-
-    @cached_property
-    def _yielding_at(self) -> NDArray[np.int64]:
-        """Place of the yielding joints in positions and velocities."""
-        return self._at(tuple(self.yielding.values()))
-
-    @cached_property
-    def _motors_at(self) -> NDArray[np.int64]:
-        return self._at(self.motors)
-
-    def _at(self, joints: tuple[str, ...]) -> NDArray[np.int64]:
-        return np.array([self.plant.GetJointByName(name).position_start() for name in joints])
-
-    def set_geometry(self, geometry: Array) -> None:
-        """Writes the corrections G of the joints: (S, 6) into the Context."""
-        for slot in range(1, self.arm.n + 1):
-            X = slot_pose(self.arm, slot, geometry[slot])
-            self.built.corrected[slot].SetPoseInParentFrame(self.context, X)
-
-    def set_masses(self, arm: Arm) -> None:
-        """Writes the masses and centres of mass of base and links into the Context."""
-        for slot in range(arm.n + 1):
-            inertia = link_inertia(arm, slot)
-            self.built.bodies[slot].SetSpatialInertiaInBodyFrame(self.context, inertia)
-
-    def set_payload(self, mass: float, moment: Array) -> None:
-        """Mass [kg] and mass times centre of mass (3,) [kg·m] of tool and payload, flange frame."""
-        self.built.bodies[-1].SetSpatialInertiaInBodyFrame(self.context, point_inertia(mass, moment))
-
-    def equilibrium(self, q: Array, direct: Array, loads: Loads, law: Law) -> Array:
-        """Drake's loaded equilibrium of one pose: slot motions (S, 6). The plant stays in it.
-
-        q: (n,) commanded; direct: (S, 6) motions without load; `loads` of one pose (N = 1); `law`
-        maps (1, S, 6) wrenches to motions. The torques are Drake's own.
-        """
-        self.set_payload(float(loads.mass[0]), loads.moment[0])
-        self._refuse_without_joint(direct)
-        motion, last = direct.copy(), np.inf
-        for _ in range(60):
-            self._pose(q, motion)
-            new = direct + law(self.wrenches(loads))[0]
-            step = float(np.abs(new - motion).max())
-            motion = new
-            if step < 1e-14 or (step < 1e-10 and step > 0.5 * last):  # as still as rounding allows
-                self._refuse_without_joint(motion)
-                self._pose(q, motion)
-                return motion
-            last = step
-        raise NoRest
-
-    def wrenches(self, loads: Loads) -> Array:
-        """Local wrenches (1, S, 6) at the present pose; zero where the twin has no joint."""
-        torque = self.plant.CalcGravityGeneralizedForces(self.context) + self._applied(loads)
-        local = np.zeros((1, 6 * self.arm.slots))
-        local[0, self.columns] = torque[self._yielding_at]
-        local[:, self.arm.axial] += loads.torque
-        return local.reshape(1, self.arm.slots, 6)
-
-    def _pose(self, q: Array, motion: Array) -> None:
-        positions = np.empty(self.plant.num_positions())
-        positions[self._motors_at] = q
-        positions[self._yielding_at] = motion.reshape(-1)[self.columns]
-        self.plant.SetPositions(self.context, positions)
-
-    def _refuse_without_joint(self, motion: Array) -> None:
-        rest = motion.reshape(-1).copy()
-        rest[self.columns] = 0.0
-        if rest.any():
-            slot, component = divmod(int(np.flatnonzero(rest)[0]), 6)
-            raise ValueError(f"the elastic twin was built without {GEOMETRY[component]} at slot {slot}")
-
-    def _applied(self, loads: Loads) -> Array:
-        """Generalised forces of the external wrench and of the compensator."""
-        plant, context, world = self.plant, self.context, self.plant.world_frame()
-        torque = np.zeros(plant.num_velocities())
-        if loads.wrench.any():
-            J = self._jacobian(self.built.slots[-1], np.zeros(3))
-            torque += J.T @ np.concatenate([loads.wrench[0, 3:], loads.wrench[0, :3]])
-        if (law := loads.compensator) is not None:
-            body, moving = self.built.slots[law.body], self.built.slots[law.arm]
-            b = plant.CalcPointsPositions(context, body, law.body_pivot, world)[:, 0]
-            a = plant.CalcPointsPositions(context, moving, law.arm_pivot, world)[:, 0]
-            s = float(np.linalg.norm(b - a))
-            pull = float(law.force(np.array([s]))[0][0]) * (b - a) / s
-            torque += self._jacobian(moving, law.arm_pivot)[3:].T @ pull
-            torque -= self._jacobian(body, law.body_pivot)[3:].T @ pull
-        return torque
-
-    def _jacobian(self, frame: Frame, point: Array) -> Array:
-        world = self.plant.world_frame()
-        return np.asarray(
-            self.plant.CalcJacobianSpatialVelocity(
-                self.context, JacobianWrtVariable.kV, frame, point, world, world
-            )
-        )
-
-    def points(self, targets: Array, on: Sequence[int]) -> Array:
-        """Places of targets (T, 3) behind slots `on` at the present pose: (T, 3) [m]."""
-        plant, context, world = self.plant, self.context, self.plant.world_frame()
-        frames = [self.built.slots[k] for k in on]
-        return np.array(
-            [
-                plant.CalcPointsPositions(context, frame, target, world)[:, 0]
-                for frame, target in zip(frames, targets, strict=True)
-            ]
-        )
-
-
-def elastic_twin(arm: Arm, robot: Robot, yielding: Sequence[tuple[int, int]] | None = None) -> ElasticTwin:
+def elastic_twin(
+    arm: Arm,
+    robot: Robot,
+    yielding: Yielding | None = None,
+    moved: Sequence[Place] = (),
+    compensator: CompensatorLaw | None = None,
+) -> ElasticTwin:
     """Builds the elastic twin of an arm.
 
-    `yielding`: the (slot, component) pairs that get a joint of their own; default: all six of every
-    slot, so that any effect can be set in the Context without a rebuild. The axial spring joints
-    are always there.
+    yielding: what gives way; default: the arm's own compliance. moved: the (slot, component) pairs that
+    move without load; the axial joints are always there. compensator: what pulls beside the weight.
     """
-    if yielding is None:
-        yielding = [(slot, c) for slot in range(arm.slots) for c in range(6)]
-    wanted, motors = set(yielding), []
-    joints: dict[tuple[int, int], str] = {}
+    yielding = own_yielding(arm) if yielding is None else yielding
+    moving = _Moving(arm, robot, yielding, set(moved))
 
-    def moving(plant: MultibodyPlant, slot: int, frame: Frame) -> Frame:
-        """Small joints, then motor and spring."""
-        name = arm.slot_names[slot]
+    def between(plant: MultibodyPlant, bodies: tuple[RigidBody, ...]) -> None:
+        if compensator is not None and compensator.coil is not None:
+            add_coil(plant, bodies, arm, compensator)
+
+    built = arm_plant(arm, moving.at_slot, between=between)
+    laws, cylinder = moving.laws(built), None
+    if compensator is not None and compensator.coil is None:
+        carriers = built.bodies[compensator.body], built.bodies[compensator.arm]
+        cylinder = Cylinder(compensator, carriers, pivots(arm, compensator))
+    diagram = _diagram(built, laws, cylinder)
+    return ElasticTwin(
+        arm=arm,
+        built=built,
+        diagram=diagram,
+        root=diagram.CreateDefaultContext(),
+        joints=moving.joints,
+        motors=tuple(moving.motors),
+        yielding=yielding,
+        springs=moving.springs,
+        laws=laws,
+        compensator=compensator,
+        cylinder=cylinder,
+    )
+
+
+def _diagram(built: ArmPlant, laws: SlotSprings | None, cylinder: Cylinder | None) -> Diagram:
+    """Plant and force laws; inputs `joint_force` (V,) and `wrench`, ExternallyAppliedSpatialForces."""
+    builder, plant = DiagramBuilder(), built.plant
+    builder.AddSystem(plant)
+    summed = builder.AddSystem(Adder(1 if laws is None else 2, plant.num_velocities()))
+    builder.ExportInput(summed.get_input_port(0), "joint_force")
+    builder.Connect(summed.get_output_port(), plant.get_applied_generalized_force_input_port())
+    if laws is not None:
+        builder.AddSystem(laws)
+        builder.Connect(plant.get_state_output_port(), laws.get_input_port())
+        builder.Connect(laws.get_output_port(), summed.get_input_port(1))
+    joined = builder.AddSystem(ExternallyAppliedSpatialForceMultiplexer(1 if cylinder is None else 2))
+    builder.ExportInput(joined.get_input_port(0), "wrench")
+    builder.Connect(joined.get_output_port(), plant.get_applied_spatial_force_input_port())
+    if cylinder is not None:
+        builder.AddSystem(cylinder)
+        builder.Connect(plant.get_body_poses_output_port(), cylinder.get_input_port())
+        builder.Connect(cylinder.get_output_port(), joined.get_input_port(1))
+    return builder.Build()
+
+
+class _Moving:
+    """What moves at the slots: small joints, then motor and spring; and which joint is which."""
+
+    def __init__(self, arm: Arm, robot: Robot, yielding: Yielding, moved: set[Place]) -> None:
+        self.arm, self.robot, self.yielding = arm, robot, yielding
+        self.wanted = moved | {divmod(int(column), 6) for column in np.flatnonzero(yielding.columns)}
+        self.joints: dict[Place, str] = {}
+        self.motors: list[str] = []
+        self.springs: dict[Place, RevoluteSpring] = {}
+        self.coupled = [slot for slot in range(arm.slots) if self._needs_law(slot)]
+
+    def at_slot(self, plant: MultibodyPlant, slot: int, frame: Frame) -> Frame:
+        arm, name = self.arm, self.arm.slot_names[slot]
         axial = int(arm.axial[slot - 1]) % 6 if 1 <= slot <= arm.n else None
         for component, key in enumerate(GEOMETRY):
-            if component != axial and (slot, component) in wanted:
+            if component != axial and (slot, component) in self.wanted:
                 free = component_joint(plant, f"{name}_{key}", frame, component)
-                joints[slot, component] = free.name()
+                self._sprung(plant, (slot, component), free)
                 frame = free.child_body().body_frame()
         if axial is None:
             return frame
-        data = robot.joint(name).data
+        data = self.robot.joint(name).data
         motor = axial_joint(plant, arm, slot, f"{name}_motor", frame)
         add_rotor(plant, motor, data.rotor_inertia, data.gear_ratio or 1.0)
-        motors.append(motor.name())
-        spring = axial_joint(plant, arm, slot, f"{name}_spring", motor.child_body().body_frame())
-        if data.stiffness is not None:
-            add_spring(plant, spring, data.stiffness)
-        joints[slot, axial] = spring.name()
+        self.motors.append(motor.name())
+        spring = axial_joint(
+            plant, arm, slot, f"{name}_spring", motor.child_body().body_frame(), data.damping
+        )
+        self._sprung(plant, (slot, axial), spring)
         return spring.child_body().body_frame()
 
-    twin = arm_plant(arm, moving)
-    return ElasticTwin(arm, twin, twin.plant.CreateDefaultContext(), joints, tuple(motors))
+    def laws(self, built: ArmPlant) -> SlotSprings | None:
+        """The springs of the slots whose law is no element of Drake's."""
+        springs = []
+        for slot in self.coupled:
+            mine = np.flatnonzero(self.yielding.columns.reshape(-1, 6)[slot])
+            at = [built.plant.GetJointByName(self.joints[slot, int(c)]).position_start() for c in mine]
+            springs.append(SlotSpring(self.yielding, slot, mine, np.array(at)))
+        plant = built.plant
+        return SlotSprings(springs, plant.num_multibody_states(), plant.num_velocities()) if springs else None
+
+    def _needs_law(self, slot: int) -> bool:
+        C = self.yielding.linear[slot]
+        shifts = [c for c in range(RX) if C[c, c] and not self._axial(slot, c)]  # their rest is no parameter
+        bent = any(where == slot for where, _, _ in self.yielding.bent)
+        return bool(bent or shifts or (C - np.diag(np.diag(C))).any() or (np.diag(C) < 0).any())
+
+    def _axial(self, slot: int, component: int) -> bool:
+        return 1 <= slot <= self.arm.n and int(self.arm.axial[slot - 1]) % 6 == component
+
+    def _sprung(self, plant: MultibodyPlant, place: Place, joint: Joint) -> None:
+        """Notes the joint of a place; gives it its spring where Drake has one."""
+        self.joints[place] = joint.name()
+        slot, component = place
+        compliance = self.yielding.linear[slot, component, component]
+        if slot not in self.coupled and compliance > 0:
+            spring = add_spring(plant, joint, 1 / compliance)
+            if isinstance(spring, RevoluteSpring):
+                self.springs[place] = spring

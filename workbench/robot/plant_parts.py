@@ -12,15 +12,18 @@ from pydrake.multibody.tree import (
     FixedOffsetFrame,
     Frame,
     Joint,
+    LinearSpringDamper,
     PrismaticJoint,
     PrismaticSpring,
     RevoluteJoint,
     RevoluteSpring,
+    RigidBody,
     ScrewJoint,
     SpatialInertia,
     UnitInertia,
 )
 
+from .compensator import CompensatorLaw
 from .kinematics import RX, RY, RZ, Arm, Array
 
 
@@ -61,16 +64,20 @@ def spatial_inertia(mass: float, com: Array, unit: Array) -> SpatialInertia:
     )
 
 
-def component_joint(plant: MultibodyPlant, name: str, frame: Frame, component: int) -> Joint:
-    """A joint along one component of a slot's motion."""
+def component_joint(
+    plant: MultibodyPlant, name: str, frame: Frame, component: int, damping: float = 0.0
+) -> Joint:
+    """A joint along one component of a slot's motion. damping: [N·m·s/rad, N·s/m]."""
     kind = PrismaticJoint if component < RX else RevoluteJoint
     body = plant.AddRigidBody(f"{name}_body", SpatialInertia.Zero())
-    return plant.AddJoint(kind(name, frame, body.body_frame(), np.eye(3)[component % 3]))
+    return plant.AddJoint(kind(name, frame, body.body_frame(), np.eye(3)[component % 3], damping=damping))
 
 
-def axial_joint(plant: MultibodyPlant, arm: Arm, slot: int, name: str, frame: Frame) -> Joint:
+def axial_joint(
+    plant: MultibodyPlant, arm: Arm, slot: int, name: str, frame: Frame, damping: float = 0.0
+) -> Joint:
     """A joint along the slot's own axis: of the robot's joint, its motor, or its spring."""
-    return component_joint(plant, name, frame, int(arm.axial[slot - 1]) % 6)
+    return component_joint(plant, name, frame, int(arm.axial[slot - 1]) % 6, damping)
 
 
 def screw_joint(
@@ -99,9 +106,26 @@ def add_rotor(plant: MultibodyPlant, joint: Joint, inertia: float, gear_ratio: f
     actuator.set_default_gear_ratio(gear_ratio)
 
 
-def add_spring(plant: MultibodyPlant, joint: Joint, stiffness: float) -> None:
+def add_spring(plant: MultibodyPlant, joint: Joint, stiffness: float) -> RevoluteSpring | PrismaticSpring:
     """A spring across a joint, slack at zero [N·m/rad, N/m]."""
-    if isinstance(joint, RevoluteJoint):
-        plant.AddForceElement(RevoluteSpring(joint, 0.0, stiffness))
-    elif isinstance(joint, PrismaticJoint):
-        plant.AddForceElement(PrismaticSpring(joint, 0.0, stiffness))
+    kind = RevoluteSpring if isinstance(joint, RevoluteJoint) else PrismaticSpring
+    spring: RevoluteSpring | PrismaticSpring = plant.AddForceElement(kind(joint, 0.0, stiffness))  # type: ignore[assignment]
+    return spring
+
+
+def pivots(arm: Arm, law: CompensatorLaw) -> tuple[Array, Array]:
+    """The compensator's pivots (3,) [m] on its two links, each in the body frame of its own."""
+    return arm.R_link[law.body].T @ law.body_pivot, arm.R_link[law.arm].T @ law.arm_pivot
+
+
+def add_coil(
+    plant: MultibodyPlant, bodies: tuple[RigidBody, ...], arm: Arm, law: CompensatorLaw
+) -> LinearSpringDamper:
+    """A compensator's coil spring between its pivots. Raises ValueError for one that is no coil."""
+    if law.coil is None:
+        raise ValueError("a gas cylinder is no coil spring")
+    rate, free = law.coil
+    on_body, on_arm = pivots(arm, law)
+    coil = LinearSpringDamper(bodies[law.body], on_body, bodies[law.arm], on_arm, free, rate, 0.0)
+    plant.AddForceElement(coil)
+    return coil

@@ -21,20 +21,28 @@ from .description import Robot
 from .drake_faults import drake_reads
 from .kinematics import Arm, Array
 from .plant_parts import axial_joint, link_inertia, motion_transform, slot_pose
+from .shown import bare_text, shown_text
 
 Moving = Callable[[MultibodyPlant, int, Frame], Frame]
+Between = Callable[[MultibodyPlant, tuple[RigidBody, ...]], None]
 
 
-def urdf_plant(robot: Robot, plant: MultibodyPlant | None = None) -> MultibodyPlant:
+def urdf_plant(
+    robot: Robot, plant: MultibodyPlant | None = None, more: Callable[[MultibodyPlant], None] | None = None
+) -> MultibodyPlant:
     """The robot's URDF in Drake, base welded to the world, gravity as the TOML says; finalised.
 
-    plant: an empty one that is part of a diagram already.
+    plant: an empty one that is part of a diagram already; it gets what there is to be seen as well. more:
+    adds to it what the URDF does not have.
     """
+    text = bare_text(robot) if plant is None else shown_text(robot)
     plant = MultibodyPlant(0.0) if plant is None else plant
     with drake_reads(robot):
-        Parser(plant).AddModels(str(robot.urdf))
+        Parser(plant).AddModelsFromString(text, "urdf")
     plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
     plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(robot.base).body_frame())
+    if more is not None:
+        more(plant)
     plant.Finalize()
     return plant
 
@@ -55,12 +63,17 @@ class ArmPlant:
 
 
 def arm_plant(
-    arm: Arm, moving: Moving, payload: SpatialInertia | None = None, placed: Array | None = None
+    arm: Arm,
+    moving: Moving,
+    payload: SpatialInertia | None = None,
+    placed: Array | None = None,
+    between: Between | None = None,
 ) -> ArmPlant:
     """Builds an arm slot by slot; finalised.
 
     moving: adds what moves at a slot, on the frame given, and returns the frame that carries the link.
     payload: inertia of tool and payload in the flange's frame. placed: (S, 6) motions that stay as they are.
+    between: adds what acts between the bodies, base to flange.
     """
     plant = MultibodyPlant(0.0)
     plant.mutable_gravity_field().set_gravity_vector(arm.gravity)
@@ -83,6 +96,8 @@ def arm_plant(
         bodies.append(body)
         slots.append(parent)
         corrected.append(frame)
+    if between is not None:
+        between(plant, tuple(bodies))
     plant.Finalize()
     return ArmPlant(plant, tuple(bodies), tuple(slots), tuple(corrected))
 

@@ -9,6 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ..files.faults import Fault, InputError
 from ..files.toml import read_toml
+from .convention import Controller
+from .loop import Loop
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 STANDARD_GRAVITY = 9.80665  # m/s²
@@ -17,19 +19,26 @@ Vector3 = tuple[float, float, float]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True, allow_inf_nan=False)
 
 
 class JointData(_Table):
     """What the TOML says of one joint. SI units; None = not known."""
 
     name: str
+    """of the moving joint in the URDF"""
     stiffness: float | None = Field(default=None, gt=0)
+    """axial, N·m/rad (N/m of a sliding joint); absent = rigid"""
     gear_ratio: float | None = None
+    """motor turns per joint turn; absent = unknown"""
     rotor_inertia: float = Field(default=0.0, ge=0)
+    """kg·m², on the motor's side"""
     damping: float = Field(default=0.0, ge=0)
+    """N·m·s/rad across the elastic joint"""
     tilt_stiffness: float | None = Field(default=None, gt=0)
+    """N·m/rad of the bearing, about the two axes across the joint"""
     repeatability: float | None = Field(default=None, ge=0)
+    """rad or m, one sigma"""
 
 
 class Compensator(_Table):
@@ -40,18 +49,31 @@ class Compensator(_Table):
     """
 
     kind: Literal["gas", "spring"]
+    """gas: a cylinder; spring: a spring; both pull their pivots together"""
     joint: str
+    """the joint that it relieves"""
     body: str
+    """link that carries the fixed pivot"""
     arm: str
+    """link that carries the moving pivot"""
     body_pivot: Vector3
+    """m, in that link's frame of the URDF"""
     arm_pivot: Vector3
+    """m, in that link's frame of the URDF"""
     piston_area: float | None = Field(default=None, gt=0)
+    """m² (gas)"""
     precharge: float | None = Field(default=None, gt=0)
+    """Pa absolute, at `reference` (gas)"""
     gas_length: float | None = Field(default=None, gt=0)
+    """m, volume by area at `reference` (gas)"""
     reference: float | None = Field(default=None, gt=0)
+    """m, distance of the pivots at which precharge and length hold (gas)"""
     exponent: float = Field(1.0, ge=1.0, le=1.4)
+    """1 isothermal to 1.4 adiabatic (gas)"""
     rate: float | None = Field(default=None, gt=0)
+    """N/m (spring)"""
     free_length: float | None = None
+    """m (spring)"""
 
     def missing(self) -> list[str]:
         """Names of the numbers that this kind needs and that are not given."""
@@ -66,14 +88,18 @@ class LinkData(_Table):
     """A flexible link: bending stiffness EI in N·m²."""
 
     name: str
+    """of the link in the URDF"""
     bending_stiffness: float | None = Field(default=None, gt=0)
+    """EI, N·m²"""
 
 
 class LoadData(_Table):
     """`[tool]` or `[payloads.heavy]`: mass and centre of mass in the flange frame."""
 
     mass_kg: Annotated[FiniteFloat, Field(ge=0)]
+    """kg"""
     com_mm: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
+    """centre of mass in the flange's frame, mm"""
 
 
 def stated_load(load: LoadData | None) -> tuple[float, tuple[float, float, float]]:
@@ -88,32 +114,72 @@ class EffectRecord(_Table):
     """One effect of an extended model: its cause, where it sits, its parameters by name."""
 
     cause: str
+    """as `workbench causes` lists it"""
     joint: str | None = None
+    """where it sits"""
     other: str | None = None
+    """the joint that it moves with"""
     link: str | None = None
+    """where it sits"""
     payload: str | None = None
+    """which load"""
     order: float | None = None
+    """cycles per joint turn"""
     variant: str = ""
+    """of the cause, where it has some"""
     values: dict[str, float] = {}
+    """parameters by name, SI units"""
 
 
 class RobotFile(_Table):
     """A robot's TOML, or a model.toml: that one has `[geometry]` and `[[effects]]` as well."""
 
     schema_: Literal[1] = Field(alias="schema")
+    """the version of this format, 1"""
     name: str
+    """short, without blanks"""
     title: str = ""
+    """for pages"""
     urdf: str
+    """the nominal rigid robot, beside this file"""
     flange: str
-    gravity: Vector3 = (0.0, 0.0, -STANDARD_GRAVITY)
+    """link that carries tool and targets"""
+    base: str | None = None
+    """link where the arm begins; absent: the URDF's root, or what stands on its `world`"""
+    gravity: Vector3 | None = None
+    """m/s² on the base's axes; absent: straight down in the URDF"""
     joints: tuple[JointData, ...] = ()
+    """what is known of the moving joints; those not named are rigid"""
     compensator: Compensator | None = None
+    """the gravity compensator, if there is one"""
     links: tuple[LinkData, ...] = ()
+    """links that bend"""
+    controller: Controller = Controller()
+    """how the robot's controller counts joints and names frames"""
     source: dict[str, Any] = {}
+    """where each number comes from"""
     tool: LoadData | None = None
+    """in a model.toml: what the campaign behind it carried"""
     payloads: dict[str, LoadData] = {}
+    """in a model.toml: the campaign's loads by name"""
     geometry: dict[str, dict[str, float]] = {}
+    """in a model.toml: corrections tx ty tz rx ry rz [m, rad] by joint"""
     effects: tuple[EffectRecord, ...] = ()
+    """in a model.toml: what was found"""
+
+
+class _LoopFile(_Table):
+    """A TOML that holds a controller's loop and nothing else."""
+
+    controller: Controller
+
+
+def parse_loop(path: Path) -> Loop:
+    """The `[controller.loop]` of a TOML file of its own. Raises `InputError` with its faults."""
+    try:
+        return _LoopFile.model_validate(read_toml(path)).controller.loop
+    except ValidationError as error:
+        raise InputError(toml_faults(path, error)) from None
 
 
 def parse_robot(path: Path) -> RobotFile:

@@ -1,94 +1,162 @@
-"""The chain of moving joints that a URDF has between its base and the flange."""
+"""A URDF as a tree of links, and the numbers of its attributes."""
 
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from ..files.faults import Fault, InputError, read_text
-from ..files.toml import SHOWN
+
+WORLD = "world"  # by convention the URDF's name for the ground, and Drake's own
+MOVING = ("revolute", "continuous", "prismatic")
+LOOSE = ("floating", "planar")
+Vector3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class MovingJoint:
-    """One moving joint of the chain and the link that it carries.
+class Urdf:
+    """The elements of a URDF: links by name, joints by the link that they carry, colours by material."""
 
-    `lower`, `upper` are the URDF's limits (rad or m, infinite where there are none), `velocity` likewise
-    (rad/s or m/s).
-    """
+    path: Path
+    links: dict[str, ET.Element]
+    joints: dict[str, ET.Element]
+    colours: dict[str, str]
 
-    name: str
-    kind: Literal["revolute", "prismatic"]
-    link: str
-    lower: float
-    upper: float
-    velocity: float
+    def parent(self, link: str) -> str | None:
+        """The link that carries this one; None for a root."""
+        joint = self.joints.get(link)
+        return None if joint is None else _named(joint, "parent")
+
+    def children(self, link: str) -> list[str]:
+        """The links that this one carries, in the file's order."""
+        return [child for child, joint in self.joints.items() if _named(joint, "parent") == link]
+
+    def above(self, link: str) -> Iterator[str]:
+        """The link and those that carry it, up to the root."""
+        here: str | None = link
+        while here is not None:
+            yield here
+            here = self.parent(here)
+
+    def below(self, link: str) -> list[str]:
+        """The link and all that it carries, parents before children."""
+        return [link] + [name for child in self.children(link) for name in self.below(child)]
+
+    def kind(self, link: str) -> str:
+        """Type of the joint that carries the link."""
+        return self.joints[link].get("type", "")
 
 
-def read_chain(urdf: Path, flange: str) -> tuple[str, list[MovingJoint]]:
-    """Base link and moving joints, base to flange. Raises `InputError` with every fault of the chain.
+def read_urdf(path: Path) -> Urdf:
+    """The elements of a URDF. Raises `InputError` with every fault of its tree."""
+    return parse_urdf(read_text(path), path)
 
-    Links behind a fixed joint belong to the link that they are welded to; the link named for a
-    joint is its own child.
-    """
+
+def parse_urdf(text: str, path: Path) -> Urdf:
+    """The elements of a URDF's text; `path` is where it stands. See `read_urdf`."""
     try:
-        root = ET.fromstring(read_text(urdf))
+        root = ET.fromstring(text)
     except ET.ParseError as error:
-        raise InputError(Fault(str(urdf), f"is not XML: {error}")) from None
-    parents = {}
+        raise InputError(Fault(str(path), f"is not XML: {error}")) from None
+    if any("ros.org/wiki/xacro" in item.tag for item in root.iter()):
+        raise InputError(Fault(str(path), "is xacro, not yet a URDF", f"workbench init {path} expands it"))
+    if root.tag != "robot":
+        raise InputError(Fault(str(path), f"is <{root.tag}>, not a URDF's <robot>", "name the URDF"))
+    _free_the_world(root)
+    links: dict[str, ET.Element] = {}
+    joints: dict[str, ET.Element] = {}
+    names: set[str] = set()
+    faults = []
+    for link in root.findall("link"):
+        if (name := link.get("name", "")) in links:
+            faults.append(Fault(str(path), f"link {name!r} twice", "rename one"))
+        links[name] = link
     for joint in root.findall("joint"):
-        parent, child = joint.find("parent"), joint.find("child")
-        if parent is not None and child is not None:
-            parents[child.get("link", "")] = (joint, parent.get("link", ""))
-    if flange not in {link.get("name") for link in root.findall("link")}:
-        raise InputError(Fault(str(urdf), f"has no link {flange!r}", "mend `flange` in the robot's TOML"))
-    chain: list[MovingJoint] = []
-    faults: list[Fault] = []
-    link = flange
-    while link in parents:
-        joint, parent_link = parents.pop(link)
-        kind = joint.get("type")
-        if kind in ("revolute", "continuous", "prismatic"):
-            chain.append(_moving_joint(urdf, joint, link, faults))
-        elif kind != "fixed":
-            faults.append(
-                Fault(str(urdf), f"joint {joint.get('name')!r} is {kind!r}", "revolute, prismatic, fixed")
-            )
-        link = parent_link
-    if not chain:
-        faults.append(Fault(str(urdf), f"no moving joint between {link!r} and {flange!r}"))
+        name, child = joint.get("name", ""), _named(joint, "child")
+        ends = {"parent": _named(joint, "parent"), "child": child}
+        faults += [
+            Fault(f"{path}: joint {name!r}", f"no link {link!r}", f"mend its <{end}>")
+            for end, link in ends.items()
+            if link not in links
+        ]
+        if child in joints or name in names:
+            what = f"joint {name!r} twice" if name in names else f"link {child!r} hangs on two joints"
+            faults.append(Fault(str(path), what, "a robot is a tree: take one out"))
+        names.add(name)
+        joints[child] = joint
+    colours = {item.get("name", ""): _colour(item) for item in root.findall("material")}
+    urdf = Urdf(path, links, joints, {name: colour for name, colour in colours.items() if colour})
+    faults += [] if faults else _circles(urdf)
     if faults:
         raise InputError(faults)
-    return link, chain[::-1]
+    return urdf
 
 
-def _moving_joint(urdf: Path, joint: ET.Element, link: str, faults: list[Fault]) -> MovingJoint:
-    """The joint; what is wrong with its limits is added to the faults."""
-    limit, name, kind = joint.find("limit"), joint.get("name", ""), joint.get("type")
-    limits = {} if limit is None else {key: limit.get(key, "0") for key in ("lower", "upper", "velocity")}
-    numbers = {key: _number(text) for key, text in limits.items()}
-    faults += [
-        Fault(f"{urdf}: joint {name!r}", f"{key} is {limits[key][:SHOWN]!r}, not a number")
-        for key, number in numbers.items()
-        if math.isnan(number)
-    ]
-    endless = limit is None or kind == "continuous"
-    return MovingJoint(
-        name=name,
-        kind="prismatic" if kind == "prismatic" else "revolute",
-        link=link,
-        lower=-math.inf if endless else numbers["lower"],
-        upper=math.inf if endless else numbers["upper"],
-        velocity=numbers.get("velocity") or math.inf,
-    )
+def _free_the_world(root: ET.Element) -> None:
+    """A link called world that carries a moving joint is a base, not Drake's world: it gets a name."""
+    ends = [end for end in root.findall("joint/parent") if end.get("link") == WORLD]
+    if any(joint.get("type") in MOVING for joint in root.findall("joint") if joint.find("parent") in ends):
+        for item in [*root.findall("link"), *ends]:
+            key = "name" if item.tag == "link" else "link"
+            if item.get(key) == WORLD:
+                item.set(key, f"{WORLD}_link")
 
 
-def _number(text: str) -> float:
-    """The number that a text is, NaN where it is none."""
+def _circles(urdf: Urdf) -> list[Fault]:
+    for link in urdf.links:
+        seen = set()
+        for name in urdf.above(link):
+            if name in seen:
+                return [Fault(str(urdf.path), f"link {name!r} carries itself", "a robot is a tree")]
+            seen.add(name)
+    return []
+
+
+def origin_of(element: ET.Element, place: str) -> tuple[Vector3, Vector3]:
+    """xyz [m] and rpy [rad] of an element's `<origin>`; zero without one."""
+    origin = element.find("origin")
+    if origin is None:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    return vector(origin, "xyz", place), vector(origin, "rpy", place)
+
+
+def vector(element: ET.Element | None, key: str, place: str, default: Vector3 = (0.0, 0.0, 0.0)) -> Vector3:
+    """Three numbers of an attribute. Raises `InputError`."""
+    text = None if element is None else element.get(key)
+    if text is None:
+        return default
     try:
-        return math.nan if "_" in text else float(text)
+        x, y, z = (float(word) for word in text.split())
     except ValueError:
-        return math.nan
+        raise InputError(Fault(place, f"{key} = {text!r} is not three numbers", "mend the URDF")) from None
+    return x, y, z
+
+
+def number(element: ET.Element | None, key: str, place: str, default: float) -> float:
+    """A finite number of an attribute. Raises `InputError`."""
+    text = None if element is None else element.get(key)
+    if text is None:
+        return default
+    try:
+        if math.isfinite(value := float(text)):
+            return value
+    except ValueError:
+        pass
+    raise InputError(Fault(place, f"{key} = {text!r} is not a number", "mend the URDF"))
+
+
+def _named(joint: ET.Element, end: str) -> str:
+    """The link that a joint's <parent> or <child> names."""
+    found = joint.find(end)
+    return "" if found is None else found.get("link", "")
+
+
+def _colour(material: ET.Element) -> str:
+    """rgba of a material; "" where it has none."""
+    colour = material.find("color")
+    text = "" if colour is None else colour.get("rgba", "")
+    return text if re.fullmatch(r"\s*([\d.eE+-]+\s+){3}[\d.eE+-]+\s*", text) else ""

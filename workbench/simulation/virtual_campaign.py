@@ -18,9 +18,11 @@ from ..effects.base import Effect
 from ..effects.records import stated_effects
 from ..files.faults import Fault, InputError
 from ..robot.elastic_plant import elastic_twin
+from ..robot.elastic_twin import ElasticTwin
 from ..robot.kinematics import Arm, Array
 from ..robot.loads import Loads
 from ..robot.rotations import body_jacobian, rotation_about
+from ..robot.yielding import Law
 
 Values = tuple[Effect, Array]
 
@@ -180,36 +182,50 @@ def _direct(problem: Problem, truth: Truth) -> Array:
     return out.reshape(n_poses, -1, 6)
 
 
-def _settle(problem: Problem, truth: Truth, direct: Array) -> tuple[Array, Array]:
-    """Targets (N, T, 3) [m] in the base frame and torques of the drives (N, n), from Drake."""
+def true_robot(problem: Problem, truth: Truth, direct: Array) -> tuple[ElasticTwin, Loads]:
+    """The true robot in Drake, with a joint for all that `direct` (N, S, 6) moves in N poses; its loads."""
     geometry = problem.arm.geometry if truth.geometry is None else problem.arm.geometry + truth.geometry
     arm, loads = truth.acting.loads(problem, problem.arm)
     if truth.torque is not None:
         loads = replace(loads, torque=loads.torque + truth.torque(problem))
-    yielding = truth.acting.yielding(arm)
-    columns = yielding.columns
-    for slot in truth.yields:
-        columns[6 * slot : 6 * slot + 6] = True
-    moving = np.flatnonzero(direct.reshape(len(direct), -1).any(axis=0) | columns)
-
-    def law(wrench: Array) -> Array:
-        out = yielding.motion(wrench)
-        for slot, form in truth.yields.items():
-            out[0, slot] += form(wrench[0, slot])
-        return out
-
-    twin = elastic_twin(problem.arm, problem.robot, [divmod(int(column), 6) for column in moving])
+    hidden = tuple((slot, tuple(range(6)), _with_slope(form)) for slot, form in truth.yields.items())
+    stated = truth.acting.yielding(arm)
+    yielding = replace(stated, bent=(*stated.bent, *hidden))
+    moved = np.flatnonzero(direct.reshape(len(direct), -1).any(axis=0))
+    places = [divmod(int(column), 6) for column in moved]
+    twin = elastic_twin(problem.arm, problem.robot, yielding, places, loads.compensator)
     twin.set_geometry(geometry)
     twin.set_masses(arm)
+    return twin, loads
+
+
+def _settle(problem: Problem, truth: Truth, direct: Array) -> tuple[Array, Array]:
+    """Targets (N, T, 3) [m] in the base frame and torques of the drives (N, n), from Drake."""
+    twin, loads = true_robot(problem, truth, direct)
     targets = _targets(problem, truth)
     points = np.empty((len(direct), len(problem.on), 3))
     torque = np.empty(problem.q.shape)
     for i in range(len(direct)):
-        one = pose_loads(loads, i)
-        twin.equilibrium(problem.q[i], direct[i], one, law)
+        twin.equilibrium(problem.q[i], direct[i], pose_loads(loads, i))
         points[i] = twin.points(targets, problem.on)
-        torque[i] = -twin.wrenches(one).reshape(-1)[arm.axial]
+        torque[i] = twin.drive_torque()
     return points, torque
+
+
+def _with_slope(form: Callable[[Array], Array]) -> Law:
+    """A hook's law for a batch of wrenches (N, 6), with its slope by differences."""
+
+    def law(wrench: Array) -> tuple[Array, Array]:
+        step = 1e-4 * np.maximum(np.abs(wrench), 1.0)
+        motion = np.array([form(one) for one in wrench])
+        slope = np.empty((len(wrench), 6, 6))
+        for c in range(6):
+            there = wrench.copy()
+            there[:, c] += step[:, c]
+            slope[:, :, c] = (np.array([form(one) for one in there]) - motion) / step[:, c, None]
+        return motion, slope
+
+    return law
 
 
 def _targets(problem: Problem, truth: Truth) -> Array:

@@ -80,12 +80,12 @@ def demo(folder: Path, seed: int, progress: Progress, quick: bool = False) -> Su
     campaign, truth, frame = measured(seed, 60 if quick else 150)
     path = write_campaign(folder / "campaign", campaign, comments=["simulated in Drake"])
     outcome = diagnose(load_campaign(path), None, progress, seed)
-    progress("correcting a circle and running it on the true robot in closed loop")
+    progress("correcting a circle and running it on the simulated robot in closed loop")
     proof = _prove(folder / "path", outcome, truth, frame, seed, quick, progress)
     slow = proof.found.slow.trials
     before, after = slow["uncorrected"].figures.rms_mm, slow["corrected"].figures.rms_mm
     words = (
-        f"In closed loop the true robot draws a circle {numbers.mm(before)} mm off as it is, and "
+        f"In closed loop the simulated robot draws a circle {numbers.mm(before)} mm off as it is, and "
         f"{numbers.mm(after)} mm off with the commands that this model corrects (RMS)."
     )
     proven = replace(outcome.diagnosis, proof=(words, "path/verify.html"))

@@ -9,8 +9,8 @@ import numpy as np
 from ..design import Design
 from ..mesh import Array, Shape
 from ..parts import Triad, in_link_frames
-from .arms import SIDE, Places, Sizes, flange, foot, places, tube, wrist
-from .paints import BLACK, DARK, STEEL
+from .arms import Places, Sizes, flange, foot, places, tube, wrist
+from .paints import BLACK, DARK
 
 
 def heavy(design: Design, z: Sizes, floor: float = 0.0) -> Mapping[str, Shape]:
@@ -27,7 +27,7 @@ def heavy(design: Design, z: Sizes, floor: float = 0.0) -> Mapping[str, Shape]:
     }
     if design.compensator is not None and z.cylinder > 0:
         fixed = 1000 * (np.array(design.compensator["body_pivot"]) + design.chain.axes[0].point)
-        drawn["link_1"] += _cylinder(z, p, fixed)
+        drawn["link_1"] += _lugs(z, fixed)
     return in_link_frames(design, drawn, p.X_BD)
 
 
@@ -122,22 +122,11 @@ def _forearm(z: Sizes, p: Places) -> Shape:
     return shape
 
 
-def _cylinder(z: Sizes, p: Places, fixed: Array) -> Shape:
-    """The compensator: its tube on the column, its rod into the arm's hub."""
-    way = p.shoulder.at(0, 0, 0) - fixed
-    length = float(np.sqrt(way @ way))
-    a = way / length
+def _lugs(z: Sizes, fixed: Array) -> Shape:
+    """What holds the compensator on the column; tube and rod move, and are drawn where the robot is."""
     c = z.cylinder
-    t = Triad(fixed, a, SIDE, np.cross(a, SIDE))
     foot = Triad()
     b, low = z.block, z.turntable + 0.16 * z.block
-    shape = [
-        (DARK, t.drum("a", (-0.6 * c, length - 1.55 * z.hub), c, 0.2 * c, sides=28)),
-        (BLACK, t.drum("a", (length - 1.6 * z.hub, length - 1.42 * z.hub), 1.12 * c, 0.08 * c, sides=28)),
-        (STEEL, t.drum("a", (length - 1.5 * z.hub, length - 0.5 * z.hub), 0.45 * c, sides=20)),
-        (BLACK, t.drum("s", (-1.75 * c, 1.75 * c), 0.5 * c, 0.05 * c, sides=20)),
-    ]
     lug = [(fixed[0], fixed[2], 0.85 * c), (-0.55 * b, low + 0.5 * b, 0.3 * b)]
-    for span in ((-1.6 * c, -1.1 * c), (1.1 * c, 1.6 * c)):
-        shape.append((z.paint, foot.slab(lug, span, 0.08 * c, sides=28)))
-    return shape
+    spans = ((-1.6 * c, -1.1 * c), (1.1 * c, 1.6 * c))
+    return [(z.paint, foot.slab(lug, span, 0.08 * c, sides=28)) for span in spans]

@@ -5,7 +5,7 @@ from ..kinematics import Table, chain_along, pose, rotation_y
 from ..looks.arms import Sizes
 from ..looks.heavy import heavy
 from ..looks.paints import ORANGE
-from .kr210 import gas_spring
+from .kr210 import GAUGED, gas_spring
 
 # Arm level and forwards at q = 0, as in the controller, which turns A1, A4 and A6 the other way round.
 KINEMATICS = chain_along(
@@ -100,7 +100,8 @@ KR120 = Design(
         "damping": (1.0e3, 1.0e3, 6.0e2, 3.0e2, 1.0e2, 1.0e2),
         "repeatability": (3e-6, 3e-6, 3e-6, 9e-6, 9e-6, 9e-6),
     },
-    compensator=gas_spring(joint_2_ahead=0.35),
+    compensator=gas_spring(joint_2_ahead=0.35, piston_area=1.0e-3, **GAUGED),
+    controller={"make": "KUKA", "names": ("A1", "A2", "A3", "A4", "A5", "A6")},
     source={
         "kinematics": "public URDF of the KR 120 R2500 pro (ROS-Industrial), controller signs and zeros; "
         "flange x down, z out as the controller has it",
@@ -114,7 +115,9 @@ KR120 = Design(
         "damping": "assumed",
         "repeatability": "assumed per joint so that the pose scatters within the data sheet's 0.06 mm",
         "compensator": "pivots: public URDF of the KR 210 R2700, same column and upper arm (assumed to "
-        "hold); charge, area and length: assumed, not public",
+        "hold); charge and gas length: as gauged on a KR 300, a robot of this class (assumed to hold); area: "
+        "assumed, so that the stretched, unloaded arm is nearly balanced",
+        "controller": "the URDF's own signs and zeros",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

@@ -89,7 +89,12 @@ KR500 = Design(
         "damping": (1.9e3, 1.4e3, 0.6e3, 1.9e3, 1.4e3, 1.4e3),
         "repeatability": (4e-6, 4e-6, 4e-6, 12e-6, 12e-6, 12e-6),
     },
-    compensator=gas_spring(joint_2_ahead=0.5),
+    compensator=gas_spring(joint_2_ahead=0.5, piston_area=2.0e-3, precharge=100e5, gas_length=0.89),
+    controller={
+        "make": "KUKA",
+        "names": ("A1", "A2", "A3", "A4", "A5", "A6"),
+        "signs": (-1, 1, 1, -1, 1, -1),
+    },
     source={
         "kinematics": "public modified DH table of the KR 500 R2830 (robot kinematics catalogue), its "
         "signs and zeros; a KUKA controller counts A1, A4 and A6 the other way",
@@ -103,6 +108,8 @@ KR500 = Design(
         "repeatability": "assumed per joint so that the pose scatters within the data sheet's 0.08 mm",
         "compensator": "pivots: geometry of the KR 210 R2700, put at this robot's joint 2 (assumed); "
         "charge, area and length: assumed, so that about half of the arm's weight is carried",
+        "controller": "A1, A4 and A6 count the other way than about z up and x forward: public URDFs of "
+        "KUKA (ROS-Industrial)",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

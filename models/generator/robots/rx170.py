@@ -80,6 +80,13 @@ RX170 = Design(
         "rate": 5.0e4,
         "free_length": 0.03,
     },
+    # The world stands at the height of joint 2; at zero the flange is turned as the world is.
+    controller={
+        "make": "Stäubli",
+        "names": ("J1", "J2", "J3", "J4", "J5", "J6"),
+        "world": {"xyz_mm": (0.0, 0.0, 750.0)},
+        "flange": {"abc_deg": (180.0, 0.0, 0.0)},
+    },
     source={
         "kinematics": "public modified DH table of the RX170HSM (robot kinematics catalogue); standard "
         "wrist (115 mm, recalled) instead of the spindle's 200 mm; base frame on the floor, 750 mm under "
@@ -94,6 +101,8 @@ RX170 = Design(
         "compensator": "assumed: sized so that joint 2 keeps 150 to 300 N·m of the gravity torque at the "
         "ends of the sweep of Olabi et al. (2012) (50 degrees either way, forearm in line with the upper "
         "arm)",
+        "controller": "world and flange at zero as public URDFs of the family state them (RX160, "
+        "ROS-Industrial)",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

@@ -46,6 +46,11 @@ UR10 = Design(
     masses=Masses(LINKS, KINEMATICS),
     base_mass=Mass(4.0, (0, 0, 50), box=(190, 190, 110)),
     joint_data={"gear_ratio": (101.0,) * 6},
+    controller={
+        "make": "Universal Robots",
+        "names": ("Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"),
+        "units": ("rad",) * 6,
+    },
     source={
         "kinematics": "nominal standard DH table of the manufacturer, controller signs and zeros",
         "limits": "range: manufacturer's data sheet; velocity and torque: recalled from it, unverified",
@@ -53,6 +58,7 @@ UR10 = Design(
         "4.27, 2, 2 and 0.365 kg beside it; inertia (cuboids) and base: assumed",
         "gear_ratio": "harmonic drives, 101 on all joints: literature, unverified",
         "stiffness": "not known, taken as rigid",
+        "controller": "the manufacturer's table, which is the controller's: base and flange are its too",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=ur(beside=114.9, apart=171.9, size=1.25),

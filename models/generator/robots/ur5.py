@@ -42,12 +42,18 @@ UR5 = Design(
     masses=Masses(LINKS, KINEMATICS),
     base_mass=Mass(4.0, (0, 0, 40), box=(150, 150, 90)),
     joint_data={"gear_ratio": (101.0,) * 6},
+    controller={
+        "make": "Universal Robots",
+        "names": ("Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"),
+        "units": ("rad",) * 6,
+    },
     source={
         "kinematics": "nominal standard DH table of the manufacturer, controller signs and zeros",
         "limits": "manufacturer's data sheet: range, velocity, torque",
         "masses": "mass and centre of mass of links 1..6: manufacturer; inertia (cuboids) and base: assumed",
         "gear_ratio": "harmonic drives, 101 on all joints: literature, unverified",
         "stiffness": "not known, taken as rigid",
+        "controller": "the manufacturer's table, which is the controller's: base and flange are its too",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=ur(beside=93.0, apart=119.7),

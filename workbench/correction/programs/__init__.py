@@ -7,21 +7,32 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
+from typing import Any
 
 from ...files.faults import Fault, InputError
+from ...robot.description import Robot
 from . import files as _files
 from .base import Array, Program
 from .files import RoundingEffect
 from .format import Format
+from .measuring import DWELL_S, measured
+from .measuring import measuring_program as _measuring_program
+from .shown import as_shown, as_urdf
+from .thin import thinned
 
 __all__ = [
     "Format",
     "Program",
     "RoundingEffect",
+    "as_shown",
+    "as_urdf",
     "find_format",
     "formats",
+    "measured",
+    "measuring_program",
     "read_program",
     "rounding_effect",
+    "thinned",
     "write_program",
 ]
 
@@ -47,11 +58,10 @@ def find_format(name: str) -> Format:
         ) from None
 
 
-def write_program(program: Program, format: str | Format, out: Path | str) -> list[Path]:
+def write_program(program: Program, format: str | Format, out: Path | str, keep: bool = False) -> list[Path]:
     """Writes a program for a controller, all files or none; see `files.write_program`."""
-    return _files.write_program(
-        program, find_format(format) if isinstance(format, str) else format, Path(out)
-    )
+    chosen = find_format(format) if isinstance(format, str) else format
+    return _files.write_program(program, chosen, Path(out), keep)
 
 
 def read_program(path: Path | str, format: str | Format) -> Program:
@@ -68,3 +78,11 @@ def rounding_effect(
     """What writing in this format does at the tool; see `files.rounding_effect`."""
     chosen = find_format(format) if isinstance(format, str) else format
     return _files.rounding_effect(program, chosen, forward, lever)
+
+
+def measuring_program(
+    robot: Robot, q: Array, format: str | Format, dwell_s: float = DWELL_S, **options: Any
+) -> Program:
+    """A program that brings the arm to poses to be measured; see `measuring.measuring_program`."""
+    chosen = find_format(format) if isinstance(format, str) else format
+    return _measuring_program(robot, q, chosen, dwell_s, **options)

@@ -23,6 +23,8 @@ class Csv(Format):
     arm_joints = None
     most_rails = None
     carries_tool = False
+    own_joints = False
+    samples = True
 
     def rounding(self) -> tuple[float, float]:
         return super().rounding()[0], 4 * 0.5 * 10.0**-PATH_DIGITS

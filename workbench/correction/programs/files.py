@@ -58,17 +58,20 @@ def rounding_effect(
     return RoundingEffect(1e3 * float(error.mean()), 1e3 * float(error.max()), float(np.degrees(angle.max())))
 
 
-def write_program(program: Program, format: Format, out: Path) -> list[Path]:
+def write_program(program: Program, format: Format, out: Path, keep: bool = False) -> list[Path]:
     """Checks the program and writes its files, all or none; `InputError` and nothing written otherwise.
 
-    out: the file; a folder takes it under the program's own name. A format of several files puts the
-    others beside a file with its extension, and else makes `out` a folder. A program without name is
-    named after the file. Warnings go to the log.
+    out: a file with the format's extension, or a folder, which takes it under the program's own name. A
+    format
+    of several files puts the others beside the file. A program without name is named after `out`. keep:
+    files that
+    are there with other content stay there, and that is a fault; else a warning in the log says what is
+    replaced. Other warnings go to the log too.
     """
     text = program.name or format.legal_name(out.stem)
     if not program.name and text.casefold() != out.stem.casefold():
         log.warning("%s: the program is named %r, as %s wants names", out, text, format.title)
-    elif program.name and format.named_as_file and not out.is_dir() and out.stem != text:
+    elif program.name and format.named_as_file and not is_folder(out, format) and out.stem != text:
         log.warning("%s: %s wants the file named as the program, %r", out, format.title, text)
     program = replace(program, name=text)
     faults = format.check(program)
@@ -76,25 +79,46 @@ def write_program(program: Program, format: Format, out: Path) -> list[Path]:
         raise InputError(faults)
     for warning in format.warnings(program):
         log.warning("%s: %s", out, warning)
-    files = _places(format.write(program), format, out)
-    try:
-        put_all({path: content.replace("\n", format.newline) for path, content in files.items()})
-    except OSError as error:
+    written = format.write(program).items()
+    files = {name: content.replace("\n", format.newline).encode() for name, content in written}
+    put_files(_places(files, format, out), keep)
+    return list(_places(files, format, out))
+
+
+def put_files(files: Mapping[Path, bytes], keep: bool) -> None:
+    """Writes the files of a program, all or none, and nothing over other content silently."""
+    other = [path for path, data in files.items() if path.is_file() and path.read_bytes() != data]
+    if other and keep:
+        what = "is there already, with other content"
         raise InputError(
-            Fault(str(out), error.strerror or "cannot be written", "check the folder")
+            [Fault(str(path), what, "name another with --out, or say --force") for path in other]
+        )
+    for path in other:
+        log.warning("%s: replaced", path)
+    try:
+        put_all(files)
+    except OSError as error:
+        place = next(iter(files))
+        raise InputError(
+            Fault(str(place), error.strerror or "cannot be written", "check the folder")
         ) from error
-    return list(files)
 
 
-def _places(files: Mapping[str, str], format: Format, out: Path) -> dict[Path, str]:
-    names = list(files)
-    if out.is_dir():
-        return {out / name: text for name, text in files.items()}
-    if len(names) == 1:
-        return {out: files[names[0]]}
+def is_folder(out: Path, format: Format) -> bool:
+    """Whether `out` means a folder: it is one, or has no extension. `InputError` for another's extension."""
+    if out.is_dir() or not out.suffix:
+        return True
     if out.suffix.lower() != format.extension:
-        return {out / name: text for name, text in files.items()}
-    return {out.parent / name: text for name, text in files.items()}
+        what = f"ends in {out.suffix}; {format.title} ends in {format.extension}"
+        raise InputError(Fault(str(out), what, f"name a folder, or a file ending in {format.extension}"))
+    return False
+
+
+def _places(files: Mapping[str, bytes], format: Format, out: Path) -> dict[Path, bytes]:
+    if is_folder(out, format):
+        return {out / name: data for name, data in files.items()}
+    first, *rest = files
+    return {out: files[first]} | {out.parent / name: files[name] for name in rest}
 
 
 def read_program(path: Path, format: Format) -> Program:

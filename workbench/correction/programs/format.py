@@ -5,21 +5,36 @@ from __future__ import annotations
 import re
 import unicodedata
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
-from ...files.faults import Fault
-from .base import FINEST_BLEND, STANDSTILL, Array, Program, legs_of
+from ...files.faults import Fault, InputError
+from ...robot import rotations
+from .base import FINEST_BLEND, STANDSTILL, Array, Legs, Program, legs_of
+from .motions import Motions
 
 FARTHEST = 100.0  # m: no robot reaches so far; millimetres were given as metres
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"  # as most programs write one
 HALF_MM, HALF_DEG = 0.5e-3, np.radians(0.5)
 
 
+def by_angles(
+    X: Array, angles: Callable[[Array], Array], back: Callable[[Array], Array], mm: int, deg: int
+) -> Array:
+    """(N, 4, 4) poses of X (N, 4, 4) with places of `mm` decimals and three angles of `deg` decimals."""
+    turn = np.radians(np.round(np.degrees(angles(X[:, :3, :3])), deg))
+    return rotations.pose(1e-3 * np.round(1e3 * X[:, :3, 3], mm), back(turn))
+
+
 class Format(ABC):
-    """One controller's program format. The class attributes say its rules; `None` = no limit known."""
+    """One controller's program format. The class attributes say its rules; `None` = no limit known.
+
+    circles: it has circular moves. own_joints: its joints and frames are the controller's, not the URDF's.
+    samples: it is a table of samples, never thinned.
+    """
 
     name: ClassVar[str]
     title: ClassVar[str]
@@ -37,14 +52,52 @@ class Format(ABC):
     fastest: ClassVar[float | None] = None
     carries_tool: ClassVar[bool] = True
     named_as_file: ClassVar[bool] = False
+    circles: ClassVar[bool] = False
+    own_joints: ClassVar[bool] = True
+    samples: ClassVar[bool] = False
 
     @abstractmethod
     def write(self, program: Program) -> dict[str, str]:
         """The files of a checked program: name → text. The first is the one that a user names."""
 
-    @abstractmethod
     def read(self, files: Mapping[str, str]) -> Program:
         """The program in these files; `InputError` with every line that cannot be read."""
+        return self.scan(files).program()
+
+    def scan(self, files: Mapping[str, str]) -> Motions:
+        """The motions in these files with the places of their numbers; `faults` has what cannot be read."""
+        raise InputError(Fault(next(iter(files)), f"{self.title} is read as a table only"))
+
+    def numbers(self, X: Array, like: Array) -> Array:
+        """(6,) or (7,) numbers of a pose (4, 4) as the format writes place and turn, of all that say the same
+        turn those nearest to `like`."""
+        raise InputError(Fault(self.title, "programs are not corrected in place", "export the path anew"))
+
+    def decimals(self) -> tuple[int, int]:
+        """Decimals of a place and of a turn, as the format writes them."""
+        return self.mm_digits, self.deg_digits
+
+    def joint_decimals(self) -> int:
+        """Decimals of a turning joint."""
+        return self.deg_digits
+
+    def joint_numbers(self, arm: Array) -> Array:
+        """(n,) numbers of turning joints [rad] as the format writes them."""
+        return np.degrees(arm)
+
+    def printed(self, X: Array) -> Array:
+        """(N, 4, 4) poses as they come back from the numbers that the file has of X (N, 4, 4)."""
+        return X
+
+    def legs(self, program: Program) -> Legs:
+        """The legs of a program of poses between the points as they are printed, so that a speed that is
+        read takes the time that the program has."""
+        if program.X is None:
+            return legs_of(program)
+        X, via, bent = self.printed(program.in_base), program.via_in_base.copy(), program.circular
+        via[bent] = self.printed(via[bent])
+        plain = replace(program, X=X, via=via if bent.any() else None, base=np.eye(4))
+        return legs_of(plain)
 
     def rounding(self) -> tuple[float, float]:
         """Half a last digit: (of each coordinate [m], the largest rotation of all angles together [rad])."""
@@ -64,7 +117,7 @@ class Format(ABC):
     def warnings(self, program: Program) -> list[str]:
         """What the controller takes but the user should know."""
         found = []
-        if program.kind == "poses" and program.count > 2 and not legs_of(program).blend[1:-1].any():
+        if program.kind == "poses" and program.count > 2 and not self.legs(program).blend[1:-1].any():
             found.append(
                 f"the tool stops at every point: no legs longer than {2.5e3 * FINEST_BLEND:.3f} mm to round, "
                 "or blend = 0"
@@ -124,7 +177,7 @@ class Format(ABC):
             far = np.flatnonzero(np.abs(program.X[:, :3, 3]).max(axis=1) > FARTHEST)
             faults += [Fault(f"{place} point {i + 1}", f"is more than {FARTHEST:.0f} m away",
                              "positions are in metres") for i in far]  # fmt: skip
-        return faults + ([] if program.kind == "joints" else _check_time(program, place))
+        return faults + (_check_leg_times if program.kind == "joints" else _check_time)(program, place)
 
     def _check_axes(self, program: Program) -> list[Fault]:
         place, rails = f"program {program.name!r}", program.rails.shape[1]
@@ -159,6 +212,13 @@ def _is_pose(X: Array) -> np.ndarray:
     square = np.abs(R @ np.swapaxes(R, 1, 2) - np.eye(3)).max(axis=(1, 2)) < 1e-6
     bottom = (X[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1)
     return np.asarray(square & (np.linalg.det(R) > 0) & bottom)
+
+
+def _check_leg_times(program: Program, place: str) -> list[Fault]:
+    """Of a path of joints, where it has times."""
+    short = np.flatnonzero(program.leg_times[1:] <= 0) + 1
+    what = "has no time to get there (dwell counted)"
+    return [Fault(f"{place} point {i + 1}", what, "order the points by time") for i in short]
 
 
 def _check_time(program: Program, place: str) -> list[Fault]:

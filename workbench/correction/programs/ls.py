@@ -1,38 +1,38 @@
-"""Fanuc LS: a teach pendant program as text (ASCII upload or the offline translator makes a .tp of it).
+"""Fanuc LS, written: a teach pendant program as text (ASCII upload or the offline translator makes a .tp).
 
-Conventions of FANUC: mm and degrees with three decimals, R = Rz(R) Ry(P) Rx(W); joint 3 is shown
-against the horizontal, J3 = j3 − j2 (`coupled`). Speeds are whole mm/sec or the leg's time in msec,
-whichever is nearer to what is wanted. UFRAME 0 is the controller's world and has to be the model's
-base. The file cannot set the tool: UTOOL on the controller has to hold it. At most 9999 lines and
-position numbers up to 32766 (16 bits).
+Conventions of FANUC: mm and degrees with three decimals, R = Rz(R) Ry(P) Rx(W). Speeds are whole mm/sec or
+the leg's time in msec, whichever is nearer to what is wanted; joint moves in whole percent. UFRAME 0 is the
+controller's world. A tool and a base come into UTOOL and UFRAME through a position register (`SCRATCH`).
+CONFIG of every pose: wrist N or F (joint 5 negative or not), elbow U or D, arm T or B (wrist centre in front
+of axis 1 or behind), and the turn numbers of joints 4, 5 and 6 (operator's manual). At most 9999 lines and
+position numbers up to 32766 (16 bits). `ls_read.py` reads it.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 import numpy as np
 
 from ...files.faults import Fault
 from ...robot import rotations
-from .base import Array, Legs, Program, legs_of
-from .format import Format
+from .base import Array, Legs, Program
+from .format import Format, by_angles
+from .ls_read import scan
 from .motions import Motions
+from .near import near_zyx
+from .posture import turn_numbers
 
 BETWEEN = ",\t"
 MOST_LINES = 9999
 LONGEST_LEG = 32.0  # s, a leg's time in msec; beyond it in tenths of seconds
-LS_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
-LS_FIELD = re.compile(rf"\b(X|Y|Z|W|P|R|J\d|E\d)\s*=\s*({LS_NUMBER})")
-LS_PACE, LS_ENDING = rf"(?:({LS_NUMBER})\s*(%|[a-z/]+))?", r"(FINE|CNT\s*\d+)?"
-LS_MOVE = re.compile(rf"^\s*\d*\s*:\s*([JLCA])\s+(PR?)\[(\d+)[^\]]*\]\s*{LS_PACE}\s*{LS_ENDING}", re.I)
-METRES = {"mm/sec": 1e-3, "cm/min": 1e-2 / 60, "inch/min": 0.0254 / 60}
-SECONDS = {"sec": 1.0, "msec": 1e-3}
+SCRATCH = 100  # position register that carries the tool and the base
+OWN_FRAME = 9  # number of UTOOL and UFRAME that a program with a tool or base of its own sets
+LONGEST_REMARK = 32
 
 
 class Ls(Format):
-    """`configuration`: the arm's posture, the same in every pose: wrist N/F, elbow U/D, front T/B, turns."""
+    """`configuration`: said of every pose where the joints are not known."""
 
     name, title, extension = "ls", "Fanuc LS", ".ls"
     deg_digits = 3
@@ -44,12 +44,10 @@ class Ls(Format):
     most_rails = 3
     most_points = 32766
     fastest = 4.0  # newer controllers; older ones end at 2 m/s
-    carries_tool = False
+    circles = True
 
-    def __init__(
-        self, configuration: str = "N U T, 0, 0, 0", coupled: bool = True, frame: int = 0, tool: int = 1
-    ) -> None:
-        self.configuration, self.coupled, self.frame, self.tool = configuration, coupled, frame, tool
+    def __init__(self, configuration: str = "N U T, 0, 0, 0") -> None:
+        self.configuration = configuration
 
     def check(self, program: Program) -> list[Fault]:
         faults = super().check(program)
@@ -62,16 +60,28 @@ class Ls(Format):
 
     def warnings(self, program: Program) -> list[str]:
         found = super().warnings(program)
-        if program.kind == "poses" and not program.at_flange:
-            place, turn = self._numbers(program.tool)
-            found.append(f"UTOOL[{self.tool}] on the controller has to be {', '.join(place + turn)}")
-        if program.kind == "poses" and legs_of(program).blend.any():
+        own = [
+            name for name, none in (("UTOOL", program.at_flange), ("UFRAME", program.in_world)) if not none
+        ]
+        if own:
+            names = " and ".join(f"{name}[{OWN_FRAME}]" for name in own)
+            found.append(f"the program sets {names} through PR[{SCRATCH}]")
+        if program.at_flange:
+            found.append("UTOOL[1] on the controller has to be zero: the poses are the flange's")
+        if program.load is not None:
+            x, y, z = program.load.com_mm
+            what = f"{program.load.mass_kg:.3f} kg at {x:.1f}, {y:.1f}, {z:.1f} mm"
+            found.append(f"a payload schedule of the controller has to say {what}: the file cannot")
+        if program.kind == "poses" and self.legs(program).blend.any():
             found.append("CNT100 rounds the corners as the speed has it, not by `blend`; blend = 0 says FINE")
-        if program.kind == "poses":
+        if program.kind == "poses" and program.arm.shape[1] != 6:
             found.append(
                 f"every pose says CONFIG '{self.configuration}': the arm has to stand so at the start"
             )
         return found
+
+    def printed(self, X: Array) -> Array:
+        return by_angles(X, rotations.zyx_angles, rotations.from_zyx, self.mm_digits, self.deg_digits)
 
     def write(self, program: Program) -> dict[str, str]:
         moves, positions = self._motions(program)
@@ -94,98 +104,96 @@ class Ls(Format):
 
     def _motions(self, program: Program) -> tuple[list[str], list[str]]:
         """Lines of /MN and entries of /POS."""
-        moves, positions = [f"  UFRAME_NUM={self.frame}", f"  UTOOL_NUM={self.tool}"], []
-        share, legs = f"{max(1, round(100 * program.share))}%", legs_of(program)
-        X, start = program.X, program.kind == "poses" and program.arm.shape[1] == 6
-        for i in range(program.count if program.kind == "joints" else int(start)):
-            positions.append(self._joint_position(i + 1, program.arm[i], program.rails[i]))
-            moves.append(f"J P[{i + 1}] {share} FINE")
-            moves += [_wait(program.dwell[i])] if program.kind == "joints" and program.dwell[i] > 0 else []
-        for i in range(program.count if program.kind == "poses" and X is not None else 0):
-            assert X is not None
-            number = i + 1 + int(start)
-            positions.append(self._pose_position(number, X[i], program.rails[i]))
-            ending = "CNT100" if legs.blend[i] > 0 else "FINE"
-            moves.append(f"L P[{number}] {_pace(legs, i)} {ending}" if number > 1 else f"J P[1] {share} FINE")
-            moves += [_wait(legs.pause[i])] if legs.pause[i] > 0 else []
+        frame, tool = _frame_numbers(program)
+        moves = [f"  !{note[:LONGEST_REMARK]}" for note in program.notes]
+        if not program.in_world:
+            moves += self._set(f"UFRAME[{OWN_FRAME}]", program.base)
+        if not program.at_flange:
+            moves += self._set(f"UTOOL[{OWN_FRAME}]", program.tool)
+        moves += [f"  UFRAME_NUM={frame}", f"  UTOOL_NUM={tool}"]
+        share = f"{max(1, round(100 * program.share))}%"
+        if program.kind == "joints":
+            steps, positions = self._joint_moves(program, share)
+        else:
+            steps, positions = self._path(program, share)
+        return moves + steps, positions
+
+    def _set(self, frame: str, X: Array) -> list[str]:
+        """A frame of the controller's by way of a position register."""
+        angles = np.degrees(rotations.zyx_angles(X[None, :3, :3])[0])[::-1]
+        values = [*(f"{1e3 * v:z.3f}" for v in X[:3, 3]), *(f"{v:z.3f}" for v in angles)]
+        said = [f"({value})" if value.startswith("-") else value for value in values]
+        elements = [f"  PR[{SCRATCH},{k}]={value}" for k, value in enumerate(said, 1)]
+        return [f"  PR[{SCRATCH}]=LPOS", *elements, f"  {frame}=PR[{SCRATCH}]"]
+
+    def _joint_moves(self, program: Program, share: str) -> tuple[list[str], list[str]]:
+        moves, positions, legs, frames = [], [], program.leg_times, _frame_numbers(program)
+        for i, dwell in enumerate(program.dwell):
+            positions.append(_joint_position(i + 1, program.arm[i], program.rails[i], frames))
+            pace = _time(legs[i]) if np.isfinite(legs[i]) else share
+            moves.append(f"J P[{i + 1}] {pace} {'CNT100' if program.passing[i] else 'FINE'}")
+            moves += _wait(dwell)
         return moves, positions
 
-    def _numbers(self, X: Array) -> tuple[list[str], list[str]]:
-        angles = np.degrees(rotations.zyx_angles(X[None, :3, :3])[0])[::-1]
-        place = [f"{n} = {1e3 * v:z9.3f}  mm" for n, v in zip("XYZ", X[:3, 3], strict=True)]
-        return place, [f"{n} = {v:z9.3f} deg" for n, v in zip("WPR", angles, strict=True)]
+    def _path(self, program: Program, share: str) -> tuple[list[str], list[str]]:
+        """By joints to the start where they are known, then L and C through all points."""
+        X, legs, via, circular = program.in_base, self.legs(program), program.via_in_base, program.circular
+        moves, positions, number = [], [], 0
+        frames = _frame_numbers(program)
+        if program.arm.shape[1] == 6:
+            number = 1
+            positions.append(_joint_position(1, program.arm[0], program.rails[0], frames))
+            moves.append(f"J P[1] {share} FINE")
+        for i in range(program.count):
+            posture, over = self._config(program, i), ""
+            if circular[i]:
+                number += 1
+                positions.append(_pose_position(number, via[i], program.rails[i], posture, frames))
+                over = f"P[{number}]    \n    :  "
+            number += 1
+            positions.append(_pose_position(number, X[i], program.rails[i], posture, frames))
+            ending = "CNT100" if legs.blend[i] > 0 else "FINE"
+            move = f"{'C' if over else 'L'} {over}P[{number}] {_pace(legs, i)} {ending}"
+            moves.append(move if number > 1 else f"J P[1] {share} FINE")
+            moves += _wait(legs.pause[i])
+        return moves, positions
 
-    def _pose_position(self, number: int, X: Array, rails: Array) -> str:
-        place, turn = self._numbers(X)
-        head = f"\tUF : {self.frame}, UT : {self.tool},\t\tCONFIG : '{self.configuration}',"
-        return _position(number, [head, f"\t{BETWEEN.join(place)},"], turn, rails)
+    def _config(self, program: Program, i: int) -> str:
+        """CONFIG of a pose: the posture that its joints have."""
+        if program.arm.shape[1] != 6:
+            return self.configuration
+        letters = self.configuration.split(",")[0]
+        if program.posture is not None:
+            front, up, positive = program.posture[i]
+            letters = f"{'F' if positive else 'N'} {'U' if up else 'D'} {'T' if front else 'B'}"
+        return ", ".join([letters, *(f"{turn}" for turn in turn_numbers(program.arm[i, 3:6]))])
 
-    def _joint_position(self, number: int, arm: Array, rails: Array) -> str:
-        shown = np.degrees(arm)
-        if self.coupled:  # against joint 2 as written, so that rounding does not add up
-            shown[2] -= round(shown[1], self.deg_digits)
-        values = [f"J{i}= {value:z9.3f} deg" for i, value in enumerate(shown, 1)]
-        head = f"\tUF : {self.frame}, UT : {self.tool},\t"
-        return _position(number, [head, f"\t{BETWEEN.join(values[:3])},"], values[3:], rails)
+    def numbers(self, X: Array, like: Array) -> Array:
+        angles = rotations.zyx_angles(X[None, :3, :3])[0]
+        angles = near_zyx(angles, np.radians(like[:2:-1]))[::-1]
+        return np.concatenate([1e3 * X[:3, 3], np.degrees(angles)])
 
-    def read(self, files: Mapping[str, str]) -> Program:
-        place, text = next(iter(files.items()))
-        motions = Motions(place)
-        if match := re.search(r"^/PROG\s+(\w+)", text, re.M):
-            motions.name = match[1]
-        instructions, _, rest = text.partition("/POS")
-        blocks = re.findall(r"P\[(\d+)[^\]]*\]\s*\{(.*?)\}\s*;", rest, re.S)
-        positions = {number: block.split("GP2")[0] for number, block in blocks}
-        for number, line in enumerate(instructions.splitlines(), 1):
-            if match := re.match(rf"^\s*\d*\s*:\s*WAIT\s+({LS_NUMBER})\s*\(?sec", line, re.I):
-                motions.wait(float(match[1]))
-            elif match := LS_MOVE.match(line):
-                self._read_move(motions, number, match, positions)
-        return motions.program()
+    def scan(self, files: Mapping[str, str]) -> Motions:
+        return scan(files)
 
-    def _read_move(
-        self, motions: Motions, line: int, match: re.Match[str], positions: Mapping[str, str]
-    ) -> None:
-        kind, register, index, pace, unit, ending = match.groups()
-        block = positions.get(index)
-        if kind.upper() in "CA" or register.upper() == "PR" or block is None:
-            what = (
-                f"{kind} {register}[{index}]"
-                + (" has no position" if block is None else "")
-                + " cannot be read"
-            )
-            motions.fault(line, what, "give the path as L P[..] with positions in the file")
-            return
-        fields = {name: float(value) for name, value in LS_FIELD.findall(block)}
-        rails = tuple(1e-3 * fields[f"E{i}"] for i in (1, 2, 3) if f"E{i}" in fields)
-        value, unit = float(pace) if pace else np.nan, (unit or "").lower()
-        if "J1" in fields:
-            arm = np.radians([fields.get(f"J{i}", 0.0) for i in range(1, 7)])
-            arm[2] += arm[1] if self.coupled else 0.0
-            motions.joints(tuple(arm), rails, value / 100 if unit == "%" else np.nan)
-        elif {"X", "Y", "Z", "W", "P", "R"} <= fields.keys():
-            self._read_pose(motions, line, fields, block, rails, value, unit, (ending or "FINE").upper())
-        else:
-            motions.fault(line, f"P[{index}] is no whole position (X Y Z W P R or J1..J6)")
 
-    def _read_pose(
-        self, motions: Motions, line: int, fields: Mapping[str, float], block: str,
-        rails: tuple[float, ...], value: float, unit: str, ending: str,
-    ) -> None:  # fmt: skip
-        if (match := re.search(r"UF\s*:\s*(\d+)", block)) and int(match[1]) != self.frame:
-            motions.fault(
-                line, f"UFRAME {match[1]} is not frame {self.frame}", "export the path in the robot's base"
-            )
-        turn = rotations.from_zyx(np.radians([[fields[name] for name in "RPW"]]))
-        X = rotations.pose(1e-3 * np.array([[fields[name] for name in "XYZ"]]), turn)[0]
-        motions.pose(
-            X,
-            rails,
-            speed=value * METRES.get(unit, np.nan),
-            turn=np.radians(value) if unit == "deg/sec" else np.nan,
-            duration=value * SECONDS.get(unit, np.nan),
-            blend=1e-3 if ending.startswith("CNT") and int(ending[3:]) > 0 else 0.0,
-        )
+def _frame_numbers(program: Program) -> tuple[int, int]:
+    """Numbers of UFRAME and UTOOL: the world's and the flange's, or the program's own."""
+    return 0 if program.in_world else OWN_FRAME, 1 if program.at_flange else OWN_FRAME
+
+
+def _pose_position(number: int, X: Array, rails: Array, posture: str, frames: tuple[int, int]) -> str:
+    angles = np.degrees(rotations.zyx_angles(X[None, :3, :3])[0])[::-1]
+    place = [f"{n} = {1e3 * v:z9.3f}  mm" for n, v in zip("XYZ", X[:3, 3], strict=True)]
+    turn = [f"{n} = {v:z9.3f} deg" for n, v in zip("WPR", angles, strict=True)]
+    head = f"\tUF : {frames[0]}, UT : {frames[1]},\t\tCONFIG : '{posture}',"
+    return _position(number, [head, f"\t{BETWEEN.join(place)},"], turn, rails)
+
+
+def _joint_position(number: int, arm: Array, rails: Array, frames: tuple[int, int]) -> str:
+    values = [f"J{i}= {value:z9.3f} deg" for i, value in enumerate(np.degrees(arm), 1)]
+    head = f"\tUF : {frames[0]}, UT : {frames[1]},\t"
+    return _position(number, [head, f"\t{BETWEEN.join(values[:3])},"], values[3:], rails)
 
 
 def _position(number: int, head: list[str], last: list[str], rails: Array) -> str:
@@ -204,8 +212,14 @@ def _pace(legs: Legs, i: int) -> str:
     by_speed = max(1, round(speed)) if np.isfinite(speed) else 1
     if not legs.turning[i] and abs(length / by_speed - duration) <= abs(1e-3 * by_time - duration):
         return f"{by_speed}mm/sec"
-    return f"{by_time}msec" if duration <= LONGEST_LEG else f"{duration:.1f}sec"
+    return _time(duration)
 
 
-def _wait(seconds: float) -> str:
-    return f"  WAIT {max(seconds, 0.01):6.2f}(sec)"
+def _time(duration: float) -> str:
+    """A leg's time in whole msec, or tenths of seconds where it is long."""
+    return f"{max(1, round(1e3 * duration))}msec" if duration <= LONGEST_LEG else f"{duration:.1f}sec"
+
+
+def _wait(seconds: float) -> list[str]:
+    """A pause in hundredths of seconds; none where it is shorter than half of one."""
+    return [f"  WAIT {seconds:6.2f}(sec)"] if seconds >= 0.005 else []

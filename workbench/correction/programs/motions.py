@@ -2,10 +2,51 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from typing import Literal
+
 import numpy as np
 
 from ...files.faults import Fault, InputError
+from ...robot.schema import LoadData
 from .base import STANDSTILL, Array, Program, legs_of
+
+Span = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Spot:
+    """Where a target's numbers stand: `spans` of the text of `file`, of place and turn or of joints."""
+
+    file: str
+    spans: tuple[Span, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """One motion as the file has it: to a tool pose (4, 4) in `base`, or to joints.
+
+    arm: turning joints [rad]; rails [m]; speed [m/s], turn [rad/s], duration [s] of the leg, NaN where not
+    said; share of the joints' full speed; blend: corner [m]; via: of a circle, in `base`, with its own spot.
+    tool, base: (4, 4) that hold here; None where they stand on the controller, not in the file.
+    """
+
+    kind: Literal["pose", "joints"]
+    place: str
+    X: Array | None = None
+    arm: tuple[float, ...] = ()
+    rails: tuple[float, ...] = ()
+    speed: float = np.nan
+    turn: float = np.nan
+    duration: float = np.nan
+    share: float = np.nan
+    blend: float = 0.0
+    via: Array | None = None
+    spot: Spot | None = None
+    via_spot: Spot | None = None
+    line: int = 0
+    tool: Array | None = None
+    base: Array | None = None
 
 
 class Motions:
@@ -18,12 +59,14 @@ class Motions:
     def __init__(self, place: str) -> None:
         self.place = place
         self.name = ""
-        self.tool = np.eye(4)
+        self.tool: Array | None = np.eye(4)
+        self.base: Array | None = np.eye(4)
+        self.load: LoadData | None = None
         self.faults: list[Fault] = []
-        self._poses: list[tuple[Array, tuple[float, ...], float, float, float, float]] = []
-        self._joints: list[tuple[tuple[float, ...], tuple[float, ...], float]] = []
-        self._dwell: dict[tuple[str, int], float] = {}
-        self._last = ("start", 0)
+        self.moves: list[Move] = []
+        self.line: int | str = ""
+        self.unknown: dict[str, str] = {}
+        self._dwell: dict[int, float] = {}
 
     def pose(
         self,
@@ -33,23 +76,47 @@ class Motions:
         turn: float = np.nan,
         duration: float = np.nan,
         blend: float = 0.0,
+        *,
+        share: float = np.nan,
+        via: Array | None = None,
+        spot: Spot | None = None,
+        via_spot: Spot | None = None,
     ) -> None:
-        """A tool pose (4, 4); tool speed [m/s], turning speed [rad/s] or time of the leg [s]; corner [m]."""
-        if self._poses and self._last[0] == "joints":
-            self.fault(
-                f"before pose {len(self._poses) + 1}", "a joint move inside the path", "split the program"
-            )
-        self._poses.append((X, rails, speed, turn, duration, blend))
-        self._last = ("pose", len(self._poses) - 1)
+        """A tool pose (4, 4) in the base; tool speed [m/s], turning speed [rad/s] or time of the leg [s];
+        corner [m]; share of full speed where joints move freely; the pose over which a circle goes."""
+        self._add(
+            Move("pose", self._where, X, (), rails, speed, turn, duration, share, blend, via, spot, via_spot)
+        )
 
-    def joints(self, arm: tuple[float, ...], rails: tuple[float, ...] = (), share: float = np.nan) -> None:
-        """Joint targets: turning joints [rad], rails [m], share of the full speed."""
-        self._joints.append((arm, rails, share))
-        self._last = ("joints", len(self._joints) - 1)
+    def joints(
+        self,
+        arm: tuple[float, ...],
+        rails: tuple[float, ...] = (),
+        share: float = np.nan,
+        duration: float = np.nan,
+        *,
+        spot: Spot | None = None,
+    ) -> None:
+        """Joint targets: turning joints [rad], rails [m], share of the full speed or time of the leg [s]."""
+        self._add(Move("joints", self._where, None, arm, rails, duration=duration, share=share, spot=spot))
+
+    def _add(self, move: Move) -> None:
+        line = self.line if isinstance(self.line, int) else 0
+        self.moves.append(replace(move, tool=self.tool, base=self.base, line=line))
+
+    @property
+    def _where(self) -> str:
+        return f"{self.place} line {self.line}" if self.line != "" else self.place
 
     def wait(self, seconds: float) -> None:
         """A standstill at the last point."""
-        self._dwell[self._last] = self._dwell.get(self._last, 0.0) + seconds
+        last = len(self.moves) - 1
+        self._dwell[last] = self._dwell.get(last, 0.0) + seconds
+
+    def elsewhere(self, name: str, text: str) -> None:
+        """The tool or base (`name`) that holds from here on stands on the controller, not in the file."""
+        setattr(self, name, None)
+        self.unknown.setdefault(name, f"{self._where}: {text}")
 
     def fault(self, line: int | str, what: str, mend: str = "") -> None:
         where = f" line {line}" if isinstance(line, int) else f" {line}" if line else ""
@@ -57,26 +124,49 @@ class Motions:
 
     def program(self) -> Program:
         """The program read; `InputError` with all faults."""
-        if not self._poses and not self._joints and not self.faults:
-            self.fault("", "has no motion", "check that this is the right file and format")
-        if self.faults:
-            raise InputError(self.faults)
-        return self._path() if self._poses else self._targets()
+        poses = [i for i, move in enumerate(self.moves) if move.kind == "pose"]
+        faults = list(self.faults)
+        if not self.moves and not faults:
+            faults = [Fault(self.place, "has no motion", "check that this is the right file and format")]
+        if poses and len(poses) != poses[-1] - poses[0] + 1:
+            between = next(i for i in range(poses[0], poses[-1]) if i not in set(poses))
+            what = "a joint move inside the path"
+            faults.append(Fault(self.moves[between].place, what, "split the program"))
+        if poses and "base" in self.unknown:
+            what = "the base of the path stands on the controller, not in the file"
+            faults.append(Fault(self.unknown["base"], what, "export the path in the robot's world"))
+        chosen = poses or list(range(len(self.moves)))
+        for name in ("tool", "base"):
+            if len({_bytes(getattr(self.moves[i], name)) for i in chosen}) > 1:
+                faults.append(Fault(self.place, f"the {name} changes inside the path", "split the program"))
+        if faults:
+            raise InputError(faults)
+        return self._path(poses) if poses else self._targets()
 
-    def _dwells(self, kind: str, count: int) -> Array:
-        return np.array([self._dwell.get((kind, i), 0.0) for i in range(count)])
+    def _dwells(self, chosen: list[int]) -> Array:
+        return np.array([self._dwell.get(i, 0.0) for i in chosen])
 
-    def _rails(self, rails: list[tuple[float, ...]]) -> Array:
-        if len({len(row) for row in rails}) > 1:
+    def _rails(self, moves: list[Move]) -> Array:
+        if len({len(move.rails) for move in moves}) > 1:
             raise InputError(Fault(self.place, "rails (external axes) are given for some points only"))
-        return np.array(rails).reshape(len(rails), -1)
+        return np.array([move.rails for move in moves]).reshape(len(moves), -1)
 
-    def _path(self) -> Program:
-        X = np.array([row[0] for row in self._poses])
-        rails = self._rails([row[1] for row in self._poses])
-        speed, turn, duration, blend = np.array([row[2:] for row in self._poses]).T
-        dwell = self._dwells("pose", len(X))
-        ways = legs_of(Program("ways", X))
+    def _share(self) -> float:
+        """That of the last joint move that says one."""
+        said = [move.share for move in self.moves if 0 < move.share <= 1]
+        return said[-1] if said else 0.1
+
+    def _path(self, chosen: list[int]) -> Program:
+        moves, dwell = [self.moves[i] for i in chosen], self._dwells(chosen)
+        base, rails = _known(moves[0].base), self._rails(moves)
+        X = np.array([base @ _known(move.X) for move in moves])
+        straight = np.full((4, 4), np.nan)
+        via = np.array([straight if move.via is None else base @ move.via for move in moves])
+        speed, turn, duration, blend = np.array(
+            [(move.speed, move.turn, move.duration, move.blend) for move in moves]
+        ).T
+        bent = via if np.isfinite(via).any() else None
+        ways = legs_of(Program("ways", X, via=bent))
         with np.errstate(divide="ignore", invalid="ignore"):
             by_speed = np.where(ways.distance < STANDSTILL, ways.angle / turn, ways.distance / speed)
         standing = (ways.distance < STANDSTILL) & (ways.angle < STANDSTILL)
@@ -88,23 +178,40 @@ class Motions:
             rails if rails.size else None,
             time if np.isfinite(time).all() else None,
             dwell,
-            self.tool,
+            _known(moves[0].tool),
             sliding=(True,) * rails.shape[1],
             blend=float(blend.max(initial=0.0)),
+            share=self._share(),
+            base=base,
+            load=self.load,
+            via=bent,
         )
 
     def _targets(self) -> Program:
-        rails = self._rails([row[1] for row in self._joints])
-        if len({len(row[0]) for row in self._joints}) > 1:
+        moves, dwell = self.moves, self._dwells(list(range(len(self.moves))))
+        rails = self._rails(moves)
+        if len({len(move.arm) for move in moves}) > 1:
             raise InputError(Fault(self.place, "joint targets have different numbers of joints"))
-        arm = np.array([row[0] for row in self._joints])
-        share = self._joints[-1][2]
+        arm = np.array([move.arm for move in moves])
+        legs = np.array([move.duration for move in moves[1:]])
+        timed = len(legs) > 0 and bool(np.isfinite(legs).all())
         return Program(
             self.name,
             q=np.hstack([rails, arm]),
-            dwell=self._dwells("joints", len(arm)),
-            tool=self.tool,
+            time=np.concatenate([[0.0], np.cumsum(legs + dwell[:-1])]) if timed else None,
+            dwell=dwell,
+            tool=_known(moves[0].tool),
             kind="joints",
             sliding=(True,) * rails.shape[1] + (False,) * arm.shape[1],
-            share=share if 0 < share <= 1 else 0.1,
+            share=self._share(),
+            base=_known(moves[0].base),
+            load=self.load,
         )
+
+
+def _known(frame: Array | None) -> Array:
+    return np.eye(4) if frame is None else frame
+
+
+def _bytes(frame: Array | None) -> bytes:
+    return b"" if frame is None else frame.tobytes()

@@ -1,32 +1,31 @@
-"""Universal Robots script: one function with a line per point.
+"""Universal Robots script, written: one function with a line per point. `urscript_read.py` reads it.
 
 Conventions of the URScript manual: metres and radians, poses p[x,y,z,rx,ry,rz] with a rotation vector,
-`v` in m/s, `t` the leg's time in s, `r` the corner in m. Poses are in the controller's base, which
-stands half a turn about z from the link that many URDFs call the base. A corner may not reach half a leg.
+`v` in m/s, `t` the leg's time in s, `r` the corner in m. A corner may not reach half a leg.
 With `stream` the points go to `servoj` at their own times: for paths sampled every few milliseconds.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 import numpy as np
 
 from ...files.faults import Fault
 from ...robot import rotations
-from .base import Array, Program, legs_of
-from .format import NUMBER, Format
+from .base import Array, Program
+from .format import Format
 from .motions import Motions
+from .near import near_vector
+from .urscript_read import UR_FULL_JOINT_SPEED, scan
 
 UR_DIGITS = 8
 ACCELERATION = 1.2  # m/s², the manual's default
 JOINT_ACCELERATION = 1.4  # rad/s², the manual's default
-UR_FULL_JOINT_SPEED = np.pi  # rad/s
 LONGEST_STEP = 0.2  # s between points that are streamed
-UR_MOVE = re.compile(
-    r"\b(movel|movej|movep|movec|servoj|servoc)\s*\(\s*(?:get_inverse_kin\s*\(\s*)?(p?)\[([^\]]*)\](.*)"
-)
+SHORTEST_STEP = 0.002  # s, the controller's own
+SECOND_DIGITS = 7
+BASE = "base_frame"  # variable that holds the base
 UR_WORDS = """
 and break continue def elif else end enter_critical exit_critical False for global halt if in join
 kill local mod not or pass return run sec sync thread True while xor movej movel movep movec servoj sleep"""
@@ -36,6 +35,7 @@ class UrScript(Format):
     name, title, extension, newline = "urscript", "URScript", ".script", "\n"
     reserved = frozenset(UR_WORDS.split())
     many_lines = 5000
+    circles = True
 
     def __init__(self, stream: bool = False) -> None:
         self.stream = stream
@@ -51,92 +51,89 @@ class UrScript(Format):
     def check(self, program: Program) -> list[Fault]:
         faults = super().check(program)
         if not faults and self.stream and program.kind == "poses":
-            slow = np.flatnonzero(legs_of(program).duration > LONGEST_STEP)
+            slow = np.flatnonzero(self.legs(program).duration > LONGEST_STEP)
             what = f"comes more than {LONGEST_STEP} s after the one before, too coarse to stream"
             faults += [Fault(f"program {program.name!r} point {i + 1}", what, "sample the path finer")
                        for i in slow[:1]]  # fmt: skip
         return faults
 
+    def printed(self, X: Array) -> Array:
+        turn = np.round(rotations.vectors(X[:, :3, :3]), UR_DIGITS)
+        return rotations.pose(np.round(X[:, :3, 3], UR_DIGITS), rotations.from_vectors(turn))
+
     def write(self, program: Program) -> dict[str, str]:
         body = self._joints(program) if program.kind == "joints" else self._path(program)
+        frames = [f"set_tcp({_pose(program.tool)})"]
+        if program.load is not None:
+            centre = ",".join(f"{1e-3 * value:z.6f}" for value in program.load.com_mm)
+            frames.append(f"set_payload({program.load.mass_kg:.3f}, [{centre}])")
+        if not program.in_world:
+            frames.append(f"{BASE} = {_pose(program.base)}")
         lines = [
             f"def {program.name}():",
-            f"  set_tcp({_pose(program.tool)})",
-            *(f"  {line}" for line in body),
+            *(f"  # {note}" for note in program.notes),
+            *(f"  {line}" for line in [*frames, *body]),
         ]
         return {f"{program.name}{self.extension}": "\n".join([*lines, "end", ""])}
 
     def _joint_move(self, program: Program, i: int) -> str:
-        speed = f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.4f}"
-        return f"movej([{_numbers(program.arm[i])}], {speed})"
+        return f"movej([{_numbers(program.arm[i])}], {_free(program)})"
 
     def _joints(self, program: Program) -> list[str]:
+        """movej to every target, or, where the path says when, servoj at short steps and movej in time."""
         lines = []
-        for i, dwell in enumerate(program.dwell):
-            lines += [self._joint_move(program, i), *([f"sleep({dwell:.3f})"] if dwell > 0 else [])]
+        for i, (dwell, leg) in enumerate(zip(program.dwell, program.leg_times, strict=True)):
+            move = self._joint_move(program, i)
+            if np.isfinite(leg):
+                target = f"[{_numbers(program.arm[i])}]"
+                move = f"movej({target}, a={JOINT_ACCELERATION}, t={leg:.{SECOND_DIGITS}f})"
+                if leg <= LONGEST_STEP:
+                    move = f"servoj({target}, t={leg:.{SECOND_DIGITS}f})"
+            lines += [move, *([f"sleep({dwell:.3f})"] if dwell > 0 else [])]
         return lines
 
     def _path(self, program: Program) -> list[str]:
-        X, legs = program.X, legs_of(program)
-        assert X is not None
+        X, legs, via, circular = program.in_base, self.legs(program), program.via_in_base, program.circular
         lines, by_joints = [], program.arm.shape[1] == 6
         if by_joints:
             lines.append(self._joint_move(program, 0))
         for i in range(program.count):
+            target = self._target(program, X[i])
             timed = legs.turning[i] or not np.isfinite(legs.speed[i])
-            pace = f"t={legs.duration[i]:.4f}" if timed else f"v={legs.speed[i]:.7f}"
+            pace = f"t={legs.duration[i]:.{SECOND_DIGITS}f}" if timed else f"v={legs.speed[i]:.9f}"
             corner = f", r={legs.blend[i]:.6f}" if legs.blend[i] > 0 else ""
             if i == 0 and not by_joints:
-                speed = f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.4f}"
-                lines.append(f"movej({_pose(X[i])}, {speed})")
+                lines.append(f"movej({target}, {_free(program)})")
             elif self.stream and i > 0:
-                lines.append(f"servoj(get_inverse_kin({_pose(X[i])}), t={max(legs.duration[i], 0.002):.4f})")
+                step = max(legs.duration[i], SHORTEST_STEP)
+                lines.append(f"servoj(get_inverse_kin({target}), t={step:.{SECOND_DIGITS}f})")
             elif i == 0:
-                lines.append(f"movel({_pose(X[i])}, a={ACCELERATION}, v=0.1)")
+                lines.append(f"movel({target}, a={ACCELERATION}, v=0.1)")
+            elif circular[i]:
+                over = self._target(program, via[i])
+                lines.append(f"movec({over}, {target}, a={ACCELERATION}, {pace}{corner}, mode=0)")
             else:
-                lines.append(f"movel({_pose(X[i])}, a={ACCELERATION}, {pace}{corner})")
+                lines.append(f"movel({target}, a={ACCELERATION}, {pace}{corner})")
             lines += [f"sleep({legs.pause[i]:.3f})"] if legs.pause[i] > 0 else []
-        return [*lines, "stopj(2.0)"] if self.stream else lines
+        return lines
 
-    def read(self, files: Mapping[str, str]) -> Program:
-        place, text = next(iter(files.items()))
-        motions = Motions(place)
-        for number, full in enumerate(text.splitlines(), 1):
-            line = full.split("#")[0]
-            if match := re.match(r"\s*def\s+(\w+)", line):
-                motions.name = motions.name or match[1]
-            elif match := re.search(r"set_tcp\s*\(\s*p\[([^\]]*)\]", line):
-                motions.tool = _read_pose([float(word) for word in match[1].split(",")])
-            elif match := re.search(rf"\bsleep\s*\(\s*({NUMBER})", line):
-                motions.wait(float(match[1]))
-            elif match := UR_MOVE.search(line):
-                self._read_move(motions, number, match)
-            elif re.search(r"\b(move[jlpc]|servo[jc])\s*\(", line):
-                motions.fault(
-                    number, "a motion without numbers cannot be read", "give points as p[...] or [...]"
-                )
-        return motions.program()
+    def _target(self, program: Program, X: Array) -> str:
+        return _pose(X) if program.in_world else f"pose_trans({BASE}, {_pose(X)})"
 
-    def _read_move(self, motions: Motions, line: int, match: re.Match[str]) -> None:
-        kind, pose, inside, rest = match.groups()
-        try:
-            numbers = [float(word) for word in inside.split(",")]
-        except ValueError:
-            numbers = []
-        if kind in ("movec", "servoc") or len(numbers) != 6:
-            motions.fault(line, f"{kind} cannot be read", "give the path as movel with six numbers a point")
-            return
-        said = {name: float(value) for name, value in re.findall(rf"\b([avtr])\s*=\s*({NUMBER})", rest)}
-        if not pose:
-            motions.joints(tuple(numbers), share=said.get("v", np.nan) / UR_FULL_JOINT_SPEED)
-            return
-        straight = kind != "movej"
-        motions.pose(
-            _read_pose(numbers),
-            speed=said.get("v", np.nan) if straight else np.nan,
-            duration=said["t"] if straight and said.get("t", 0.0) > 0 else np.nan,
-            blend=said.get("r", 0.0),
-        )
+    def numbers(self, X: Array, like: Array) -> Array:
+        return np.concatenate([X[:3, 3], near_vector(rotations.vectors(X[None, :3, :3])[0], like[3:])])
+
+    def decimals(self) -> tuple[int, int]:
+        return UR_DIGITS, UR_DIGITS
+
+    def joint_decimals(self) -> int:
+        return UR_DIGITS
+
+    def joint_numbers(self, arm: Array) -> Array:
+        return arm
+
+    def scan(self, files: Mapping[str, str]) -> Motions:
+        return scan(files)
 
 
 def _numbers(values: Array) -> str:
@@ -147,5 +144,6 @@ def _pose(X: Array) -> str:
     return f"p[{_numbers(np.concatenate([X[:3, 3], rotations.vectors(X[None, :3, :3])[0]]))}]"
 
 
-def _read_pose(numbers: list[float]) -> Array:
-    return rotations.pose(np.array([numbers[:3]]), rotations.from_vectors(np.array([numbers[3:]])))[0]
+def _free(program: Program) -> str:
+    """Pace of a joint move at the program's share."""
+    return f"a={JOINT_ACCELERATION}, v={UR_FULL_JOINT_SPEED * program.share:.9f}"

@@ -1,12 +1,10 @@
-"""The closed loop in Drake: the true robot runs a path, commanded by what is believed of it."""
+"""The closed loop in Drake: a simulated robot runs a path, commanded by what is believed of it."""
 
-from .control import Controller
 from .file import Verified, verify_file, write_verification
 from .proof import verify
 from .verification import Repeats, Series, Trial, Verification
 
 __all__ = [
-    "Controller",
     "Repeats",
     "Series",
     "Trial",

@@ -1,4 +1,4 @@
-"""From files to files: a path, a model and a truth to a folder with the proof."""
+"""From files to files: a path, a model and a truth to a folder with the result."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ from ...report.folder import json_bytes, write_together
 from ...report.numbers import mm
 from ...robot.description import Robot, load_robot
 from ...robot.kinematics import Array
-from .control import Controller
+from ...robot.loop import Loop
+from .limits import OnLimit
 from .proof import SPEEDS, verify
-from .verification import COMMAND_NAMES, Verification
+from .runs import FeedForward
+from .verification import COMMAND_NAMES, Verification, step_said, sweep_said
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,8 @@ class Verified:
     def text(self) -> str:
         """What a user should know, for the terminal."""
         found = self.found
-        lines = [f"{found.robot.title}, {found.path.title}: {len(found.path)} samples in closed loop"]
+        lines = [found.caveat] if found.same else []
+        lines += [f"{found.robot.title}, {found.path.title}: {len(found.path)} samples in closed loop"]
         for series in found.series:
             lines.append(
                 f"  {f'at {series.speed:.3g} m/s, mm':<31}"
@@ -44,14 +47,20 @@ class Verified:
                 f = trial.figures
                 values = (f.mean_mm, f.rms_mm, f.p95_mm, f.max_mm, f.ra_mm, f.rz_mm)
                 lines.append(f"  {COMMAND_NAMES[name]:<31}" + "".join(f"{mm(value):>8}" for value in values))
+            lines.append(f"  {step_said(series)}")
         for r in found.repeats:
             rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"
             what = f"{COMMAND_NAMES[r.name]}, {r.count} runs at {r.speed:.3g} m/s"
             lines.append(f"  {what}: AT {mm(r.at_mm)} mm, RT {rt}")
+        if found.repeatability_mm is not None:
+            lines.append(
+                f"  the joints' repeatability makes {mm(found.repeatability_mm)} mm at the tool (RP)"
+            )
         ratio = found.slow.ratio_to_perfect
         if ratio is not None:
             lines.append(f"  {ratio:.2f} times what a perfect model would reach")
-        lines.append(f"  half the step changes the tool by {found.step_change_um:.2g} µm")
+        if found.sweep is not None:
+            lines.append(f"  {sweep_said(found.sweep)}")
         lines += [f"  note: {note}" for note in found.notes]
         return "\n".join([*lines, *(str(file) for file in self.files)])
 
@@ -67,12 +76,15 @@ def verify_file(
     start: Array | None = None,
     speeds: Sequence[float] | None = SPEEDS,
     repeats: int = 10,
-    controller: Controller | None = None,
+    loop: Loop | None = None,
+    feed_forward: FeedForward = "static",
+    on_limit: OnLimit = "stop",
+    sweep: bool = False,
     seed: int = 0,
     workers: int = 1,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verified:
-    """Reads a path, a model and the truth (default: the model), simulates, and writes the proof.
+    """Reads a path, a model and the truth (default: the model), simulates, and writes the result.
 
     Into `out` (None: nowhere): `verify.json`, `verify.html`, `scene.html`. Raises `InputError` with all
     faults of the files; nothing is written then.
@@ -104,7 +116,10 @@ def verify_file(
         start=start,
         speeds=speeds,
         repeats=repeats,
-        controller=controller,
+        loop=loop,
+        feed_forward=feed_forward,
+        on_limit=on_limit,
+        sweep=sweep,
         seed=seed,
         workers=workers,
         progress=progress,

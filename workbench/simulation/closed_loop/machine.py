@@ -1,25 +1,22 @@
-"""The true robot as a continuous Drake plant: drives, springs, links, payload.
+"""The simulated robot as a Drake plant: drives, springs, links, payload.
 
-Explicit integration at 1 ms bears no mode above `FASTEST`. So each spring joint gets the rotor inertia
-K/ω² of its own (it slows the joint's own yielding, and nothing else): whatever hangs on it, no mode is
-faster then, and real modes of 10 to 50 Hz stay where they are within a few per cent. Statics don't change.
+Springs that are linear are Drake's force elements; their joints carry no inertia of their own.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Frame, Joint
+from pydrake.multibody.tree import Frame, Joint, PrismaticJoint, RevoluteJoint
 
 from ...robot.kinematics import Arm, Array
-from ...robot.plant_parts import add_rotor, axial_joint, point_inertia, screw_joint
+from ...robot.plant_parts import add_rotor, add_spring, axial_joint, point_inertia, screw_joint
 from ...robot.plants import ArmPlant, arm_plant, rigid_arm_plant
 from .mechanics import Mechanics, Screw
-
-FASTEST = 800.0  # rad/s
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +24,8 @@ class Machine:
     """The plant and where things are in it. n joints, K springs: first the joints' own, then the screws.
 
     motors: (n,), springs: (K,) places in positions and velocities; own: (n,) place among the springs of
-    each joint's own spring, −1 for none. stiffness: (K,) [N·m/rad, N/m]. rotor: (n,) reflected inertia of
-    the drives [kg·m², kg].
+    each joint's own spring, −1 for none. stiffness: (K,) [N·m/rad, N/m]; native: (K,) whether the spring is
+    Drake's force element. rotor: (n,) reflected inertia of the drives [kg·m², kg].
     """
 
     built: ArmPlant
@@ -36,11 +33,17 @@ class Machine:
     springs: NDArray[np.int64]
     own: NDArray[np.int64]
     stiffness: Array
+    native: NDArray[np.bool_]
     rotor: Array
 
     @property
     def plant(self) -> MultibodyPlant:
         return self.built.plant
+
+    @cached_property
+    def sprung(self) -> NDArray[np.int64]:
+        """Joints that have a spring of their own, in the springs' order."""
+        return np.flatnonzero(self.own >= 0)
 
     @property
     def flange(self) -> Frame:
@@ -52,7 +55,7 @@ def machine(mechanics: Mechanics, rotor: Array) -> Machine:
     """Builds the plant. rotor: (n,) reflected inertia of each drive [kg·m², kg]."""
     moving = _Moving(mechanics, rotor)
     built = arm_plant(
-        mechanics.arm, moving.at_slot, point_inertia(mechanics.mass, mechanics.moment), mechanics.placed
+        mechanics.arm, moving.at_slot, point_inertia(mechanics.mass, mechanics.moment), mechanics.placed[0]
     )
     springs = [joint.position_start() for joint in (*moving.own, *moving.screws)]
     own = np.full(mechanics.arm.n, -1)
@@ -65,21 +68,27 @@ def machine(mechanics: Mechanics, rotor: Array) -> Machine:
         np.array(springs, dtype=np.int64),
         own,
         np.array(stiffness),
+        np.array(moving.native, dtype=bool),
         np.asarray(rotor, float),
     )
 
 
-def slowest_mode(built: Machine, q: Array) -> float:
-    """[rad/s] of the arm on its springs, drives locked at joints q (n,); infinite for a rigid arm."""
-    if not len(built.springs):
-        return float("inf")
+def mass_matrix(built: Machine, q: Array) -> Array:
+    """(V, V) with the drives at joints q (n,) and the springs slack."""
     context = built.plant.CreateDefaultContext()
     place = np.zeros(built.plant.num_positions())
     place[built.motors] = q
     built.plant.SetPositions(context, place)
-    M = built.plant.CalcMassMatrix(context)[np.ix_(built.springs, built.springs)]
+    return np.asarray(built.plant.CalcMassMatrix(context))
+
+
+def modes(built: Machine, q: Array) -> Array:
+    """(K,) natural frequencies [rad/s] of the arm on its springs, drives locked at joints q (n,),
+    ascending."""
+    M = mass_matrix(built, q)[np.ix_(built.springs, built.springs)]
     scale = 1 / np.sqrt(built.stiffness)
-    return float(1 / np.sqrt(np.linalg.eigvalsh(scale[:, None] * M * scale).max()))
+    slowness = np.maximum(np.linalg.eigvalsh(scale[:, None] * M * scale), 1e-12)
+    return np.asarray(1 / np.sqrt(slowness[::-1]))
 
 
 def rigid_machine(arm: Arm, mass: float, moment: Array) -> tuple[MultibodyPlant, NDArray[np.int64]]:
@@ -98,6 +107,12 @@ class _Moving:
         self.sprung: list[int] = []
         self.screws: list[Joint] = []
         self.order: list[Screw] = []
+        self.of_joints: list[bool] = []
+        self.of_screws: list[bool] = []
+
+    @property
+    def native(self) -> list[bool]:
+        return [*self.of_joints, *self.of_screws]
 
     def at_slot(self, plant: MultibodyPlant, slot: int, frame: Frame) -> Frame:
         for screw in self.mechanics.screws:
@@ -108,7 +123,7 @@ class _Moving:
     def _screw(self, plant: MultibodyPlant, screw: Screw, frame: Frame) -> Frame:
         pitch = None if screw.shift else screw.pitch
         joint = screw_joint(plant, f"screw_{len(self.screws)}", frame, screw.axis, screw.point, pitch)
-        add_rotor(plant, joint, 1 / screw.compliance / FASTEST**2)
+        self.of_screws.append(_sprung(plant, joint, 1 / screw.compliance))
         self.screws.append(joint)
         self.order.append(screw)
         return joint.child_body().body_frame()
@@ -121,7 +136,15 @@ class _Moving:
         if (law := self.mechanics.axial[j]) is None:
             return motor.child_body().body_frame()
         spring = axial_joint(plant, arm, slot, f"{arm.names[j]}_spring", motor.child_body().body_frame())
-        add_rotor(plant, spring, law.stiffest / FASTEST**2)
+        self.of_joints.append(law.torque is None and _sprung(plant, spring, law.stiffest))
         self.own.append(spring)
         self.sprung.append(j)
         return spring.child_body().body_frame()
+
+
+def _sprung(plant: MultibodyPlant, joint: Joint, stiffness: float) -> bool:
+    """Whether Drake has a spring for such a joint; it is there then."""
+    if not isinstance(joint, RevoluteJoint | PrismaticJoint):
+        return False
+    add_spring(plant, joint, stiffness)
+    return True

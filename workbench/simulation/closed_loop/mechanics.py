@@ -1,4 +1,4 @@
-"""What the true robot consists of: springs, gear errors, loads, taken from its model along a path.
+"""What the simulated robot consists of: springs, gear errors, loads, taken from its model along a path.
 
 Every slot that yields does so along a few screws: its compliance C is a sum of λ ξ ξᵀ, so a joint along
 each ξ with a spring of stiffness 1/λ yields by C · wrench. No constraint and no stiff dummy is needed.
@@ -15,13 +15,14 @@ from ...campaign.problem import Problem
 from ...correction.conditions import Conditions, path_campaign
 from ...correction.extended_arm import extended_arm
 from ...correction.paths import Path
-from ...effects.acting import Acting, Yielding
-from ...effects.acting import Law as Law6
+from ...effects.acting import Acting
 from ...effects.base import Effect
 from ...robot.compensator import CompensatorLaw, compensator_law
 from ...robot.description import Robot
 from ...robot.kinematics import RX, Arm, Array
 from ...robot.rigid_plant import arrays
+from ...robot.yielding import Law as Law6
+from ...robot.yielding import Yielding
 
 RIGID = 1e-10  # rad/(N·m), m/N: what a joint without compliance yields, where it needs a joint at all
 TABLE = 8001  # torques at which a law that is not linear is tabulated
@@ -60,10 +61,11 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class Mechanics:
-    """The true robot on a path of N samples: geometry and masses in `arm`, and what moves.
+    """The simulated robot on a path of N samples: geometry and masses in `arm`, and what moves.
 
     screws: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
-    placed: (S, 6) motions that neither load nor the drive makes (temperature, drift), at the path's middle.
+    placed: (N, S, 6) motions that neither load nor the drive makes (temperature, drift). charge: (N,) of the
+    compensator, 1 = nominal.
     mass, moment: tool and payload [kg, kg·m, flange frame]; wrench: (N, 6), torque: (N, n) as `Loads` has
     them. gear: the effects of the transmission. notes: what had to be assumed.
     """
@@ -78,6 +80,7 @@ class Mechanics:
     wrench: Array
     torque: Array
     compensator: CompensatorLaw | None
+    charge: Array
     gear: Acting
     notes: tuple[str, ...]
 
@@ -104,36 +107,29 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
     erring = {str(effect.where.joint) for effect, _ in gear}
     axial, screws = _springs(arm, extended.acting.yielding(arm), erring)
     law = loads.compensator
+    charge = np.ones(len(q))
     if law is not None:
-        law = replace(law, charge=float(np.mean(law.charge)))
+        charge, law = np.broadcast_to(law.charge, len(q)).astype(float), replace(law, charge=1.0)
     return Mechanics(
         robot,
         loaded,
         screws,
         axial,
-        placed[len(q) // 2],
+        placed,
         float(loads.mass.mean()),
         loads.moment.mean(axis=0),
         loads.wrench,
         loads.torque,
         law,
+        charge,
         gear,
-        (*extended.notes, *_sliding_with_load(others, placed)),
+        extended.notes,
     )
 
 
 def _of_a_gear(effect: Effect) -> bool:
     """Whether it is an error of one joint's drive train, which the loop simulates as such."""
     return effect.acts == "transmission" and effect.axial
-
-
-def _sliding_with_load(acting: Acting, placed: Array) -> list[str]:
-    """What changes along the path and is held at its middle."""
-    change = float(np.ptp(placed, axis=0).max(initial=0.0))
-    if change < 1e-7:
-        return []
-    names = ", ".join(e.label for e, _ in acting if e.acts in ("transmission", "geometry"))
-    return [f"{names}: held as in the middle of the path (it changes by up to {change * 1e6:.1f} µm or µrad)"]
 
 
 def _along_axis(law: Law6, component: int) -> Callable[[Array], Array]:

@@ -21,14 +21,13 @@ TRAIL = 0.05
 RAMP = 0.5
 FILTER = 0.006  # s
 PERIOD = 2.5e-4  # s: of the tables, half of the finest step
-CROSSING = 5e-6, 0.012  # way [rad, m] and time [s] in which a joint that turns round crosses its play
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
     """Commanded joints at K instants, `period` apart: q, v, a (K, n) [rad, m, s].
 
-    sample_times: (N,) [s] when the path's samples are passed. side: (K, n) side of approach, −1 … 1.
+    sample_times: (N,) [s] when the path's samples are passed. side: (n,) from which each came, −1 … 1.
     """
 
     period: float
@@ -58,7 +57,7 @@ def motion(time: Array, q: Array, sided: bool = False) -> Motion:
     first, second = spline(phase, 1), spline(phase, 2)
     place, v = spline(phase), first * rate[:, None]
     a = second * rate[:, None] ** 2 + first * change[:, None]
-    side = sides(place) if sided else np.zeros_like(place)
+    side = first_sides(place) if sided else np.zeros(place.shape[1])
     place, v, a = (_filtered(x, FILTER / PERIOD) for x in (place, v, a))
     return Motion(PERIOD, place, v, a, side, _instants(time - time[0], length, ramp) + LEAD)
 
@@ -73,7 +72,7 @@ def hold(q: Array, duration: float, side: Array | None = None) -> Motion:
     """Joints q (n,) commanded for a while, come to from `side` (n,)."""
     count = 4 * round(duration / (4 * PERIOD)) + 1
     still = np.zeros((count, len(q)))
-    from_side = still if side is None else still + side
+    from_side = np.zeros(len(q)) if side is None else side
     return Motion(PERIOD, still + q, still, still, from_side, np.array([duration]))
 
 
@@ -108,18 +107,8 @@ def interpolated(at: Array, times: Array, values: Array) -> Array:
     return np.stack([np.interp(at, times, column) for column in values.T], axis=1)
 
 
-def sides(q: Array) -> Array:
-    """(K, n) side of approach along joints q (K, n), −1 … 1: goes over as `CROSSING` says."""
-    # what is faster than the crossing itself does not count as turning round
-    q = gaussian_filter1d(q, CROSSING[1] / PERIOD, axis=0, mode="nearest")
-    step = np.diff(q, axis=0)
-    keep, sign = np.exp(-np.abs(step) / CROSSING[0]), np.sign(step)
-    out = np.empty_like(q)
+def first_sides(q: Array) -> Array:
+    """(n,) sides from which joints (K, n) are taken to have come: the ones to which they go first."""
     moving = np.abs(q - q[0]) > 1e-6
     first = np.argmax(moving, axis=0)
-    side = np.sign(q[first, np.arange(q.shape[1])] - q[0])
-    out[0] = side
-    for k in range(len(step)):
-        side = sign[k] + (side - sign[k]) * keep[k]
-        out[k + 1] = side
-    return np.asarray(gaussian_filter1d(out, CROSSING[1] / 2 / PERIOD, axis=0, mode="nearest"))
+    return np.asarray(np.sign(q[first, np.arange(q.shape[1])] - q[0]))

@@ -1,4 +1,4 @@
-"""`verify.html`: the proof on one page, in the look of the report."""
+"""`verify.html`: what was found, on one page, in the look of the report."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from importlib.metadata import version
 from ...report.markup import render
 from ...report.numbers import mm
 from ...report.study import Table, Tile
-from .pictures import pictures, speed_text
-from .verification import COMMAND_NAMES, Series, Verification
+from .pictures import pictures, speed_text, sweep_picture
+from .verification import COMMAND_NAMES, Series, Verification, step_said, sweep_said
 
 
 def page(found: Verification) -> str:
@@ -20,12 +20,13 @@ def page(found: Verification) -> str:
         path=found.path.title,
         headline=headline(found),
         lead=_lead(found),
-        tiles=[_tile(series) for series in found.series],
+        tiles=[_tile(series, found.repeatability_mm) for series in found.series],
         along=[(drawn, _numbers(series)) for drawn, series in zip(along, found.series, strict=True)],
         heights=heights,
         roughness=_roughness(found),
         repeats=_repeats(found),
         spectrum=spectrum,
+        sweep=None if found.sweep is None else sweep_picture(found.sweep, found.repeatability_mm),
         left=_left(found),
         facts=_facts(found),
         notes=found.notes,
@@ -34,20 +35,26 @@ def page(found: Verification) -> str:
 
 
 def headline(found: Verification) -> str:
-    """What came out, in one sentence."""
+    """What came out, in one sentence; first of all what it stands for, where the truth is the model."""
+    if found.same:
+        return found.caveat
     trials = found.slow.trials
     before, after = trials["uncorrected"].figures.rms_mm, trials["corrected"].figures.rms_mm
     if after < before:
-        ratio = before / after
-        return f"The corrected path is {ratio:.{0 if ratio >= 10 else 1}f} times as accurate"
+        return f"The correction takes the error from {mm(before)} to {mm(after)} mm RMS"
     return "The correction does not make this path better"
 
 
 def _lead(found: Verification) -> list[str]:
     said = [
-        "The true robot ran the path in closed loop: controller, drives, gears, springs and loads in one "
-        f"dynamic model, {len(found.path)} samples. Commands were corrected by what the model knows."
+        "The simulated robot ran the path in closed loop: sampled controller, drives, gears, springs, "
+        f"friction and loads, {len(found.path)} samples. Commands were corrected by what the model knows."
     ]
+    if found.repeatability_mm is not None:
+        said.append(
+            f"Set beside every residual the {mm(found.repeatability_mm)} mm (ISO 9283 RP) that the stated "
+            "repeatability of the joints makes at the tool: less than that no single run shows."
+        )
     ratio = found.slow.ratio_to_perfect
     if ratio is not None:
         perfect = mm(found.slow.trials["perfect"].figures.rms_mm)
@@ -57,14 +64,15 @@ def _lead(found: Verification) -> list[str]:
     return said
 
 
-def _tile(series: Series) -> Tile:
+def _tile(series: Series, repeatability_mm: float | None) -> Tile:
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
+    beside = "" if repeatability_mm is None else f"; repeatability {mm(repeatability_mm)} mm"
     return Tile(
         f"RMS error at {speed_text(series.speed)}",
         mm(before.rms_mm),
         mm(after.rms_mm),
         "mm",
-        f"largest {mm(before.max_mm)} → {mm(after.max_mm)} mm",
+        f"largest {mm(before.max_mm)} → {mm(after.max_mm)} mm{beside}",
     )
 
 
@@ -85,15 +93,22 @@ def _numbers(series: Series) -> Table:
 def _roughness(found: Verification) -> Table:
     n = ", ".join(f"{x:.2f}" for x in found.normal + 0.0)
     return Table(
-        f"Error along the normal ({n}) of the path's plane: R_a its mean size, R_z highest peak minus "
-        "deepest valley.",
-        ("Speed", "Command", "R_a, mm", "R_z, mm"),
+        f"Error along the normal ({n}) of the path's plane, by ISO 4287: R_a the mean size about its mean "
+        "line, R_z highest peak minus deepest valley, mean of five lengths. A constant height is no "
+        "roughness: it stands by itself.",
+        ("Speed", "Command", "R_a, mm", "R_z, mm", "Height, mm"),
         [
-            [speed_text(series.speed), COMMAND_NAMES[name], mm(trial.figures.ra_mm), mm(trial.figures.rz_mm)]
+            [
+                speed_text(series.speed),
+                COMMAND_NAMES[name],
+                mm(trial.figures.ra_mm),
+                mm(trial.figures.rz_mm),
+                mm(trial.figures.offset_mm),
+            ]
             for series in found.series
             for name, trial in series.trials.items()
         ],
-        numbers=(2, 3),
+        numbers=(2, 3, 4),
     )
 
 
@@ -135,9 +150,18 @@ def _left(found: Verification) -> Table:
 
 def _facts(found: Verification) -> list[tuple[str, str]]:
     servo = 1e6 * abs(found.slow.trials["corrected"].motor).max()
-    return [
-        ("Half the step moves the tool by", f"{found.step_change_um:.2g} µm at most"),
+    facts = [(f"At {speed_text(series.speed)}", step_said(series)) for series in found.series]
+    facts += [
         ("The model itself expects, at rest", f"{mm(found.expected_mm)} mm RMS"),
-        ("Integration", "third-order Runge–Kutta, fixed step of 1 ms, continuous plant"),
+        (
+            "Integration",
+            "implicit midpoint on Drake's mass matrix and forces; no inertia is added to any spring",
+        ),
         ("Servo error, largest", f"{servo:.3g} µrad (or µm)"),
     ]
+    if found.modes_hz:
+        modes = ", ".join(f"{f:.3g}" for f in found.modes_hz)
+        facts.insert(1, ("Lowest modes at the path's start, drives locked", f"{modes} Hz"))
+    if found.sweep is not None:
+        facts.append(("By speed", sweep_said(found.sweep)))
+    return facts

@@ -10,9 +10,17 @@ from ...report.drawing import AFTER, BEFORE, MIDDLE, NOISE, Figure, drawing, pla
 from ...report.numbers import mm
 from ...robot.kinematics import Array
 from .measures import spectrum
-from .verification import COMMAND_NAMES, Series, Verification
+from .verification import COMMAND_NAMES, Series, Sweep, Verification, sweep_said
 
-COMMAND_COLOURS = {"uncorrected": BEFORE, "geometry": MIDDLE, "corrected": AFTER, "perfect": NOISE}
+LED, LAGGED = "#7a4fa3", "#2f7f86"
+COMMAND_COLOURS = {
+    "uncorrected": BEFORE,
+    "geometry": MIDDLE,
+    "corrected": AFTER,
+    "elastic": LED,
+    "loop": LAGGED,
+    "perfect": NOISE,
+}
 PATH_POINTS = 1000  # of a curve, at most
 LEAST_SHOWN = 1e-4  # mm, of a logarithmic axis
 
@@ -112,6 +120,31 @@ def _spectra(series: Series) -> Figure:
         "Spectrum of the error across the path, before and after",
         svg[0],
     )
+
+
+def sweep_picture(sweep: Sweep, repeatability_mm: float | None) -> Figure:
+    """RMS error by tool speed of each command, and of a rigid arm under the same controller."""
+    lines = (
+        ("uncorrected", "Uncorrected", BEFORE, "o-"),
+        ("corrected", "Static correction", AFTER, "o-"),
+        ("elastic", "… and elastic feed-forward", LED, "o-"),
+        ("rigid", "An arm that does not yield", NOISE, "o--"),
+    )
+    with drawing("sweep", 3.0) as (axes, svg):
+        for name, label, colour, style in lines:
+            axes.plot(sweep.speeds, sweep.rms_mm[name], style, color=colour, lw=1.6, ms=4, label=label)
+        if repeatability_mm is not None:
+            axes.axhline(repeatability_mm, color=NOISE, lw=0.8)
+            axes.annotate(
+                "repeatability", (1.0, repeatability_mm), (-3, 3), ("axes fraction", "data"), "offset points",
+                ha="right", color=NOISE,
+            )  # fmt: skip
+        axes.set(xscale="log", yscale="log", xlabel="speed of the tool, m/s", ylabel="RMS error, mm")
+        for axis in (axes.xaxis, axes.yaxis):
+            plain_log(axis)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    said = sweep_said(sweep)
+    return Figure("sweep", said[0].upper() + said[1:], "RMS error of the tool by its speed", svg[0])
 
 
 def speed_text(speed: float) -> str:

@@ -1,4 +1,4 @@
-"""`verify`: the true robot runs a path in closed loop, with commands of what is believed of it."""
+"""`verify`: a robot runs a path in closed loop, with commands of what is believed of it."""
 
 from __future__ import annotations
 
@@ -12,14 +12,20 @@ from ...correction import Compensation, Conditions, compensate, stated_condition
 from ...correction.paths import Path
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
-from ...robot.kinematics import Array
-from .control import Controller
+from ...robot.kinematics import Array, frames
+from ...robot.loop import Loop
+from ...robot.rigid_plant import arrays
+from .drives import drives
+from .limits import OnLimit, OverLimit
+from .machine import machine, modes
 from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
-from .runs import Outcome, Task, World, simulate_all
-from .simulation import INTEGRATION_STEP
+from .mechanics import mechanics
+from .runs import FEED_FORWARD, FeedForward, Outcome, Task, World, simulate_all
+from .sweep import swept
 from .verification import COMMAND_NAMES, Repeats, Series, Trial, Verification
 
 SPEEDS = (0.03, 0.3)  # m/s: as slow as Olabi et al. 2012 drew, and ten times as fast
+LEAST_TOLD = 1e-9  # rad, m: by which a command has to differ to be run beside another
 LONGEST = 60.0  # s that a run may take in the simulated world
 
 
@@ -33,20 +39,27 @@ def verify(
     start: Array | None = None,
     speeds: Sequence[float] | None = SPEEDS,
     repeats: int = 10,
-    controller: Controller | None = None,
+    loop: Loop | None = None,
+    feed_forward: FeedForward = "static",
+    on_limit: OnLimit = "stop",
+    sweep: bool = False,
     true_conditions: Conditions | None = None,
     seed: int = 0,
     workers: int = 1,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verification:
-    """Runs the path on the true robot, uncorrected and corrected by what is believed.
+    """Runs the path on the simulated robot, uncorrected and corrected by what is believed.
 
     path: N samples, joints [rad, m] or tool poses [m]; tool: (4, 4) pose of the tool in the flange frame;
     start: (n,) joints near the first pose.
-    truth, belief: robots with the corrections and effects of a model.toml. conditions: loads as the program
-    believes them, `true_conditions` as they are (default: the same). speeds: tool speeds [m/s] to which the
-    path's time is stretched; None: its own. repeats: runs for AT and RT. workers: processes. Raises
-    `InputError` where the path cannot be run.
+    truth, belief: robots with the corrections and effects of a model.toml; where they are one, the result
+    shows what the controller adds, and says so. conditions: loads as the program believes them,
+    `true_conditions` as they are (default: the same). speeds: tool speeds [m/s] to which the path's time is
+    stretched; None: its own. repeats: runs for AT and RT. loop: the controller (default: that of the truth's
+    TOML). feed_forward: "elastic" adds a command whose drives lead by what the arm yields under its inertia,
+    "loop" also by what the model's own loop lags. on_limit: whether a drive over its limit of torque or
+    speed stops the run, or saturates. sweep: error by speed too. workers: processes. Raises `InputError`
+    where the path cannot be run, or a drive is over its limit.
 
     >>> import numpy as np
     >>> from workbench import Path, load_robot, parse_effect, planned, problem, record, stored, verify
@@ -61,40 +74,101 @@ def verify(
     """
     _check_call(truth, belief, speeds, repeats)
     loads = conditions or stated_conditions(belief)
-    world = World(truth, belief, loads, true_conditions or loads, tool, controller or Controller())
+    world = World(truth, belief, loads, true_conditions or loads, tool, loop or truth.loop, on_limit=on_limit)
     plans = _Plans(world, path, start, seed)
     timed, notes = plans.at_speeds(speeds)
     commands = [plans.commands(p) for p, _ in timed]
-    tasks = [
-        Task(f"{COMMAND_NAMES[name].lower()}, {speed:.3g} m/s", p, q)
-        for (p, speed), variants in zip(timed, commands, strict=True)
-        for name, q in variants.items()
-    ]
-    tasks += _repeated(truth, timed[-1][0], commands[-1], repeats, seed)
-    tasks.append(Task("half the step", timed[-1][0], commands[-1]["corrected"], INTEGRATION_STEP / 2))
-    done = simulate_all(world, tasks, workers, progress)
+    extra = FEED_FORWARD[1 : FEED_FORWARD.index(feed_forward) + 1]
+    try:
+        settled = simulate_all(world, _settling(plans.desired, timed, commands), workers, progress)
+        tasks = _others(plans.desired, timed, commands, settled, extra)
+        tasks += _repeated(truth, tasks[-1], commands[-1], repeats, seed)
+        done = simulate_all(world, tasks, workers, progress)
+        left = swept(world, plans.desired, path, commands[-1], workers, progress) if sweep else None
+    except OverLimit as over:
+        raise InputError(_over(path, over)) from None
     p = plans.desired[:, :3, 3]
     orders = _orders(truth, belief)
     series, place = [], 0
-    for (_, speed), variants in zip(timed, commands, strict=True):
-        outcomes = dict(zip(variants, done[place:], strict=False))
-        place += len(variants)
-        trials = {name: _trial(name, outcome, p, orders) for name, outcome in outcomes.items()}
-        time = outcomes["corrected"].time
-        series.append(Series(speed, time - time[0], trials))
-    accuracy = _accuracy(series[-1], done[place:-1], p)
-    coarse = p + series[-1].trials["corrected"].error
+    for (_, speed), variants, first in zip(timed, commands, settled, strict=True):
+        names = [name for name in (*variants, *extra) if name != "corrected"]
+        outcomes = {"corrected": first} | dict(zip(names, done[place:], strict=False))
+        place += len(names)
+        trials = {name: _trial(name, outcomes[name], p, orders) for name in COMMAND_NAMES if name in outcomes}
+        refined = first.step < 0.99 * world.loop.drive_period
+        series.append(
+            Series(speed, first.time - first.time[0], trials, first.step, 1e6 * first.change, refined)
+        )
     return Verification(
         robot=truth,
         path=path,
         X=plans.desired,
         normal=normal(p),
         series=tuple(series),
-        repeats=accuracy,
-        step_change_um=float(1e6 * np.linalg.norm(done[-1].tool[:, :3, 3] - coarse, axis=1).max()),
+        repeats=_accuracy(series[-1], done[place:], p),
         expected_mm=plans.expected_mm,
-        notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *done[0].notes])),
+        same=truth is belief,
+        repeatability_mm=_repeatability(truth, plans.geometry.q_nominal),
+        modes_hz=_modes(world, path, commands[0]["corrected"]),
+        sweep=left,
+        notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *settled[0].notes, *done[0].notes])),
     )
+
+
+def _settling(X: Array, timed: list[tuple[Path, float]], commands: list[dict[str, Array]]) -> list[Task]:
+    """The corrected path at each speed, which settles the step for the others."""
+    return [
+        Task(f"corrected by everything, {speed:.3g} m/s", p, q["corrected"], X, settled=True)
+        for (p, speed), q in zip(timed, commands, strict=True)
+    ]
+
+
+def _others(
+    X: Array,
+    timed: list[tuple[Path, float]],
+    commands: list[dict[str, Array]],
+    settled: list[Outcome],
+    extra: Sequence[FeedForward],
+) -> list[Task]:
+    """All other commands at each speed; `extra` ones are the corrected command with drives that lead."""
+    tasks = []
+    for (p, speed), variants, first in zip(timed, commands, settled, strict=True):
+        for name, q in variants.items():
+            if name != "corrected":
+                said = f"{COMMAND_NAMES[name].lower()}, {speed:.3g} m/s"
+                tasks.append(Task(said, p, q, X, step=first.step))
+        for name in extra:
+            said = f"{name} feed-forward, {speed:.3g} m/s"
+            tasks.append(Task(said, p, variants["corrected"], X, step=first.step, ahead=name))
+    return tasks
+
+
+def _over(path: Path, over: OverLimit) -> Fault:
+    """Where on the path a drive was asked for too much."""
+    mend = "run it slower (--speed), or let the drive saturate (--on-limit saturate)"
+    return Fault(
+        f"{path.file or path.title or 'path'}, {over.time:.3g} s after its start at rest", str(over), mend
+    )
+
+
+def _repeatability(robot: Robot, q: Array) -> float | None:
+    """[mm] of ISO 9283's pose repeatability, l̄ + 3 S, that the joints' own makes at the middle of a path."""
+    sigma = np.array([joint.data.repeatability or 0.0 for joint in robot.joints])
+    if not sigma.any():
+        return None
+    arm = arrays(robot)
+    q = q[len(q) // 2]
+    scattered = q + sigma * np.random.default_rng(0).normal(size=(2000, len(q)))
+    where = frames(arm, scattered).p[-1]
+    away = 1e3 * np.linalg.norm(where - where.mean(axis=0), axis=1)
+    return float(away.mean() + 3 * away.std(ddof=1))
+
+
+def _modes(world: World, path: Path, q: Array, count: int = 3) -> tuple[float, ...]:
+    """Lowest natural frequencies [Hz] at the path's start, drives locked."""
+    truth = mechanics(world.truth, path, q, world.true_conditions)
+    built = machine(truth, drives(truth, q[0], world.loop).rotor)
+    return tuple(float(f) for f in modes(built, q[0])[:count] / (2 * np.pi)) if len(built.springs) else ()
 
 
 def _check_call(truth: Robot, belief: Robot, speeds: Sequence[float] | None, repeats: int) -> None:
@@ -144,7 +218,7 @@ class _Plans:
             tool=world.tool,
             start=self.start,
             method=method,
-            bandwidth_hz=world.controller.bandwidth_hz,
+            bandwidth_hz=world.loop.feed_forward_hz,
             seed=self.seed,
         )
 
@@ -155,11 +229,9 @@ class _Plans:
         self.notes += everything.lines()[1:]
         if not self.expected_mm:
             self.expected_mm = float(np.sqrt((everything.after_mm**2).mean()))
-        out = {
-            "uncorrected": self.geometry.q_nominal,
-            "geometry": self.geometry.q_command,
-            "corrected": everything.q_command,
-        }
+        out = {"uncorrected": self.geometry.q_nominal, "corrected": everything.q_command}
+        if np.abs(self.geometry.q_command - self.geometry.q_nominal).max() > LEAST_TOLD:
+            out["geometry"] = self.geometry.q_command
         if world.truth is not world.belief:
             best = self._compensate(path, world.truth, world.true_conditions, "exact")
             out["perfect"] = best.q_command
@@ -185,7 +257,7 @@ class _Plans:
 
 
 def _repeated(
-    truth: Robot, path: Path, commands: dict[str, Array], count: int, seed: int
+    truth: Robot, like: Task, commands: dict[str, Array], count: int, seed: int
 ) -> list[Task]:  # fmt: skip
     """Runs with the joints off by what their repeatability says."""
     sigma = np.array([joint.data.repeatability or 0.0 for joint in truth.joints])
@@ -193,7 +265,14 @@ def _repeated(
         return []
     offsets = sigma * np.random.default_rng([seed, 11]).normal(size=(count, len(sigma)))
     return [
-        Task(f"{COMMAND_NAMES[name].lower()}, repeat {i} of {count}", path, commands[name], offset=offset)
+        Task(
+            f"{COMMAND_NAMES[name].lower()}, repeat {i} of {count}",
+            like.path,
+            commands[name],
+            like.X,
+            step=like.step,
+            offset=offset,
+        )
         for name in ("uncorrected", "corrected")
         for i, offset in enumerate(offsets, 1)
     ]

@@ -4,44 +4,68 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
 
 from ...correction import Conditions
 from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from ...robot.loop import Loop
 from ..processes import one_thread_each, spawn_pool
-from .control import Controller, nominal_mechanics
-from .mechanics import mechanics
-from .motion import motion
-from .simulation import INTEGRATION_STEP, run
+from .control import nominal_mechanics
+from .drives import drives
+from .elastic import with_elastic_lead
+from .gains import gains
+from .lag import with_loop_lead
+from .limits import OnLimit
+from .mechanics import Mechanics, mechanics
+from .motion import Motion, motion
+from .simulation import Run, run
+
+FeedForward = Literal["static", "elastic", "loop"]
+FEED_FORWARD: tuple[FeedForward, ...] = ("static", "elastic", "loop")
+LARGE_CHANGE = 1e-6, 0.01  # m at most; of the error, RMS: by which half the step may move the tool
+HALVINGS = 3
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """What all runs have in common: the true robot, its loads, what is believed of both, the controller."""
+    """What all runs have in common: the simulated robot, its loads, what is believed of both, the
+    controller."""
 
     truth: Robot
     belief: Robot
     conditions: Conditions
     true_conditions: Conditions
     tool: Array | None
-    controller: Controller
+    loop: Loop
+    on_limit: OnLimit = "saturate"
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One run: `q` (N, n) commanded along the path; `offset` (n,) of the encoders. said: for progress."""
+    """One run: `q` (N, n) commanded along the path; `offset` (n,) of the encoders; said: for progress.
+
+    X: (N, 4, 4) desired tool poses. step: [s] of the integration, None: the drive period. ahead: by what the
+    drives lead, beside the command. settled: the step is halved until that changes little."""
 
     said: str
     path: Path
     q: Array
-    step: float = INTEGRATION_STEP
+    X: Array
+    step: float | None = None
     offset: Array | None = None
+    ahead: FeedForward = "static"
+    settled: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Tool poses (N, 4, 4), joints (N, n) of the rigid twin, servo errors (N, n), at times (N,) [s]."""
+    """Tool poses (N, 4, 4), joints (N, n) of the rigid twin, servo errors (N, n), at times (N,) [s].
+
+    step: [s] of the integration; change: how far half of it moves the tool at most [m] (NaN: not tried)."""
 
     time: Array
     tool: Array
@@ -49,23 +73,56 @@ class Outcome:
     motor: Array
     real_time_factor: float
     notes: tuple[str, ...]
+    step: float
+    change: float = float("nan")
 
 
 def simulate(world: World, task: Task) -> Outcome:
-    """One run."""
+    """One run. Raises OverLimit where it is to stop at a limit."""
     truth = mechanics(world.truth, task.path, task.q, world.true_conditions)
     believed = mechanics(world.belief, task.path, task.q, world.conditions)
+    nominal = nominal_mechanics(world.belief, believed)
     moved = motion(task.path.time, task.q, truth.sided)
-    done = run(
-        truth,
-        nominal_mechanics(world.belief, believed),
-        moved,
-        tool=world.tool,
-        controller=world.controller,
-        step=task.step,
-        offset=task.offset,
+    poses = task.q[[0, len(task.q) // 2, -1]]
+    tuned = gains(truth, drives(truth, task.q[0], world.loop), world.loop, poses)
+
+    def at(robot: Mechanics, moved: Motion, step: float, offset: Array | None = None) -> Run:
+        on_limit = world.on_limit if robot is truth else "saturate"
+        return run(
+            robot,
+            nominal,
+            moved,
+            loop=world.loop,
+            tuned=tuned,
+            tool=world.tool,
+            step=step,
+            offset=offset,
+            on_limit=on_limit,
+        )
+
+    step = task.step or world.loop.drive_period
+    if task.ahead != "static":
+        known = world.belief, task.path, task.q, world.conditions, world.tool, world.loop
+        moved = with_elastic_lead(moved, *known)
+        if task.ahead == "loop":
+            predicted = at(believed, moved, step)
+            moved = with_loop_lead(moved, *known, predicted.tool, task.X)
+    done, change = at(truth, moved, step, task.offset), float("nan")
+    for _ in range(HALVINGS if task.settled else 0):
+        finer = at(truth, moved, step / 2, task.offset)
+        moves = np.linalg.norm(finer.tool[:, :3, 3] - done.tool[:, :3, 3], axis=1)
+        error = np.linalg.norm(done.tool[:, :3, 3] - task.X[:, :3, 3], axis=1)
+        change = float(moves.max())
+        if change <= LARGE_CHANGE[0] and _rms(moves) <= LARGE_CHANGE[1] * _rms(error):
+            break
+        done, step = finer, step / 2
+    return Outcome(
+        moved.sample_times, done.tool, done.q, done.motor, done.real_time_factor, done.notes, step, change
     )
-    return Outcome(moved.sample_times, done.tool, done.q, done.motor, done.real_time_factor, done.notes)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt((values**2).mean()))
 
 
 def simulate_all(
@@ -73,7 +130,7 @@ def simulate_all(
 ) -> list[Outcome]:
     """All runs in Drake, in the order of the tasks; the same whatever `workers` (processes) is.
 
-    progress: is told what each task has `said` as it is done.
+    progress: is told what each task has `said` as it is done. Raises OverLimit as `simulate` does.
     """
     out = []
     if workers < 2:

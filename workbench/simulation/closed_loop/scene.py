@@ -56,6 +56,7 @@ def _data(found: Verification, links: Array) -> dict[str, Any]:
                 "rms_mm": series.trials[name].figures.rms_mm,
             }
             for name, short in SHORT_NAMES.items()
+            if name in series.trials
         ],
         "factor": round_factor(ERROR_SHOWN * size / large),
         "speed": speed_text(series.speed),

@@ -1,4 +1,4 @@
-"""One run of the closed loop in Drake: continuous plant, third-order Runge–Kutta at a fixed step."""
+"""One run of the closed loop: the sampled controller on the simulated robot."""
 
 from __future__ import annotations
 
@@ -6,33 +6,39 @@ import time
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
-from pydrake.systems.framework import Diagram, DiagramBuilder
-from pydrake.systems.primitives import Integrator, LogVectorOutput, MatrixGain, VectorLogSink
 from scipy.interpolate import CubicHermiteSpline
 
 from ...robot.kinematics import Array
+from ...robot.loop import Loop
 from ...robot.rotations import tool_pose
-from .control import Controller, drives, feed_forward
-from .forces import Forces, table_at
+from .cascade import Cascade, Gains, SetPoints, set_points, steps_of_delay
+from .control import feed_forward
+from .drives import Drives, drives
+from .dynamics import Along, Dynamics
+from .gains import gains
+from .gears import Gears
+from .limits import Limits, OnLimit
 from .machine import Machine, machine
 from .mechanics import Mechanics
 from .motion import Motion, interpolated
 
-INTEGRATION_STEP = 1e-3  # s
+WILD = 1e6  # rad/s, m/s: no drive turns so fast
+STILL = 1e-9  # rad, m: frames that move less along a path stay
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
     """What happened. states: (M, 2·nq) at `times` (M,) [s]; tool: (N, 4, 4) poses at the path's samples;
     q: (N, n) joints of the rigid twin that look like the arm then (motor and gear together);
-    motor: (N, n) motors' error to their command [rad, m, on the joint's side]. wall: [s] that it took."""
+    motor: (N, n) motors' error to their command [rad, m, on the joint's side]; torque: (T, n) of the drives,
+    a row per drive period. wall: [s] of processor time that it took."""
 
     times: Array
     states: Array
     tool: Array
     q: Array
     motor: Array
+    torque: Array
     wall: float
     notes: tuple[str, ...]
 
@@ -46,101 +52,147 @@ def run(
     nominal: Mechanics,
     motion: Motion,
     *,
+    loop: Loop | None = None,
+    tuned: Gains | None = None,
     tool: Array | None = None,
-    controller: Controller | None = None,
-    step: float = INTEGRATION_STEP,
+    step: float | None = None,
     at_rest: bool = True,
     reaction: bool = True,
     offset: Array | None = None,
+    on_limit: OnLimit = "saturate",
 ) -> Run:
-    """Simulates the true robot under a motion.
+    """Simulates a robot under a motion.
 
-    nominal: what the controller's feed-forward knows. at_rest: it starts loaded and at rest; else with all
-    springs slack. reaction: of the gear errors on the motors. offset: (n,) of the joints' encoders
-    (repeatability).
+    nominal: what the controller's feed-forward knows. loop: the controller (default: the robot's own);
+    tuned: its gains (default: made for the start of the motion). step: [s] of the integration, at most
+    (default: the drive period). at_rest: it starts loaded and at rest; else with all springs slack.
+    reaction: of the gear errors on the motors. offset: (n,) of the joints' encoders (repeatability). Raises
+    OverLimit where a drive is asked for too much and `on_limit` is "stop", ArithmeticError where the arm
+    finds no rest.
     """
-    controller = controller or Controller()
-    drive = drives(truth, motion.q[0], controller)
+    loop = loop or truth.robot.loop
+    drive = drives(truth, motion.q[0], loop)
+    tuned = tuned or gains(truth, drive, loop, motion.q[:1])
     if offset is not None:
         motion = replace(motion, q=motion.q + offset)
-    plant_of = machine(truth, drive.rotor)
-    forces = Forces(
+    told = set_points(motion, feed_forward(nominal, motion, loop), drive, loop)
+    parts = 1 if step is None else int(np.ceil(loop.drive_period / step - 1e-9))
+    step = loop.drive_period / parts
+    built = machine(truth, drive.rotor)
+    count = (len(told.q) - 1) * parts
+    dynamics = Dynamics(
         truth,
-        plant_of,
+        built,
         drive,
-        motion,
-        feed_forward(nominal, motion, controller, drive),
-        _along(motion, truth.wrench),
-        _along(motion, truth.torque),
+        loop,
+        Gears(truth, motion.q),
+        _along(truth, motion, step * (np.arange(count) + 0.5)),
+        step,
         reaction,
     )
-    diagram, log = _diagram(plant_of, forces)
-    simulator = Simulator(diagram)
-    ResetIntegratorFromFlags(simulator, "runge_kutta3", step)
-    simulator.get_mutable_integrator().set_fixed_step_mode(True)
-    root = simulator.get_mutable_context()
-    own = plant_of.plant.GetMyMutableContextFromRoot(root)
-    rest = forces.rest()
+    dynamics.side = motion.side.copy()
+    hold = dynamics.rest(motion.q[0])
     if not at_rest:
-        rest[plant_of.springs] = 0.0
-    plant_of.plant.SetPositions(own, rest)
-    started = time.perf_counter()
-    simulator.Initialize()
-    simulator.AdvanceTo(motion.duration)
-    wall = time.perf_counter() - started
-    found = log.FindLog(root)
-    times, states = found.sample_times().copy(), found.data().T.copy()
-    if not np.isfinite(states).all():
-        raise ArithmeticError("the simulation diverged")
-    X, joints, motor = _seen(plant_of, motion, times, states, tool)
-    return Run(times, states, X, joints, motor, wall, (*truth.notes, *drive.notes))
+        dynamics.q[truth.arm.n :] = 0.0
+    cascade = Cascade.at_rest(loop, tuned, _counted(motion.q[0], drive), hold - told.feed[0])
+    limits = [
+        Limits(what, truth.arm.names, truth.arm.prismatic, limit, on_limit, loop.drive_period)
+        for what, limit in (("torque", drive.torque), ("speed", drive.speed))
+    ]
+    started = time.process_time()
+    states, torque = _run(dynamics, cascade, told, limits, drive, parts, hold)
+    wall = time.process_time() - started
+    times = step * np.arange(len(states))
+    X, joints, motor = _seen(dynamics, motion, times, states, tool)
+    saturated = [note for limit in limits for note in limit.notes()]
+    notes = (*truth.notes, *drive.notes, *tuned.notes, *saturated)
+    return Run(times, states, X, joints, motor, torque, wall, notes)
 
 
-def _diagram(plant_of: Machine, forces: Forces) -> tuple[Diagram, VectorLogSink]:
-    """Plant, forces, and the integral of the motors' positions, which the controller feeds on."""
-    builder = DiagramBuilder()
-    plant, n = plant_of.plant, len(plant_of.motors)
-    builder.AddSystem(plant)
-    builder.AddSystem(forces)
-    select = np.zeros((n, plant.num_multibody_states()))
-    select[np.arange(n), plant_of.motors] = 1.0
-    motors, travel = builder.AddSystem(MatrixGain(select)), builder.AddSystem(Integrator(n))
-    state = plant.get_state_output_port()
-    builder.Connect(state, forces.state)
-    builder.Connect(state, motors.get_input_port())
-    builder.Connect(motors.get_output_port(), travel.get_input_port())
-    builder.Connect(travel.get_output_port(), forces.travel)
-    builder.Connect(forces.get_output_port(), plant.get_applied_generalized_force_input_port())
-    log = LogVectorOutput(state, builder)
-    return builder.Build(), log
+def _counted(q: Array, drive: Drives) -> Array:
+    """What the encoders count at motors q (n,)."""
+    return drive.count * np.round(q / drive.count) if drive.count.any() else q
 
 
-def _along(motion: Motion, values: Array) -> Array | None:
-    """At the motion's instants; None where there is nothing."""
-    if not values.any():
-        return None
-    if len(values) != len(motion.sample_times):
-        return np.tile(values[0], (len(motion.q), 1))
-    return table_at(motion, values)
+def _run(
+    dynamics: Dynamics,
+    cascade: Cascade,
+    told: SetPoints,
+    limits: list[Limits],
+    drive: Drives,
+    parts: int,
+    hold: Array,
+) -> tuple[Array, Array]:
+    """States (M, 2 V) of the plant after every step, and torques asked for (T, n)."""
+    loop, n = cascade.loop, dynamics.n
+    late, ticks, size = steps_of_delay(loop, dynamics.h), len(told.q) - 1, dynamics.size
+    kept = -(-late // parts)
+    torque_limit, speed_limit = limits
+    states = np.empty((ticks * parts + 1, 2 * size))
+    states[0, :size], states[0, size:] = dynamics.q, dynamics.v
+    asked = np.empty((ticks, len(hold)))
+    waiting = [hold] * kept
+    for tick in range(ticks):
+        now = tick * loop.drive_period
+        cascade.measure(_counted(dynamics.q[:n], drive))
+        if tick % loop.cycles == 0:
+            cascade.correct(told.q[tick])
+        wanted = speed_limit.within(told.v[tick] + cascade.correction, now)
+        torque, integral = cascade.torque(wanted, told.feed[tick])
+        cut = torque_limit.within(torque, now)
+        # a drive that gives less than asked does not go on integrating
+        cascade.integral = integral if cut is torque else np.where(cut == torque, integral, cascade.integral)
+        asked[tick] = cut
+        if not np.abs(dynamics.v).max() < WILD:
+            raise ArithmeticError("the simulation diverged")
+        waiting.append(cut)
+        for i in range(parts):
+            k = tick * parts + i
+            dynamics.advance(waiting[kept + (i - late) // parts], k)
+            states[k + 1, :size], states[k + 1, size:] = dynamics.q, dynamics.v
+        waiting.pop(0)
+    out = np.empty_like(states)
+    out[:, dynamics.state_order] = states
+    return out, asked
+
+
+def _along(truth: Mechanics, motion: Motion, times: Array) -> Along:
+    """What the path decides, at the middle of every step."""
+
+    def at(values: Array) -> Array | None:
+        if not values.any():
+            return None
+        flat = values.reshape(len(values), -1)
+        if len(values) == len(motion.sample_times):
+            flat = interpolated(times, motion.sample_times, flat)
+        else:
+            flat = np.tile(flat[0], (len(times), 1))
+        return np.asarray(flat.reshape(len(times), *values.shape[1:]))
+
+    moves = float(np.ptp(truth.placed, axis=0).max(initial=0.0)) > STILL
+    placed = at(truth.placed) if moves else None
+    charge = at(truth.charge[:, None]) if truth.compensator is not None else None
+    return Along(at(truth.wrench), at(truth.torque), None if charge is None else charge[:, 0], placed)
 
 
 def _seen(
-    plant_of: Machine, motion: Motion, times: Array, states: Array, tool: Array | None
+    dynamics: Dynamics, motion: Motion, times: Array, states: Array, tool: Array | None
 ) -> tuple[Array, Array, Array]:
     """Tool poses (N, 4, 4), joints of the rigid twin (N, n) and the motors' errors (N, n) at the samples."""
-    plant = plant_of.plant
-    context = plant.CreateDefaultContext()
+    built: Machine = dynamics.machine
+    plant, context = dynamics.plant, dynamics.context
     half = states.shape[1] // 2
     way = CubicHermiteSpline(times, states[:, :half], states[:, half:])
-    positions = way(np.clip(motion.sample_times, times[0], times[-1]))
+    at = np.clip(motion.sample_times, times[0], times[-1])
+    positions = way(at)
     X_FT = tool_pose(tool)
     X = np.empty((len(positions), 4, 4))
     for i, q in enumerate(positions):
+        dynamics.place(min(int(at[i] / dynamics.h), len(times) - 2))
         plant.SetPositions(context, q)
-        X[i] = plant_of.flange.CalcPoseInWorld(context).GetAsMatrix4() @ X_FT
-    joints = positions[:, plant_of.motors].copy()
-    commanded = interpolated(motion.sample_times, motion.times, motion.q)
-    motor = joints - commanded
-    sprung = np.flatnonzero(plant_of.own >= 0)
-    joints[:, sprung] += positions[:, plant_of.springs[plant_of.own[sprung]]]
+        X[i] = built.flange.CalcPoseInWorld(context).GetAsMatrix4() @ X_FT
+    joints = positions[:, built.motors].copy()
+    motor = joints - interpolated(motion.sample_times, motion.times, motion.q)
+    sprung = np.flatnonzero(built.own >= 0)
+    joints[:, sprung] += positions[:, built.springs[built.own[sprung]]]
     return X, joints, motor

@@ -16,8 +16,13 @@ COMMAND_NAMES = {
     "uncorrected": "Uncorrected",
     "geometry": "Corrected by geometry only",
     "corrected": "Corrected by everything",
+    "elastic": "… and elastic feed-forward",
+    "loop": "… and predicted servo lag",
     "perfect": "What a perfect model would reach",
 }
+
+
+SAME = "truth = model: this shows what the controller adds, not how accurate the robot is"
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,11 +42,22 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """All variants at one speed [m/s]; time: (N,) [s] when the samples are passed."""
+    """All variants at one speed [m/s]; time: (N,) [s] when the samples are passed.
+
+    step: [s] of the integration; step_change_um: how far half of it moves the corrected tool at most;
+    refined: the step was halved because of that."""
 
     speed: float
     time: Array
     trials: dict[str, Trial]
+    step: float
+    step_change_um: float
+    refined: bool
+
+    @property
+    def best(self) -> str:
+        """Name of the command that goes farthest with what the model knows."""
+        return next(name for name in ("loop", "elastic", "corrected") if name in self.trials)
 
     @property
     def ratio_to_perfect(self) -> float | None:
@@ -63,12 +79,34 @@ class Repeats:
 
 
 @dataclass(frozen=True, eq=False)
+class Sweep:
+    """RMS error [mm] by tool speed [m/s] (V,) of some commands: "rigid" (an arm that does not yield,
+    corrected: what the controller alone leaves), "uncorrected", "corrected", "elastic"."""
+
+    speeds: Array
+    rms_mm: dict[str, Array]
+
+    def ends_at(self) -> float | None:
+        """Speed [m/s] from which on the static correction leaves twice what it leaves at the slowest."""
+        left = self.rms_mm["corrected"]
+        over = np.flatnonzero(left > 2 * left[0])
+        return float(self.speeds[over[0]]) if len(over) else None
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "speeds_m_s": [_short(float(v)) for v in self.speeds],
+            "rms_mm": {name: [_short(float(x)) for x in values] for name, values in self.rms_mm.items()},
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class Verification:
     """The closed loop's verdict on a path. X: (N, 4, 4) desired tool poses; normal: (3,) of R_a, R_z.
 
-    series: slowest first. step_change_um: how far half the step moves the tool at most, at the fastest.
-    expected_mm: RMS that the belief itself expects of the corrected path, slow. notes: what was assumed or
-    left out.
+    series: slowest first. expected_mm: RMS that the belief itself expects of the corrected path, slow.
+    same: the simulated robot is the model itself. repeatability_mm: that of the joints, at the tool, as a
+    data sheet would state it (None: not stated). modes_hz: lowest of the arm on its springs, at the path's
+    start. sweep: error by speed, None where it was not asked for. notes: what was assumed or left out.
     """
 
     robot: Robot
@@ -77,9 +115,17 @@ class Verification:
     normal: Array
     series: tuple[Series, ...]
     repeats: tuple[Repeats, ...]
-    step_change_um: float
     expected_mm: float
+    same: bool
+    repeatability_mm: float | None
+    modes_hz: tuple[float, ...]
+    sweep: Sweep | None
     notes: tuple[str, ...]
+
+    @property
+    def caveat(self) -> str:
+        """What the numbers stand for, where the simulated robot is the model: "" where it is not."""
+        return SAME if self.same else ""
 
     @property
     def slow(self) -> Series:
@@ -90,6 +136,10 @@ class Verification:
         """All numbers; lengths in mm as the keys say."""
         return {
             "schema": 1,
+            "truth_is_model": self.same,
+            "caveat": self.caveat,
+            "repeatability_mm": _short(self.repeatability_mm),
+            "modes_hz": [_short(f) for f in self.modes_hz],
             "robot": self.robot.name,
             "path": self.path.title,
             "samples": len(self.path),
@@ -99,6 +149,9 @@ class Verification:
                     "speed_m_s": _short(series.speed),
                     "duration_s": _short(float(series.time[-1])),
                     "ratio_to_perfect": _short(series.ratio_to_perfect),
+                    "step_s": _short(series.step),
+                    "step_change_um": _short(series.step_change_um),
+                    "refined": series.refined,
                     "commands": {
                         name: {key: _short(value) for key, value in asdict(trial.figures).items()}
                         | {"servo_max": _short(float(np.abs(trial.motor).max()))}
@@ -118,10 +171,31 @@ class Verification:
                 }
                 for r in self.repeats
             ],
-            "step_change_um": _short(self.step_change_um),
+            "sweep": None if self.sweep is None else self.sweep.to_json(),
             "expected_rms_mm": _short(self.expected_mm),
             "notes": list(self.notes),
         }
+
+
+def step_said(series: Series) -> str:
+    """What the step of the integration was worth at a speed."""
+    said = f"step {1e3 * series.step:.3g} ms"
+    if series.refined:
+        said += ", refined by itself"
+    return f"{said}: half of it moves the tool by {series.step_change_um:.2g} µm at most"
+
+
+def sweep_said(sweep: Sweep) -> str:
+    """Where the static correction ends, in words."""
+    end = sweep.ends_at()
+    if end is None:
+        return f"the static correction holds up to {sweep.speeds[-1]:.3g} m/s"
+    k = int(np.searchsorted(sweep.speeds, end))
+    left, led = sweep.rms_mm["corrected"][k], sweep.rms_mm["elastic"][k]
+    return (
+        f"from {end:.3g} m/s on the static correction leaves twice what it leaves at "
+        f"{sweep.speeds[0]:.2g} m/s: {left:.2g} mm there, {led:.2g} mm with elastic feed-forward"
+    )
 
 
 def _line(line: Line) -> dict[str, Any]:

@@ -25,18 +25,18 @@ from workbench import (
 from .compensator import GAS
 
 SIGMA = 3e-5  # m, of a reading, per axis
-CHARGE = 120e5  # Pa, of the gas spring
+PISTON = 1.2e-3  # m², of the gas spring
 GEAR, SOFT_ZONE, SOFT_TORQUE = 0.23e-6, float(np.radians(0.5 / 60)), 500.0  # rad/(N·m), rad, N·m
 LEAK = 0.15  # of the charge
 MACHINES = {"gas": "Gas spring alone", "soft": "Soft gear", "leak": f"Leak, {100 * LEAK:.0f} % of the charge"}
 
 
-def charged(path: Path) -> Robot:
-    """The KR 120 with the study's gas charge, written beside the study."""
+def balanced(path: Path) -> Robot:
+    """The KR 120 with the study's piston, written beside the study."""
     robot = load_robot("kr120")
     assert robot.compensator is not None
     return stored(
-        path, replace(robot, compensator=robot.compensator.model_copy(update={"precharge": CHARGE}))
+        path, replace(robot, compensator=robot.compensator.model_copy(update={"piston_area": PISTON}))
     )
 
 
@@ -52,13 +52,13 @@ def machines(robot: Robot, seed: int) -> dict[str, Truth]:
     nominal = 1 / (robot.joints[1].data.stiffness or np.inf)
     stiffer = parse_effect(f"joint_compliance:joint=joint_2,relative={GEAR / nominal - 1}", problem)
     soft = replace(usual, effects=(stiffer,), yields={2: soft_zone})
-    at_100_bar = GAS, np.array([-1 / 6])
+    less_charged = GAS, np.array([-1 / 6])
     return {
         "gas": usual,
         "soft": soft,
         "leak": replace(usual, effects=((GAS, np.array([-LEAK])),)),
         "exact": replace(usual, sigma=1e-9),
-        "soft_100_bar": replace(soft, effects=(stiffer, at_100_bar), sigma=1e-9),
+        "soft_less_charged": replace(soft, effects=(stiffer, less_charged), sigma=1e-9),
     }
 
 

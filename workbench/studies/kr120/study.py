@@ -46,7 +46,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 from . import figures
 from .compensator import blind_to_charge, charge_by_witness
 from .decides import WAYS, diagnosed, reversing, three_loads
-from .machines import LEAK, MACHINES, SIGMA, charged, machines, true_compliances
+from .machines import LEAK, MACHINES, SIGMA, balanced, machines, true_compliances
 from .printed import CONFIGURATIONS, HALF_1, LOAD, MARKERS_APART, MARKERS_BEFORE, NUMBERS, TABLE_1
 from .verdicts import verdict_table
 
@@ -79,7 +79,7 @@ FILES = {
 
 def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:
     """Table I on simulated machines, the gas spring that it would need, and the measurement that decides."""
-    robot = charged(folder / "robot" / "kr120.toml")
+    robot = balanced(folder / "robot" / "kr120.toml")
     progress(f"choosing {CONFIGURATIONS} configurations in six groups")
     A0 = RIG.moved(robot, TEST_POSE, TEST_FORCE)
     plan = group_plan(robot, "joint_2", ANGLES, PER_ANGLE, RIG, A0, 250 if quick else 1500, seed)

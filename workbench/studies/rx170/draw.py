@@ -9,7 +9,6 @@ from workbench import (
     Array,
     Compensation,
     Conditions,
-    Controller,
     Path,
     Robot,
     Task,
@@ -43,12 +42,16 @@ def draw_corrected(
     workers: int = 1,
     progress: Callable[[str], None] = lambda _: None,
 ) -> list[Drawn]:
-    """Each path on the true robot: uncorrected ("none"), and corrected by each belief, by name.
+    """Each path on the simulated robot: uncorrected ("none"), and corrected by each belief, by name.
+
+    Without dry friction, which the source does not state: what it does where a joint turns round is none of
+    the errors that are corrected here.
 
     nominal: what the controller knows of the arm; start: (n,) joints near the first pose.
     """
     loads = conditions or stated_conditions(nominal)
-    world = World(truth, nominal, loads, loads, None, Controller())
+    smooth = truth.loop.model_copy(update={"coulomb": 0.0})
+    world = World(truth, nominal, loads, loads, None, smooth)
     made = [
         {name: compensate(robot, path, loads, start=start) for name, robot in beliefs.items()}
         for path in paths
@@ -57,9 +60,10 @@ def draw_corrected(
     for each in made:
         any_of_them = next(iter(each.values()))
         commands.append({"none": any_of_them.q_nominal} | {name: c.q_command for name, c in each.items()})
+    wanted_poses = [next(iter(each.values())).X_desired for each in made]
     tasks = [
-        Task(f"{name}, {path.title} of {path.time[-1] - path.time[0]:.1f} s", path, q)
-        for path, each in zip(paths, commands, strict=True)
+        Task(f"{name}, {path.title} of {path.time[-1] - path.time[0]:.1f} s", path, q, X)
+        for path, each, X in zip(paths, commands, wanted_poses, strict=True)
         for name, q in each.items()
     ]
     done = iter(simulate_all(world, tasks, workers, progress))

@@ -1,0 +1,292 @@
+"""URDFs as the world writes them: packages, meshes, roots, fingers, several arms, xacro."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import urdf_example as example
+
+from workbench import InputError, load_robot
+from workbench.report.scene import Shown, scene_of
+from workbench.robot.guess import guess_flange
+from workbench.robot.kinematics import frames
+from workbench.robot.meshes import mesh_files
+from workbench.robot.new_robot import new_robot
+from workbench.robot.packages import given_packages, package_folder
+from workbench.robot.rigid_plant import arrays
+from workbench.robot.shown import shown_text, urdf_notes
+from workbench.robot.urdf import parse_urdf
+
+HERE = Path("acme.urdf")
+SOME = np.array([0.4, -0.3, 0.8, -1.2, 0.5, 2.0])
+
+
+def toml(folder, urdf, extra="", flange="tool0"):
+    path = folder / "acme.toml"
+    path.write_text(f'schema = 1\nname = "acme"\nurdf = "{urdf}"\nflange = "{flange}"\n{extra}')
+    return path
+
+
+def published(folder, text):
+    (folder / "acme.urdf").write_text(text)
+    return load_robot(toml(folder, "acme.urdf"))
+
+
+def nothing():
+    return Shown(SOME, np.zeros((0, 3)), {"nominal": np.zeros((0, 3))})
+
+
+def test_a_published_robot_is_read_and_drawn(tmp_path):
+    urdf = example.package(tmp_path / "cloned")
+    robot = load_robot(toml(tmp_path, urdf))
+    arm = arrays(robot)
+    assert robot.base == "base_link"  # not the world, whose name Drake has itself
+    where = frames(arm, SOME[None])
+    np.testing.assert_allclose(where.p[-1, 0], example.flange_place(SOME), atol=1e-12)
+    assert [joint.upper for joint in robot.joints] == [3.0] * 5 + [np.inf]
+    assert arm.mass.sum() == pytest.approx(sum(example.MASSES))
+    shown = shown_text(robot)
+    assert shown.count(".obj") == 6
+    assert 'rgba="1 0 0 1"' in shown  # the DAE's own colour
+    assert "<collision" not in shown
+    (note,) = urdf_notes(robot)
+    assert "stand at 0: finger_1, finger_2" in note
+    html = scene_of(robot, nothing(), "acme")
+    assert len(html) < 5e6
+
+
+def test_collada_units_count(tmp_path):
+    import trimesh
+
+    made = new_robot(example.package(tmp_path / "cloned"))
+    text = next(str(data, "utf-8") for path, data in made.files.items() if "part" in path.name)
+    vertices = trimesh.load(trimesh.util.wrap_as_stream(text), file_type="obj").vertices
+    np.testing.assert_allclose(vertices.max(axis=0), 10 * 0.0254, atol=1e-5)
+
+
+def test_a_dense_mesh_makes_a_small_scene(tmp_path):
+    urdf = example.package(tmp_path / "cloned")
+    example.stl(tmp_path / "cloned/meshes/cone.stl", facets=20_000)
+    robot = load_robot(toml(tmp_path, urdf))
+    shown = scene_of(robot, Shown(**{**vars(nothing()), "ghost_q": SOME}), "acme")
+    assert len(shown) < 5e6
+    faces = sum(data.count(b"\nf ") for path, data in new_robot(urdf).files.items() if path.suffix == ".obj")
+    assert faces < 20_000
+
+
+def test_missing_meshes_cost_nothing_but_a_line(tmp_path):
+    text = example.robot(example.arm(package="elsewhere"))
+    robot = published(tmp_path, text)
+    (note,) = urdf_notes(robot)
+    assert "2 of 2 meshes are not there" in note
+    assert "--package elsewhere=DIR" in note
+    np.testing.assert_allclose(
+        frames(arrays(robot), SOME[None]).p[-1, 0], example.flange_place(SOME), atol=1e-12
+    )
+    assert "<cylinder" in shown_text(robot)  # bones, so that there is something to look at
+    assert len(scene_of(robot, nothing(), "acme")) > 1e6
+
+
+def test_a_broken_mesh_is_left_out(tmp_path):
+    urdf = example.package(tmp_path / "cloned")
+    (tmp_path / "cloned/meshes/part.dae").write_text("<COLLADA")
+    made = new_robot(urdf)
+    assert any("1 meshes cannot be read" in note for note in made.notes)
+    assert 0 < str(made.files[Path("acme.urdf")]).count("cone") <= 3
+
+
+@pytest.mark.parametrize("variable", ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "--package", "sibling"])
+def test_packages_are_found(tmp_path, monkeypatch, variable):
+    place = {
+        "AMENT_PREFIX_PATH": "prefix/share/parts",
+        "ROS_PACKAGE_PATH": "ws/src/vendor/other_name",
+        "--package": "somewhere",
+        "sibling": "src/parts_of_it",
+    }[variable]
+    folder = tmp_path / place
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>parts</name></package>")
+    beside = tmp_path / "src/robot/urdf"
+    beside.mkdir(parents=True)
+    for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+        monkeypatch.delenv(name, raising=False)
+    given = None
+    if variable.endswith("PATH"):
+        assert package_folder("parts", beside) is None
+        monkeypatch.setenv(variable, str(tmp_path / place.split("/")[0]))
+    elif variable == "--package":
+        given = given_packages([f"parts={folder}"])
+    assert package_folder("parts", beside, given) == folder
+    assert package_folder("none", beside, given) is None
+
+
+def test_a_package_option_that_is_none():
+    with pytest.raises(InputError, match="is no NAME=DIR"):
+        given_packages(["ur_description"])
+    with pytest.raises(InputError, match="no folder"):
+        given_packages(["ur=/nowhere/at/all"])
+
+
+def test_gravity_on_a_wall(tmp_path):
+    """The URDF mounts the robot on the wall of its world; its own base frame is what counts here."""
+    robot = published(tmp_path, example.robot(example.arm(rpy="0 1.5707963267948966 0")))
+    np.testing.assert_allclose(robot.gravity, [9.80665, 0, 0], atol=1e-9)
+    stated = load_robot(toml(tmp_path, "acme.urdf", "gravity = [0.0, 0.0, -9.8]\n"))
+    assert stated.gravity == (0.0, 0.0, -9.8)
+
+
+def test_a_floating_base(tmp_path):
+    robot = published(tmp_path, example.robot(example.arm(kind="floating", xyz="0 0 2")))
+    assert robot.base == "base_link"
+    np.testing.assert_allclose(
+        frames(arrays(robot), SOME[None]).p[-1, 0], example.flange_place(SOME), atol=1e-12
+    )
+
+
+def test_a_world_that_carries_a_joint(tmp_path):
+    text = example.robot(example.arm()).replace('"base_link"', '"world"')
+    text = text.replace('<link name="world"/>\n<joint name="mount"', '<joint name="mount"')
+    start, end = text.index('<joint name="mount"'), text.index("</joint>") + len("</joint>")
+    robot = published(tmp_path, text[:start] + text[end:])
+    assert robot.base == "world_link"
+    np.testing.assert_allclose(
+        frames(arrays(robot), SOME[None]).p[-1, 0], example.flange_place(SOME), atol=1e-12
+    )
+
+
+def test_two_arms(tmp_path):
+    left = example.arm("left_", mount="table", xyz="0 0.5 1", rpy="1.5707963267948966 0 0")
+    right = example.arm("right_", mount="table", xyz="0 -0.5 1")
+    text = example.robot(left + right + example.gripper("left_"), root="table")
+    with pytest.raises(InputError, match="has 2 arms, to left_tool0, right_tool0; say --flange left_tool0"):
+        guess_flange(parse_urdf(text, HERE))
+    (tmp_path / "acme.urdf").write_text(text)
+    made = new_robot(tmp_path / "acme.urdf", "left_tool0", "left_base_link")
+    np.testing.assert_allclose(made.chain.down, [0, -1, 0], atol=1e-12)
+    assert "right_base_link" not in str(made.files[Path("acme.urdf")])
+    for path, data in made.files.items():
+        (tmp_path / "new" / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "new" / path).write_bytes(data if isinstance(data, bytes) else data.encode())
+    robot = load_robot(tmp_path / "new/acme.toml")
+    np.testing.assert_allclose(robot.gravity, [0, -9.80665, 0], atol=1e-8)
+    np.testing.assert_allclose(
+        frames(arrays(robot), SOME[None]).p[-1, 0], example.flange_place(SOME), atol=1e-12
+    )
+    # from the table, the other arm counts as what stands there
+    whole = load_robot(toml(tmp_path, "acme.urdf", flange="right_tool0"))
+    assert whole.base == "table"
+    assert sum("stand at 0: left_" in note for note in urdf_notes(whole)) == 1
+
+
+@pytest.mark.parametrize(
+    ("links", "flange", "why"),
+    [
+        ("tool0", "tool0", "by its name"),
+        ("arm_flange", "arm_flange", "by its name"),
+        ("link8", "link8", "the frame that is fixed to the last moving link 'wrist_3_link'"),
+        (None, "wrist_3_link", "the last moving link"),
+    ],
+)
+def test_the_flange_is_guessed(links, flange, why):
+    text = example.robot(example.arm())
+    end = text.index('<link name="flange"/>')
+    extra = (
+        f'<link name="{links}"/><joint name="e" type="fixed"><parent link="wrist_3_link"/>'
+        f'<child link="{links}"/></joint>'
+        if links
+        else ""
+    )
+    guess = guess_flange(parse_urdf(text[:end] + extra + "</robot>", HERE))
+    assert (guess.flange, guess.why) == (flange, why)
+
+
+def test_a_gripper_is_no_flange():
+    guess = guess_flange(parse_urdf(example.robot(example.arm() + example.gripper()), HERE))
+    assert guess.flange == "tool0"
+
+
+def test_an_impossible_inertia_keeps_its_mass(tmp_path):
+    text = example.robot(example.arm()).replace('izz="0.01"', 'izz="5.0"', 1)
+    robot = published(tmp_path, text)
+    assert arrays(robot).mass.sum() == pytest.approx(sum(example.MASSES))
+    assert any(
+        "inertia that no body can have" in note and "shoulder_pan" in note for note in urdf_notes(robot)
+    )
+
+
+def wrong(text):
+    with pytest.raises(InputError) as caught:
+        guess_flange(parse_urdf(text, HERE))
+    return str(caught.value)
+
+
+def test_what_is_wrong_with_a_urdf_is_said():
+    good = example.robot(example.arm())
+    assert "is not XML" in wrong("<robot")
+    assert "not a URDF's <robot>" in wrong("<sdf/>")
+    assert "link 'flange' twice" in wrong(good.replace("</robot>", '<link name="flange"/></robot>'))
+    assert "no link 'nowhere'" in wrong(good.replace('<parent link="flange"/>', '<parent link="nowhere"/>'))
+    assert "has no moving joint" in wrong('<robot name="r"><link name="a"/></robot>')
+    xacro = good.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    assert "workbench init" in wrong(xacro.replace("</robot>", "<xacro:arm/></robot>"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('<axis xyz="1 0 0"/>', '<axis xyz="0 0 0"/>', "its axis is 0 0 0"),
+        ('lower="-3" upper="3"', 'lower="3" upper="-3"', "its limits are 3 .. -3"),
+        ('xyz="0 0 0.18"', 'xyz="0 0 a"', "'0 0 a' is not three numbers"),
+        ('<axis xyz="1 0 0"/>', '<mimic joint="elbow_joint"/>', "follows 'elbow_joint' (mimic)"),
+        ('type="continuous"', 'type="planar"', "no moving joint|is 'planar'"),
+    ],
+)
+def test_what_is_wrong_with_a_chain_is_said(tmp_path, old, new, said):
+    text = example.robot(example.arm())
+    assert old in text
+    with pytest.raises(InputError, match=said.replace("(", r"\(").replace(")", r"\)")):
+        arrays(published(tmp_path, text.replace(old, new, 1)))
+
+
+def test_mesh_files_prefer_visuals(tmp_path):
+    urdf = example.package(tmp_path / "cloned")
+    tree = parse_urdf(urdf.read_text(), urdf)
+    from workbench.robot.chain import read_chain
+
+    files = dict(mesh_files(tree, read_chain(tree, "tool0")))
+    assert sorted(path.name for path in files.values()) == ["cone.stl", "part.dae"]
+
+
+XACRO = """<robot name="acme" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:arg name="lift" default="0"/>
+<xacro:include filename="$(find acme_parts)/urdf/arm.xacro"/>
+<link name="world"/><xacro:acme height="$(arg lift)"/></robot>"""
+
+
+def test_xacro(tmp_path):
+    example.package(tmp_path / "src/cloned")
+    parts = tmp_path / "src/parts"
+    (parts / "urdf").mkdir(parents=True)
+    (parts / "package.xml").write_text("<package><name>acme_parts</name></package>")
+    inner = example.arm(xyz="0 0 ${height}")
+    (parts / "urdf/arm.xacro").write_text(
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="acme" params="height">'
+        f"{inner}</xacro:macro></robot>"
+    )
+    source = tmp_path / "src/cloned/urdf/acme.urdf.xacro"
+    source.write_text(XACRO)
+    made = new_robot(source, arguments={"lift": "0.5"}, base="world")
+    assert made.name == "acme"
+    assert 'xyz="0.0 0.0 0.5"' in str(made.files[Path("acme.urdf")])
+    assert any(path.suffix == ".obj" for path in made.files)
+    (parts / "package.xml").unlink()
+    from workbench.robot.packages import _package_name
+
+    _package_name.cache_clear()
+    parts.rename(tmp_path / "src/gone")
+    with pytest.raises(InputError, match="needs the package 'acme_parts'; say --package acme_parts=DIR"):
+        new_robot(source)
+    with pytest.raises(InputError, match="no such file"):
+        new_robot(tmp_path / "none.xacro")

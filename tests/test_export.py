@@ -1,0 +1,351 @@
+"""The exported robot in other programs: Drake's parser, MuJoCo, Pinocchio."""
+
+import importlib.util
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pinocchio
+import pytest
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import MultibodyForces
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.framework import DiagramBuilder
+
+from workbench import Conditions, InputError, load_robot
+from workbench.robot.equilibrium import equilibrium
+from workbench.robot.find import list_robots
+from workbench.robot.kinematics import frames
+from workbench.robot.schema import GEOMETRY, EffectRecord
+from workbench.simulation.export import export
+from workbench.simulation.export.coil import nearest_coil
+from workbench.simulation.export.content import content_of
+from workbench.simulation.random_robot import write_random_robot
+
+LOAD = Conditions("heavy", 40.0, (0.05, 0.02, 0.15), 5.0, (0.0, 0.01, 0.05))
+YIELDS = (
+    EffectRecord(cause="foundation", values={"compliance": 4e-9}),
+    EffectRecord(cause="bearing_tilt", joint="joint_2", values={"compliance": 2e-8}),
+    EffectRecord(cause="link_mass", link="link_3", variant="mass", values={"mass": 12.0}),
+)
+ELASTIC = ["kr500", "rx170", "cylindrical", "6R", "PRRR", "longlink"]
+
+
+def model(folder, name, effects=()):
+    """A robot with corrections of half a millimetre and half a milliradian, and with effects."""
+    robot = load_robot(write_random_robot(folder, 5, name) if name[-1] == "R" else name)
+    rng = np.random.default_rng(7)
+    geometry = {j.name: dict(zip(GEOMETRY, 5e-4 * rng.normal(size=6), strict=True)) for j in robot.joints}
+    known = set(robot.joint_names)
+    effects = tuple(e for e in effects if e.joint is None or e.joint in known)
+    return replace(robot, geometry=geometry, effects=effects)
+
+
+def joints(content, count=5):
+    return content.problem.q[:count]
+
+
+def drakes(file):
+    plant = MultibodyPlant(0.0)
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -9.80665])  # Drake's own is 9.81
+    Parser(plant).AddModels(str(file))
+    base = next(body for body in ("ground", "base_link", "base") if plant.HasBodyNamed(body))
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(base))
+    plant.Finalize()
+    return plant, plant.CreateDefaultContext()
+
+
+def flange_of(robot, plant, context):
+    return plant.GetFrameByName(robot.flange).CalcPoseInWorld(context)
+
+
+def at_rest(content):
+    """The flange (N, 3) [m] and its rotations where the batch arithmetic has the exported robot rest."""
+    arm, loads = content.loaded
+    loads = replace(loads, compensator=nearest_coil(content))
+    arm = replace(arm, compliance=content.compliance)
+    still = np.zeros((len(content.problem.q), arm.slots, 6))
+    law = content.acting(frozenset({"spring"})).yielding(content.problem.arm)
+    where = equilibrium(arm, content.problem.q, still, loads, law.motion)[1]
+    return where.p[-1], where.R[-1]
+
+
+@pytest.mark.parametrize("name", [*(path.stem for path in list_robots()), "6R", "7R", "PRRR"])
+def test_urdf_is_the_calibrated_arm_in_drake_and_pinocchio(tmp_path, name):
+    robot = model(tmp_path, name)
+    written = export(robot, "urdf", tmp_path / "out")
+    content = content_of(robot, None, Conditions())
+    where = frames(content.arm, joints(content))
+    plant, context = drakes(written.files[0])
+    other = pinocchio.buildModelFromUrdf(str(tmp_path / "out" / f"{robot.name}.urdf"))
+    data, tool = other.createData(), other.getFrameId(robot.flange)
+    for i, q in enumerate(joints(content)):
+        place = np.zeros(plant.num_positions())
+        place[[plant.GetJointByName(joint).position_start() for joint in robot.joint_names]] = q
+        plant.SetPositions(context, place)
+        X = flange_of(robot, plant, context)
+        assert np.abs(X.translation() - where.p[-1, i]).max() < 1e-9
+        assert np.abs(X.rotation().matrix() - where.R[-1, i]).max() < 1e-9
+        configuration = pinocchio.neutral(other)
+        for joint, angle in zip(robot.joint_names, q, strict=True):
+            configuration[other.joints[other.getJointId(joint)].idx_q] = angle
+        pinocchio.framesForwardKinematics(other, data, configuration)
+        assert np.abs(data.oMf[tool].translation - where.p[-1, i]).max() < 1e-9
+        assert np.abs(data.oMf[tool].rotation - where.R[-1, i]).max() < 1e-9
+    nominal = frames(replace(content.arm, geometry=0 * content.arm.geometry), joints(content))
+    assert np.abs(where.p[-1] - nominal.p[-1]).max() > 1e-4
+
+
+def drakes_rest(plant, context, robot, q):
+    """Newton on Drake's own forces, springs' joints alone; compliance from the springs themselves."""
+    forces = MultibodyForces(plant)
+    sprung = [i for i in plant.GetJointIndices() if plant.get_joint(i).name() not in robot.joint_names]
+    at = [plant.get_joint(i).position_start() for i in sprung if plant.get_joint(i).num_positions()]
+    motors = [plant.GetJointByName(joint).position_start() for joint in robot.joint_names]
+    place = np.zeros(plant.num_positions())
+    place[motors] = q
+
+    def left(x):
+        there = place.copy()
+        there[at] = x
+        plant.SetPositions(context, there)
+        plant.CalcForceElementsContribution(context, forces)
+        return plant.CalcGeneralizedForces(context, forces)[at]
+
+    x = np.zeros(len(at))
+    for _ in range(8):
+        r, h = left(x), 1e-6
+        slope = np.array([(left(x + h * e) - left(x - h * e)) / (2 * h) for e in np.eye(len(at))]).T
+        x = x - np.linalg.solve(slope, r)
+    left(x)
+    return flange_of(robot, plant, context)
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+def test_sdf_rests_where_the_model_does(tmp_path, name):
+    robot = model(tmp_path, name, YIELDS)
+    written = export(robot, "sdf", tmp_path / "out", conditions=LOAD)
+    content = content_of(robot, None, LOAD)
+    p, R = at_rest(content)
+    plant, context = drakes(written.files[0])
+    far, turned = [], []
+    for i, q in enumerate(joints(content)):
+        X = drakes_rest(plant, context, robot, q)
+        far.append(np.abs(X.translation() - p[i]).max())
+        turned.append(np.abs(X.rotation().matrix() - R[i]).max())
+    bends = bool(robot.bending_stiffness)
+    assert max(far) < (1e-6 if bends else 1e-9)  # a link's bending turns about its middle: second order
+    assert max(turned) < (1e-6 if bends else 1e-9)
+    rigid = frames(content.arm, joints(content)).p[-1]
+    assert np.abs(rigid - p[:5]).max() > 2e-5
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+def test_mjcf_rests_where_the_model_does(tmp_path, name):
+    robot = model(tmp_path, name, YIELDS)
+    written = export(robot, "mjcf", tmp_path / "out", conditions=LOAD)
+    content = content_of(robot, None, LOAD)
+    p, _ = at_rest(content)
+    m = mujoco.MjModel.from_xml_path(str(written.files[0]))
+    data = mujoco.MjData(m)
+    names = [mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_JOINT, i) for i in range(m.njnt)]
+    driven = [names.index(joint) for joint in robot.joint_names]
+    at = [i for i in range(m.njnt) if i not in driven]
+
+    def left(q, x):
+        data.qpos[driven], data.qpos[at], data.qvel[:] = q, x, 0.0
+        mujoco.mj_forward(m, data)
+        return (data.qfrc_passive - data.qfrc_bias)[at]
+
+    far = []
+    for i, q in enumerate(joints(content)):
+        x = np.zeros(len(at))
+        for _ in range(6):
+            h = 1e-6
+            slope = np.array([(left(q, x + h * e) - left(q, x - h * e)) / (2 * h) for e in np.eye(len(at))]).T
+            x = x - np.linalg.solve(slope, left(q, x))
+        left(q, x)
+        far.append(np.abs(data.body(robot.flange).xpos - p[i]).max())
+    assert max(far) < 1e-6
+
+
+def table(file):
+    """Rows of a CSV behind its comments, as dictionaries."""
+    lines = [line for line in file.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    return [dict(zip(lines[0].split(","), line.split(","), strict=True)) for line in lines[1:]]
+
+
+def turn(axis, degrees):
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    X = np.eye(4)
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    X[i, i] = X[j, j] = c
+    X[i, j], X[j, i] = -s, s
+    return X
+
+
+def shift(x, y, z):
+    X = np.eye(4)
+    X[:3, 3] = 1e-3 * np.array([x, y, z])
+    return X
+
+
+def placed(row):
+    p = [float(row[f"{axis}_mm"]) for axis in "xyz"]
+    angles = [float(row[f"{name}_deg"]) for name in ("yaw", "pitch", "roll")]
+    return shift(*p) @ turn("z", angles[0]) @ turn("y", angles[1]) @ turn("x", angles[2])
+
+
+@pytest.mark.parametrize("name", [*(path.stem for path in list_robots()), "6R", "7R", "PRRR"])
+def test_hayati_rows_are_the_arm_and_short(tmp_path, name):
+    robot = model(tmp_path, name)
+    export(robot, "dh", tmp_path)
+    rows, ends = table(tmp_path / "hayati.csv"), table(tmp_path / "frames.csv")
+    arm = content_of(robot, None, Conditions()).arm
+    q = np.random.default_rng(1).uniform(-1, 1, (3, arm.n))
+    where = frames(arm, q)
+    for i in range(3):
+        X = placed(ends[0])
+        for row, joint, moved in zip(rows, robot.joints, q[i], strict=True):
+            theta, d, a, alpha, beta = (float(value) for value in list(row.values())[1:])
+            slides = joint.kind == "prismatic"
+            X = X @ turn("z", theta + (0 if slides else np.degrees(moved)))
+            X = X @ shift(a, 0, d + (1e3 * moved if slides else 0)) @ turn("x", alpha) @ turn("y", beta)
+            assert max(abs(d), abs(a)) < 8000  # 500 m without Hayati's fifth column
+        X = X @ placed(ends[1])
+        assert np.abs(X[:3, 3] - where.p[-1, i]).max() < 1e-9
+        assert np.abs(X[:3, :3] - where.R[-1, i]).max() < 1e-9
+    short = [list(row.values())[1:] for row in table(tmp_path / "standard.csv")]
+    assert short == [list(row.values())[1:5] for row in rows]
+    shifted = [(row["alpha_before_deg"], row["a_before_mm"]) for row in table(tmp_path / "modified.csv")]
+    assert shifted == [("0", "0"), *((row["alpha_deg"], row["a_mm"]) for row in rows[:-1])]
+
+
+@pytest.mark.parametrize("name", ["ur5", "ur10"])
+def test_ur_kinematics_is_the_calibrated_arm(tmp_path, name):
+    robot = model(tmp_path, name)
+    written = export(robot, "ur-kinematics", tmp_path)
+    links, values = [], {}
+    for line in written.files[0].read_text(encoding="utf-8").splitlines():
+        key, _, value = line.strip().partition(": ")
+        if line.startswith("    "):
+            values[key] = float(value)
+            if key == "yaw":
+                lengths = {f"{k}_mm": 1e3 * values[k] for k in "xyz"}
+                angles = {f"{k}_deg": np.degrees(values[k]) for k in ("roll", "pitch", "yaw")}
+                links.append(lengths | angles)
+    arm = content_of(robot, None, Conditions()).arm
+    q = np.random.default_rng(1).uniform(-2, 2, (3, 6))
+    where = frames(arm, q)
+    for i in range(3):
+        X = np.eye(4)
+        for row, moved in zip(links, q[i], strict=True):
+            X = X @ placed(row) @ turn("z", np.degrees(moved))
+        assert np.abs(X[:3, 3] - where.p[-1, i]).max() < 1e-9
+        assert np.abs(X[:3, :3] - where.R[-1, i]).max() < 1e-9
+    # no link in the file is far from the one that the maker publishes
+    assert np.linalg.norm([links[2]["x_mm"], links[2]["y_mm"], links[2]["z_mm"]]) < 700
+
+
+@pytest.mark.parametrize("name", ["kr500", "kr120", "irb120", "rx170"])
+def test_opw_is_exact_for_the_nominal_arm_and_says_what_the_calibrated_loses(tmp_path, name):
+    nominal = replace(load_robot(name), compensator=None)
+    nominal = replace(nominal, joints=tuple(
+        replace(joint, data=joint.data.model_copy(update={"stiffness": None})) for joint in nominal.joints
+    ))  # fmt: skip
+    assert export(nominal, "opw", tmp_path / "nominal").cost.max_mm < 1e-6
+    geometry = model(tmp_path, name).geometry
+    lost = export(replace(nominal, geometry=geometry), "opw", tmp_path / "calibrated").cost
+    assert 0.05 < lost.max_mm < 5.0
+
+
+@pytest.mark.parametrize(("name", "to"), [("ur5", "opw"), ("kr500", "ur-kinematics"), ("kr500", "stl")])
+def test_what_a_format_cannot_hold_is_refused_and_nothing_is_written(tmp_path, name, to):
+    with pytest.raises(InputError):
+        export(name, to, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_header_weighs_what_is_left_out(tmp_path):
+    """An effect that a format does not know costs what the flange moves without it."""
+    ratio = EffectRecord(cause="gear_ratio", joint="joint_1", values={"relative": 1e-3})
+    robot = replace(load_robot("cylindrical"), effects=(ratio,))
+    written = export(robot, "urdf", tmp_path)
+    (item,) = (item for item in written.cost.items if "gear_ratio" in item.what)
+    content = content_of(robot, None, Conditions())
+    q, reach = content.problem.q, np.linalg.norm(frames(content.arm, content.problem.q).p[-1, :, :2], axis=1)
+    assert not item.carried
+    assert item.max_mm == pytest.approx(1e3 * np.abs(2 * reach * np.sin(5e-4 * q[:, 0])).max(), rel=1e-3)
+    assert str(item) in (tmp_path / "cylindrical.urdf").read_text(encoding="utf-8")
+
+
+EFFECTS = (
+    *YIELDS,
+    EffectRecord(cause="gear_ratio", joint="joint_1", values={"relative": 2e-4}),
+    EffectRecord(cause="gear_eccentricity", joint="joint_3", values={"sin": 1e-4, "cos": 5e-5}),
+    EffectRecord(
+        cause="gear_kinematic_error", joint="joint_4", order=200.0, values={"sin": 1e-4, "cos": 0.0}
+    ),
+    EffectRecord(cause="wrist_coupling", joint="joint_6", other="joint_5", values={"coupling": 3e-4}),
+    EffectRecord(cause="hose_torque", joint="joint_5", values={"rate": 20.0}),
+    EffectRecord(cause="gravity_compensator", variant="charge", values={"relative": -0.1}),
+    EffectRecord(cause="gravity_compensator", variant="preload", values={"preload": 400.0}),
+)
+
+
+def package(folder):
+    """The module of an exported package, loaded as a user's would be."""
+    spec = importlib.util.spec_from_file_location("extended_robot", folder / "extended_robot.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("name", ["kr500", "rx170", "longlink", "cylindrical"])
+def test_the_drake_package_rests_where_the_whole_model_does(tmp_path, name):
+    known = set(load_robot(name).joint_names)
+    effects = EFFECTS if name in ("kr500", "rx170") else YIELDS
+    effects = tuple(e for e in effects if e.other is None or e.other in known)
+    robot = model(tmp_path, name, effects)
+    written = export(robot, "drake", tmp_path, conditions=LOAD)
+    assert written.cost.max_mm < 1e-9
+    content = content_of(robot, None, LOAD)
+    whole = content.tool(content.extended.acting)
+    module, builder = package(tmp_path), DiagramBuilder()
+    added = module.AddExtendedRobot(builder)
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    own = added.GetMyMutableContextFromRoot(context)
+    far = []
+    for q, there in zip(joints(content), whole, strict=False):
+        module.Settle(added, context, q)
+        desired = np.concatenate([q, np.zeros_like(q)])
+        added.GetInputPort("desired_state").FixValue(own, desired)
+        X = added.GetOutputPort("tool_pose").Eval(own)
+        far.append(np.abs(X.translation() - there).max())
+        assert added.GetOutputPort("state").Eval(own) == pytest.approx(desired, abs=1e-15)
+    assert max(far) < (1e-6 if robot.bending_stiffness else 1e-9)
+
+
+def test_the_drake_package_follows_its_command_in_a_users_diagram(tmp_path):
+    """At rest it stays; told to move, its drives do."""
+    export(replace(load_robot("kr500"), effects=EFFECTS), "drake", tmp_path)
+    module, builder = package(tmp_path), DiagramBuilder()
+    robot = module.AddExtendedRobot(builder)
+    builder.ExportInput(robot.GetInputPort("desired_state"), "desired_state")
+    builder.ExportOutput(robot.GetOutputPort("tool_pose"), "tool_pose")
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    q = np.array([0.3, -1.0, 1.2, 0.4, 0.7, 0.2])
+    module.Settle(robot, context, q)
+    diagram.GetInputPort("desired_state").FixValue(context, np.concatenate([q, np.zeros(6)]))
+    simulator = Simulator(diagram, context)
+    ApplySimulatorConfig(SimulatorConfig(integration_scheme="runge_kutta3", accuracy=1e-4), simulator)
+    before = diagram.GetOutputPort("tool_pose").Eval(context).translation().copy()
+    simulator.AdvanceTo(0.02)
+    assert np.abs(diagram.GetOutputPort("tool_pose").Eval(context).translation() - before).max() < 1e-7
+    diagram.GetInputPort("desired_state").FixValue(context, np.concatenate([q + 0.01, np.zeros(6)]))
+    simulator.AdvanceTo(0.22)
+    state = robot.GetOutputPort("state").Eval(robot.GetMyContextFromRoot(context))
+    assert np.abs(state[:6] - q - 0.01).max() < 1e-3

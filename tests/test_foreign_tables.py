@@ -1,0 +1,182 @@
+"""Tables as others keep them: side by side, without names, turned signs, encodings; and no files at all."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from campaign_example import POINTS, POSES, TOML, faults, write_example
+
+from workbench import Campaign, InputError, load_campaign
+from workbench.campaign import load_campaign as load
+
+BARE = """schema = 1
+robot = "robot/tiny.toml"
+[poses]
+file = "poses.csv"
+{poses}[points]
+file = "points.csv"
+{points}"""
+
+
+def campaign(folder, poses="", points="", tables=(POSES, POINTS)):
+    return load(write_example(folder, BARE.format(poses=poses, points=points), *tables))
+
+
+def test_targets_side_by_side(tmp_path):
+    wide = "id;A x;A y;A z;B x;B y;B z\na;1;2;3;4;5;6\nb;;;;7;8;9\nc;10;11;12;;;\n"
+    keys = 'separator = ";"\ncolumns = { pose_id = "id" }\nunits = { x_mm = "m", y_mm = "m", z_mm = "m" }\n'
+    keys += 'wide = { A = ["A x", "A y", "A z"], B = [5, -6, 7] }\n'
+    found = campaign(tmp_path, points=keys, tables=(POSES, wide))
+    assert [target.name for target in found.targets] == ["A", "B"]
+    assert found.shots.tolist() == [[1, 1], [0, 1], [1, 0]]
+    assert found.points[0].tolist() == [[1, 2, 3], [4, -5, 6]]
+    assert found.points[2, 0].tolist() == [10, 11, 12]
+
+
+def test_faults_of_targets_side_by_side(tmp_path):
+    wide = "id,x1,y1,z1\na,1,2,3\nb,4,,6\nc,oops,2,3\n"
+    keys = 'columns = { pose_id = "id" }\nwide = { A = ["x1", "y1", "z1"] }\n'
+    toml = BARE.format(poses="", points=keys)
+    told = faults(write_example(tmp_path, toml, POSES, wide))
+    assert len(told) == 1
+    assert "line 4: x_mm ('x1') is 'oops', not a number" in told[0]
+    told = faults(write_example(tmp_path, toml, POSES, wide.replace("oops", "1")))
+    assert "line 3: x_mm ('x1') of A is there in part only" in told[0]
+    told = faults(write_example(tmp_path, toml.replace('"z1"', '"zz"'), POSES, wide))
+    assert "points.wide.A.columns.z_mm: no column 'zz' in the header" in told[0]
+
+
+def test_without_names_the_rows_count(tmp_path):
+    poses = "q1_deg,q2_rad,q3_mm\n10,0.5,100\n-20,0.25,200\n30,-0.5,0\n"
+    points = "x_mm,y_mm,z_mm\n1000,0,0\n2000,0,0\n3000,0,0\n"
+    found = campaign(tmp_path, tables=(poses, points))
+    assert found.poses.ids == ("1", "2", "3")
+    assert found.points[:, 0, 0].tolist() == [1.0, 2.0, 3.0]
+    assert found.targets[0].name == "T1"
+    assert any("joined to the poses in order" in line for line in found.warnings)
+    two = "target,x_mm,y_mm,z_mm\n" + "".join(f"{t},{i},0,0\n" for t in "AB" for i in (1, 2, 3))
+    assert campaign(tmp_path / "two", tables=(POSES, two)).points[:, 1, 0].tolist() == [1e-3, 2e-3, 3e-3]
+    fewer = points.rsplit("\n", 2)[0]
+    told = faults(write_example(tmp_path / "fewer", BARE.format(poses="", points=""), poses, fewer))
+    assert "no column pose_id; add it, or say which it is" in told[0]
+
+
+def test_wide_rows_are_poses_too(tmp_path):
+    """As many as there are poses; a row of nothing but separators may not shift the others."""
+    wide = "x1,y1,z1,note\n,,,moved away\n1000,0,0,\n3000,0,0,\n"
+    keys = 'wide = { A = ["x1", "y1", "z1"] }\n'
+    assert campaign(tmp_path, points=keys, tables=(POSES, wide)).poses.ids == ("b", "c")
+    toml = BARE.format(poses="", points=keys)
+    told = faults(write_example(tmp_path / "blank", toml, POSES, wide.replace("moved away", "")))
+    assert "no column pose_id" in told[0]
+
+
+def test_turned_columns(tmp_path):
+    poses = "Name,J1,J2,L\na,10,0.5,100\nb,-20,0.25,200\nc,30,-0.5,0\n"
+    keys = 'columns = { pose_id = "Name", q1_deg = "-J1", q2_rad = -3, q3_mm = "L" }\n'
+    found = campaign(tmp_path, poses=keys, tables=(poses, POINTS))
+    np.testing.assert_allclose(found.poses.q[0], [-np.radians(10), -0.5, 0.1])
+    plain = campaign(tmp_path / "plain")
+    np.testing.assert_allclose(found.poses.q[:, :2], -plain.poses.q[:, :2])
+    told = faults(
+        write_example(tmp_path, BARE.format(poses=keys.replace('"Name"', '"-Name"'), points=""), poses)
+    )
+    assert any("is a text, which has no sign" in fault for fault in told)
+    told = faults(write_example(tmp_path, BARE.format(poses=keys.replace("-3", "0"), points=""), poses))
+    assert any("columns count from 1" in fault for fault in told)
+
+
+@pytest.mark.parametrize(("encoding", "stated"), [("latin-1", True), ("utf-16", False), ("utf-8-sig", False)])
+def test_encodings(tmp_path, encoding, stated):
+    path = write_example(tmp_path, BARE.format(poses="", points=""), POSES, POINTS)
+    named = POINTS.replace("T1", "Würfel")
+    (tmp_path / "points.csv").write_bytes(named.encode(encoding))
+    if stated:
+        assert any('encoding = "latin-1"' in fault for fault in faults(path))
+        path.write_text(BARE.format(poses="", points=f'encoding = "{encoding}"\n'))
+    assert load(path).targets[0].name == "Würfel"
+    path.write_text(BARE.format(poses="", points='encoding = "klingon"\n'))
+    assert any("is no encoding that is known" in fault for fault in faults(path))
+
+
+@pytest.mark.parametrize(
+    ("template", "text"),
+    [
+        ("spatial-analyzer", "// a comment\nWorld a T1 1000 2000 3000\nWorld b T1 1 2 3\nWorld c T1 4 5 6\n"),
+        (
+            "spatial-analyzer-csv",
+            "W,a,T1,1000,2000,3000,0.01\nW,b,T1,1,2,3,0.01\nW,c,T1,4,5,6,0.01\n",
+        ),
+        ("leica", "a, 1000, 2000, 3000\nb, 1, 2, 3\nc, 4, 5, 6\n"),
+        ("polyworks", "# x y z\na 1000 2000 3000\nb 1 2 3\nc 4 5 6\n"),
+    ],
+)
+def test_exports_by_their_names(tmp_path, template, text):
+    found = campaign(tmp_path, points=f'template = "{template}"\n', tables=(POSES, text))
+    assert found.points[0, 0].tolist() == [1, 2, 3]
+    assert [target.name for target in found.targets] == ["T1"]
+
+
+def test_what_is_said_beside_a_template_counts(tmp_path):
+    keys = 'template = "leica"\nseparator = ";"\nunits = { x_mm = "m" }\n'
+    found = campaign(tmp_path, points=keys, tables=(POSES, "a; 1; 2000; 3000\nb;1;2;3\nc;4;5;6\n"))
+    assert found.points[0, 0].tolist() == [1, 2, 3]
+    told = faults(write_example(tmp_path, BARE.format(poses="", points='template = "faro"\n')))
+    assert any("spatial-analyzer" in fault and "faro" in fault for fault in told)
+
+
+def test_a_known_scale(tmp_path):
+    plain = load_campaign(write_example(tmp_path))
+    scaled = load_campaign(write_example(tmp_path / "scaled", TOML + "[known]\nscale = 1.001\n"))
+    np.testing.assert_allclose(scaled.points, 1.001 * plain.points)
+
+
+def test_arrays_are_a_campaign(tmp_path):
+    plain = load_campaign(write_example(tmp_path))
+    made = Campaign.from_arrays(tmp_path / "robot/tiny.toml", plain.poses.q, plain.points, sigma=2e-5)
+    np.testing.assert_array_equal(made.poses.q, plain.poses.q)
+    np.testing.assert_array_equal(made.points, plain.points)
+    assert made.noise_sigma == pytest.approx(2e-5)
+    assert [target.name for target in made.targets] == ["T1", "T2"]
+    sections = {"targets": {"A": {"xyz_mm": [1, 2, 3]}}, "tool": {"mass_kg": 3.0}}
+    one = Campaign.from_arrays(made.robot, plain.poses.q, plain.points[:, 0], sections=sections)
+    assert one.targets[0].xyz == (0.001, 0.002, 0.003)
+    assert one.tool_mass == 3.0
+
+
+class Frame(dict):
+    """As far as pandas and polars agree."""
+
+    @property
+    def columns(self):
+        return list(self)
+
+
+@pytest.mark.parametrize("kind", [Frame, dict])
+def test_data_frames_state_their_units(tmp_path, kind):
+    plain = load_campaign(write_example(tmp_path))
+    q = plain.poses.q
+    poses = kind(
+        q1_deg=np.degrees(q[:, 0]), q2_rad=q[:, 1], q3_m=q[:, 2], dir1=[1, -1, 1], pose_id=["a", "b", "c"]
+    )
+    points = kind(pose_id=["a", "b", "c"], x_m=[1.0, 2.0, 3.0], y_m=[0.0] * 3, z_mm=[5, 5, 5])
+    made = Campaign.from_arrays(plain.robot, poses, points)
+    np.testing.assert_allclose(made.poses.q, q, atol=1e-15)
+    assert made.poses.side[:, 0].tolist() == [1, -1, 1]
+    assert made.points[:, 0].tolist() == [[1, 0, 0.005], [2, 0, 0.005], [3, 0, 0.005]]
+
+
+def test_wrong_arrays_are_told(tmp_path):
+    robot = load_campaign(write_example(tmp_path)).robot
+    q, points = np.zeros((4, 3)), np.ones((4, 3))
+    for bad, match in [
+        (dict(q=q[:, :2]), r"q: has the shape \(4, 2\); \(N, 3\)"),
+        (dict(points=points[:, :2]), r"points: has the shape \(4, 2\)"),
+        (dict(points=points[:3], q=q * np.nan), "q line 1: a joint is not a number"),
+        (dict(sections={"targets": {"A": {}, "B": {}}}), "1 targets, but 2 are declared"),
+        (dict(sections={"colour": "red"}), "colour: unknown key"),
+        (dict(points={"x_mm": [1], "y_mm": [1], "z_mm": [1]}), "1 points without pose_id for 4 poses"),
+        (dict(points={"x": [1], "y_mm": [1], "z_mm": [1]}), "does not say its unit"),
+    ]:
+        with pytest.raises(InputError, match=match):
+            Campaign.from_arrays(robot, **{"q": q, "points": points, **bad})

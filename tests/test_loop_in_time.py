@@ -1,0 +1,257 @@
+"""The sampled controller: margins, limits, steps; and the simulated robot's motion against Drake's
+Simulator."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from extended_example import extended
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+
+from workbench.correction import Conditions, compensate
+from workbench.correction.path_shapes import Run, circle, line, work_frame
+from workbench.correction.paths import Path
+from workbench.effects.backlash import Backlash
+from workbench.effects.gear_kinematic_error import GearKinematicError
+from workbench.effects.place import Where
+from workbench.files.faults import InputError
+from workbench.robot.description import load_robot
+from workbench.robot.find import list_robots
+from workbench.robot.kinematics import frames
+from workbench.robot.loads import Loads
+from workbench.robot.loop import Loop
+from workbench.simulation.closed_loop import verify
+from workbench.simulation.closed_loop.control import inertial_torque, nominal_mechanics
+from workbench.simulation.closed_loop.drives import drives
+from workbench.simulation.closed_loop.dynamics import Along, Dynamics
+from workbench.simulation.closed_loop.elastic import inertial_wrenches, with_elastic_lead
+from workbench.simulation.closed_loop.friction import gone_over, mean_on_the_way
+from workbench.simulation.closed_loop.gains import gains, spectral_radius
+from workbench.simulation.closed_loop.gears import Gears
+from workbench.simulation.closed_loop.limits import OverLimit
+from workbench.simulation.closed_loop.machine import machine
+from workbench.simulation.closed_loop.mechanics import mechanics
+from workbench.simulation.closed_loop.motion import hold, motion
+from workbench.simulation.closed_loop.runs import Task, World, simulate
+from workbench.simulation.closed_loop.simulation import run
+
+LATE = Loop(drive_period=1e-3, delay=1e-3)  # 1 ms hold, 1 ms delay
+HEAVY = Conditions("heavy", 250.0, (0.15, 0.0, 0.05))
+FRAME = work_frame((1.6, 0.3, 0.9))
+
+
+def short(name, loads=None, turn=0.1, length=0.5):
+    """A robot on a short way from the middle of its ranges."""
+    robot = load_robot(name)
+    low = np.array([max(j.lower, -1.5) for j in robot.joints])
+    high = np.array([min(j.upper, 1.5) for j in robot.joints])
+    time = np.linspace(0.0, length, 21)
+    q = low + (0.45 + turn * time[:, None] / length) * (high - low)
+    truth = mechanics(robot, Path(time, q=q), q, loads or Conditions())
+    return truth, nominal_mechanics(robot, truth), motion(time, q), q
+
+
+@pytest.mark.parametrize("name", [path.stem for path in list_robots()])
+def test_every_robot_is_stable_with_a_millisecond_of_hold_and_of_delay(name):
+    """Its motors follow a second of motion, and it bears twice the gains at both ends."""
+    truth, nominal, moved, q = short(name, turn=0.03, length=1.0)
+    drive = drives(truth, q[0], LATE)
+    tuned = gains(truth, drive, LATE, q[[0, -1]])
+    done = run(truth, nominal, moved, loop=LATE, tuned=tuned)
+    assert np.abs(done.motor).max() < 2e-3
+    for at in (q[0], q[-1]):
+        assert spectral_radius(truth, drive, LATE, tuned, at, 1.0, 0.0) < 1
+        assert spectral_radius(truth, drive, LATE, tuned, at, LATE.gain_margin, 0.0) < 1
+
+
+@pytest.mark.parametrize("name", ["kr500", "rx170", "longlink"])
+def test_the_delay_margin_is_there_and_ends(name):
+    truth, _, _, q = short(name)
+    drive = drives(truth, q[0], LATE)
+    tuned = gains(truth, drive, LATE, q[:1])
+    assert spectral_radius(truth, drive, LATE, tuned, q[0], 1.0, LATE.delay_margin) < 1
+    assert spectral_radius(truth, drive, LATE, tuned, q[0], 1.0, 0.02) > 1
+
+
+def test_a_loop_without_its_margin_swings_up():
+    """What the linear analysis calls unstable diverges in the simulation, and what it calls stable does
+    not."""
+    truth, nominal, moved, q = short("kr500")
+    joints = tuple(replace(joint, effort=np.inf) for joint in truth.robot.joints)
+    truth = replace(truth, robot=replace(truth.robot, joints=joints))
+    drive = drives(truth, q[0], LATE)
+    tuned = gains(truth, drive, LATE, q[:1])
+    # ten times the velocity's gain, which hold and delay do not allow
+    wild = replace(tuned, kp=10 * tuned.kp, ki=10 * tuned.ki)
+    assert spectral_radius(truth, drive, LATE, tuned, q[0], 10.0, 0.0) > 1
+    calm = run(truth, nominal, moved, loop=LATE, tuned=tuned)
+    assert np.abs(calm.motor).max() < 2e-3
+    with pytest.raises(ArithmeticError, match="diverged"):
+        run(truth, nominal, moved, loop=LATE, tuned=wild)
+
+
+def test_less_delay_gives_more_bandwidth():
+    truth, _, _, q = short("kr500")
+    quick = Loop(drive_period=2.5e-4, delay=2.5e-4)
+    slow, fast = (gains(truth, drives(truth, q[0], p), p, q[:1]) for p in (LATE, quick))
+    assert (fast.reached >= slow.reached - 1e-12).all()
+    assert fast.reached[0, 0] > 1.5 * slow.reached[0, 0]
+    assert any("position loop" in note for note in slow.notes)
+
+
+@pytest.mark.parametrize("name", ["kr500", "rx170"])
+def test_stated_damping_is_used(name):
+    truth, _, _, q = short(name)
+    stated = [joint.data.damping for joint in truth.robot.joints]
+    assert drives(truth, q[0], LATE).damping.tolist() == stated
+
+
+def test_it_swings_as_in_drakes_simulator():
+    """Free of drives, friction and dampers, from slack springs: the same motion as Drake's own
+    integration."""
+    truth, _, _, q = short("kr500", HEAVY)
+    truth = replace(truth, compensator=None)
+    loop = Loop(coulomb=0.0, viscous=0.0)
+    drive = drives(truth, q[0], loop)
+    drive = replace(drive, damping=np.zeros_like(drive.damping))
+    built = machine(truth, drive.rotor)
+    found = []
+    for step in (1e-4, 5e-5):
+        dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), step)
+        dynamics.q[: truth.arm.n] = q[0]
+        for k in range(round(0.15 / step)):
+            dynamics.advance(np.zeros(truth.arm.n), k)
+        found.append(dynamics.q)
+    simulator = Simulator(built.plant)
+    ResetIntegratorFromFlags(simulator, "runge_kutta3", 1e-4)
+    simulator.get_mutable_integrator().set_target_accuracy(1e-8)
+    context = simulator.get_mutable_context()
+    start = np.zeros(built.plant.num_positions())
+    start[built.motors] = q[0]
+    built.plant.SetPositions(context, start)
+    simulator.AdvanceTo(0.15)
+    wanted = built.plant.GetPositions(context)[dynamics.order]
+    assert np.abs(wanted[: truth.arm.n] - q[0]).max() > 1e-3  # it falls
+    coarse, fine = (np.abs(x - wanted).max() for x in found)
+    assert fine < 3e-7  # of undamped modes up to 500 Hz
+    assert fine < 0.3 * coarse  # second order
+
+
+def test_friction_along_a_step_is_the_mean_of_its_states():
+    way = np.full(4, 2e-5)
+    s, dx = np.array([0.3, -0.9, 0.0, 1.0]), np.array([1e-5, 8e-5, -3e-5, -1e-6])
+    parts = np.linspace(0, 1, 20001)[:, None]
+    states = gone_over(np.tile(s, (20001, 1)), parts * dx, np.tile(way, (20001, 1)))
+    mean, slope = mean_on_the_way(s, dx, way)
+    assert mean == pytest.approx(np.trapezoid(states, dx=1 / 20000, axis=0), abs=2e-4)
+    assert (slope >= 0).all()
+    still, stiff = mean_on_the_way(s, np.zeros(4), way)
+    assert still == pytest.approx(s, abs=1e-4)
+    assert stiff == pytest.approx(0.5 / way, rel=1e-3)
+
+
+def test_a_motor_crosses_its_play_before_the_joint_follows():
+    robot = extended(load_robot("kr500"), [(Backlash(Where(joint="joint_2")), [4e-5])])
+    q = np.tile((0.3, -1.0, 1.2, 0.4, 0.7, 0.2), (2, 1))
+    gears = Gears(mechanics(robot, Path(np.arange(2.0), q=q), q, Conditions()), q)
+    side, motor, joint = np.ones(6), q[0].copy(), []
+    for _ in range(10):
+        motor[1] -= 1e-5
+        side = gears.crossed(side, np.array([0.0, -1e-5, 0.0, 0.0, 0.0, 0.0]))
+        joint.append(motor[1] + gears.errors(motor, side)[0][1])
+    assert np.ptp(joint[:8]) == pytest.approx(0.0, abs=1e-12)  # 8 steps of 10 µrad: twice the half width
+    assert joint[9] - joint[8] == pytest.approx(-1e-5)
+
+
+def test_a_turned_round_joint_is_wound_up_by_friction_behind_its_gear():
+    """Held at the same motor angle from both sides, the joint differs by 2 τ / K."""
+    loop = Loop(coulomb=0.01, stiction=1.0, load_side=0.5)
+    truth, _, _, q = short("kr500")
+    truth = replace(truth, compensator=None)
+    drive = drives(truth, q[0], loop)
+    j, angle = 0, []
+    for way in (1.0, -1.0):
+        built = machine(truth, drive.rotor)
+        dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), 5e-4)
+        dynamics.memory[truth.arm.n :] = way
+        dynamics.rest(q[0])
+        angle.append(dynamics.q[truth.arm.n + built.own[j]])
+    law = truth.axial[j]
+    assert law is not None
+    assert angle[0] - angle[1] == pytest.approx(-2 * 0.5 * drive.coulomb[j] * law.compliance, rel=1e-6)
+
+
+def limited(part):
+    """A KR 500 whose joint 2 has so much of the torque that it takes to hold it, and its run."""
+    truth, nominal, moved, q = short("kr500", HEAVY, turn=0.15)
+    held = run(truth, nominal, hold(q[0], 0.05)).torque[0, 1]
+    joints = tuple(
+        replace(joint, effort=part * abs(held)) if j == 1 else joint
+        for j, joint in enumerate(truth.robot.joints)
+    )
+    return replace(truth, robot=replace(truth.robot, joints=joints)), nominal, moved
+
+
+def test_a_drive_over_its_torque_stops_or_saturates():
+    truth, nominal, moved = limited(1.1)
+    with pytest.raises(OverLimit, match=r"joint_2 needs a torque of .* N·m, .* % over its limit"):
+        run(truth, nominal, moved, on_limit="stop")
+    done = run(truth, nominal, moved, on_limit="saturate")
+    limit = truth.robot.joints[1].effort
+    assert np.abs(done.torque[:, 1]).max() == pytest.approx(limit)
+    assert any(note.startswith("joint_2: torque saturated for") for note in done.notes)
+
+
+def test_verify_says_where_a_limit_stops_it():
+    robot = load_robot("kr500")
+    slow = replace(
+        robot, joints=(replace(robot.joints[0], velocity=0.01), *robot.joints[1:]), path=robot.path
+    )
+    path = line(0.1, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.1, period=0.02))
+    with pytest.raises(InputError, match=r"line, .* s after its start.*joint_1 needs a speed of .* over"):
+        verify(path, slow, slow, speeds=None, repeats=0)
+
+
+def test_a_step_that_is_too_long_is_halved_by_itself():
+    ripple = GearKinematicError(Where(joint="joint_1", order=800.0)), [2e-4, 0.0]
+    robot = extended(load_robot("kr500"), [ripple])
+    path = line(0.1, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.2, period=0.01))
+    command = compensate(robot, path, HEAVY)
+    loop = Loop(drive_period=5e-3, delay=0.0, velocity_filter=0.0)
+    world = World(robot, robot, HEAVY, HEAVY, None, loop)
+    task = Task("a coarse one", path, command.q_command, command.X_desired, settled=True)
+    done = simulate(world, task)
+    assert done.step < loop.drive_period
+    whole = simulate(world, replace(task, settled=False))
+    assert whole.step == loop.drive_period
+    assert np.linalg.norm(done.tool[:, :3, 3] - whole.tool[:, :3, 3], axis=1).max() > 1e-6
+
+
+def test_inertial_wrenches_are_drakes_inverse_dynamics():
+    """Their axial parts are the torques that Drake's rigid arm needs against its inertia."""
+    truth, _, moved, _ = short("kr500", HEAVY, turn=0.2, length=2.0)
+    rows = slice(400, 8000, 16)
+    t, q, v, a = moved.times[rows], moved.q[rows], moved.v[rows], moved.a[rows]
+    arm = truth.arm
+    n = len(t)
+    loads = Loads(np.full(n, truth.mass), np.tile(truth.moment, (n, 1)), np.zeros((n, 6)), np.zeros((n, 6)))
+    local = inertial_wrenches(arm, frames(arm, q), loads, t).reshape(n, -1)[:, arm.axial]
+    wanted = -inertial_torque(truth, q, v, a)
+    middle = slice(5, -5)
+    assert local[middle] == pytest.approx(wanted[middle], abs=2e-3 * np.abs(wanted).max())
+
+
+def test_elastic_feed_forward_keeps_the_gain_at_speed():
+    """A KR 500 with 250 kg on a circle at 0.3 m/s."""
+    robot = load_robot("kr500")
+    path = circle(0.15, Run(FRAME, speed=0.3, period=0.005))
+    command = compensate(robot, path, HEAVY)
+    truth = mechanics(robot, path, command.q_command, HEAVY)
+    nominal = nominal_mechanics(robot, truth)
+    static = motion(path.time, command.q_command)
+    led = with_elastic_lead(static, robot, path, command.q_command, HEAVY, None, robot.loop)
+    rms = []
+    for moved in (motion(path.time, command.q_nominal), static, led):
+        off = run(truth, nominal, moved).tool[:, :3, 3] - command.X_desired[:, :3, 3]
+        rms.append(np.sqrt((off**2).sum(axis=1).mean()))
+    assert rms[0] > 5 * rms[1] > 10 * rms[2]

@@ -1,0 +1,93 @@
+"""Measuring programs: the planned joints come back out of every format, each from its side."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from test_controller import MAKERS
+
+from workbench.campaign.file import pose_columns
+from workbench.campaign.planned import planned
+from workbench.cli.main import main
+from workbench.correction.programs import as_urdf, find_format, measured, measuring_program, read_program
+from workbench.files.faults import InputError
+from workbench.files.tables import Layout, read_table
+from workbench.robot.convention import Controller
+from workbench.robot.description import load_robot
+
+
+def planned_joints(name: str, count: int = 12) -> np.ndarray:
+    robot, rng = load_robot(name), np.random.default_rng(3)
+    lower, upper = (np.array([getattr(joint, side) for joint in robot.joints]) for side in ("lower", "upper"))
+    return rng.uniform(0.9 * lower, 0.9 * upper, (count, len(lower)))
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_the_joints_come_back_and_the_arm_stands_still_at_each(name: str) -> None:
+    robot, format, q = load_robot(name), find_format(MAKERS[name][0]), planned_joints(name)
+    sides = np.random.default_rng(4).choice([-1.0, 1.0], q.shape)
+    program = measuring_program(robot, q, format, 2.5, sides=sides)
+    assert format.check(program) == []
+    back = as_urdf(format.read(format.write(program)), robot)
+    assert back.q is not None
+    still = measured(back)
+    (_, joint) = format.joint_rounding()
+    np.testing.assert_allclose(still.q, q, atol=3 * joint)
+    assert still.dwell == pytest.approx(2.5)
+    assert back.dwell[0::2].max() == 0
+    step = back.q[1::2] - back.q[0::2]
+    assert (np.sign(step) == sides).all()
+    assert np.abs(np.degrees(step)) == pytest.approx(2.0, abs=1e-2)
+
+
+def test_without_sides_every_joint_arrives_upwards_but_at_its_end() -> None:
+    robot = load_robot("kr500")
+    q = planned_joints("kr500")
+    q[0, 0] = robot.joints[0].lower
+    program = as_urdf(measuring_program(robot, q, "krl"), robot)
+    assert program.q is not None
+    step = program.q[1::2] - program.q[0::2]
+    assert (step > -1e-12).all()
+    assert step[0, 0] == pytest.approx(0)
+
+
+def test_what_cannot_be_measured() -> None:
+    robot, q = load_robot("kr500"), planned_joints("kr500")
+    with pytest.raises(InputError, match="pose 3: joint_2: is out of its range"):
+        measuring_program(robot, np.where(np.arange(12)[:, None] * [0, 1, 0, 0, 0, 0] == 2, 9.0, q), "krl")
+    with pytest.raises(InputError, match="dwell: is 0 s"):
+        measuring_program(robot, q, "krl", 0)
+    with pytest.raises(InputError, match="--as-urdf"):
+        measuring_program(replace(robot, controller=Controller()), q, "rapid")
+    assert measuring_program(replace(robot, controller=Controller()), q, "rapid", as_urdf=True).notes
+
+
+def test_plan_writes_poses_and_program(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The planning itself, which takes long, is tested elsewhere."""
+    records = planned(load_robot("irb120"), planned_joints("irb120", 4))
+    made = SimpleNamespace(records=records, faults=(), text="4 poses", to_json=dict)
+    monkeypatch.setattr("workbench.measurement.design.plan", lambda *_, **__: made)
+    out = tmp_path / "day_1"
+    call = ["plan", "irb120", "--poses", "4", "--quick", "--format", "rapid", "--dwell", "3"]
+    assert main([*call, "--json", "--out", str(out)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["files"] == [str(out / "poses.csv"), str(out / "measure.mod")]
+    robot = load_robot("irb120")
+    table = read_table(out / "poses.csv", Layout(), pose_columns(robot), "poses")
+    q = np.stack([table.numbers[f"q{i}"] for i in range(1, 7)], axis=1)
+    program = measured(as_urdf(read_program(out / "measure.mod", "rapid"), robot))
+    np.testing.assert_allclose(program.q, q, atol=1e-5)
+    assert program.dwell == pytest.approx(3)
+    (out / "measure.mod").write_text("mine")
+    assert main([*call, "--out", str(out)]) == 2
+    assert "measure.mod: is there already, with other content" in capsys.readouterr().err
+    assert (out / "measure.mod").read_text() == "mine"
+    assert main([*call, "--force", "--out", str(out)]) == 0
+    assert "MoveAbsJ" in (out / "measure.mod").read_text()

@@ -1,0 +1,117 @@
+"""Paths in the fewest lines and circles: within the tolerance, with their times and stops."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from workbench.correction.programs import Program, find_format
+from workbench.correction.programs.arcs import circles
+from workbench.correction.programs.base import legs_of
+from workbench.correction.programs.thin import thinned
+from workbench.robot import rotations
+
+TOLERANCE = 1e-5
+
+
+def at(p: np.ndarray, turn: np.ndarray | None = None) -> np.ndarray:
+    turn = np.zeros_like(p) if turn is None else turn
+    return rotations.pose(p, Rotation.from_rotvec(turn).as_matrix())
+
+
+def circle(count: int = 766, radius: float = 0.003) -> np.ndarray:
+    angle = np.linspace(0, 2 * np.pi, count)
+    return np.stack([1 + radius * np.cos(angle), radius * np.sin(angle), np.full(count, 0.5)], axis=1)
+
+
+def from_legs(program: Program, points: np.ndarray) -> float:
+    """Largest distance of points from the legs of a program, each sampled finely."""
+    assert program.X is not None
+    p, drawn = program.X[:, :3, 3], []
+    for i in range(1, program.count):
+        share = np.linspace(0, 1, 2001)[:, None]
+        if program.circular[i]:
+            assert program.via is not None
+            centre, _, sweep, axis = circles(p[[i - 1]], program.via[[i], :3, 3], p[[i]])
+            turn = Rotation.from_rotvec(share * sweep * axis[0]).as_matrix()
+            drawn.append(centre + turn @ (p[i - 1] - centre[0]))
+        else:
+            drawn.append(p[i - 1] + share * (p[i] - p[i - 1]))
+    line = np.concatenate(drawn)
+    return max(float(np.linalg.norm(line - point, axis=1).min()) for point in points)
+
+
+def test_a_circle_is_two_blocks_and_not_765() -> None:
+    p = circle()
+    program = Program("CIRCLE", at(p), time=np.linspace(0, 10, len(p)))
+    few = thinned(program, TOLERANCE)
+    assert few.count == 3
+    assert few.circular.tolist() == [False, True, True]
+    assert from_legs(few, p[::20]) < TOLERANCE
+    assert few.time is not None
+    assert few.time[-1] == 10
+    for name, word in (
+        ("krl", "CIRC "),
+        ("rapid", "MoveC "),
+        ("ls", "C P["),
+        ("urscript", "movec("),
+        ("val3", "movec("),
+    ):
+        text = "\n".join(find_format(name).write(few).values())
+        assert text.count(word) == 2, name
+        back = find_format(name).read(find_format(name).write(few))
+        assert from_legs(back, p[::20]) < TOLERANCE + 2e-6
+        assert back.time is not None
+        assert back.time[-1] == pytest.approx(10, rel=1e-3)
+
+
+def test_lines_alone_where_a_format_has_no_circles() -> None:
+    p = circle()
+    few = thinned(Program("CIRCLE", at(p), time=np.linspace(0, 10, len(p))), TOLERANCE, round_legs=False)
+    assert few.via is None
+    assert 20 < few.count < 60
+    assert from_legs(few, p[::20]) < TOLERANCE
+
+
+def test_a_corner_a_stop_and_a_change_of_speed_stay() -> None:
+    p = np.zeros((401, 3))
+    p[:, 0] = np.minimum(np.arange(401), 200) * 1e-3
+    p[:, 1] = np.maximum(np.arange(401) - 200, 0) * 1e-3
+    pace = np.where(np.arange(400) < 100, 0.01, 0.02)
+    dwell = np.where(np.arange(401) == 300, 0.5, 0.0)
+    time = np.concatenate([[0.0], np.cumsum(pace)]) + np.where(np.arange(401) > 300, 0.5, 0.0)
+    few = thinned(Program("CORNER", at(p), time=time, dwell=dwell), TOLERANCE)
+    assert few.X is not None
+    assert few.time is not None
+    np.testing.assert_allclose(
+        few.X[:, :2, 3], [[0, 0], [0.1, 0], [0.2, 0], [0.2, 0.1], [0.2, 0.2]], atol=1e-12
+    )
+    np.testing.assert_allclose(few.time, [0, 1, 3, 5, 7.5])
+    assert few.dwell.tolist() == [0, 0, 0, 0.5, 0]
+    legs = legs_of(few)
+    # a square corner is cut by no more than the tolerance, the change of speed on the line as `blend` says
+    assert legs.blend[1] == pytest.approx(1e-3)
+    assert legs.blend[2] == pytest.approx(2 * TOLERANCE / np.sin(np.pi / 4))
+    assert legs.blend[3] == 0
+
+
+def test_a_turn_that_does_not_keep_step_breaks_the_line() -> None:
+    s = np.linspace(0, 1, 201)
+    p = np.stack([0.2 * s, 0 * s, 0 * s], axis=1)
+    even = np.stack([0 * s, 0 * s, s], axis=1)
+    assert thinned(Program("EVEN", at(p, even), time=s), TOLERANCE).count == 2
+    bent = thinned(Program("BENT", at(p, even**2), time=s), TOLERANCE)
+    assert bent.count > 10
+    assert bent.X is not None
+    for i in range(200):
+        k = np.searchsorted(bent.X[:, 0, 3], p[i, 0], side="right") - 1
+        part = (p[i, 0] - bent.X[k, 0, 3]) / (bent.X[k + 1, 0, 3] - bent.X[k, 0, 3])
+        angles = Rotation.from_matrix(bent.X[[k, k + 1], :3, :3]).as_rotvec()[:, 2]
+        assert abs(angles[0] + part * (angles[1] - angles[0]) - s[i] ** 2) * 0.1 <= TOLERANCE + 1e-12
+
+
+def test_no_tolerance_keeps_every_point() -> None:
+    p = circle(50)
+    program = Program("ALL", at(p), time=np.linspace(0, 1, 50))
+    assert thinned(program, 0.0) is program

@@ -1,0 +1,88 @@
+"""The table of points: a row per point or targets side by side; and poses that nobody names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..files.tables import Column, Layout, Table, read_table
+from .file import CampaignFile, point_columns
+
+AXES = ("x_mm", "y_mm", "z_mm")
+
+
+def read_points(path: Path, file: CampaignFile, place: str, named: bool = False) -> Table:
+    """The points as the campaign's file says; faults are in the table. named: they have to have `pose_id`."""
+    layout = file.points
+    if not layout.wide:
+        return read_table(path, layout, point_columns(file, named), place)
+    columns = [
+        Column("pose_id", text=True, required=named),
+        *(Column(axis, ("length",), required=True, blank=True) for axis in "xyz"),
+    ]
+    parts = []
+    for target, places in layout.wide.items():
+        mapping = {**layout.columns, **dict(zip(AXES, places, strict=True))}
+        own = Layout(**{key: getattr(layout, key) for key in Layout.model_fields} | {"columns": mapping})
+        parts.append(_seen(read_table(path, own, columns, f"{place}.wide.{target}"), target))
+    return _stacked(path, parts)
+
+
+def _seen(table: Table, target: str) -> Table:
+    """Only the rows in which the target was seen; beside them which of how many, as `row` of `rows`."""
+    if table.faults or not all(axis in table.numbers for axis in "xyz"):
+        return table
+    xyz = np.stack([table.numbers[axis] for axis in "xyz"], axis=1)
+    blank = np.isnan(xyz)
+    partly = np.asarray(blank.any(axis=1) & ~blank.all(axis=1))
+    mend = "give x, y and z, or none of them where it was not seen"
+    table.add_fault_where(partly, "x", f"of {target} is there in part only", mend)
+    kept = np.flatnonzero(~blank.any(axis=1))
+    texts = {name: [cells[row] for row in kept] for name, cells in table.texts.items()}
+    numbers = {axis: table.numbers[axis][kept] for axis in "xyz"} | {
+        "row": kept.astype(np.float64),
+        "rows": np.full(len(kept), float(len(table))),
+    }
+    texts["target"] = [target] * len(kept)
+    return Table(table.path, table.lines[kept], numbers, texts, table.labels, table.units, [], table.faults)
+
+
+def _stacked(path: Path, parts: Sequence[Table]) -> Table:
+    faults = list(dict.fromkeys(fault for part in parts for fault in part.faults))
+    if faults:
+        return Table(path, faults=faults)
+    first = parts[0]
+    return Table(
+        path,
+        np.concatenate([part.lines for part in parts]),
+        {name: np.concatenate([part.numbers[name] for part in parts]) for name in first.numbers},
+        {name: [cell for part in parts for cell in part.texts[name]] for name in first.texts},
+        first.labels,
+        first.units,
+    )
+
+
+def number_poses(poses: Table) -> None:
+    """Names poses by their row, from 1, where the table does not."""
+    poses.texts.setdefault("pose_id", [str(row) for row in range(1, len(poses) + 1)])
+
+
+def number_points(points: Table, poses: Table) -> bool:
+    """Joins points without `pose_id` to the poses in order: the k-th of each target to the k-th pose, a wide
+    row to the pose of its row. False where their numbers do not allow it."""
+    ids = poses.texts["pose_id"]
+    if (rows := points.numbers.get("row")) is not None:
+        order = [int(row) for row in rows]
+        fits = set(points.numbers["rows"]) == {len(ids)}
+    else:
+        count: dict[str, int] = {}
+        order = []
+        for target in points.texts.get("target", [""] * len(points)):
+            order.append(count.get(target, 0))
+            count[target] = order[-1] + 1
+        fits = set(count.values()) == {len(ids)}
+    if fits:
+        points.texts["pose_id"] = [ids[at] for at in order]
+    return fits

@@ -1,0 +1,125 @@
+"""What comes beside a new robot: a campaign to fill in, and a README of the next steps."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..robot.new_robot import NewRobot
+from .guess import Guessed, guess_points, guess_poses
+
+POINTS = "pose_id,target,x_mm,y_mm,z_mm\n"
+
+
+def template_files(
+    robot: NewRobot, folder: Path, poses: Path | None = None, points: Path | None = None
+) -> dict[Path, str]:
+    """`campaign.toml` and `README.md` for the new robot's folder, and both tables with their headers alone.
+
+    poses, points: tables that there are already; their layout is guessed and written into `campaign.toml`.
+    """
+    joints = robot.chain.joints
+    columns = [f"q{i}_{'deg' if joint.kind == 'revolute' else 'mm'}" for i, joint in enumerate(joints, 1)]
+    files = {Path("README.md"): _README.format(name=robot.name, flange=robot.flange.flange)}
+    if poses is None:
+        files[Path("poses.csv")] = ",".join(["pose_id", *columns]) + "\n"
+        told = _POSES.format(
+            mapping=", ".join(f'{name} = "J{i}"' for i, name in enumerate(columns, 1)),
+            first=columns[0],
+            other="rad" if joints[0].kind == "revolute" else "m",
+        )
+    else:
+        told = _section(poses, folder, guess_poses(poses, joints))
+    if points is None:
+        files[Path("points.csv")] = POINTS
+        seen = _POINTS
+    else:
+        seen = _section(points, folder, guess_points(points))
+    names = ", ".join(joint.name for joint in joints)
+    files[Path("campaign.toml")] = _TOML.format(robot=robot.name, joints=names, poses=told, points=seen)
+    return files
+
+
+def _section(table: Path, folder: Path, guessed: Guessed) -> str:
+    """The keys of a table whose layout was guessed."""
+    file = Path(os.path.relpath(table.resolve(), folder.resolve())).as_posix()
+    lines = [f"file = {_value(file)}", "# Guessed from the file; `workbench check` says whether it fits."]
+    lines += [f"{key} = {_value(value)}" for key, value in guessed.keys.items()]
+    if guessed.lacking:
+        has = f"; the file has: {', '.join(guessed.header)}" if guessed.header else ""
+        lines.append(f"# NOT FOUND: {', '.join(guessed.lacking)}{has}. Say them under columns.")
+    return "\n".join(lines)
+
+
+def _value(value: Any) -> str:
+    """A value as TOML has it, tables in one line."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(item) for item in value) + "]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _key(name: str) -> str:
+    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _value(name)
+
+
+_TOML = """\
+# What was measured. All keys: docs/files/campaign.md of the workbench.
+schema = 1
+title  = "{robot}"
+robot  = "{robot}.toml"
+
+# What the controller was told, a row per pose. Joints in order: {joints}
+[poses]
+{poses}
+
+# What the instrument saw, in its own frame
+[points]
+{points}
+
+# [targets.T1]
+# xyz_mm = [0.0, 0.0, 100.0]      # about where it sits in the flange's frame; absent = unknown
+
+# [noise]
+# sigma_mm = 0.03                 # of the instrument, per axis; absent = estimated from repeated poses
+
+# [tool]
+# mass_kg = 5.0
+# com_mm  = [0.0, 0.0, 50.0]      # in the flange's frame
+
+# [payloads.heavy]                # named in the column `payload` of the poses
+# mass_kg = 20.0
+# com_mm  = [0.0, 0.0, 150.0]
+"""
+
+_POSES = """\
+file = "poses.csv"
+# separator = ";"                 # decimal = ",", header = false, comment = "//", encoding = "latin-1"
+# columns = {{ {mapping} }}
+# A sign that the controller counts the other way: {first} = "-J1". Another unit than the name says:
+# units = {{ {first} = "{other}" }}"""
+
+_POINTS = """\
+file = "points.csv"
+# template = "spatial-analyzer"   # or "spatial-analyzer-csv", "leica", "polyworks"
+# columns = { pose_id = 1, target = 2, x_mm = 3, y_mm = 4, z_mm = 5 }   # number (1 = first) or header name
+# wide = { T1 = ["X1", "Y1", "Z1"], T2 = ["X2", "Y2", "Z2"] }           # targets side by side"""
+
+_README = """\
+# {name}
+
+Made by `workbench init`. The robot is `{name}.toml`, with `{name}.urdf` beside it.
+
+1. `workbench check {name}.toml` draws it and says what is not known. Is the flange `{flange}` right? Fill in
+   gear ratios and stiffness in `{name}.toml` where you know them.
+2. `workbench plan {name}.toml --poses 60 --out poses.csv` proposes poses to measure. Or use what you have:
+   put the controller's joints into `poses.csv` and the instrument's points into `points.csv`, or name your
+   own files and columns in `campaign.toml`.
+3. `workbench check campaign.toml` reads both, fits the instrument's frame and shows which points look wrong.
+4. `workbench diagnose campaign.toml --out found` says what is wrong and why: open `found/index.html`.
+5. `workbench compensate PATH.csv --model found/model.toml --format krl` corrects a path.
+"""

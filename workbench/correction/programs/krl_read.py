@@ -1,0 +1,167 @@
+"""KUKA KRL, read: a .src, and its .dat where positions are declared there."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...robot import rotations
+from ...robot.schema import LoadData
+from .base import Array
+from .format import NUMBER
+from .motions import Motions, Spot
+
+AGGREGATE = r"\{[^{}]*\}|\$?\w+"
+FIELD = re.compile(rf"\b([A-Z]\d?)\s+({NUMBER})", re.I)
+MOVE = re.compile(
+    rf"(S?PTP|S?LIN|SPL|S?CIRC)(?:\s+|(?=\{{))({AGGREGATE})\s*(?:,\s*({AGGREGATE}))?\s*(.*)$", re.I
+)
+DECLARED = re.compile(
+    r"^\s*(?:DECL\s+)?(?:GLOBAL\s+)?(?:E[36]?POS|POS|FRAME|E6AXIS|AXIS)\s+(\w+)\s*=\s*(\{.*\})", re.I
+)
+PLACE, TURN = "XYZ", "ABC"
+AXES = tuple(f"A{i}" for i in range(1, 7))
+WHERE_IT_STANDS = ("$AXIS_ACT", "$POS_ACT", "XHOME", "HOME")
+
+Text = tuple[str, int, str]  # file, where the text begins in it, the text
+
+
+def scan(files: Mapping[str, str]) -> Motions:
+    """The motions of a .src, with the places of their numbers in it or in the .dat."""
+    source = next((name for name in files if name.lower().endswith(".src")), next(iter(files)))
+    reader = _Reader(Motions(source))
+    for name, text in files.items():
+        start = 0
+        for line in text.splitlines(keepends=True):
+            if match := DECLARED.match(line):
+                reader.declared[match[1].upper()] = (name, start + match.start(2), match[2])
+            elif match := re.match(r"\s*DECL\s+FDAT\s+(\w+)\s*=\s*(.*)", line, re.I):
+                reader.frames[match[1].upper()] = match[2].upper()
+            start += len(line)
+    start = 0
+    for number, line in enumerate(files[source].splitlines(keepends=True), 1):
+        reader.motions.line = number
+        code = line.split(";")[0]
+        reader.read(number, (source, start + len(code) - len(code.lstrip()), code.strip()))
+        start += len(line)
+    return reader.motions
+
+
+class _Reader:
+    """Goes through a .src line by line, with the settings that hold at the line."""
+
+    def __init__(self, motions: Motions) -> None:
+        self.motions = motions
+        self.declared: dict[str, Text] = {}
+        self.frames: dict[str, str] = {}
+        self.set: dict[str, float] = {}
+        self.parts: list[float] = []
+        self.block = False
+
+    def read(self, number: int, at: Text) -> None:
+        text = at[2]
+        upper = text.upper()
+        if match := re.match(r"(?:GLOBAL\s+)?DEF\s+(\w+)", text, re.I):
+            self.motions.name = self.motions.name or match[1]
+        elif match := re.match(rf"WAIT\s+SEC\s+({NUMBER})", upper):
+            self.motions.wait(float(match[1]))
+        elif match := re.match(rf"BAS\s*\(\s*#(?:CP_PARAMS|VEL_CP)\s*,\s*({NUMBER})", upper):
+            self.set["$VEL.CP"] = float(match[1])
+        elif match := re.match(rf"(\$(?:VEL|APO)[.\w]*(?:\[1\])?)\s*=\s*({NUMBER})", upper):
+            self.set[match[1]] = float(match[2])
+        elif upper.startswith("TIME_BLOCK"):
+            self._time(upper)
+        elif upper.startswith("$LOAD"):
+            numbers = [float(word) for word in re.findall(NUMBER, upper)]
+            self.motions.load = LoadData(mass_kg=numbers[0], com_mm=(numbers[1], numbers[2], numbers[3]))
+        elif match := re.match(r"\$(TOOL|BASE)\s*=\s*(.*)", upper):
+            self._frame(match[1].lower(), match[2])
+        elif match := re.match(r"FDAT_ACT\s*=\s*(\w+)", upper):
+            for name, index in re.findall(r"(TOOL|BASE)_NO\s+(\d+)", self.frames.get(match[1], "")):
+                self._frame(name.lower(), "$NULLFRAME" if index == "0" else f"{name}_DATA[{index}]")
+        elif match := MOVE.match(text):
+            self._move(number, at, match)
+        elif re.match(r"S?(LIN_REL|PTP_REL|CIRC_REL)\b", upper):
+            self.motions.fault(number, f"{upper.split()[0]} cannot be read", "give the path as LIN points")
+
+    def _frame(self, name: str, value: str) -> None:
+        if value.startswith("$NULLFRAME"):
+            setattr(self.motions, name, np.eye(4))
+        elif value.startswith("{"):
+            setattr(self.motions, name, _pose({key.upper(): float(v) for key, v in FIELD.findall(value)}))
+        else:
+            self.motions.elsewhere(name, value)
+
+    def _time(self, upper: str) -> None:
+        """TIME_BLOCK START, PART=percent of each leg, END=seconds of all."""
+        value = re.search(rf"=\s*({NUMBER})", upper)
+        if "PART" in upper and value:
+            self.parts.append(float(value[1]))
+        elif "END" in upper and value:
+            parts = self.parts or [100.0]
+            for move, part in zip(self.motions.moves[-len(parts) :], parts, strict=False):
+                object.__setattr__(move, "duration", float(value[1]) * part / sum(parts))
+        else:
+            self.parts = []
+
+    def _target(self, at: Text, text: str, offset: int) -> tuple[dict[str, float], Spot | None, bool]:
+        """The numbers of a target, the places of those that say where it is, and whether it was found."""
+        if not text.startswith("{"):
+            if (found := self.declared.get(text.upper())) is None:
+                return {}, None, False
+            at, text, offset = found, found[2], 0
+        file, start, _ = at
+        spans, fields = {}, {}
+        for match in FIELD.finditer(text):
+            key = match[1].upper()
+            fields[key] = float(match[2])
+            spans[key] = (start + offset + match.start(2), start + offset + match.end(2))
+        for keys in (AXES, tuple(PLACE + TURN)):
+            if set(keys) <= spans.keys():
+                return fields, Spot(file, tuple(spans[key] for key in keys)), True
+        return fields, None, True
+
+    def _move(self, number: int, at: Text, match: re.Match[str]) -> None:
+        kind, last = match[1].upper(), 3 if match[3] else 2
+        name = match[last]
+        if name.upper() in WHERE_IT_STANDS and name.upper() not in self.declared:
+            return
+        if kind.endswith("CIRC") != bool(match[3]):
+            what = "cannot be read" if kind.endswith("CIRC") else "has two targets"
+            self.motions.fault(number, f"{kind} {what}", "CIRC needs a via point and an end point")
+            return
+        fields, spot, found = self._target(at, name, match.start(last))
+        rails = tuple(fields[f"E{i}"] * 1e-3 for i in range(1, 7) if f"E{i}" in fields)
+        share = self.set.get("$VEL_AXIS[1]", np.nan) / 100
+        via, via_spot = None, None
+        if match[3]:
+            over, via_spot, known = self._target(at, match[2], match.start(2))
+            via = _pose(over) if via_spot else None
+            found, spot = found and known, spot if via_spot else None
+        if spot is not None and "A2" in fields:
+            self.motions.joints(tuple(np.radians(fields[key]) for key in AXES), rails, share, spot=spot)
+        elif spot is not None:
+            free = "PTP" in kind
+            rounded = re.match(r"C_(?:DIS|PTP|VEL|ORI)", match[4].upper())
+            self.motions.pose(
+                _pose(fields),
+                rails,
+                np.nan if free else self.set.get("$VEL.CP", np.nan),
+                np.radians(self.set.get("$VEL.ORI1", np.nan)),
+                blend=self.set.get("$APO.CDIS", 0.0) * 1e-3 if rounded else 0.0,
+                share=share if free else np.nan,
+                via=via,
+                spot=spot,
+                via_spot=via_spot,
+            )
+        else:
+            what = "no whole position (X Y Z A B C or A1..A6)" if found else f"no position {name!r} declared"
+            self.motions.fault(number, what, "" if found else "give the .dat as well")
+
+
+def _pose(fields: Mapping[str, float]) -> Array:
+    x, y, z, a, b, c = (fields.get(name, 0.0) for name in PLACE + TURN)
+    turn = rotations.from_zyx(np.radians([[a, b, c]]))
+    return rotations.pose(np.array([[x, y, z]]) * 1e-3, turn)[0]

@@ -1,0 +1,70 @@
+"""Programs that bring the arm to poses to be measured: by joints, from a known side, with a standstill."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...files.faults import Fault, InputError
+from ...robot.description import Robot
+from ...robot.kinematics import Array
+from ...robot.schema import LoadData
+from .base import Program
+from .format import Format
+from .shown import as_shown
+
+APPROACH = np.radians(2.0), 0.01  # how far before a pose the arm comes to: turning [rad], sliding joints [m]
+DWELL_S = 4.0
+SHARE = 0.1
+
+
+def measuring_program(
+    robot: Robot,
+    q: Array,
+    format: Format,
+    dwell_s: float = DWELL_S,
+    *,
+    sides: Array | None = None,
+    name: str = "measure",
+    load: LoadData | None = None,
+    share: float = SHARE,
+    as_urdf: bool = False,
+) -> Program:
+    """A program of joint targets for a robot's controller: to each of N poses by an approach point.
+
+    q: (N, n) the URDF's joints [rad, m]. dwell_s: standstill at a pose [s]; approach points have none. sides:
+    (N, n) sign of each joint's last motion (default: all arrive upwards), so that play and friction are the
+    same at every return. load: what the flange carries. Raises `InputError` for joints out of range and for a
+    robot without `[controller]`.
+    """
+    q = np.asarray(q, dtype=float)
+    lower, upper = (np.array([getattr(j, side) for j in robot.joints]) for side in ("lower", "upper"))
+    out = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
+    if len(out):
+        told = [Fault(f"pose {i + 1}: {robot.joints[j].name}", "is out of its range") for i, j in out]
+        raise InputError(told)
+    if not dwell_s > 0:
+        raise InputError(
+            Fault("dwell", f"is {dwell_s} s", "give more than zero: the robot has to stand still")
+        )
+    slides = np.array([joint.kind == "prismatic" for joint in robot.joints])
+    arrive = np.ones_like(q) if sides is None else np.asarray(sides, dtype=float)
+    before = np.clip(q - arrive * np.where(slides, APPROACH[1], APPROACH[0]), lower, upper)
+    program = Program(
+        format.legal_name(name),
+        q=np.stack([before, q], axis=1).reshape(-1, q.shape[1]),
+        dwell=np.tile([0.0, dwell_s], len(q)),
+        kind="joints",
+        sliding=tuple(bool(slide) for slide in slides),
+        share=share,
+        load=load,
+    )
+    return as_shown(program, robot, as_urdf) if format.own_joints else program
+
+
+def measured(program: Program) -> Program:
+    """The targets at which a measuring program stands still, without the approach points."""
+    still = program.dwell > 0
+    assert program.q is not None
+    return replace(program, q=program.q[still], dwell=program.dwell[still], time=None)

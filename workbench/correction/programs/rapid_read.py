@@ -1,0 +1,151 @@
+"""ABB RAPID, read: the moves of a module with the targets, tools and work objects that it declares."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...robot import rotations
+from ...robot.schema import LoadData
+from .base import Array
+from .format import NUMBER
+from .motions import Motions, Spot
+from .text import arguments
+
+RAPID_FULL_JOINT_SPEED = 1000.0  # mm/s at the tool that counts as full speed of a joint move
+NO_AXIS = 8e9  # from here on an external axis is not there
+MOVE = re.compile(r"\b(MoveL|MoveJ|MoveAbsJ|MoveC)(?:DO|AO|GO|Sync)?\s+", re.I)
+DECLARED = re.compile(
+    r"\b(robtarget|jointtarget|tooldata|wobjdata|speeddata|zonedata)\s+(\w+)\s*:=\s*(\[.*\])", re.I | re.S
+)
+
+Text = tuple[int, str]  # where the text begins in the file, the text
+
+
+def scan(files: Mapping[str, str]) -> Motions:
+    """The motions of a module, with the places of their numbers."""
+    file, text = next(iter(files.items()))
+    code = re.sub(r'"[^"\n]*"|![^\n]*', lambda match: " " * len(match[0]), text)
+    reader = _Reader(file, Motions(file))
+    if match := re.search(r"^\s*MODULE\s+(\w+)", code, re.I | re.M):
+        reader.motions.name = match[1]
+    statements = [(match.start(), match[0]) for match in re.finditer(r"[^;]+", code)]
+    for start, statement in statements:
+        if match := DECLARED.search(statement):
+            reader.declared[match[2].lower()] = (start + match.start(3), match[3])
+    for start, statement in statements:
+        if match := MOVE.search(statement):
+            reader.motions.line = code.count("\n", 0, start + match.start()) + 1
+            reader.move(match[1].lower(), start + match.end(), statement[match.end() :])
+        elif match := re.search(r"\bWaitTime(?:\s*\\InPos\s*,)?\s*([\d.]+)", statement, re.I):
+            reader.motions.wait(float(match[1]))
+    return reader.motions
+
+
+class _Reader:
+    """Reads one move at a time, with the data that the module declares."""
+
+    def __init__(self, file: str, motions: Motions) -> None:
+        self.file, self.motions = file, motions
+        self.declared: dict[str, Text] = {}
+
+    def move(self, kind: str, start: int, text: str) -> None:
+        """Targets, speed, zone and tool."""
+        parts = [(start + place, part) for place, part in arguments(text)]
+        ends, line = (2 if kind == "movec" else 1), int(self.motions.line)
+        if len(parts) < ends + 3:
+            self.motions.fault(line, f"{kind} cannot be read", "give target, speed, zone and tool")
+            return
+        targets = [self._target(*part) for part in parts[:ends]]
+        for (_, name), found in zip(parts, targets, strict=False):
+            if found is None:
+                what = f"no target {name!r} declared"
+                self.motions.fault(line, what, "declare it in this module")
+                return
+        speed, zone, tool = (part for _, part in parts[ends : ends + 3])
+        self._frames(tool, tool + "".join(part for _, part in parts[ends + 3 :]))
+        said = re.search(r"\\T\s*:=\s*([\d.]+)", speed, re.I)
+        duration = float(said[1]) if said else np.nan
+        (numbers, spans), *_ = [found for found in targets[-1:] if found]
+        if kind == "moveabsj":
+            share = np.nan if said else self._speed(speed) / RAPID_FULL_JOINT_SPEED
+            arm = tuple(np.radians(numbers[:6]))
+            spot = Spot(self.file, tuple(spans[:6]))
+            self.motions.joints(arm, _rails(numbers[6:]), share, duration, spot=spot)
+            return
+        for found in targets:
+            if found and (len(found[0]) != 17 or not 0.99 < np.linalg.norm(found[0][3:7]) < 1.01):
+                self.motions.fault(line, "no whole robtarget with a quaternion of length 1")
+                return
+        over = targets[0] if kind == "movec" else None
+        free = kind == "movej"
+        corner = re.search(r"\\Z\s*:=\s*([\d.]+)", zone, re.I) or re.fullmatch(r"z(\d+)", zone, re.I)
+        self.motions.pose(
+            _frame(numbers),
+            _rails(numbers[11:]),
+            np.nan if free else 1e-3 * self._speed(speed),
+            duration=duration,
+            blend=1e-3 * float(corner[1]) if corner else 0.0,
+            share=self._speed(speed) / RAPID_FULL_JOINT_SPEED if free else np.nan,
+            via=_frame(over[0]) if over else None,
+            spot=Spot(self.file, tuple(spans[:7])),
+            via_spot=Spot(self.file, tuple(over[1][:7])) if over else None,
+        )
+
+    def _frames(self, tool: str, options: str) -> None:
+        """Tool and work object of a move."""
+        name = tool.split("\\")[0].strip().lower()
+        wobj = re.search(r"\\WObj\s*:=\s*(\w+)", options, re.I)
+        base = wobj[1].lower() if wobj else "wobj0"
+        if name == "tool0":
+            self.motions.tool, self.motions.load = np.eye(4), None
+        elif (found := self._numbers(*self._text(0, name))) is not None and len(found[0]) >= 11:
+            numbers = found[0]
+            self.motions.tool = _frame(numbers)
+            known = numbers[7] > 0.001
+            com = (numbers[8], numbers[9], numbers[10])
+            self.motions.load = LoadData(mass_kg=numbers[7], com_mm=com) if known else None
+        else:
+            self.motions.elsewhere("tool", tool)
+        if base == "wobj0":
+            self.motions.base = np.eye(4)
+        elif (found := self._numbers(*self._text(0, base))) is not None and len(found[0]) >= 14:
+            self.motions.base = _frame(found[0]) @ _frame(found[0][7:])
+        else:
+            self.motions.elsewhere("base", f"work object {base!r} is not the robot's base")
+
+    def _text(self, start: int, text: str) -> Text:
+        text = text.split("\\")[0].strip()
+        return (start, text) if text.startswith("[") else self.declared.get(text.lower(), (0, ""))
+
+    def _numbers(self, start: int, text: str) -> tuple[list[float], list[tuple[int, int]]] | None:
+        if not text:
+            return None
+        found = list(re.finditer(NUMBER, text))
+        spans = [(start + match.start(), start + match.end()) for match in found]
+        return [float(match[0]) for match in found], spans
+
+    def _target(self, start: int, text: str) -> tuple[list[float], list[tuple[int, int]]] | None:
+        found = self._numbers(*self._text(start, text))
+        return found if found and len(found[0]) in (12, 17) else None
+
+    def _speed(self, text: str) -> float:
+        """mm/s: `v100\\V:=35`, `v100`, `[35,500,5000,1000]` or the name of a speeddata."""
+        if match := re.search(r"\\V\s*:=\s*([\d.]+)", text, re.I):
+            return float(match[1])
+        if found := self._numbers(*self._text(0, text)):
+            return found[0][0]
+        match = re.fullmatch(r"v(\d+)", text.split("\\")[0], re.I)
+        return float(match[1]) if match else np.nan
+
+
+def _rails(numbers: list[float]) -> tuple[float, ...]:
+    return tuple(1e-3 * value for value in numbers if value < NO_AXIS)
+
+
+def _frame(numbers: list[float]) -> Array:
+    """(4, 4) from x y z [mm] and a quaternion."""
+    turn = rotations.from_quaternions(np.array([numbers[3:7]]))
+    return rotations.pose(1e-3 * np.array([numbers[:3]]), turn)[0]

@@ -1,0 +1,125 @@
+"""Universal Robots script, read: moves whose targets stand as numbers, inline or in a variable."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...robot import rotations
+from ...robot.schema import LoadData
+from .base import Array
+from .format import NUMBER
+from .motions import Motions, Spot
+from .text import arguments
+
+UR_FULL_JOINT_SPEED = np.pi  # rad/s
+CALL = re.compile(r"\b(movel|movej|movep|movec|servoj|servoc)\s*\(")
+LIST = r"(p?)\[([^\]]*)\]"
+ASSIGNED = re.compile(rf"^\s*(?:local\s+|global\s+)?(\w+)\s*=\s*{LIST}\s*$")
+
+
+def scan(files: Mapping[str, str]) -> Motions:
+    """The motions of a script, with the places of their numbers."""
+    file, text = next(iter(files.items()))
+    reader, start = _Reader(file), 0
+    for number, line in enumerate(text.splitlines(keepends=True), 1):
+        reader.motions.line = number
+        reader.read(number, start, line.split("#")[0].rstrip("\r\n"))
+        start += len(line)
+    return reader.motions
+
+
+class _Target:
+    """Six numbers: a pose or joints, and where they stand."""
+
+    def __init__(self, file: str, start: int, pose: str, inside: str) -> None:
+        found = list(re.finditer(NUMBER, inside))
+        self.numbers = [float(match[0]) for match in found]
+        self.is_pose = bool(pose)
+        self.spot = Spot(file, tuple((start + match.start(), start + match.end()) for match in found))
+        self.whole = len(self.numbers) == 6 and len(inside.split(",")) == 6
+        self.base: Array | None = np.eye(4)
+
+    def pose(self) -> Array:
+        """(4, 4)."""
+        place, turn = np.array([self.numbers[:3]]), np.array([self.numbers[3:]])
+        return rotations.pose(place, rotations.from_vectors(turn))[0]
+
+
+class _Reader:
+    def __init__(self, file: str) -> None:
+        self.file, self.motions = file, Motions(file)
+        self.variables: dict[str, _Target] = {}
+
+    def read(self, number: int, start: int, line: str) -> None:
+        if match := re.match(r"\s*def\s+(\w+)", line):
+            self.motions.name = self.motions.name or match[1]
+        elif match := ASSIGNED.match(line):
+            self.variables[match[1]] = _Target(self.file, start + match.start(3), match[2], match[3])
+        elif match := re.search(r"\bset_tcp\s*\((.*)\)", line):
+            tool = self._target(start + match.start(1), match[1])
+            if tool is not None and tool.whole:
+                self.motions.tool = tool.pose()
+            else:
+                self.motions.elsewhere("tool", match[1])
+        elif match := re.search(r"\bset_(?:target_)?payload\s*\((.*)", line):
+            numbers = [float(word) for word in re.findall(NUMBER, match[1])] + [0.0] * 4
+            com = (1e3 * numbers[1], 1e3 * numbers[2], 1e3 * numbers[3])
+            self.motions.load = LoadData(mass_kg=numbers[0], com_mm=com)
+        elif match := re.search(rf"\bsleep\s*\(\s*({NUMBER})", line):
+            self.motions.wait(float(match[1]))
+        elif match := CALL.search(line):
+            self._move(number, match[1], start + match.end(), line[match.end() :])
+
+    def _target(self, start: int, text: str) -> _Target | None:
+        """The target that an argument says, through get_inverse_kin and pose_trans of a variable frame."""
+        found = re.match(r"\s*get_inverse_kin\s*\(", text)
+        if found:
+            return self._target(start + found.end(), text[found.end() :])
+        if found := re.match(rf"\s*pose_trans\s*\(\s*(?:{LIST}|(\w+))\s*,", text):
+            inline = _Target(self.file, 0, found[1] or "", found[2] or "")
+            base = self.variables.get(found[3]) if found[3] else inline
+            target = self._target(start + found.end(), text[found.end() :])
+            if target is not None:
+                target.base = base.pose() if base is not None and base.is_pose and base.whole else None
+            return target
+        if found := re.match(rf"\s*{LIST}", text):
+            return _Target(self.file, start + found.start(2), found[1], found[2])
+        name = re.match(r"\s*(\w+)", text)
+        return self.variables.get(name[1]) if name else None
+
+    def _move(self, line: int, kind: str, start: int, text: str) -> None:
+        parts = arguments(text)
+        targets = [self._target(start + place, part) for place, part in parts[: 2 if kind == "movec" else 1]]
+        if any(target is None for target in targets):
+            what = "a motion without numbers cannot be read"
+            self.motions.fault(line, what, "give points as p[...] or [...]")
+            return
+        known = [target for target in targets if target is not None]
+        target = known[-1]
+        if kind == "servoc" or len(known) != (2 if kind == "movec" else 1) or not all(t.whole for t in known):
+            self.motions.fault(line, f"{kind} cannot be read", "give six numbers a point")
+            return
+        said = {name: float(value) for name, value in re.findall(rf"\b([avtr])\s*=\s*({NUMBER})", text)}
+        timed = said["t"] if said.get("t", 0.0) > 0 else np.nan
+        share = said.get("v", np.nan) / UR_FULL_JOINT_SPEED
+        if not target.is_pose:
+            self.motions.joints(tuple(target.numbers), share=share, duration=timed, spot=target.spot)
+            return
+        if target.base is None:
+            self.motions.elsewhere("base", text.strip())
+        else:
+            self.motions.base = target.base
+        straight = kind != "movej"
+        self.motions.pose(
+            target.pose(),
+            speed=said.get("v", np.nan) if straight else np.nan,
+            duration=timed if straight else np.nan,
+            blend=said.get("r", 0.0),
+            share=np.nan if straight else share,
+            via=known[0].pose() if kind == "movec" else None,
+            spot=target.spot,
+            via_spot=known[0].spot if kind == "movec" else None,
+        )

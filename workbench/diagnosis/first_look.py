@@ -1,0 +1,87 @@
+"""A campaign looked at before any fit: the instrument's frame and the targets found, nothing calibrated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..campaign import Campaign
+from ..campaign.problem import problem_of
+from ..effects import catalogue
+from ..files.faults import Fault, InputError
+from ..identification.plausible import check_plausible
+from ..identification.registration import register
+from ..robot.kinematics import Array
+from .result import NotTestable
+
+SUSPICIOUS = 5.0  # times the median distance
+
+
+@dataclass(frozen=True)
+class FirstLook:
+    """Where the points are beside a robot that is as its URDF says.
+
+    points: (M, 3) [m] measured, in the base frame; error: (M, 3) [m] measured minus nominal; pose, target:
+    (M,) their numbers; suspicious: (M,) far off the others; q: (n,) joints of the middle pose.
+    not_testable: causes that such data cannot show. wrong: why
+    joints, points and robot do not belong together; remarks: what is worth a word of it.
+    """
+
+    campaign: Campaign
+    points: Array
+    error: Array
+    pose: NDArray[np.int64]
+    target: NDArray[np.int64]
+    suspicious: NDArray[np.bool_]
+    q: Array
+    not_testable: tuple[NotTestable, ...]
+    remarks: tuple[str, ...]
+    wrong: tuple[Fault, ...]
+
+    @property
+    def distance(self) -> Array:
+        """(M,) [m] of each point from where the nominal robot has it."""
+        return np.asarray(np.linalg.norm(self.error, axis=1))
+
+    @property
+    def names(self) -> list[str]:
+        """Pose and target of each point."""
+        ids, targets = self.campaign.poses.ids, self.campaign.targets
+        return [f"{ids[i]} {targets[t].name}" for i, t in zip(self.pose, self.target, strict=True)]
+
+
+def first_look(campaign: Campaign) -> FirstLook:
+    """Registers the points with the nominal robot, and judges whether they belong to it."""
+    problem = problem_of(campaign)
+    no_faults: tuple[Fault, ...] = ()
+    try:
+        remarks, wrong = tuple(check_plausible(problem)), no_faults
+    except InputError as unfit:
+        remarks, wrong = (), unfit.faults
+    R, t, targets = register(problem)
+    setup, on = campaign.poses.setup, problem.on
+    nominal = np.empty_like(campaign.points)
+    measured = np.empty_like(campaign.points)
+    for k in range(len(R)):
+        here = setup == k
+        nominal[here] = problem.rigid.points(targets[k], on)[here]
+        measured[here] = (campaign.points[here] - t[k]) @ R[k]
+    pose, target = np.nonzero(problem.seen)
+    points, error = measured[pose, target], (measured - nominal)[pose, target]
+    distance = np.linalg.norm(error, axis=1)
+    middle = np.argmin(np.linalg.norm(problem.q - np.median(problem.q, axis=0), axis=1))
+    missing = [(cause, kind.needs(problem)) for cause, kind in catalogue().items()]
+    return FirstLook(
+        campaign,
+        points,
+        error,
+        pose,
+        target,
+        distance > SUSPICIOUS * np.median(distance),
+        problem.q[middle],
+        tuple(NotTestable(cause, why) for cause, why in missing if why is not None),
+        remarks,
+        wrong,
+    )

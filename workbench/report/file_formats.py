@@ -1,0 +1,202 @@
+"""docs/files: a page and a JSON schema for each format, out of the models that read them.
+
+`python -m workbench.report.file_formats` writes them.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from ..campaign.exports import EXPORTS
+from ..campaign.file import CampaignFile, point_columns, pose_columns
+from ..correction.path_table import path_columns
+from ..files.tables import UNITS, Column
+from ..files.whole import put_all
+from ..robot.description import load_robot
+from ..robot.schema import RobotFile
+
+Part = dict[str, Any]
+FOLDER = Path(__file__).resolve().parents[2] / "docs" / "files"
+MADE = "<!-- written by `python -m workbench.report.file_formats` -->"
+SCHEMA_LINE = "#:schema"  # what editors with Taplo or Even Better TOML read in the first line
+
+
+def pages() -> dict[str, str]:
+    """File name → text, for docs/files."""
+    robot = load_robot("kr500")
+    bare = CampaignFile.model_validate(
+        {"schema": 1, "robot": "kr500", "poses": {"file": "poses.csv"}, "points": {"file": "points.csv"}}
+    )
+    poses, points, path = pose_columns(robot), point_columns(bare), path_columns(robot)
+    return {
+        "robot.md": _toml_page("A robot: `robot.toml` beside its URDF", _ROBOT, RobotFile, "robot"),
+        "campaign.md": _toml_page("A campaign: `campaign.toml`", _CAMPAIGN, CampaignFile, "campaign")
+        + _exports(),
+        "poses.md": _table_page("What the controller was told: `poses.csv`", _POSES, poses),
+        "points.md": _table_page("What the instrument saw: `points.csv`", _POINTS, points),
+        "path.md": _table_page("A path: `path.csv`", _PATH, path),
+        "robot.schema.json": _schema(RobotFile),
+        "campaign.schema.json": _schema(CampaignFile),
+    }
+
+
+def _schema(model: type[BaseModel]) -> str:
+    return json.dumps(model.model_json_schema(by_alias=True), indent=1, ensure_ascii=False) + "\n"
+
+
+def _toml_page(title: str, words: str, model: type[BaseModel], name: str) -> str:
+    schema = model.model_json_schema(by_alias=True)
+    lines = [f"# {title}", "", MADE, "", words.strip(), ""]
+    lines += [f"Editors check it with `{SCHEMA_LINE} {name}.schema.json` in the first line.", ""]
+    for heading, part in _tables(schema, schema, ""):
+        lines += [f"## {heading or 'At the top'}", ""]
+        if heading and part.get("description"):
+            lines += [str(part["description"]).strip(), ""]
+        lines += ["| key | kind | default | meaning |", "|---|---|---|---|"]
+        required = part.get("required", [])
+        for key, value in part.get("properties", {}).items():
+            default = "needed" if key in required else _default(value)
+            lines.append(
+                f"| `{key}` | {_kind(value, schema)} | {default} | {_cell(value.get('description', ''))} |"
+            )
+        lines.append("")
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _tables(part: Part, schema: Part, heading: str) -> Iterator[tuple[str, Part]]:
+    """The tables of a TOML in the order of its keys, with the heading that each has there."""
+    yield heading, part
+    for key, value in part.get("properties", {}).items():
+        place = f"{heading.strip('[]`')}.{key}".strip(".")
+        for one in (value, *value.get("anyOf", ())):
+            inner, shape = one, f"[{place}]"
+            if one.get("type") == "array":
+                inner, shape = one.get("items", {}), f"[[{place}]]"
+            elif isinstance(one.get("additionalProperties"), dict):
+                inner, shape = one["additionalProperties"], f"[{place}.NAME]"
+            if "$ref" in inner:
+                yield from _tables(_ref(inner, schema), schema, f"`{shape}`")
+
+
+def _ref(value: Part, schema: Part) -> Part:
+    found: Part = schema["$defs"][value["$ref"].rpartition("/")[2]]
+    return found
+
+
+def _kind(value: Part, schema: Part) -> str:
+    """What a value may be, in a word or two."""
+    if "$ref" in value:
+        return "table"
+    if "anyOf" in value:
+        kinds = dict.fromkeys(_kind(one, schema) for one in value["anyOf"] if one.get("type") != "null")
+        return " or ".join(kinds)
+    if "const" in value or "enum" in value:
+        return ", ".join(f"`{json.dumps(one)}`" for one in value.get("enum", [value.get("const")]))
+    kind = value.get("type", "any")
+    if kind == "array":
+        count = value.get("minItems")
+        items = value.get("items") or (value.get("prefixItems") or [{}])[0]
+        return "tables" if "$ref" in items else f"{count or 'list of'} {_kind(items, schema)}s"
+    return {"object": "table", "string": "text", "boolean": "true or false"}.get(kind, str(kind))
+
+
+def _default(value: Part) -> str:
+    default = value.get("default")
+    return "" if default is None or isinstance(default, dict | list) else f"`{json.dumps(default)}`"
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
+
+
+def _exports() -> str:
+    lines = ["", "## Templates", "", "| `template` | stands for |", "|---|---|"]
+    for name, keys in EXPORTS.items():
+        said = "; ".join(f"{key} = {json.dumps(value)}" for key, value in keys.items())
+        lines.append(f"| `{name}` | {_cell(said)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _table_page(title: str, words: str, columns: Sequence[Column]) -> str:
+    units = {
+        dim: ", ".join(f"`{unit}`" for unit in UNITS if UNITS[unit].dimension == dim)
+        for dim in _dimensions(columns)
+    }
+    lines = [f"# {title}", "", MADE, "", words.strip(), ""]
+    lines += ["| column | | what |", "|---|---|---|"]
+    for column in columns:
+        stem, number = re.fullmatch(r"([a-z_]+?)(\d*)", column.name).groups()  # type: ignore[union-attr]
+        if number in ("", "1"):
+            need = "needed" if column.required else ""
+            more = " ..." if number else ""
+            lines.append(f"| `{_written(column)}`{more} | {need} | {_MEANINGS[stem]} |")
+    lines += ["", "Units that a name may end in:", "", "| of a | units |", "|---|---|"]
+    lines += [f"| {dimension} | {names} |" for dimension, names in units.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _dimensions(columns: Sequence[Column]) -> list[str]:
+    return list(dict.fromkeys(dimension for column in columns for dimension in column.dimensions))
+
+
+def _written(column: Column) -> str:
+    return column.usual.replace(" or ", "`, `")
+
+
+_FORCE = "external force on the robot at the flange's origin, in the base frame"
+_TORQUE = "external torque, likewise"
+_SIGMA = "uncertainty of the point, one sigma"
+_MEANINGS = {
+    **dict(payload="what the arm carries, by its name under `[payloads]`; empty: nothing"),
+    "pose_id": "name of the pose",
+    "setup": "the instrument's stand: its frame and the targets are fitted anew for each",
+    "t": "time",
+    "temp": "temperature of the arm; 20 °C is nominal",
+    **dict.fromkeys(("fx", "fy", "fz"), _FORCE),
+    **dict.fromkeys(("mx", "my", "mz"), _TORQUE),
+    "q": "commanded joint, from base to flange",
+    "r": "read-back joint",
+    "tau": "torque that the drive exerts on the joint (force of a sliding one)",
+    "dir": "sign of the joint's last motion: -1, 1, or 0 where it is not known",
+    "target": "name of the target",
+    **dict.fromkeys("xyz", "place"),
+    **dict.fromkeys(("sx", "sy", "sz"), _SIGMA),
+    **dict.fromkeys(("qw", "qx", "qy", "qz"), "orientation as a quaternion"),
+    **dict.fromkeys("abc", "orientation as KUKA's A B C: Rz(A) Ry(B) Rx(C)"),
+    "dwell": "rest at this sample",
+}
+
+_ROBOT = """
+The URDF says lengths, axes, limits, masses and looks; this file what URDF cannot say. `workbench init URDF`
+writes one, `workbench check robot.toml` tests it. Numbers are in SI units. A `model.toml`, which a diagnosis
+writes, is the same format with `[geometry]`, `[[effects]]` and the campaign's loads.
+"""
+_CAMPAIGN = """
+Two tables, joined on `pose_id`, and what is known of the measurement. `workbench check campaign.toml` reads
+it, tells every fault with its line, and shows the points beside the robot before anything is fitted.
+"""
+_POSES = """
+A row per pose, here for a robot with six joints. Poses with equal joints,
+payload, wrench and setup are repeats. Without `pose_id` the rows are numbered from 1. Columns of other names
+are mapped in [campaign.toml](campaign.md).
+"""
+_POINTS = """
+A row per shot of a target, in the instrument's frame. Several rows of one pose and target are shots of one
+standstill. With a single target its column may be left out; without `pose_id` the points are joined to the
+poses in order, if there are as many. Targets side by side are read with `wide` in
+[campaign.toml](campaign.md).
+"""
+_PATH = """
+A row per sample: time, and either joints, or tool poses in the base frame as quaternion `qw` ... or as KUKA's
+A B C.
+"""
+
+
+if __name__ == "__main__":
+    put_all({FOLDER / name: text for name, text in pages().items()})

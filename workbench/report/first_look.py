@@ -1,0 +1,179 @@
+"""The page of `workbench check`: what was read, drawn, before any fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..diagnosis.first_look import SUSPICIOUS, FirstLook
+from ..robot.description import Robot
+from ..robot.kinematics import Array, Frames, frames
+from ..robot.rigid_plant import arrays
+from .drawing import AFTER, BEFORE, INK, MUTED, Figure, dots, drawing
+from .folder import json_bytes, write_together
+from .markup import render
+from .scene import Shown, scene_of
+
+LISTED = 12  # suspicious points by name
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What `check` found, ready to be said. sections: title → lines; facts: for programs."""
+
+    title: str
+    headline: str
+    sections: Mapping[str, Sequence[str]]
+    facts: Mapping[str, Any]
+    robot: Robot
+    shown: Shown
+
+    @property
+    def text(self) -> str:
+        """For a terminal."""
+        lines = [f"{self.title}: {self.headline}"]
+        for title, said in self.sections.items():
+            lines += ["", title, *(f"  {line}" for line in said)]
+        return "\n".join(lines)
+
+
+def check_robot(robot: Robot, notes: Sequence[str]) -> Checked:
+    """A robot alone, at rest in the middle of its limits. notes: what of its URDF does not count."""
+    bounded = [np.isfinite(joint.upper - joint.lower) for joint in robot.joints]
+    middle = [(j.lower + j.upper) / 2 if ok else 0.0 for j, ok in zip(robot.joints, bounded, strict=True)]
+    q = np.array(middle)
+    none = np.zeros((0, 3))
+    sections = {"What is known": _known(robot)} | ({"Worth a look": notes} if notes else {})
+    count = len(robot.joints)
+    headline = f"{count} joints from {robot.base} to {robot.flange}"
+    facts = {"robot": robot.name, "joints": list(robot.joint_names), "warnings": list(notes)}
+    return Checked(robot.title, headline, sections, facts, robot, Shown(q, none, {"nominal": none}))
+
+
+def check_campaign(look: FirstLook) -> Checked:
+    """A campaign with its robot, its points registered."""
+    campaign, mm = look.campaign, 1e3 * look.distance
+    bad = np.flatnonzero(look.suspicious)
+    bad = bad[np.argsort(-mm[bad])]
+    listed = [f"pose {look.names[i]}: {mm[i]:.1f} mm off" for i in bad[:LISTED]]
+    listed += [f"and {len(bad) - LISTED} more"] if len(bad) > LISTED else []
+    targets = ", ".join(target.name for target in campaign.targets)
+    read = [
+        f"{len(campaign.poses)} poses, {len(mm)} points of {targets}",
+        f"after registration the points are {np.median(mm):.2f} mm (median), at most {mm.max():.1f} mm, from "
+        "where the URDF has them; calibration takes most of that",
+        f"instrument: {_noise(look)}",
+    ]
+    sections: dict[str, Sequence[str]] = {"What was read": read}
+    if look.wrong:
+        sections["Joints, points and robot do not belong together"] = [str(fault) for fault in look.wrong]
+    if listed:
+        sections[f"Suspicious: more than {SUSPICIOUS:g} times the median off"] = listed
+    if worth := [*look.remarks, *campaign.warnings]:
+        sections["Worth a look"] = worth
+    sections["What is known of the robot"] = _known(campaign.robot)
+    sections["What such data cannot show"] = [f"{item.cause}: {item.why}" for item in look.not_testable]
+    facts = {
+        "robot": campaign.robot.name,
+        "n_poses": len(campaign.poses),
+        "n_points": len(mm),
+        "median_mm": float(np.median(mm)),
+        "max_mm": float(mm.max()),
+        "suspicious": [{"point": look.names[i], "off_mm": float(mm[i])} for i in bad],
+        "warnings": [*look.remarks, *campaign.warnings],
+        "wrong": [str(fault) for fault in look.wrong],
+        "not_testable": [{"cause": item.cause, "why": item.why} for item in look.not_testable],
+    }
+    headline = f"{len(mm)} points, {np.median(mm):.2f} mm from the nominal robot, {len(bad)} suspicious"
+    shown = Shown(
+        look.q,
+        look.points,
+        {"Nominal model": look.error},
+        look.pose,
+        look.target,
+        suspicious=look.suspicious,
+    )
+    return Checked(campaign.title, headline, sections, facts, campaign.robot, shown)
+
+
+def _noise(look: FirstLook) -> str:
+    campaign = look.campaign
+    if campaign.sigma is not None:
+        return "uncertainty stated point by point"
+    if campaign.noise_sigma is not None:
+        return f"{1e3 * campaign.noise_sigma:g} mm per axis, as stated"
+    return "no noise stated: it is estimated from repeated poses, if there are any"
+
+
+def _known(robot: Robot) -> list[str]:
+    """What of the robot is stated, and what follows where it is not."""
+    arm = arrays(robot)
+    lines = [f"moving links weigh {arm.mass[1:].sum():.1f} kg; gravity {_vector(robot.gravity)} m/s²"]
+    lacking = (
+        ("stiffness", [j.data.stiffness for j in robot.joints], "rigid until loads say otherwise"),
+        ("gear ratio", [j.data.gear_ratio for j in robot.joints], "gear errors are found by scan"),
+    )
+    for what, values, then in lacking:
+        names = [joint.name for joint, value in zip(robot.joints, values, strict=True) if value is None]
+        if names:
+            which = "any joint" if len(names) == len(robot.joints) else ", ".join(names)
+            lines.append(f"no {what} of {which}: {then}")
+    free = [joint.name for joint in robot.joints if not np.isfinite(joint.upper - joint.lower)]
+    if free:
+        lines.append(f"without limits: {', '.join(free)}")
+    if not arm.mass[1:].any():
+        lines.append("the URDF states no masses: nothing that weighs can be told")
+    return lines
+
+
+def _vector(values: Sequence[float]) -> str:
+    return " ".join(f"{value:.2f}" for value in values)
+
+
+def write_check(checked: Checked, folder: Path) -> None:
+    """Writes `index.html`, `scene.html` and `check.json`, after all of them are made."""
+    where = frames(arrays(checked.robot), np.atleast_2d(checked.shown.q))
+    sections = [{"title": title, "lines": lines} for title, lines in checked.sections.items()]
+    page = render(
+        "check.html",
+        title=checked.title,
+        headline=checked.headline,
+        sections=sections,
+        figure=_picture(checked, where),
+        points=len(checked.shown.points),
+        version=version("robot-workbench"),
+    )
+    made = {
+        "index.html": page.encode(),
+        "scene.html": scene_of(checked.robot, checked.shown, checked.title).encode(),
+        "check.json": json_bytes(checked.facts),
+    }
+    write_together({folder / name: data for name, data in made.items()})
+
+
+def _picture(checked: Checked, where: Frames) -> Figure:
+    """The arm as a line through its joints, and the points, from the side and from above."""
+    shown, joints = checked.shown, where.p[:, 0]
+    bad = np.zeros(len(shown.points), dtype=bool) if shown.suspicious is None else shown.suspicious
+    with drawing("check", 3.6, columns=2) as (axes, svg):
+        for ax, (a, b) in zip(axes, ((0, 2), (0, 1)), strict=True):
+            ax.plot(joints[:, a], joints[:, b], "-o", color=MUTED, lw=4, ms=6, mfc=INK, mec="none", zorder=1)
+            _scatter(ax, shown.points[~bad], a, b, AFTER, "measured")
+            _scatter(ax, shown.points[bad], a, b, BEFORE, "suspicious")
+            ax.set_xlabel(f"{'xyz'[a]} (m)")
+            ax.set_ylabel(f"{'xyz'[b]} (m)")
+            ax.set_aspect("equal", adjustable="datalim")
+        if len(shown.points):
+            axes[0].legend()
+    alt = f"The arm from the side and from above; {checked.headline}"
+    return Figure("check", "The arm at one pose, from the side and from above", alt, svg[0])
+
+
+def _scatter(ax: Any, points: Array, a: int, b: int, colour: str, label: str) -> None:
+    if len(points):
+        dots(ax, points[:, a], points[:, b], colour, label)

@@ -1,0 +1,103 @@
+"""Which link of a URDF is the flange, where nobody says it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ..files.faults import Fault, InputError
+from .urdf import MOVING, Urdf
+
+ARM = 2  # joints from which a part is an arm, and what branches behind it a gripper
+NAMES = (r"(.*[_/-])?tool0", r"(.*[_/-])?flange(_link)?", r".*(link_ee|ee_link|tool_flange|mounting_plate)")
+
+
+@dataclass(frozen=True)
+class Guess:
+    """The flange and why it is taken for it."""
+
+    flange: str
+    why: str
+
+
+def guess_flange(urdf: Urdf, base: str | None = None) -> Guess:
+    """The flange of the only arm in the URDF (on `base`, if given). Raises `InputError` where there are
+    several arms, with the flange of each, or none."""
+    roots = [base] if base is not None else [link for link in urdf.links if link not in urdf.joints]
+    if base is not None and base not in urdf.links:
+        raise InputError(
+            Fault("--base", f"{urdf.path} has no link {base!r}", f"it has: {', '.join(urdf.links)}")
+        )
+    ends = [end for root in roots for end in _arms(urdf, root, 0)]
+    if not ends:
+        raise InputError(Fault(str(urdf.path), "has no moving joint", "name a robot's URDF"))
+    if len(ends) > 1:
+        choices = [_flange_behind(urdf, end).flange for end in ends]
+        what = f"has {len(ends)} arms, to {', '.join(choices)}"
+        raise InputError(
+            Fault(str(urdf.path), what, f"say --flange {choices[0]}, and --base where it stands")
+        )
+    return _flange_behind(urdf, ends[0])
+
+
+def _arms(urdf: Urdf, link: str, joints: int) -> list[str]:
+    """The last moving links of the arms that begin at a link which already has so many joints above it."""
+    here, group = link, _welded(urdf, link)
+    moving = [
+        child
+        for member in group
+        for child in urdf.children(member)
+        if urdf.kind(child) in MOVING and any(_free(urdf, below) for below in urdf.below(child))
+    ]
+    loose = [c for m in group for c in urdf.children(m) if urdf.kind(c) in ("floating", "planar")]
+    if len(moving) > 1 and joints < ARM:
+        found = [end for child in moving for end in _arms(urdf, child, 1)]
+        most = max(_depth(urdf, end) for end in found)
+        return [end for end in found if _depth(urdf, end) >= max(ARM + 1, most // 2)] or found
+    if len(moving) == 1 and not _fingers(urdf, moving[0], joints):
+        return _arms(urdf, moving[0], joints + 1)
+    if joints:
+        return [here]
+    return [end for child in loose for end in _arms(urdf, child, 0)]
+
+
+def _free(urdf: Urdf, link: str) -> bool:
+    """The link moves by a joint of its own."""
+    return urdf.kind(link) in MOVING and urdf.joints[link].find("mimic") is None
+
+
+def _fingers(urdf: Urdf, link: str, joints: int) -> bool:
+    """A joint at the end that others follow belongs to a gripper."""
+    name = urdf.joints[link].get("name")
+    followed = any(
+        mimic.get("joint") == name
+        for joint in urdf.joints.values()
+        if (mimic := joint.find("mimic")) is not None
+    )
+    return followed and joints > ARM and sum(_free(urdf, name) for name in urdf.below(link)) == 1
+
+
+def _depth(urdf: Urdf, link: str) -> int:
+    return sum(name in urdf.joints and urdf.kind(name) in MOVING for name in urdf.above(link))
+
+
+def _welded(urdf: Urdf, link: str) -> list[str]:
+    """The link and all that is fixed to it, in the file's order."""
+    out = [link]
+    for child in urdf.children(link):
+        if urdf.kind(child) == "fixed":
+            out += _welded(urdf, child)
+    return out
+
+
+def _flange_behind(urdf: Urdf, last: str) -> Guess:
+    """The controller's flange among what is welded to the last moving link."""
+    group = _welded(urdf, last)
+    for pattern in NAMES:
+        for link in group:
+            if re.fullmatch(pattern, link, re.IGNORECASE):
+                return Guess(link, "by its name")
+    for link in group[1:]:
+        if urdf.parent(link) == last and urdf.links[link].find("visual") is None:
+            return Guess(link, f"the frame that is fixed to the last moving link {last!r}")
+    return Guess(last, "the last moving link")

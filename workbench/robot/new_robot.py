@@ -1,0 +1,102 @@
+"""A robot's own folder out of anybody's URDF: plain URDF, meshes that can be shown, TOML to fill in."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..files.faults import read_text
+from ..files.toml import toml_text
+from .chain import Chain, read_chain
+from .guess import Guess, guess_flange
+from .meshes import mesh_files, mesh_notes, pictures, unreadable
+from .packages import Given
+from .plain_urdf import left_out, plain_text
+from .urdf import parse_urdf
+from .xacro_files import expanded, is_xacro
+
+MESHES = "meshes"
+
+
+@dataclass(frozen=True)
+class NewRobot:
+    """The files of a robot's folder by their place in it; `notes` say what was guessed and left out."""
+
+    name: str
+    flange: Guess
+    chain: Chain
+    files: dict[Path, bytes | str]
+    notes: tuple[str, ...]
+
+
+def new_robot(
+    source: Path,
+    flange: str | None = None,
+    base: str | None = None,
+    name: str | None = None,
+    arguments: Mapping[str, str] | None = None,
+    given: Given | None = None,
+) -> NewRobot:
+    """A robot from a URDF or a xacro file.
+
+    flange, base: links; None: guessed, the root. arguments: of the xacro file. given: folders of packages.
+    Raises `InputError` where the file has no arm, or several and nobody says which.
+    """
+    text = expanded(source, arguments or {}, given) if is_xacro(source) else read_text(source)
+    urdf = parse_urdf(text, source)
+    guess = guess_flange(urdf, base) if flange is None else Guess(flange, "as said")
+    chain = read_chain(urdf, guess.flange, base)
+    name = name or _name(source, arguments or {})
+    meshes = mesh_files(urdf, chain, given)
+    with tempfile.TemporaryDirectory(prefix="workbench-") as scratch:
+        shown = pictures(meshes, Path(scratch) / MESHES, as_is=False)
+        plain = plain_text(urdf, chain, shown, Path(scratch))
+        files: dict[Path, bytes | str] = {
+            path.relative_to(scratch): path.read_bytes() for path in sorted(Path(scratch).rglob("*.obj"))
+        }
+    files[Path(f"{name}.urdf")] = plain
+    files[Path(f"{name}.toml")] = _toml(name, guess, chain, source)
+    notes = [*mesh_notes(meshes), *unreadable(meshes, shown), *left_out(urdf, chain)]
+    return NewRobot(name, guess, chain, files, tuple(notes))
+
+
+def _name(source: Path, arguments: Mapping[str, str]) -> str:
+    """Short, of letters that go into file names."""
+    stem = arguments.get("name") or re.sub(r"(\.urdf)?(\.xacro)?$", "", source.name)
+    return re.sub(r"[^\w-]+", "_", stem).strip("_").lower() or "robot"
+
+
+def _toml(name: str, guess: Guess, chain: Chain, source: Path) -> str:
+    """The robot's TOML: what is known, and as comments what is worth stating."""
+    gravity = [round(9.80665 * value, 9) + 0.0 for value in chain.down]
+    head = toml_text({"schema": 1, "name": name, "title": name, "urdf": f"{name}.urdf"})
+    lines = [
+        "# Made by `workbench init`. Lines that begin with # may be filled in; leave what is not known.",
+        head.rstrip(),
+        f'flange = "{guess.flange}"   # carries tool and targets; {_mark(guess)}',
+        f'base = "{chain.base}"',
+        f"gravity = {gravity}   # m/s² on the base's axes; on a wall or a ceiling it is another",
+    ]
+    for joint in chain.joints:
+        turns = joint.kind == "revolute"
+        stiffness, example = ("N·m/rad, axial", "1.0e6") if turns else ("N/m, axial", "1.0e8")
+        ratio = "motor turns per joint turn" if turns else "motor radians per metre"
+        tilt = "N·m/rad, of the bearing about the axes across the joint"
+        lines += [
+            "",
+            "[[joints]]",
+            f'name = "{joint.name}"',
+            f"# stiffness = {example}        # {stiffness}; absent = rigid",
+            f"# gear_ratio = 100.0       # {ratio}: gear errors are looked for at its harmonics",
+            f"# tilt_stiffness = 1.0e7   # {tilt}",
+            "# repeatability = 5e-6     # rad or m, one sigma",
+        ]
+    lines += ["", "[source]", *toml_text({"kinematics": source.name}).splitlines()]
+    return "\n".join(lines) + "\n"
+
+
+def _mark(guess: Guess) -> str:
+    return guess.why if guess.why == "as said" else f"guessed: {guess.why}"

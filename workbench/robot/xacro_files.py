@@ -1,0 +1,51 @@
+"""xacro expanded to a URDF, by xacrodoc where it is installed: it needs no ROS."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..files.faults import Fault, InputError
+from .meshes import HOW
+from .packages import Given, package_folder
+
+LACKING = re.compile(r"Package not found: ([\w.-]+)")
+
+
+def is_xacro(path: Path) -> bool:
+    return path.suffix == ".xacro"
+
+
+def expanded(path: Path, arguments: Mapping[str, str], given: Given | None = None) -> str:
+    """The URDF that a xacro file makes with these arguments. Raises `InputError`."""
+    if not path.is_file():
+        raise InputError(Fault(str(path), "no such file", "check the path"))
+    if importlib.util.find_spec("xacrodoc") is None:
+        raise InputError(Fault(str(path), "is xacro", f"{HOW}, or in ROS: xacro {path} > robot.urdf"))
+    import xacrodoc
+    from xacrodoc import packages
+
+    packages.reset()
+    found: set[str] = set()
+    while True:
+        try:
+            # compiled where it is: names of files in it count from there
+            document = xacrodoc.XacroDoc.from_file(
+                path.resolve().as_posix(), subargs=dict(arguments), resolve_packages=False
+            )
+            return str(document.to_urdf_string())
+        except Exception as error:  # xacro raises what it likes
+            message = " ".join(str(error).split()) or type(error).__name__
+            lacking = LACKING.search(message)
+            if lacking is None:
+                mend = "arguments are given as NAME:=VALUE behind the file"
+                raise InputError(Fault(str(path), f"xacro says: {message}", mend)) from None
+            name = lacking[1]
+            folder = package_folder(name, path.resolve().parent, given)
+            if folder is None or name in found:
+                mend = f"say --package {name}=DIR, or set ROS_PACKAGE_PATH"
+                raise InputError(Fault(str(path), f"needs the package {name!r}", mend)) from None
+            found.add(name)
+            packages.update_package_cache({name: folder})

@@ -1,0 +1,111 @@
+"""The sampled controller: a position loop, a velocity loop (PI) below it, a hold, a delay.
+
+Every drive period the encoder is read, its steps counted, the velocity taken from the last two readings and
+filtered, and a torque computed that acts `delay` later and is held for a drive period. Every position period
+the position's error sets a correction of the velocity, held until the next. The command comes at the position
+period and is interpolated between by a cubic in position and velocity. Set-points are compared with what
+was measured at the same instant: the filter's lag is known, and so is the delay of the feed-forward.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from ...robot.kinematics import Array
+from ...robot.loop import Loop
+from .drives import Drives
+from .friction import stribeck
+from .motion import Motion, interpolated
+
+TURNING = 0.05  # of the Stribeck speed: below which the friction fed forward turns round
+
+
+@dataclass(frozen=True, eq=False)
+class Gains:
+    """Of n joints: velocity [N·m s], its integral [N·m], position [1/s]. asked: (n, 2) and reached: (n, 2)
+    bandwidth of velocity and position loop [Hz]; notes: where less was reached than asked."""
+
+    kp: Array
+    ki: Array
+    kv: Array
+    asked: Array
+    reached: Array
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(eq=False)
+class Cascade:
+    """The feedback of n joints, on columns: every state is (n,), or (n, m) for m cases at once.
+
+    limit: (n,) torque; speed: (n,) set-point's; both infinite in the linear analysis.
+    """
+
+    loop: Loop
+    gains: Gains
+    before: Array
+    speed: Array
+    integral: Array
+    correction: Array
+
+    @classmethod
+    def at_rest(cls, loop: Loop, gains: Gains, q: Array, integral: Array) -> Cascade:
+        return cls(loop, gains, q, np.zeros_like(q), integral, np.zeros_like(q))
+
+    def measure(self, seen: Array) -> None:
+        """Reads encoders (n,): velocity by difference, filtered."""
+        T = self.loop.drive_period
+        share = T / (T + self.loop.velocity_filter)
+        self.speed = self.speed + share * ((seen - self.before) / T - self.speed)
+        self.before = seen
+
+    def correct(self, wanted: Array) -> None:
+        """The position loop: from the position wanted now (n,)."""
+        self.correction = _scaled(self.gains.kv, wanted - self.before)
+
+    def torque(self, wanted: Array, feed: Array) -> tuple[Array, Array]:
+        """Torque for the velocity wanted (n,) over the feed-forward (n,), and what the integral would
+        become."""
+        off = wanted - self.speed
+        integral = self.integral + _scaled(self.gains.ki * self.loop.drive_period, off)
+        return feed + _scaled(self.gains.kp, off) + integral, integral
+
+
+def _scaled(gain: Array, values: Array) -> Array:
+    return np.asarray(gain * values if values.ndim == 1 else gain[:, None] * values)
+
+
+@dataclass(frozen=True, eq=False)
+class SetPoints:
+    """What the controller is told, a row per drive period: position, velocity as the filter will show it,
+    torque fed forward for when it will act."""
+
+    q: Array
+    v: Array
+    feed: Array
+
+
+def set_points(motion: Motion, torque: Array, drive: Drives, loop: Loop) -> SetPoints:
+    """From the command and the nominal robot's torque (K, n) at its instants."""
+    T = loop.drive_period
+    count = int(np.ceil(motion.duration / T - 1e-9)) + 1
+    t = np.asarray(T * np.arange(count), float)
+    cycles = int(np.ceil((count - 1) / loop.cycles)) + 2
+    coarse = np.asarray(loop.cycles * T * np.arange(cycles), float)
+    curve = CubicHermiteSpline(
+        coarse, interpolated(coarse, motion.times, motion.q), interpolated(coarse, motion.times, motion.v)
+    )
+    seen = t - T / 2 - loop.velocity_filter
+    acts = t + loop.delay + T / 2
+    v, a = curve(acts, 1), curve(acts, 2)
+    dry = stribeck(v, drive.coulomb, loop.stiction, loop.stribeck_speed)
+    rubbing = dry * np.tanh(v / (TURNING * loop.stribeck_speed)) + drive.viscous * v
+    feed = interpolated(acts, motion.times, torque) + drive.rotor * a + loop.friction_known * rubbing
+    return SetPoints(curve(t), np.where(seen[:, None] < 0, 0.0, curve(np.maximum(seen, 0.0), 1)), feed)
+
+
+def steps_of_delay(loop: Loop, step: float) -> int:
+    """Integration steps between a sample and its torque."""
+    return int(np.ceil(loop.delay / step - 1e-9))

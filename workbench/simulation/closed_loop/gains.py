@@ -1,0 +1,151 @@
+"""Gains from bandwidth and margin.
+
+The velocity loop is sized for the drive alone, which is what a motor feels above the arm's first mode. What
+hold, filter and delay take of its phase at the crossover, and the integral, leave the stated margin:
+ω T + atan(ω_i/ω) = 90° − margin. Then the whole arm is put on it: the sampled loop, elastic arm and all
+joints at once, has to stay stable with `gain_margin` times the gains and with `delay_margin` more delay, at
+each of some poses. Where it does not, the joint that moves most in the least stable motion is slowed until
+it does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...robot.kinematics import Array
+from ...robot.loop import Loop
+from .cascade import Cascade, Gains
+from .drives import Drives
+from .dynamics import SCREW_DAMPING
+from .machine import Machine, machine, mass_matrix
+from .mechanics import Mechanics
+
+INTEGRAL = 0.2  # of the velocity loop's crossover: 11° of its phase
+SLOWER = 0.85  # per round
+ROUNDS = 120
+FINE = 4  # steps of the linear model per drive period
+UNMOVED = 1e-9  # of the largest: how little a drive moves that takes no part
+STABLE = 1 - 1e-7  # largest size of an eigenvalue over a position period
+
+
+def crossover(loop: Loop) -> float:
+    """[rad/s] of the velocity loop on the drive alone, that leaves the phase margin."""
+    lag = loop.drive_period + loop.velocity_filter + loop.delay  # half a period to hold, half to difference
+    return float((np.pi / 2 - np.radians(loop.phase_margin_deg) - np.arctan(INTEGRAL)) / lag)
+
+
+def gains(mechanics: Mechanics, drive: Drives, loop: Loop, poses: Array) -> Gains:
+    """Gains that are stable with their margins at poses (P, n)."""
+    most = crossover(loop)
+    n = mechanics.arm.n
+    asked = np.full((n, 2), 2 * np.pi * loop.position_hz)
+    asked[:, 0] = most if loop.velocity_hz is None else 2 * np.pi * loop.velocity_hz
+    if most <= 0:
+        raise ValueError("no phase is left for a velocity loop")
+    scale = np.ones(n)
+    models = [_Linear(machine(mechanics, drive.rotor), mechanics, drive, loop, q) for q in poses]
+    for _ in range(ROUNDS):
+        found = _at(loop, drive, asked, most, scale)
+        worst = _least_stable(models, found, loop)
+        if worst is None:
+            break
+        scale[worst] *= SLOWER
+    else:
+        raise ArithmeticError("no gains are stable with the margins asked")
+    return replace(found, notes=_notes(mechanics, found))
+
+
+def _at(loop: Loop, drive: Drives, asked: Array, most: float, scale: Array) -> Gains:
+    velocity = np.minimum(asked[:, 0], most) * scale
+    whole = velocity * drive.rotor / (drive.rotor + drive.arm)  # with the whole arm on it
+    position = np.minimum(asked[:, 1], whole / 2)
+    kp = velocity * drive.rotor
+    ki = kp * np.minimum(INTEGRAL * velocity, position)
+    reached = np.stack([velocity, position], axis=1) / (2 * np.pi)
+    return Gains(kp, ki, position, asked / (2 * np.pi), reached)
+
+
+def _least_stable(models: list[_Linear], gains: Gains, loop: Loop) -> int | None:
+    """The joint that moves most in a motion that does not die out; None when all do."""
+    cases = ((1.0, 0.0), (loop.gain_margin, 0.0), (1.0, loop.delay_margin))
+    for model in models:
+        for factor, later in cases:
+            radius, joint = model.least_stable(gains, factor, later)
+            if radius > STABLE:
+                return joint
+    return None
+
+
+def spectral_radius(
+    mechanics: Mechanics, drive: Drives, loop: Loop, gains: Gains, q: Array, factor: float, later: float
+) -> float:
+    """Growth of the least stable motion over a position period, at joints q (n,), with `factor` times the
+    gains and `later` [s] more delay; below 1 it dies out."""
+    model = _Linear(machine(mechanics, drive.rotor), mechanics, drive, loop, q)
+    return model.least_stable(gains, factor, later)[0]
+
+
+def _notes(mechanics: Mechanics, found: Gains) -> tuple[str, ...]:
+    out = []
+    for what, column in (("velocity", 0), ("position", 1)):
+        asked, reached = found.asked[:, column], found.reached[:, column]
+        less = np.flatnonzero(reached < 0.99 * asked)
+        if len(less):
+            said = ", ".join(f"{mechanics.arm.names[j]} {reached[j]:.2g}" for j in less)
+            out.append(f"{what} loop: {asked[0]:.3g} Hz asked, its margins allow {said} Hz")
+    return tuple(out)
+
+
+class _Linear:
+    """The robot about a pose, sampled finely, and the loop around it."""
+
+    def __init__(self, built: Machine, mechanics: Mechanics, drive: Drives, loop: Loop, q: Array) -> None:
+        self.loop, self.n = loop, len(q)
+        h = self.h = loop.drive_period / FINE
+        M = mass_matrix(built, q)
+        size = len(M)
+        K, D = np.zeros(size), np.zeros(size)
+        K[built.springs] = built.stiffness
+        own = [drive.damping[j] for j, law in enumerate(mechanics.axial) if law is not None]
+        D[built.springs] = [*own, *(SCREW_DAMPING / screw.compliance for screw in mechanics.screws)]
+        D[built.motors] = drive.viscous
+        inverse = np.linalg.inv(M + np.diag(h / 2 * D + h**2 / 4 * K))
+        dv_q, dv_v = -h * inverse * K, -inverse * (h * D + h**2 / 2 * K)
+        one = np.eye(size)
+        self.free = np.block([[one + h / 2 * dv_q, h * one + h / 2 * dv_v], [dv_q, one + dv_v]])
+        dv_u = h * inverse[:, built.motors]
+        self.driven = np.concatenate([h / 2 * dv_u, dv_u])
+        self.motors, self.size = built.motors, size
+
+    def least_stable(self, gains: Gains, factor: float, later: float) -> tuple[float, int]:
+        """Size of the largest eigenvalue over a position period, and the joint that moves most in it."""
+        loop, n = self.loop, self.n
+        late = int(np.ceil((loop.delay + later) / self.h - 1e-9))
+        kept = -(-late // FINE)  # torques on their way
+        states = 2 * self.size + (4 + kept) * n
+        Z = np.eye(states)
+        x = Z[: 2 * self.size]
+        rest = [Z[2 * self.size + k * n : 2 * self.size + (k + 1) * n] for k in range(4 + kept)]
+        cascade = Cascade(loop, gains, *rest[:4])
+        waiting = rest[4:]  # oldest first
+        none = np.zeros((n, states))
+        for tick in range(loop.cycles):
+            cascade.measure(x[self.motors])
+            if tick == 0:
+                cascade.correct(none)
+            torque, cascade.integral = cascade.torque(cascade.correction, none)
+            waiting = [*waiting, factor * torque]
+            for i in range(FINE):
+                # of the torques sampled at ticks −kept … 0, the one that is `late` steps old
+                u = waiting[kept + (i - late) // FINE]
+                x = self.free @ x + self.driven @ u
+            waiting = waiting[1:]
+        parts = [x, cascade.before, cascade.speed, cascade.integral, cascade.correction, *waiting]
+        values, vectors = np.linalg.eig(np.concatenate(parts))
+        # a motion that no drive takes part in (of what yields without mass behind it) is not the loop's
+        moving = np.abs(vectors[self.size + self.motors]) * gains.kp[:, None]
+        radius = np.where(moving.max(axis=0) > UNMOVED * moving.max(), np.abs(values), 0.0)
+        worst = int(np.argmax(radius))
+        return float(radius[worst]), int(np.argmax(moving[:, worst]))

@@ -1,0 +1,69 @@
+"""The corrected robot for other programs: `export` writes one format, and says what it leaves out."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ...campaign import Campaign
+from ...correction.conditions import Conditions, stated_conditions
+from ...files.whole import put_all
+from ...robot.description import Robot, load_robot
+from .content import content_of
+from .formats import FORMATS, find_format
+from .left_out import Cost, cost
+
+__all__ = ["FORMATS", "Cost", "Exported", "export"]
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """What was written. header: what stands at the top of the files."""
+
+    format: str
+    files: tuple[Path, ...]
+    cost: Cost
+    header: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """For the terminal."""
+        return "\n".join([*self.header, *(str(file) for file in self.files)])
+
+    def to_json(self) -> dict[str, Any]:
+        """The same as data."""
+        files = [str(file) for file in self.files]
+        return {"schema": 1, "format": self.format, "files": files, **asdict(self.cost)}
+
+
+def export(
+    robot: Robot | str | Path,
+    to: str,
+    out: str | Path,
+    *,
+    campaign: Campaign | None = None,
+    conditions: Conditions | None = None,
+) -> Exported:
+    """Writes the robot in the format `to` into the folder `out`.
+
+    robot: loaded, by name, or the path of a TOML (a model.toml). campaign: in whose poses is weighed what the
+    format leaves out; default: drawn ones. conditions: tool and payload; default: the model's tool alone.
+    Raises `InputError` when the format cannot hold this robot; then nothing is written.
+
+    >>> from tempfile import mkdtemp
+    >>> from workbench import export
+    >>> written = export("cylindrical", "sdf", mkdtemp())
+    >>> written.files[0].name, written.cost.max_mm < 1e-6
+    ('cylindrical.sdf', True)
+    """
+    chosen = find_format(to)
+    loaded = robot if isinstance(robot, Robot) else load_robot(robot)
+    content = content_of(loaded, campaign, stated_conditions(loaded) if conditions is None else conditions)
+    near = chosen.flange(content) if chosen.flange else None
+    lost = cost(content, chosen.carries, near)
+    title = f"{loaded.title}: {chosen.title}; written by robot-workbench"
+    header = [title, *lost.lines(), *chosen.notes(content)]
+    files = {Path(out) / name: data for name, data in chosen.write(content, header).items()}
+    put_all(files)
+    return Exported(to, tuple(files), lost, tuple(header))

@@ -1,0 +1,63 @@
+"""The formats that a robot can be exported to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ...files.faults import Fault, InputError
+from ...robot.kinematics import Array
+from . import dh, drake_package, mjcf, opw, sdf, ur_kinematics, urdf
+from .content import Content
+from .tree import assumed
+from .urdf import Files
+
+
+def nothing(_: Content) -> list[str]:
+    return []
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format. carries: see `left_out.cost`. write: (content, header) → file name → what is in it.
+
+    notes: what else a reader must know, a line each; flange: (N, 3) [m] of a format that only comes near the
+    geometry. Both raise `InputError` for a robot that the format cannot hold.
+    """
+
+    title: str
+    carries: frozenset[str]
+    write: Callable[[Content, list[str]], Files]
+    notes: Callable[[Content], list[str]] = nothing
+    flange: Callable[[Content], Array] | None = None
+
+
+ELASTIC = frozenset({"mass", "spring", "coil"})
+WHOLE = frozenset({"mass", "spring", "gas", "gear", "torque", "compensator"})
+
+
+def in_drake(content: Content) -> list[str]:
+    """What a user of the SDF must do."""
+    x, y, z = content.robot.gravity
+    return [
+        *assumed(content),
+        f"gravity is the plant's: set_gravity_vector([{x}, {y}, {z}]); Drake's own is 9.81",
+    ]
+
+
+FORMATS = {
+    "urdf": Format("URDF, rigid", frozenset(), urdf.write),
+    "sdf": Format("SDF for Drake, elastic", ELASTIC, sdf.write, in_drake),
+    "drake": Format("package for Drake, elastic, with its effects", WHOLE, drake_package.write, in_drake),
+    "mjcf": Format("MJCF for MuJoCo, elastic", ELASTIC, mjcf.write, assumed),
+    "ur-kinematics": Format("Universal Robots' kinematics file, rigid", frozenset(), ur_kinematics.write),
+    "dh": Format("Denavit-Hartenberg tables, rigid", frozenset(), dh.write, dh.notes),
+    "opw": Format("ortho-parallel arm, rigid and nearest", frozenset(), opw.write, flange=opw.near),
+}
+
+
+def find_format(name: str) -> Format:
+    """The format of that name. Raises `InputError` with the names that there are."""
+    if name not in FORMATS:
+        raise InputError(Fault(f"--to {name}", "no such format", f"one of {', '.join(FORMATS)}"))
+    return FORMATS[name]

@@ -1,0 +1,92 @@
+"""What a format keeps of the extended robot, what it leaves out, and what that costs at the tool."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...effects.acting import Acting
+from ...robot.compensator import CompensatorLaw
+from ...robot.kinematics import Array
+from .coil import nearest_coil
+from .content import Content
+
+
+@dataclass(frozen=True)
+class Item:
+    """One part of the model. mean_mm, max_mm: what the flange moves without it; None where it is carried."""
+
+    what: str
+    carried: bool
+    mean_mm: float | None = None
+    max_mm: float | None = None
+
+    def __str__(self) -> str:
+        if self.carried:
+            return f"carried: {self.what}"
+        return f"left out: {self.what} (costs {self.mean_mm:.4f} mm on average, {self.max_mm:.4f} mm at most)"
+
+
+@dataclass(frozen=True)
+class Cost:
+    """All parts of the model, and how far the exported robot is from it. poses: in words."""
+
+    items: tuple[Item, ...]
+    mean_mm: float
+    max_mm: float
+    poses: str
+    notes: tuple[str, ...]
+
+    def lines(self) -> list[str]:
+        """For a file's header."""
+        whole = f"{self.mean_mm:.4f} mm on average, {self.max_mm:.4f} mm at most"
+        return [
+            *(str(item) for item in self.items),
+            f"flange against the whole model: {whole}, at {self.poses}",
+            *self.notes,
+        ]
+
+
+def cost(content: Content, carries: frozenset[str], approximated: Array | None = None) -> Cost:
+    """What a format leaves out that carries these kinds (`content.kind_of`; "spring": the TOML's own too).
+
+    "coil" carries a compensator as a coil spring, "gas" as it is. approximated: (N, 3) [m] flange in the
+    poses of a format that only comes near the geometry; default: as the model's.
+    """
+    law, acting = content.compensator, content.extended.acting
+    whole, elastic = content.tool(acting), "spring" in carries
+    items = [_calibration(content)]
+    if content.problem.arm.compliance.any():
+        without = content.tool(acting, rigid=True)
+        items.append(_item("springs of joints, bearings and links", elastic, whole, without))
+    kept: CompensatorLaw | None = None
+    if law is not None:
+        kept = law if "gas" in carries else nearest_coil(content) if "coil" in carries else None
+        exact = kept is not None and (kept is law or law.coil is not None)
+        what = "compensator"
+        if kept is not None and not exact:
+            what = "compensator's difference from the nearest coil spring"
+        without = content.tool(acting, pulled=False, by=None if exact else kept)
+        items.append(_item(what, exact, whole, without))
+    for item, kind in zip(acting, content.kinds, strict=True):
+        rest = Acting(tuple(other for other in acting if other is not item))
+        carried = kind in carries or (kind == "compensator" and kept is not None)
+        items.append(_item(item[0].label, carried, whole, content.tool(rest)))
+    if approximated is None:
+        some = content.acting(carries | {"compensator"})
+        approximated = content.tool(some, rigid=not elastic, pulled=kept is not None, by=kept)
+    far = 1e3 * np.linalg.norm(approximated - whole, axis=1)
+    return Cost(
+        tuple(items), float(far.mean()), float(far.max()), content.poses, tuple(content.extended.notes)
+    )
+
+
+def _calibration(content: Content) -> Item:
+    word = "calibrated" if content.arm.geometry.any() else "nominal (the model states no corrections)"
+    return Item(f"geometry, {word}", True)
+
+
+def _item(what: str, carried: bool, whole: Array, without: Array) -> Item:
+    far = 1e3 * np.linalg.norm(without - whole, axis=1)
+    return Item(what, True) if carried else Item(what, False, float(far.mean()), float(far.max()))

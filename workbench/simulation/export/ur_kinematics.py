@@ -1,0 +1,61 @@
+"""The kinematics file of Universal Robots' ROS description: where each joint begins in the link before it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...files.faults import Fault, InputError
+from ...robot.kinematics import Array
+from ...robot.rotations import screw
+from .content import Content
+from .dh import Table, table_of
+from .text import commented, number
+from .urdf import Files, rpy
+
+LINKS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
+TWISTS = np.radians([90.0, 0.0, 0.0, 90.0, -90.0, 0.0])
+NEAR = 0.02  # rad, m: how far a calibrated arm may be from the family's pattern
+
+
+def write(content: Content, header: list[str]) -> Files:
+    """NAME_kinematics.yaml."""
+    lines = ["kinematics:"]
+    for link, X in zip(LINKS, origins(content), strict=True):
+        lines.append(f"  {link}:")
+        values = [*X[:3, 3], *rpy(X[:3, :3])]
+        keys = ("x", "y", "z", "roll", "pitch", "yaw")
+        lines += [f"    {key}: {_real(value)}" for key, value in zip(keys, values, strict=True)]
+    lines.append(f"  hash: {content.robot.name}_workbench")
+    return {f"{content.robot.name}_kinematics.yaml": commented(header) + "\n".join(lines) + "\n"}
+
+
+def origins(content: Content) -> Array:
+    """(6, 4, 4) of each joint in the link before it. Raises `InputError` for an arm of another family."""
+    table = table_of(content.arm)
+    if not _is_ur(table):
+        what = "is no arm of Universal Robots' kind (axes 2, 3, 4 parallel, three crossing pairs)"
+        raise InputError(Fault(f"{content.robot.name}: --to ur-kinematics", what, "use urdf or dh"))
+    rows, before, out = table.rows, table.base, []
+    for theta, d, a, alpha, beta in rows:
+        out.append(before @ screw("z", theta, d))
+        before = screw("x", alpha, a) @ screw("y", beta, 0.0)
+    # behind the last axis only a turn about it is left: it belongs to the last joint's zero
+    out[-1] = out[-1] @ before @ table.tool
+    return np.array(out)
+
+
+def _is_ur(table: Table) -> bool:
+    rows = table.rows
+    if len(rows) != 6 or table.prismatic.any():
+        return False
+    short = rows[[0, 3, 4, 5], 2]
+    behind = screw("x", rows[5, 3], rows[5, 2]) @ screw("y", rows[5, 4], 0.0) @ table.tool
+    along = np.abs(behind[:3, 2] - [0, 0, 1]).max() < 1e-9 and np.abs(behind[:2, 3]).max() < 1e-9
+    return bool(along and np.abs(rows[:, 3] - TWISTS).max() < NEAR and np.abs(short).max() < NEAR)
+
+
+def _real(value: float) -> str:
+    """YAML 1.1 reads 1e-05 as a text: a mantissa with a point."""
+    text = number(round(value, 13))
+    mantissa, e, power = text.partition("e")
+    return f"{mantissa if '.' in mantissa else mantissa + '.0'}{e}{power}"
