@@ -115,7 +115,9 @@ def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) 
             stated = np.where(np.isnan(stated), file.noise.sigma_mm * 1e-3, stated)
         with np.errstate(invalid="ignore"):
             sigma = (np.sqrt(_sums(cell, stated**2, len(shots))) / shots[:, None]).reshape(*grid, 3)
-    scatter = float(np.sum((xyz - mean[cell]) ** 2)), 3 * int(np.sum(np.maximum(shots - 1, 0)))
+    with np.errstate(over="ignore"):  # beyond all measure: left out later
+        square = float(np.sum((xyz - mean[cell]) ** 2))
+    scatter = square, 3 * int(np.sum(np.maximum(shots - 1, 0)))
     return _Seen(targets, mean.reshape(*grid, 3), shots.reshape(grid), sigma, scatter, warnings)
 
 

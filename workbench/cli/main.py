@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
+from ..files.faults import plain
 from . import check, compensate, demo, diagnose, export, init, lists, plan, simulate, study, verify
 from .status import guarded
 
@@ -24,7 +25,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def command_line() -> argparse.ArgumentParser:
     """All commands with their options; `run` of what is parsed is the command."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="workbench",
         description="What a robot's simulation gets wrong, why, and how to draw the right path all the same.",
     )
@@ -33,6 +34,13 @@ def command_line() -> argparse.ArgumentParser:
     for module in COMMANDS:
         module.add(commands)
     return parser
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong without what acts in a terminal; commands are parsers of the same kind."""
+
+    def error(self, message: str) -> NoReturn:
+        super().error(plain(message))
 
 
 class _Version(argparse.Action):

@@ -107,7 +107,8 @@ def _check_poses(table: Table) -> None:
         _need(table, ABC)
     elif quaternion:
         if _need(table, QUATERNION):
-            length = np.linalg.norm(stacked(table, names(*QUATERNION)), axis=1)
+            with np.errstate(over="ignore"):
+                length = np.linalg.norm(stacked(table, names(*QUATERNION)), axis=1)
             off = np.flatnonzero(np.abs(length - 1.0) > 1e-3)
             whats = [f"qw qx qy qz has length {length[row]:.4g}, not 1" for row in off]
             table.add_faults(off.tolist(), whats, ["is one of the four wrong, or their order?"] * len(off))

@@ -6,6 +6,7 @@ on their own, they come to prepare differently.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -70,6 +71,8 @@ def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambd
         progress("fitting geometry")
         return _fitted(sound)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
+        if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
+            raise
         what = f"no robot of this kind moves as these data say ({error})"
         raise InputError(Fault(str(campaign.path), what, "check loads, stiffness and points")) from error
 
@@ -91,6 +94,7 @@ def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
     possible = without_impossible(problem)
     problem, faults = _measured_only(possible.problem), possible.faults
+    enough_poses(problem)  # what cannot be enough is not searched for mistakes
     far = jump(problem)
     if far is not None:
         problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))

@@ -15,6 +15,7 @@ from pydrake.multibody.tree import MultibodyForces, RevoluteSpring
 from pydrake.systems.framework import Context, Diagram
 
 from .compensator import CompensatorLaw
+from .equilibrium import NoRest
 from .force_systems import Cylinder, SlotSprings
 from .kinematics import Arm, Array
 from .loads import Loads
@@ -104,7 +105,7 @@ class ElasticTwin:
 
         q: (n,) commanded; direct: (S, 6) motions without load, at which the springs are slack; `loads` of
         one pose (N = 1). Each round the wrench of the springs takes up what Drake's forces leave, and the
-        batch law says where that moves the slots. Raises ArithmeticError where the arm finds no rest.
+        batch law says where that moves the slots. Raises NoRest where the arm finds no rest.
         """
         self._refuse_without_joint(direct)
         self.set_loads(loads)
@@ -124,7 +125,7 @@ class ElasticTwin:
                 self.set_motion(q, motion, direct)
                 return motion
             last = step
-        raise ArithmeticError("Drake's equilibrium was not reached")
+        raise NoRest
 
     def forces(self) -> Array:
         """(V,) Drake's generalised forces at the present place: weight, force elements, all at the ports."""

@@ -20,6 +20,7 @@ import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable, MultibodyForces
 from scipy.linalg.lapack import dposv
 
+from ...robot.equilibrium import NoRest
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
 from ...robot.plant_parts import motion_transform, slot_pose
@@ -284,7 +285,7 @@ class Dynamics:
                 break
             last = change
         else:
-            raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")
+            raise NoRest
         needed = -torque[:n]
         if len(slope) and self.reaction:
             needed -= self.at_motors @ (slope * load[self.of_pair])
