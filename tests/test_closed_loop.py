@@ -143,7 +143,7 @@ def test_the_loops_own_lag_is_corrected():
     """A gear's ripple under load pushes its motor off: the model that knows both corrects the command for
     it."""
     truth = extended(load_robot("kr500"), [RIPPLE])
-    found = verify(line(0.1, TABLE), truth, truth, LOADS, speeds=None, repeats=0, feed_forward="loop")
+    found = verify(line(0.02, TABLE), truth, truth, LOADS, speeds=None, repeats=0, feed_forward="loop")
     static, led = (found.slow.trials[name].figures for name in ("corrected", "loop"))
     assert led.rms_mm < 0.4 * static.rms_mm
     assert led.rz_mm < 0.4 * static.rz_mm
