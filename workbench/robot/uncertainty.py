@@ -34,14 +34,12 @@ class Uncertainty(_Table):
 
     points: tuple[ToolPoint, ...] = Field(min_length=1)
     """the targets on the flange"""
-    nominal_base: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+    nominal_base: Numbers = Field(min_length=6, max_length=6)
     """best base of the nominal robot in that of the corrected one: shift [m] and rotation vector [rad]"""
     names: tuple[str, ...]
     """the fitted numbers"""
     factor: tuple[str, ...]
     """covariance = F Fᵀ, SI units: numbers of F, row after row, a row for each name"""
-    inflation: float = Field(gt=0)
-    """factor on that covariance: variance of held-out errors over what the fit expects"""
     rest: float = Field(ge=0)
     """m, one sigma per axis of what is left unknown"""
     repeatability: Numbers

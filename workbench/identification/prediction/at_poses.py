@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -73,20 +73,20 @@ class ToolErrors:
 
 
 def predict(
-    model: Robot | str | Path, poses: Campaign | Array, payload: str = "", instrument: float = 0.0
+    model: Robot | str | Path,
+    poses: Campaign | Array,
+    payload: str | Sequence[str] = "",
+    instrument: float = 0.0,
 ) -> ToolErrors:
     """The error to be expected at the tool, from the model.toml of a diagnosis.
 
-    poses: (N, n) joints [rad, m], carrying the model's tool and its `payload`, or a campaign, whose points do
-    not count. instrument: [m] one sigma per axis of who measures; 0: the tool itself. Raises `InputError` for
-    a model without `[prediction]`.
+    poses: (N, n) joints [rad, m], carrying the model's tool and its `payload` (one, or N names), or a
+    campaign, whose points do not count. instrument: [m] one sigma per axis of who measures; 0: the tool
+    itself. Raises `InputError` for a model without `[prediction]`.
     """
     robot = model if isinstance(model, Robot) else load_robot(model)
-    data = robot.uncertainty
-    if data is None:
-        what = "says nothing of its uncertainty: it has no [prediction]"
-        raise InputError(Fault(str(robot.path or robot.name), what, "give the model.toml of a new diagnosis"))
-    campaign = poses if isinstance(poses, Campaign) else _posed(robot, poses, payload)
+    data = required_uncertainty(robot)
+    campaign = poses if isinstance(poses, Campaign) else posed(robot, poses, payload)
     campaign = replace(campaign, robot=robot)
     targets = [Target(p.name, _metres(p.xyz_mm)) for p in data.points]
     told = tool_problem(problem_of(campaign), targets)
@@ -100,13 +100,26 @@ def predict(
     return ToolErrors(told.campaign, error, nominal, corrected, places, outside, tuple(notes))
 
 
-def _posed(robot: Robot, q: Array, payload: str) -> Campaign:
-    if payload and payload not in robot.payloads:
-        known = ", ".join(robot.payloads) or "none"
-        raise InputError(Fault(f"payload {payload!r}", "is not in the model", f"known: {known}"))
-    loads = {payload: stated_load(robot.payloads[payload])} if payload else None
-    names = [payload] * len(q) if payload else None
-    return planned(robot, q, payloads=loads, payload=names, tool=stated_load(robot.tool))
+def required_uncertainty(robot: Robot) -> Uncertainty:
+    """What a model knows of its errors; raises `InputError` where it does not say."""
+    if robot.uncertainty is None:
+        what = "has no [prediction]: it does not say how sure it is"
+        raise InputError(Fault(str(robot.path or robot.name), what, "give the model.toml of a new diagnosis"))
+    return robot.uncertainty
+
+
+def posed(robot: Robot, q: Array, payload: str | Sequence[str] = "") -> Campaign:
+    """Poses (N, n) [rad, m] with the model's tool, carrying a payload that it knows (one, or N names).
+
+    Raises `InputError` for another."""
+    carried = [payload] * len(q) if isinstance(payload, str) else list(payload)
+    loads = {}
+    for name in filter(None, dict.fromkeys(carried)):
+        if name not in robot.payloads:
+            known = ", ".join(robot.payloads) or "none"
+            raise InputError(Fault(f"payload {name!r}", "is not in the model", f"known: {known}"))
+        loads[name] = stated_load(robot.payloads[name])
+    return planned(robot, q, payloads=loads, payload=carried, tool=stated_load(robot.tool))
 
 
 def _parts(told: Problem) -> Iterator[NDArray[np.int64]]:
@@ -126,7 +139,7 @@ def _part(
     play = _play(here, acting, at.points)
     other = joint @ joint.swapaxes(-1, -2) + play @ play.swapaxes(-1, -2) + instrument**2 * np.eye(3)
     places, error = _nominal(here, data, at.points)
-    tempering = Tempering(data.inflation, data.rest, data.tempering, data.growth)
+    tempering = Tempering(data.rest, data.tempering, data.growth)
     unit = np.where(told.arm.prismatic, 3.0, 1.0)
     beyond = (np.maximum(np.array(data.lower) - here.q, here.q - np.array(data.upper)) * unit).max(axis=1)
     beyond = np.broadcast_to(np.maximum(beyond, 0.0)[:, None], error.shape[:2])
@@ -187,5 +200,3 @@ def _outside(told: Problem, data: Uncertainty, far: Array) -> tuple[str, ...]:
 def _metres(place: tuple[float, float, float]) -> tuple[float, float, float]:
     x, y, z = place
     return 1e-3 * x, 1e-3 * y, 1e-3 * z
-
-

@@ -20,8 +20,8 @@ END = 0.15  # share of the positions that lie at an end of a joint's range
 class LeftOut:
     """Points of poses that a fit did not see, k of them.
 
-    error: (k, 3) [m] measured minus predicted; fitted: (k, 3, 3) [m²] covariance by the numbers of that fit;
-    scatter: (k, 3, 3) by the joints' repeatability; seen: (k, 3, 3) by the instrument; beyond: (k,) [rad, 1/3 m]
+    error: (k, 3) [m] measured minus predicted; fitted: (k, 3, 3) [m²] covariance by that fit's numbers;
+    scatter: (k, 3, 3) by the joints; seen: (k, 3, 3) by the instrument; beyond: (k,) [rad, 1/3 m]
     how far a joint is outside of what that fit saw.
     """
 
@@ -42,12 +42,13 @@ class Leaver:
         self.A = fit.upper.T @ fit.upper
         self.seen, self.scatter = _noise(fit)
 
-    def leave(self, here: NDArray[np.bool_], beyond: Array) -> LeftOut:
-        """The poses `here` (N,) left out; beyond: (N,) as in `LeftOut`."""
-        fit, (count, targets) = self.fit, self.fit.residual.shape[:2]
+    def leave(self, here: NDArray[np.bool_], beyond: Array, variance: float) -> LeftOut:
+        """The poses `here` (N,) left out; beyond: (N,) as in `LeftOut`; variance: as in `tempered`."""
+        fit, targets = self.fit, self.fit.residual.shape[1]
         own = self.J[here].reshape(-1, self.J.shape[2])
-        inverse = np.linalg.inv(without_rows(self.A, own))
-        change = -inverse @ (own.T @ fit.r[here].ravel())
+        left = without_rows(self.A, own)
+        change = -np.linalg.solve(left, own.T @ fit.r[here].ravel())
+        inverse = np.linalg.inv(tempered(left, variance))
         plain = self.plain[here][:, : 3 * targets].reshape(-1, targets, 3, len(self.A))
         error = fit.residual[here] - plain @ change
         fitted = np.einsum("ntip,ntjp->ntij", plain @ inverse, plain)
@@ -55,24 +56,30 @@ class Leaver:
         far = np.repeat(beyond[here][:, None], targets, axis=1)
         return LeftOut(error[mask], fitted[mask], self.scatter[here][mask], self.seen[here][mask], far[mask])
 
-    def by_position(self, seed: int = 0) -> LeftOut:
+    def by_position(self, variance: float, seed: int = 0) -> LeftOut:
         """Every pose once, in groups of positions drawn at random."""
         block = self.fit.model.problem.positions
         blocks = int(block.max()) + 1
         fold = (np.random.default_rng(seed).permutation(blocks) % min(FOLDS, blocks))[block]
         inside = np.zeros(len(block))
-        return joined([self.leave(fold == f, inside) for f in range(fold.max() + 1)])
+        return joined([self.leave(fold == f, inside, variance) for f in range(fold.max() + 1)])
 
-    def by_end(self) -> Iterator[LeftOut]:
+    def by_end(self, variance: float) -> Iterator[LeftOut]:
         """The poses at each end of each joint's range."""
         problem = self.fit.model.problem
         unit = np.where(problem.arm.prismatic, 3.0, 1.0)
-        for j, x in enumerate((problem.q * unit).T):
+        for x in (problem.q * unit).T:
             for side in (x, -x):
                 edge = float(np.quantile(side, 1 - END))
                 here = side > edge
                 if here.any() and not here.all() and np.ptp(side[~here]) > 0:
-                    yield self.leave(here, np.maximum(side - side[~here].max(), 0.0))
+                    yield self.leave(here, np.maximum(side - side[~here].max(), 0.0), variance)
+
+
+def tempered(A: Array, variance: float) -> Array:
+    """(P, P) normal equations in units of the priors; variance: of the data, over the noise's."""
+    eye = np.eye(len(A))
+    return np.asarray((A - eye) / variance + eye)
 
 
 def joined(parts: list[LeftOut]) -> LeftOut:

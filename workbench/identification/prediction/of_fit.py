@@ -15,10 +15,11 @@ from ...robot.kinematics import Array
 from ...robot.rotations import skew, vectors
 from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
 from ..fit import Fit, fit, start_state
+from ..heldout import motions
 from ..model import Model
 from ..noise import Covariance, stated_noise
 from ..parameters import body_motion
-from .left_out import Leaver
+from .left_out import Leaver, tempered
 from .tempering import temper
 from .tool import tool_motion, tool_problem
 
@@ -43,9 +44,9 @@ def uncertainty(result: Fit) -> Uncertainty | None:
     at = tool_motion(told, acting)
     known = stated_noise(problem) is not None or bool(np.isfinite(result.noise.dof))
     on_flange = np.isin(np.arange(problem.seen.shape[1]), gauge.chosen)
-    tempering = temper(Leaver(result, on_flange), known)
+    tempering, variance = temper(Leaver(result, on_flange), known)
     far = tool_motion(_anywhere(told), acting)
-    factor = _reduced(_rows(result, gauge, at.names), at.J, far.J)
+    factor = _reduced(_rows(result, gauge, at.names, variance), at.J, far.J)
     fitted = at.J @ factor
     base, nominal = _nominal(problem, told, at.points)
     places = [np.array(target.xyz) for target in gauge.targets]
@@ -57,7 +58,6 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         nominal_base=_numbers(base),
         names=at.names,
         factor=factor_lines(factor),
-        inflation=tempering.inflation,
         rest=tempering.rest,
         repeatability=_numbers(result.noise.joint),
         tempering=tempering.factor,
@@ -92,11 +92,13 @@ def _gauge(result: Fit) -> _Gauge:
     return _Gauge(setup, chosen, tuple(targets))
 
 
-def _rows(result: Fit, gauge: _Gauge, names: Sequence[str]) -> Array:
+def _rows(result: Fit, gauge: _Gauge, names: Sequence[str], variance: float) -> Array:
     """(M, P) square root of the covariance of the numbers `names` of the tool's motion: the base as seen from
-    one set-up, the targets, geometry, and the effects (nothing of those that the robot's own model states)."""
+    one set-up, the targets, geometry, and the effects (zero for those of the robot's own model)."""
     cols, state, k = result.columns, result.state, gauge.setup
-    half = solve_triangular(result.upper, np.eye(len(result.upper))) * cols.prior[:, None]
+    lower = np.linalg.cholesky(tempered(result.upper.T @ result.upper, variance))
+    half = solve_triangular(lower, np.eye(len(lower)), lower=True).T * cols.prior[:, None]
+    half = _with_passing(result, gauge, half)
     R, arm = state.R[k].T, skew(state.t[k] - result.line.centre[k])
     frame = half[6 * k : 6 * k + 6]
     out = [np.vstack([R @ (frame[:3] - arm @ frame[3:]), R @ frame[3:]])]
@@ -120,6 +122,25 @@ def _rows(result: Fit, gauge: _Gauge, names: Sequence[str]) -> Array:
     return rows
 
 
+def _with_passing(result: Fit, gauge: _Gauge, half: Array) -> Array:
+    """The square root (P, P) with base and targets where they were on the whole of the campaign: what moves
+    them for a time, or as the instrument sees it, and what it hides of where they are, goes together."""
+    cols, k = result.columns, gauge.setup
+    effects = zip(result.model.effects, cols.effect, strict=True)
+    passing = [np.arange(part.start, part.stop) for effect, part in effects if not _own(effect)]
+    if not passing:
+        return half
+    rows = (3 * np.array(gauge.chosen)[:, None] + np.arange(3)).ravel()
+    moved = motions(result)[result.model.problem.campaign.poses.setup == k][:, rows]
+    moved = moved.reshape(-1, len(half))
+    own = [np.arange(part.start, part.stop) for setup, _, part in cols.targets if setup == k]
+    placing = np.concatenate([np.arange(6 * k, 6 * k + 6), *own])
+    gone = np.concatenate(passing)
+    out = half.copy()
+    out[placing] += np.linalg.lstsq(moved[:, placing], moved[:, gone] @ half[gone], rcond=1e-9)[0]
+    return out
+
+
 def _own(effect: Effect) -> bool:
     """Whether it moves the tool in other campaigns as well."""
     return effect.lasting and effect.acts != "instrument"
@@ -130,8 +151,9 @@ def _anywhere(told: Problem) -> Problem:
     rng = np.random.default_rng(SEED)
     joints = told.robot.joints
     limits = [(j.lower, j.upper) if np.isfinite(j.upper - j.lower) else (-np.pi, np.pi) for j in joints]
+    lower, upper = np.array(limits).T
     some = rng.integers(len(told.q), size=SAMPLES)
-    campaign = told.campaign.some(some).with_poses(q=rng.uniform(*np.array(limits).T, (SAMPLES, len(joints))))
+    campaign = told.campaign.some(some).with_poses(q=rng.uniform(lower, upper, (SAMPLES, len(joints))))
     return replace(told, campaign=campaign)
 
 
