@@ -67,6 +67,8 @@ if TYPE_CHECKING:
     from .identification.model_file import write_fit as write_fit
     from .identification.model_file import write_model as write_model
     from .identification.noise import Covariance as Covariance
+    from .identification.prediction import ToolErrors as ToolErrors
+    from .identification.prediction import predict as predict
     from .identification.restated import restated as restated
     from .identification.restated import stored as stored
     from .measurement import axis_by_axis as axis_by_axis
@@ -147,6 +149,7 @@ _MODULES = {
     "identification.model": "Model",
     "identification.model_file": "loaded write_fit write_model",
     "identification.noise": "Covariance",
+    "identification.prediction": "ToolErrors predict",
     "identification.restated": "restated stored",
     "measurement": "axis_by_axis load_pairs sweep zeros_and_offsets",
     "measurement.axis_by_axis": "LocalStiffness",

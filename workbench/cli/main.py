@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..files.faults import plain
-from . import check, compensate, demo, diagnose, export, init, lists, plan, simulate, study, verify
+from . import check, compensate, demo, diagnose, export, init, lists, plan, predict, simulate, study, verify
 from .status import guarded
 
-COMMANDS = (demo, init, check, diagnose, simulate, plan, compensate, verify, export, study, lists)
+COMMANDS = (
+    demo, init, check, diagnose, simulate, plan, compensate, verify, predict, export, study, lists,
+)  # fmt: skip
 
 
 def main(argv: Sequence[str] | None = None) -> int:

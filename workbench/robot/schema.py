@@ -11,6 +11,7 @@ from ..files.faults import Fault, InputError
 from ..files.toml import read_toml
 from .convention import Controller
 from .loop import Loop
+from .uncertainty import Uncertainty
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 STANDARD_GRAVITY = 9.80665  # m/s²
@@ -166,6 +167,8 @@ class RobotFile(_Table):
     """in a model.toml: corrections tx ty tz rx ry rz [m, rad] by joint"""
     effects: tuple[EffectRecord, ...] = ()
     """in a model.toml: what was found"""
+    prediction: Uncertainty | None = None
+    """in a model.toml: how sure it is of the tool's place"""
 
 
 class _LoopFile(_Table):
