@@ -102,6 +102,22 @@ class NotTestable:
 
 
 @dataclass(frozen=True)
+class GivenFact:
+    """What `[known]` said, and what became of it. said: as it was said; given, seen, fitted: the parameter as
+    given, by the data alone, and by both (None of a cause that was excluded); obeyed: kept to."""
+
+    cause: str
+    where: Where
+    said: str
+    note: str = ""
+    given: Parameter | None = None
+    seen: Parameter | None = None
+    fitted: Parameter | None = None
+    obeyed: bool = True
+    sentence: str = ""
+
+
+@dataclass(frozen=True)
 class Detectable:
     """Smallest size of a cause that this campaign would have shown with 80 % power.
 
@@ -200,6 +216,7 @@ class Diagnosis:
     faults: tuple[FaultFound, ...] = ()
     test: TestFigures | None = None
     notes: tuple[str, ...] = ()
+    given: tuple[GivenFact, ...] = ()
     geometry: tuple[Parameter, ...] = ()
     unidentifiable: tuple[str, ...] = ()
     facts: Mapping[str, str] = field(default_factory=dict)

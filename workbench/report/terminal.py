@@ -39,6 +39,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             lines.append(f"            fits as well: {rivals}")
         if finding.separate_by:
             lines.append(f"            to decide: {finding.separate_by}")
+    lines += [f"  {fact.sentence}" for fact in diagnosis.given]
     for fault in diagnosis.faults[:10]:
         lines.append(f"  data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done})")
     if len(diagnosis.faults) > 10:
