@@ -39,11 +39,14 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     from ..diagnosis.run import diagnose
+    from ..measurement.design import what_decides
 
     check_folder(arguments.out)
     campaigns = load_all([*arguments.campaigns, *([arguments.test] if arguments.test else [])])
     test = campaigns.pop() if arguments.test else None
     outcome = diagnose(campaigns, test, progress, arguments.seed, arguments.known)
+    progress("working out what would decide")
+    outcome = what_decides(outcome)
     folder = arguments.out
     if folder is None and not arguments.json:
         folder = Path("reports") / Path(arguments.campaigns[0]).resolve().parent.name

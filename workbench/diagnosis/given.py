@@ -108,8 +108,13 @@ def _seen(free: Selection, fact: Given) -> tuple[float, float]:
 
 
 def _stand_ins(free: Selection) -> dict[Effect, None]:
-    """Effects that may be there in the place of those that were found."""
-    likely = {k for share in free.shares for k, p in share.items() if p >= PRIORS.faintest_rival}
+    """Effects that may be there in the place of those that were found and are not sure enough for a name."""
+    unsure = [
+        share
+        for member, share in zip(free.members, free.shares, strict=True)
+        if share[member.component] < PRIORS.named
+    ]
+    likely = {k for share in unsure for k, p in share.items() if p >= PRIORS.faintest_rival}
     return {e: None for k in likely if k is not None for e in free.components[k].forms[0].effects}
 
 

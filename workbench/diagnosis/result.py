@@ -67,6 +67,19 @@ class Rival:
 
 
 @dataclass(frozen=True)
+class Decision:
+    """What would decide between a finding and its rivals. command: ready to run; poses: how many settle it;
+    lambda_before, lambda_after: how far apart the rivals are now, and after it (`measurement.design`)."""
+
+    kind: Literal["poses", "drive_torque", "reading", "other"]
+    words: str
+    command: str | None
+    poses: int | None
+    lambda_before: float
+    lambda_after: float | None
+
+
+@dataclass(frozen=True)
 class Finding:
     """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
     this one, of all that competed."""
@@ -80,6 +93,7 @@ class Finding:
     parameters: tuple[Parameter, ...] = ()
     rivals: tuple[Rival, ...] = ()
     separate_by: str | None = None
+    decide: tuple[Decision, ...] = ()
     structure: str | None = None
     sentence: str = ""
     equation: str = ""

@@ -8,7 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ..effects.place import Parameter
-    from .result import Diagnosis, FaultFound, Finding, GivenFact, Stage, TestFigures
+    from .result import Decision, Diagnosis, FaultFound, Finding, GivenFact, Stage, TestFigures
 
 
 def result_json(result: Diagnosis) -> dict[str, Any]:
@@ -90,7 +90,20 @@ def _finding(finding: Finding) -> dict[str, Any]:
             for r in finding.rivals
         ],
         "separate_by": finding.separate_by,
+        **({"decide": [_decision(one) for one in finding.decide]} if finding.decide else {}),
         **({"structure": finding.structure} if finding.structure else {}),
+    }
+
+
+def _decision(one: Decision) -> dict[str, Any]:
+    after = None if one.lambda_after is None else _number(one.lambda_after)
+    return {
+        "kind": one.kind,
+        "words": one.words,
+        "command": one.command,
+        "poses": one.poses,
+        "lambda_before": _number(one.lambda_before),
+        "lambda_after": after,
     }
 
 

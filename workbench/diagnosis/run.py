@@ -30,11 +30,13 @@ FAINT = 0.1  # of the noise: a gain that decides nothing
 
 @dataclass(frozen=True)
 class Outcome:
-    """The diagnosis with what later steps need: the final fit and the problem it was made on."""
+    """The diagnosis with what later steps need: the final fit, the problem it was made on, and the
+    preparation that a plan begins with."""
 
     diagnosis: Diagnosis
     problem: Problem
     fit: Fit
+    prepared: Prepared
 
     def __repr__(self) -> str:
         return f"Outcome: {self.diagnosis!r}"
@@ -80,7 +82,7 @@ def diagnose(
     progress("writing down what was found")
     missing = (*not_testable, *found.not_testable)
     parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)
-    return Outcome(assemble(parts), found.prepared.problem, found.selection.fit)
+    return Outcome(assemble(parts), found.prepared.problem, found.selection.fit, found.prepared)
 
 
 def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tuple[Prepared, Selection]:

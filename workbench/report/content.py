@@ -13,7 +13,7 @@ from typing import Any
 
 from scipy.stats import maxwell
 
-from ..diagnosis.result import Diagnosis, FaultFound, Finding, GivenFact
+from ..diagnosis.result import Decision, Diagnosis, FaultFound, Finding, GivenFact
 from ..effects.place import Parameter
 from . import figures
 from .drawing import Figure
@@ -189,8 +189,16 @@ def _cause(finding: Finding, number: int) -> Content:
         "parameters": [_parameter(parameter) for parameter in finding.parameters],
         "rivals": _rivals(finding),
         "separate_by": finding.separate_by or "",
+        "decide": [[decision(one), one.command or ""] for one in finding.decide],
         "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",
     }
+
+
+def decision(one: Decision) -> str:
+    """What would decide, with λ before and after."""
+    if one.lambda_after is None:
+        return one.words
+    return f"{one.words} (λ {one.lambda_before:.2g} → {one.lambda_after:.2g})"
 
 
 def _rivals(finding: Finding) -> list[str]:

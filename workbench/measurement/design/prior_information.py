@@ -31,6 +31,7 @@ from ...robot.kinematics import Array
 from ...robot.schema import stated_load
 
 ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tracker
+DRIVE_TORQUE = 0.03  # of a joint's torque (RMS): noise of what motor currents say
 WIDE = 30.0  # prior of an effect's parameter, in its typical sizes: wide, but no arm is made of rubber
 OFTEN = 0.5  # share of the poses that must show a target for a plan to count on it
 
@@ -118,9 +119,14 @@ class PriorInformation:
         return None if self.fit is None else _sensitivity_of(self.fit, effects)
 
     def of_records(self, records: Campaign, effects: ValuedEffects) -> Sensitivity:
-        """Sensitivity of new records, in a set-up of their own."""
+        """Sensitivity of new records, in a set-up of their own; where they have a column of drive torques,
+        these count as good as motor currents are."""
         sigma = np.tile(self.sigma[self.shown], (len(records.poses.q), 1))
         noise = Covariance(sigma, self.joint, np.ones(len(records.poses.q)), turn_ratio=self.turn_ratio)
+        if records.poses.torque is not None:
+            axial = replace(self.problem, campaign=records).nominal_load.local
+            torque = axial.reshape(len(sigma), -1)[:, self.problem.arm.axial]
+            noise = replace(noise, torque=DRIVE_TORQUE * np.sqrt((torque**2).mean(axis=0)) + 1e-9)
         return self._sensitivity(records, noise, effects)
 
     def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:
