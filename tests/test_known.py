@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from diagnosis_cases import measured, named
 
-from workbench import diagnose, plan, write_outcome
+from workbench import diagnose, plan, what_decides
 from workbench.campaign import Campaign, load_campaign, write_campaign
 from workbench.campaign.known import KnownData, parse_known, with_known
 from workbench.campaign.problem import problem_of
@@ -17,6 +17,7 @@ from workbench.effects.given import given_facts
 from workbench.files.faults import InputError
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
+from workbench.identification.model_file import fit_text
 from workbench.identification.noise import required_noise
 
 CHARGE = "gravity_compensator:variant=charge,relative=-0.10"
@@ -97,8 +98,11 @@ def test_a_given_number_is_weighed_against_the_data():
 
 
 def test_a_reading_of_the_gauge_decides(tmp_path):
-    before = diagnose(weak()).diagnosis
-    assert named(before) == {("gravity_compensator", ""): "ambiguous", ("backlash", "joint_5"): "named"}
+    before = diagnose(weak())
+    assert named(before.diagnosis) == {
+        ("gravity_compensator", ""): "ambiguous",
+        ("backlash", "joint_5"): "named",
+    }
     outcome = diagnose(weak(), known=[f"gravity_compensator:precharge_bar={0.9 * BAR},std=1"])
     after = outcome.diagnosis
     assert named(after) == {("backlash", "joint_5"): "named"}
@@ -107,10 +111,16 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     assert fact.fitted.value == pytest.approx(-0.10, abs=3 * fact.fitted.std)
     assert fact.fitted.std < fact.given.std
     # the same error is left as when the compensator was found
-    assert after.stages[-1].heldout_rms_mm == pytest.approx(before.stages[-1].heldout_rms_mm, rel=0.03)
-    write_outcome(outcome, tmp_path)
-    assert "What was given" in (tmp_path / "index.html").read_text()
-    assert 'cause = "gravity_compensator"' in (tmp_path / "model.toml").read_text()
+    assert after.stages[-1].heldout_rms_mm == pytest.approx(
+        before.diagnosis.stages[-1].heldout_rms_mm, rel=0.03
+    )
+    assert 'cause = "gravity_compensator"' in fit_text(tmp_path / "model.toml", outcome.fit)
+    # and that reading had been asked for
+    offered = {one.kind: one for one in what_decides(before).diagnosis.causes[0].decide}
+    assert "precharge_bar to ± 1 bar" in offered["reading"].words
+    assert "--known" in offered["reading"].command
+    assert offered["reading"].lambda_before < 1 < offered["reading"].lambda_after
+    assert offered["other"].words in before.diagnosis.causes[0].separate_by
 
 
 def test_a_fact_that_the_data_contradict_is_told_and_not_obeyed():

@@ -60,8 +60,7 @@ def named_causes(text: str) -> tuple[NamedCause, ...]:
         elif part:
             found.append(part)
     if len(found) < 2:
-        what = f"{text!r} names {len(found)} cause{'s' * (not found)}, not two or more"
-        raise InputError(Fault("--tell", what, EXAMPLE))
+        raise InputError(Fault("--tell", f"{text!r} names {len(found)} causes, not two", EXAMPLE))
     faults = [fault for item in found for fault in _faults(item)]
     if faults:
         raise InputError(faults)

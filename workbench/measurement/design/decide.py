@@ -28,11 +28,12 @@ from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 MOST = 3  # ambiguous findings that are worked out, the strongest
 POOL = 120  # candidate records
 FIRST, FEWEST, LARGEST = 24, 6, 60  # poses of a follow-up: tried first, fewest, most
+DRAWS = 3  # of random poses with torques
 FEWEST_TORQUES = 12  # poses from which a joint's offset, scale and friction are taken out of its torques
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
 Columns = NDArray[np.int64]
-Torques = Callable[..., DesignSpace]  # of all candidate records, or of some of them
+Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
 
 
 @dataclass(frozen=True)
@@ -91,9 +92,8 @@ def _with_torque(prior: PriorInformation, offered: Campaign, effects: ValuedEffe
     recorded = offered.with_poses(torque=np.zeros_like(offered.poses.q))
     before = prior.of_campaign(effects)
 
-    def space(chosen: Records | None = None) -> DesignSpace:
-        some = recorded if chosen is None else recorded.some(chosen)
-        return design_space(prior.of_records(some, effects), before)
+    def space(chosen: Records) -> DesignSpace:
+        return design_space(prior.of_records(recorded.some(chosen), effects), before)
 
     return space
 
@@ -118,7 +118,7 @@ def _decisions(
             words = f"the torques of the drives (columns tau1 ...) at {count} more poses"
             found.append(Decision("drive_torque", words, None, count, now, after))
     found += _readings(problem, tie, space, now)
-    if found:
+    if poses is not None:
         return tuple(found)
     said = (separation(tie.effect.cause, rival.cause) for rival in tie.rivals)
     return tuple(
@@ -136,7 +136,7 @@ def _both(space: DesignSpace, data: Array, tie: Tie, rival: Effect) -> tuple[flo
     before, after = space.left(space.before), space.left(data)
     i, j = (space.columns(effect) - space.background for effect in (tie.effect, rival))
     S = before[np.ix_(j, j)] + WIDE**-2 * np.eye(len(j))
-    imitation: Array = np.linalg.solve(S, before[np.ix_(j, i)] @ tie.size)
+    imitation = np.asarray(np.linalg.solve(S, before[np.ix_(j, i)] @ tie.size), dtype=np.float64)
     return _left(after, i, j, tie.size, WIDE**-2), _left(after, j, i, imitation, WIDE**-2)
 
 
@@ -144,7 +144,8 @@ def _left(left: Array, i: Columns, j: Columns, size: Array, held: float) -> floa
     """λ of columns i in a size beside columns j."""
     cross = left[np.ix_(j, i)]
     S = left[np.ix_(j, j)] + held * np.eye(len(j))
-    return float(max(size @ (left[np.ix_(i, i)] - cross.T @ np.linalg.solve(S, cross)) @ size, 0.0))
+    unexplained = left[np.ix_(i, i)] - cross.T @ np.linalg.solve(S, cross)
+    return max(float(size @ unexplained @ size), 0.0)
 
 
 def _target(now: float) -> float:
@@ -172,15 +173,16 @@ def _settled(space: DesignSpace, tie: Tie, now: float) -> tuple[int, float] | No
 
 
 def _settled_by_torque(torques: Torques, tie: Tie, now: float) -> tuple[int, float] | None:
-    """Poses with drive torques that settle it, and λ after them; what is common to a joint's torques is taken
-    out of those chosen alone."""
-    every = torques()
+    """Random poses with drive torques that settle it, and λ after them, the least of some draws; what is
+    common to a joint's torques is taken out of those poses alone."""
     for count in (FEWEST_TORQUES, FIRST, LARGEST):
-        chosen = t_optimal(every, _pairs(tie), count, Search(POOL, 1, 0))
-        space = torques(chosen)
-        after = least(space, space.before + information(space.rows), tie)
-        if after >= _target(now):
-            return count, after
+        reached = []
+        for draw in range(DRAWS):
+            order = np.random.default_rng([23, draw]).permutation(POOL)
+            space = torques(np.sort(order[:count]))
+            reached.append(least(space, space.before + information(space.rows), tie))
+        if min(reached) >= _target(now):
+            return count, min(reached)
     return None
 
 
