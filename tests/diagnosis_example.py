@@ -53,6 +53,7 @@ def diagnosis(n_poses: int = 200, loads: int = 2, seed: int = 0) -> Diagnosis:
         headline="Gear error in joint 4 and backlash in joint 5 are certain; "
         "the gravity compensator or joint 2's stiffness explains the rest",
         causes=_findings(q, load, side, random, extra),
+        ceiling_mm=0.05,
         remainder_chi2=3561.0,
         remainder_dof=3528.0,
         remainder_p=0.34,
@@ -135,6 +136,7 @@ def nothing_missing() -> Diagnosis:
         stages=(full.stages[0], replace(full.stages[1], heldout_rms_mm=0.055, heldout_mean_mm=0.05,
                                         heldout_max_mm=0.12, fit_rms_mm=0.052)),
         errors=replace(full.errors, error_geometry=full.errors.error_final),
+        ceiling_mm=0.05,
         remainder_chi2=520.0,
         remainder_dof=512.0,
         remainder_p=0.4,
@@ -166,6 +168,7 @@ def unknown() -> Diagnosis:
         causes=(*full.causes[:1], left),
         stages=full.stages[:3],
         remainder_p=3e-9,
+        ceiling_mm=0.05,
         remainder_chi2=1240.0,
         remainder_dof=690.0,
     )
@@ -181,6 +184,7 @@ def bare() -> Diagnosis:
         noise=Noise(0.041, "residual", "No noise stated and no repeated poses: taken from the residual."),
         causes=(replace(full.causes[0], evidence=None, parameters=(), equation="", sentence=""),),
         stages=(full.stages[0], full.stages[1], replace(full.stages[2], heldout_max_mm=math.nan)),
+        ceiling_mm=0.05,
         remainder_chi2=math.nan,
         remainder_dof=math.nan,
         remainder_p=math.nan,

@@ -214,7 +214,7 @@ def test_evidence_shows_the_hidden_curve(effect):
     values = large * values_of(effect)
     truth = Truth(effects=((effect, values),), sigma=2e-6, repeatability=np.zeros(n))
     whole = problem_of(simulate(plan, truth, seed=1))
-    found = fit(Model(whole, (effect,)), start_state(whole), required_noise(whole))
+    found = fit(Model(whole, (effect.sized(large),)), start_state(whole), required_noise(whole))
     seen = evidence(found, effect, found.state.values[0])
     shown = effect.drawn(whole, found.line.prediction, values)
     x, y = shown.line

@@ -181,7 +181,7 @@ ANGLES = [[f"{30 * i + j}.5" for j in range(6)] for i in range(4)]
 )  # fmt: skip
 def test_tables_of_joints_are_guessed(tmp_path, header, rows, separator, wanted):
     """UR's own names for joints are those of the fourth table, its logger's those of the last."""
-    joints = [MovingJoint(f"{name}_joint", "revolute", name, -3, 3, 1) for name in example.NAMES]
+    joints = [MovingJoint(f"{name}_joint", "revolute", name, -3, 3, 1, 1) for name in example.NAMES]
     found = guess_poses(table(tmp_path / "t.csv", header, rows, separator), joints)
     assert found.keys["columns"] == wanted
     assert found.lacking == []

@@ -18,10 +18,14 @@ from ..effects.base import Effect
 from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
-from .components import cause_components, nameless_components
+from .components import Component, cause_components, nameless_components
+from .reduced import Reduced
+from .screen import effective_dof, reduce_columns
+from .sets import Chosen, Competition
 
 ROUNDS = 25
 FAINTEST = 1e-5  # squared scale, in usual sizes, at which a component is gone
+SPEAKS = 1.0  # log Bayes factor, each alone, from which a component is tried
 LEAST = 0.05  # effective number of weights below which it is gone
 MOST_ROWS = 9000
 
@@ -34,7 +38,7 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     some = np.arange(0, every, step)
     near = [e for e in candidates if e.key not in {own.key for own in final.model.effects}]
     components = [*cause_components(final, near), *nameless_components(final, unnamed(problem))]
-    blocks = [form.columns[some] * form.sizes for c in components for form in c.forms]
+    blocks = [block[some] for block in _worth_trying(final, components)]
     J = final.J[some] * final.columns.prior
     r = final.r[some] + J @ _given_back(final)
     own = J.shape[2]
@@ -49,6 +53,23 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     points = np.matmul(inverse, left[..., None])[..., 0][:, : 3 * problem.seen.shape[1]]
     length = np.linalg.norm(points.reshape(len(some), -1, 3), axis=2)[problem.seen[some]]
     return 1e3 * float(np.sqrt(np.mean(length**2)))
+
+
+def _worth_trying(final: Fit, components: Sequence[Component]) -> list[Array]:
+    """Columns (N, D, p) in prior sizes: the likeliest form of each component that has any evidence."""
+    blocks = [form.columns * form.sizes for component in components for form in component.forms]
+    ends = iter(pairwise(np.cumsum([0, *(block.shape[2] for block in blocks)])))
+    parts = tuple(tuple(slice(*next(ends)) for _ in component.forms) for component in components)
+    S, u, _ = reduce_columns(final, np.concatenate(blocks, axis=2))
+    dof = effective_dof(final)
+    reduced = Reduced(parts, S, u, final.chi2, dof, 0.0)
+    weights = Competition(reduced, components).beside(Chosen(reduced, []))
+    found = []
+    for k, weight in weights.items():
+        if weight.log_odds - components[k].log_odds > SPEAKS:
+            form = components[k].forms[weight.form]
+            found.append(form.columns * form.sizes)
+    return found
 
 
 def _given_back(final: Fit) -> Array:

@@ -37,7 +37,7 @@ class Selection:
     """The likeliest set, strongest member first. fit: with its effects; shares: per member, the
     probability of each component in its place, None: of nothing. unrepeated: members that one half of the
     poses takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
-    joints beyond the noise; spare: causes that functions without a name replace at no loss."""
+    joints beyond the noise; faint: causes that bring too little to be named beside what has no name."""
 
     fit: Fit
     components: tuple[Component, ...]
@@ -46,12 +46,17 @@ class Selection:
     reduced: Reduced
     unrepeated: tuple[Member, ...]
     scatter: Array
-    spare: frozenset[Key] = frozenset()
+    faint: frozenset[Key] = frozenset()
 
     def named(self, effect: Effect) -> bool:
         """Whether an effect of the fit stands for a member that has a name."""
         keys = [bare(self.components[m.component].key) for m in self.members]
-        return effect.cause != UNKNOWN and effect.key in keys and effect.key not in self.spare
+        return effect.cause != UNKNOWN and effect.key in keys and effect.key not in self.faint
+
+    @property
+    def nameless(self) -> list[int]:
+        """Numbers of the fit's effects that have no name."""
+        return [i for i, effect in enumerate(self.fit.model.effects) if not self.named(effect)]
 
     def worth_mm(self, member: Member) -> float:
         """RMS length [mm] of what a member makes of the points."""
@@ -81,7 +86,9 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     if misfit and positions(geometry) >= 2 * POSES_PER_JOINT * geometry.model.problem.arm.n:
         shares = _in_both_halves(at, components, members, shares, noise_dof)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
-    shown = [share[m.component] >= PRIORS.absent for share, m in zip(shares, members, strict=True)]
+    shown = [
+        share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
+    ]
     unrepeated = [m for m, there in zip(members, shown, strict=True) if not there]
     members = [m for m, there in zip(members, shown, strict=True) if there]
     shares = [share for share, there in zip(shares, shown, strict=True) if there]
@@ -98,17 +105,19 @@ def _in_both_halves(
     shares: list[Shares],
     noise_dof: float,
 ) -> list[Shares]:
-    """The shares where the model does not fit to the noise, and the likelihood is far too sure: a member is
-    as probable as in that half of the poses (in the order of measurement) which says least for it."""
+    """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of the
+    halves of the poses (in the order of measurement), averaged, for members of which these say less."""
     out = [dict(share) for share in shares]
-    for poses in _halves(at.model.problem.campaign.poses):
-        half = Competition(reduce(at, components, _explained(at), noise_dof, poses), components)
-        for share, other, member in zip(out, half.shares(members), members, strict=True):
-            if components[member.component].nameless:
-                continue  # no name is at stake
-            if other[member.component] < share[member.component]:
-                share.clear()
-                share.update(other)
+    halves = [
+        Competition(reduce(at, components, _explained(at), noise_dof, poses), components).shares(members)
+        for poses in _halves(at.model.problem.campaign.poses)
+    ]
+    for i, (member, *both) in enumerate(zip(members, *halves, strict=True)):
+        if components[member.component].nameless:
+            continue  # no name is at stake
+        mean = {k: sum(half.get(k, 0.0) for half in both) / 2 for half_ in both for k in half_}
+        if mean[member.component] < out[i][member.component]:
+            out[i] = mean
     return out
 
 

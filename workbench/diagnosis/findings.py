@@ -21,7 +21,7 @@ from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable
 from .headline import headline, remarks, verdict_of
 from .on_test_campaign import test_figures
-from .power import detectable, swallowed
+from .power import detectable, swallowed, visible_mm
 from .prepared import Prepared
 from .priors import PRIORS
 from .remainder import Remainder, remainder
@@ -57,8 +57,8 @@ def assemble(parts: Parts) -> Diagnosis:
     # what is left is judged by the noise that was there before any scatter was seen
     left = remainder(fit(final.model, final.state, prepared.covariance, max_iterations=4), known)
     best = stages[-1].heldout_rms_mm
-    findings = [_finding(parts, group, best) for group in groups]
     with_names = stages[1 + len(groups)].heldout_rms_mm
+    findings = [_finding(parts, group, without(final, selection.nameless, parts.seed)) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = stages[1].heldout_rms_mm - with_names
     nameless = _nameless(selection, left, best, with_names - best)
@@ -73,7 +73,15 @@ def assemble(parts: Parts) -> Diagnosis:
         noise=prepared.noise,
         stages=tuple(stages),
         verdict=verdict,
-        headline=headline(verdict, findings, stages, brought, ceiling, bool(final.model.given)),
+        headline=headline(
+            verdict,
+            findings,
+            stages,
+            brought,
+            ceiling,
+            visible_mm(final, parts.candidates),
+            bool(final.model.given),
+        ),
         causes=tuple(findings),
         ceiling_mm=ceiling,
         remainder_chi2=left.chi2,
@@ -110,8 +118,8 @@ def _groups(selection: Selection) -> list[Group]:
     return list(found.values())
 
 
-def _finding(parts: Parts, group: Group, best_mm: float) -> Finding:
-    """One cause; best_mm: held-out RMS with all of them."""
+def _finding(parts: Parts, group: Group, named_mm: float) -> Finding:
+    """One cause; named_mm: held-out RMS with all of them, and nothing without a name."""
     effect, own = group
     final, selection = parts.selection.fit, parts.selection
     probability, rivals = probability_of(selection, effect)
@@ -126,7 +134,7 @@ def _finding(parts: Parts, group: Group, best_mm: float) -> Finding:
         title=effect.title,
         where=effect.where,
         status="named" if named else "ambiguous",
-        gain_mm=without(final, own, parts.seed) - best_mm,
+        gain_mm=without(final, [*selection.nameless, *own], parts.seed) - named_mm,
         probability=probability,
         parameters=parameters,
         rivals=() if named else rivals,

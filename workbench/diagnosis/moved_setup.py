@@ -135,9 +135,10 @@ def _beside_joints(result: Fit, step: Array) -> float:
 
 
 def _of_one_joint(problem: Problem) -> list[Effect]:
-    """Functions of single joints, their torques, and their sides of approach."""
-    maps = {e.where: e for e in reversed(catalogue()["joint_map"].sites(problem))}  # the smoothest of each
-    return [*maps.values()] + [e for e in unnamed(problem) if e.variant in ("tilt", "torque", "side")]
+    """Smooth functions of single joints, of each cause the first form; and functions without a name."""
+    kinds = [kind for kind in catalogue().values() if kind.smooth and kind.needs(problem) is None]
+    smooth = {e.key: e for kind in kinds for e in reversed(kind.sites(problem))}
+    return [*smooth.values(), *(e for e in unnamed(problem) if e.variant in ("tilt", "torque", "side"))]
 
 
 def _of_load(problem: Problem) -> list[Effect]:

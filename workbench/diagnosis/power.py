@@ -55,6 +55,14 @@ def detectable(candidates: Sequence[Effect], final: Fit, known: bool) -> Iterato
     yield from best.values()
 
 
+def visible_mm(final: Fit, candidates: Sequence[Effect]) -> float:
+    """RMS length [mm], beyond what geometry can explain, of an effect with two numbers that would have been
+    found with 80 % power."""
+    alpha = FALSE_ALARM / max(len(candidates), 1)
+    sigma = float(np.sqrt(np.mean(final.noise.sigma**2)))
+    return 1e3 * sigma * float(np.sqrt(3 * needed(2, alpha) / max(final.point_rows, 1)))
+
+
 def swallowed(candidates: Sequence[Effect], geometry: Fit, known: bool) -> list[NotTestable]:
     """Candidates without any pattern of their own in these data."""
     pool, problem = screen(geometry, candidates, known), geometry.model.problem

@@ -14,6 +14,7 @@ from ..effects.place import NOWHERE, Parameter, Where
 from .result_json import fault_json, result_json
 
 Array = NDArray[np.float64]
+NAMELESS = "what has no name"  # in a stage's name
 Verdict = Literal["nothing_missing", "named", "ambiguous", "unknown"]
 
 

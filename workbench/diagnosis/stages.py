@@ -11,7 +11,7 @@ from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
 from .prepared import Prepared
-from .result import PoseErrors, Stage
+from .result import NAMELESS, PoseErrors, Stage
 
 Group = tuple[Effect, list[int]]  # an accepted cause, and which of the fit's effects are its parts
 
@@ -33,7 +33,7 @@ def stages_of(
         whole = len(members) == len(final.model.effects)
         fits.append((name, final if whole else refit(final, [final.model.effects[m] for m in members])))
     if len(members) < len(final.model.effects):
-        fits.append((f"{name} + what has no name", final))
+        fits.append((f"{name} + {NAMELESS}", final))
     stages = []
     for name, result in fits:
         out = heldout(result, seed=seed)

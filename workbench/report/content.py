@@ -13,14 +13,14 @@ from typing import Any
 
 from scipy.stats import maxwell
 
-from ..diagnosis.result import Decision, Diagnosis, FaultFound, Finding, GivenFact
+from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
 from ..effects.place import Parameter
 from . import figures
 from .drawing import Figure
 from .equation import typeset
 from .legible import legible
 from .limits import detectable, not_testable, place, unidentifiable
-from .numbers import MISSING, decimals, mm, p_value, percent, quantity, words
+from .numbers import MISSING, decimals, mm, p_value, probability, quantity, words
 
 Content = dict[str, Any]
 
@@ -111,7 +111,8 @@ def _summary(diagnosis: Diagnosis) -> str:
     if known and len(diagnosis.stages) > 2:
         which = "cause" if len(known) == 1 else "causes"
         number = COUNT[len(known)] if len(known) < len(COUNT) else f"the {len(known)}"
-        said.append(f"With {number} {which} below in it, {mm(last.heldout_mean_mm)} mm are left.")
+        besides = " and what has no name" if last.name.endswith(NAMELESS) else ""
+        said.append(f"With {number} {which} below{besides} in it, {mm(last.heldout_mean_mm)} mm are left.")
     if diagnosis.noise.source != "residual":
         alone = mm(maxwell.mean(scale=diagnosis.noise.sigma_mm))
         said.append(f"The noise of the measurement alone would make {alone} mm.")
@@ -119,7 +120,15 @@ def _summary(diagnosis: Diagnosis) -> str:
 
 
 def _remainder(diagnosis: Diagnosis) -> str:
-    """Whether what is left looks like noise."""
+    """What any smooth model could still gain, and whether what is left looks like noise."""
+    last, best = diagnosis.stages[-1].heldout_rms_mm, diagnosis.ceiling_mm
+    return (
+        f"Any smooth function of joints, loads, time and place reaches {mm(best)} mm RMS on held-out poses, "
+        f"this model {mm(last)} mm. {_left(diagnosis)}"
+    )
+
+
+def _left(diagnosis: Diagnosis) -> str:
     chi2, dof, p = diagnosis.remainder_chi2, diagnosis.remainder_dof, diagnosis.remainder_p
     if diagnosis.noise.source == "residual":
         return (
@@ -185,7 +194,7 @@ def _cause(finding: Finding, number: int) -> Content:
         "structure": "" if (finding.structure or "") in finding.sentence else _sentence(finding.structure),
         "equation": finding.equation,
         "gain": "" if unknown else f"{mm(finding.gain_mm)} mm",
-        "p": f"probability {percent(finding.probability, 1)}",
+        "p": f"probability {probability(finding.probability)}",
         "parameters": [_parameter(parameter) for parameter in finding.parameters],
         "rivals": _rivals(finding),
         "separate_by": finding.separate_by or "",

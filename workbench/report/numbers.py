@@ -87,6 +87,13 @@ def percent(value: float, places: int = 1) -> str:
     return f"{decimals(100 * value, places)} %" if math.isfinite(value) else MISSING
 
 
+def probability(value: float) -> str:
+    """A probability as `98.2 %`; nothing that was computed is certain: `> 99.9 %`, `< 0.1 %`."""
+    if value > 0.999:
+        return "> 99.9 %"
+    return "< 0.1 %" if value < 0.001 else percent(value, 1)
+
+
 def p_value(value: float) -> str:
     """`p = 0.26`, or a bound where nobody cares about more: `p < 10⁻¹²`."""
     if not math.isfinite(value):

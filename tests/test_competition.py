@@ -1,0 +1,151 @@
+"""The search over sets, its rank updates and batches, and the ceiling: against plain algebra."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_cases import measured
+from scipy.stats import norm
+
+from workbench.campaign.problem import problem_of
+from workbench.diagnosis import prepared as preparation
+from workbench.diagnosis.ceiling import ceiling_mm
+from workbench.diagnosis.competition import compete
+from workbench.diagnosis.components import cause_components, nameless_components
+from workbench.diagnosis.reduced import reduce
+from workbench.diagnosis.result import NAMELESS
+from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.run import testable as candidates_of
+from workbench.diagnosis.sets import Chosen, Competition, Member
+from workbench.diagnosis.stages import rms_mm
+from workbench.diagnosis.weight import SCALES, WEIGHTS
+from workbench.effects.records import stated_effects
+from workbench.effects.unnamed import unnamed
+from workbench.identification.fit import refit
+from workbench.identification.heldout import heldout
+from workbench.identification.model import Model
+from workbench.identification.model_file import write_fit
+from workbench.robot.description import load_robot
+
+
+def product(problem):
+    """An error of joint 3 by the product of two other joints' waves, which no cause has."""
+    q, out = problem.q, np.zeros(problem.q.shape)
+    out[:, 2] = 1.5e-4 * np.sin(2 * q[:, 1]) * np.cos(q[:, 4])
+    return out
+
+
+@pytest.fixture(scope="module")
+def prepared():
+    return preparation.prepare(measured(joints=product))
+
+
+@pytest.fixture(scope="module")
+def competition(prepared):
+    fit, (candidates, _) = prepared.geometry, candidates_of(prepared.problem)
+    components = [*cause_components(fit, candidates), *nameless_components(fit, unnamed(prepared.problem))]
+    return Competition(reduce(fit, components, None, 300.0), components)
+
+
+@pytest.fixture(scope="module")
+def chosen(competition):
+    members = [Member(k, 0, 1.0) for k in (3, 11, len(competition.components) - 4)]
+    return Chosen(competition.reduced, members)
+
+
+def left(reduced, chosen, keep, block):
+    """S and u of a block beside some members of a set, solved anew."""
+    index = np.concatenate([chosen.index[chosen.own[i]] for i in keep])
+    precision = np.concatenate([chosen.precision[chosen.own[i]] for i in keep])
+    M = np.linalg.inv(reduced.S[np.ix_(index, index)] + np.diag(precision))
+    K = reduced.S[np.ix_(block, index)] @ M
+    return reduced.S[np.ix_(block, block)] - K @ reduced.S[np.ix_(index, block)], reduced.u[block] - K @ (
+        reduced.u[index]
+    )
+
+
+@pytest.mark.parametrize("without", [None, 0, 1, 2])
+def test_what_a_set_leaves_without_a_member_needs_no_new_solution(competition, chosen, without):
+    reduced = competition.reduced
+    block = np.arange(40, 46)
+    S, u = chosen.left_of(block[None], without)
+    keep = [i for i in range(3) if i != without]
+    direct_S, direct_u = left(reduced, chosen, keep, block)
+    size = np.abs(reduced.S[np.ix_(block, block)]).max()
+    assert np.allclose(S[0], direct_S, rtol=0, atol=1e-8 * size)
+    assert np.allclose(u[0], direct_u, rtol=0, atol=1e-8 * np.abs(reduced.u[block]).max())
+
+
+def test_weights_in_batches_are_those_of_each_form_alone(competition, chosen):
+    """The log Bayes factor again by eigenvalues, form by form and scale by scale."""
+    reduced = competition.reduced
+    before = reduced.noise_dof + reduced.chi2 - chosen.explained
+    weights = competition.beside(chosen)
+    rng = np.random.default_rng(0)
+    for k in rng.choice([k for k in weights], 12, replace=False):
+        component, table = competition.components[k], []
+        for form, part in zip(component.forms, reduced.parts[k], strict=True):
+            S, u = (x[0] for x in chosen.left_of(np.arange(part.start, part.stop)[None]))
+            d, V = np.linalg.eigh(S)
+            d, y = np.maximum(d, 0), V.T @ u
+            for scale, weight in zip(SCALES, WEIGHTS, strict=True):
+                held = scale**2 / (1 + scale**2 * d)
+                gain = -0.5 * (reduced.noise_dof + reduced.dof) * np.log(1 - (held * y**2).sum() / before)
+                value = gain - 0.5 * np.log1p(scale**2 * d).sum() + weight
+                if form.one_sided:
+                    z = (V[0] * held * y).sum() / np.sqrt((V[0] ** 2 * held).sum())
+                    value += np.log(2 * (0.98 * norm.cdf(z) + 0.02 * norm.cdf(-z)))
+                table.append(value)
+        expected = np.logaddexp.reduce(table) - np.log(len(component.forms)) + component.log_odds
+        assert weights[k].log_odds == pytest.approx(expected, abs=1e-6 * max(1, abs(expected)))
+
+
+def test_the_score_of_a_set_is_its_log_posterior_odds(competition):
+    reduced, members = competition.reduced, [Member(3, 0, 1.0), Member(11, 0, 0.3)]
+    chosen = Chosen(reduced, members)
+    P = np.sqrt(chosen.precision)
+    S = reduced.S[np.ix_(chosen.index, chosen.index)] / np.outer(P, P)
+    u = reduced.u[chosen.index] / P
+    M = np.eye(len(u)) + S
+    share = u @ np.linalg.solve(M, u) / (reduced.noise_dof + reduced.chi2)
+    evidence = -0.5 * (reduced.noise_dof + reduced.dof) * np.log(1 - share) - 0.5 * np.linalg.slogdet(M)[1]
+    prior = sum(
+        competition.components[m.component].log_odds
+        - np.log(len(competition.components[m.component].forms))
+        + WEIGHTS[np.flatnonzero(m.scale == SCALES)[0]]
+        for m in members
+    )
+    assert competition.score(members) == pytest.approx(evidence + prior, rel=1e-9)
+    assert competition.score([]) == 0
+
+
+def test_effects_left_out_of_held_out_errors_are_as_if_fitted_anew(prepared):
+    selection = compete(prepared, candidates_of(prepared.problem)[0])
+    fit = selection.fit
+    assert fit.model.effects
+    quick = rms_mm(heldout(fit, without=[0]))
+    anew = rms_mm(heldout(refit(fit, fit.model.effects[1:])))
+    assert quick == pytest.approx(anew, rel=2e-3)
+
+
+def test_the_ceiling_is_what_is_left_where_nothing_is_missing_and_below_it_elsewhere(prepared):
+    candidates, _ = candidates_of(prepared.problem)
+    missing = prepared.geometry
+    assert ceiling_mm(missing, candidates) < 0.8 * rms_mm(heldout(missing))
+    clean = preparation.prepare(measured()).geometry
+    each_alone = rms_mm(heldout(clean, folds=len(clean.r)))
+    assert ceiling_mm(clean, candidates) == pytest.approx(each_alone, rel=0.02)
+
+
+def test_what_has_no_name_is_corrected_and_kept_in_the_model(tmp_path):
+    campaign = measured(joints=product)
+    outcome = diagnose(campaign)
+    stages = outcome.diagnosis.stages
+    assert outcome.diagnosis.verdict == "unknown"
+    assert stages[-1].name == f"geometry + {NAMELESS}"
+    assert stages[-1].heldout_rms_mm < 0.65 * stages[1].heldout_rms_mm
+    write_fit(tmp_path / "model.toml", outcome.fit)
+    problem = problem_of(replace(campaign, robot=load_robot(tmp_path / "model.toml")))
+    kept = Model(problem, (), tuple(stated_effects(problem)))
+    points = kept.predict(replace(outcome.fit.state, values=()))
+    assert np.abs(points - outcome.fit.model.predict(outcome.fit.state)).max() < 1e-9

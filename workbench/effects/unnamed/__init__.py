@@ -1,0 +1,37 @@
+"""Functions without a name: what a robot does that no cause of the catalogue explains.
+
+They compete with the causes (Kennedy & O'Hagan 2001: a discrepancy belongs into the fit), say what the rest
+depends on, and correct it. Each is a form (`variant`) of the one cause `unknown`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...campaign.problem import Problem
+from .base import Unnamed
+from .campaign import Attitude, Bearing, Clock, PerPayload, Warmth
+from .joints import Pair, Product, Side, Tilt
+from .loads import Load, Torque
+
+KINDS: tuple[type[Unnamed], ...] = (
+    Tilt, Pair, Torque, Load, Side, Clock, Warmth, PerPayload, Attitude, Bearing, Product,
+)  # fmt: skip
+
+
+def unnamed(problem: Problem) -> Iterator[Unnamed]:
+    """Every function without a name that a campaign allows, but products: see `products`."""
+    for kind in KINDS:
+        if kind is not Product:
+            yield from kind.sites(problem)  # type: ignore[misc]
+
+
+def kind_of(variant: str) -> type[Unnamed] | None:
+    """The kind of function that a variant is a form of."""
+    return next((kind for kind in KINDS if kind.variant == variant), None)
+
+
+def products(problem: Problem, joint: int) -> Iterator[Unnamed]:
+    """Functions of two other joints, of one joint's error."""
+    name = problem.arm.names[joint]
+    yield from (one for one in Product.sites(problem) if one.where.joint == name)

@@ -1,0 +1,204 @@
+"""Motions of base, tool and instrument: with time, temperature, payload, attitude, bearing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...robot.kinematics import Array
+from ..base import Depends, Param
+from ..kinds import DirectEffect, InstrumentEffect
+from .base import MOVES, Unnamed, each, waves
+
+WAVES_IN_TIME = 6
+
+
+@dataclass(frozen=True)
+class Clock(Unnamed, DirectEffect):
+    """Base or tool (`variant`) moves with time, or where none was recorded with the order of measurement."""
+
+    variant: str = "base"
+    size: float = 3e-5
+
+    depends: ClassVar[Depends] = frozenset({"time"})
+
+    @property
+    def functions(self) -> int:
+        return 6 * WAVES_IN_TIME
+
+    @property
+    def variable(self) -> str:
+        return "time" if self.variant.endswith("time") else "order of measurement"
+
+    @property
+    def unit(self) -> str:
+        return "s" if self.variant.endswith("time") else "1"
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        slower = np.tile(np.arange(1, WAVES_IN_TIME + 1) ** -1.5, 6)
+        each = self.size * slower / np.linalg.norm(slower)
+        return tuple(Param(f"weight_{k}", "rad", s, spread=s) for k, s in enumerate(map(float, each), 1))
+
+    def x(self, problem: Problem) -> Array:
+        if self.variant.endswith("time") and problem.time is not None:
+            return np.asarray(problem.time)
+        return np.arange(len(problem.q), dtype=float)
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        x = self.x(problem)
+        share = (x - x.min()) / max(float(np.ptp(x)), 1e-12)
+        cosines = np.cos(np.pi * np.outer(share, np.arange(1, WAVES_IN_TIME + 1)))
+        return each(range(6) if self.variant.startswith("base") else _flange(problem), cosines)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        timed = problem.time is not None and np.ptp(problem.time) > 0
+        return [cls(variant=f"{which} in {'time' if timed else 'order'}") for which in ("base", "tool")]
+
+
+@dataclass(frozen=True)
+class Warmth(Unnamed, DirectEffect):
+    """The base moves with temperature."""
+
+    variant: str = "temperature"
+    size: float = 3e-5
+
+    depends: ClassVar[Depends] = frozenset({"temperature"})
+
+    @property
+    def functions(self) -> int:
+        return 6
+
+    @property
+    def variable(self) -> str:
+        return "temperature"
+
+    @property
+    def unit(self) -> str:
+        return "K"
+
+    def x(self, problem: Problem) -> Array:
+        return np.zeros(len(problem.q)) if problem.warmth is None else np.asarray(problem.warmth)
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        x = self.x(problem) - self.x(problem).mean()
+        return each(range(6), x[:, None] / max(float(np.abs(x).max()), 1e-12))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        return [] if problem.warmth is None or np.ptp(problem.warmth) == 0 else [cls()]
+
+
+@dataclass(frozen=True)
+class PerPayload(Unnamed, DirectEffect):
+    """The tool sits otherwise on the flange with every payload."""
+
+    variant: str = "payload"
+    size: float = 3e-5
+    others: float = 1.0
+
+    depends: ClassVar[Depends] = frozenset({"payload"})
+    settings: ClassVar[tuple[str, ...]] = ("size", "others")
+
+    @property
+    def functions(self) -> int:
+        return 6 * int(self.others)
+
+    @property
+    def variable(self) -> str:
+        return "payload"
+
+    @property
+    def unit(self) -> str:
+        return "1"
+
+    def x(self, problem: Problem) -> Array:
+        return problem.campaign.poses.payload.astype(float)
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        carried = problem.campaign.poses.payload
+        present = np.unique(carried)[1:]
+        return each(_flange(problem), (carried[:, None] == present).astype(float))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        others = len(np.unique(problem.campaign.poses.payload)) - 1
+        return [cls(others=float(others))] if others > 0 else []
+
+
+@dataclass(frozen=True)
+class Attitude(Unnamed, DirectEffect):
+    """The tool moves on the flange by the way that the hand points."""
+
+    variant: str = "attitude"
+
+    depends: ClassVar[Depends] = frozenset({"joints"})
+
+    @property
+    def functions(self) -> int:
+        return 54
+
+    @property
+    def variable(self) -> str:
+        return "attitude of the hand"
+
+    @property
+    def unit(self) -> str:
+        return "1"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(problem.rigid.R[-1][:, 2, 2])
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        R = problem.rigid.R[-1]
+        way = np.column_stack([R[:, :, 2], R[:, :, 0], np.tanh(8 * R[:, :, 2])])
+        return each(_flange(problem), way)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        return [cls()]
+
+
+@dataclass(frozen=True)
+class Bearing(Unnamed, InstrumentEffect):
+    """The instrument turns about its vertical by the bearing."""
+
+    variant: str = "bearing"
+
+    @property
+    def functions(self) -> int:
+        return 10
+
+    @property
+    def variable(self) -> str:
+        return "bearing from the instrument"
+
+    def x(self, problem: Problem) -> Array:
+        return _bearing(problem.campaign.points)
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        turn = np.stack([-points[..., 1], points[..., 0], np.zeros_like(points[..., 0])], axis=-1)
+        return np.asarray(turn[..., None] * waves(_bearing(points), 5)[:, None, None, :])
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        return [cls()] if np.ptp(_bearing(problem.campaign.points)) > MOVES else []
+
+
+def _flange(problem: Problem) -> range:
+    """Columns of the flange's motions."""
+    first = 6 * (problem.arm.n + 1)
+    return range(first, first + 6)
+
+
+def _bearing(points: Array) -> Array:
+    """(N,) direction [rad] in which the points (N, T, 3) of a pose stand."""
+    seen = np.asarray(np.isfinite(points).all(axis=2))
+    count = np.maximum(seen.sum(axis=1), 1)[:, None]
+    middle = np.where(seen[..., None], points, 0.0).sum(axis=1) / count
+    return np.asarray(np.arctan2(middle[:, 1], middle[:, 0]))

@@ -1,0 +1,153 @@
+"""Errors of a joint by the angles of joints, and by the side that it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...robot.kinematics import RX, Array
+from ..base import Depends
+from ..kinds import DirectEffect, TransmissionEffect
+from ..place import Where
+from .base import Unnamed, each, moving, turn, waves
+
+
+@dataclass(frozen=True)
+class Pair(Unnamed, TransmissionEffect):
+    """A joint's error by another joint's angle, and by both."""
+
+    variant: str = "pair"
+    own: float = 1.0
+    other: float = 1.0
+
+    settings: ClassVar[tuple[str, ...]] = ("size", "own", "other")
+
+    @property
+    def functions(self) -> int:
+        return 7
+
+    @property
+    def variable(self) -> str:
+        return f"{self.where.joint} with {self.where.other}"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(problem.q[:, problem.joint(self.where.other)])
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        a = self.own * q[:, joints.index(str(self.where.joint))]
+        b = self.other * q[:, joints.index(str(self.where.other))]
+        sa, ca, sb, cb = np.sin(a), np.cos(a), np.sin(b), np.cos(b)
+        return np.column_stack([b / np.pi, sb, cb, sa * sb, sa * cb, ca * sb, ca * cb])
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        names, turns, moved = problem.arm.names, turn(problem), moving(problem)
+        return [
+            cls(Where(joint=names[i], other=names[j]), own=turns[i], other=turns[j])
+            for i in moved for j in moved if i != j
+        ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Product(Unnamed, TransmissionEffect):
+    """A joint's error by products of waves of two other joints: for a joint that scatters."""
+
+    variant: str = "product"
+    third: float = 0.0
+
+    settings: ClassVar[tuple[str, ...]] = ("size", "third")
+
+    @property
+    def functions(self) -> int:
+        return 36
+
+    @property
+    def variable(self) -> str:
+        return f"{self.where.joint} with {self.where.other} and joint {self.third + 1:g}"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(problem.q[:, problem.joint(self.where.other)])
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        a, b = waves(q[:, joints.index(str(self.where.other))], 3), waves(q[:, int(self.third)], 3)
+        return np.asarray((a[:, :, None] * b[:, None, :]).reshape(len(q), -1))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        arm = problem.arm
+        turning = [j for j in moving(problem) if not arm.prismatic[j]]
+        return [
+            cls(Where(joint=arm.names[i], other=arm.names[j]), third=float(k))
+            for i in range(arm.n) for j in turning for k in turning if i != j < k != i
+        ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Tilt(Unnamed, DirectEffect):
+    """A joint's frame tilts across its axis with its own angle."""
+
+    variant: str = "tilt"
+    size: float = 5e-5
+
+    depends: ClassVar[Depends] = frozenset({"joints"})
+
+    @property
+    def functions(self) -> int:
+        return 8
+
+    @property
+    def variable(self) -> str:
+        return f"{self.where.joint} (tilt)"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(problem.q[:, problem.joint(self.where.joint)])
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        j = problem.joint(self.where.joint)
+        first = 6 * (j + 1) + RX
+        return each((first, first + 1), waves(turn(problem)[j] * problem.q[:, j], 2))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        return [cls(Where(joint=problem.arm.names[j])) for j in moving(problem)]
+
+
+@dataclass(frozen=True)
+class Side(Unnamed, TransmissionEffect):
+    """A joint's error by its side of approach and its angle."""
+
+    variant: str = "side"
+
+    depends: ClassVar[Depends] = frozenset({"joints", "side"})
+
+    @property
+    def functions(self) -> int:
+        return 3
+
+    @property
+    def variable(self) -> str:
+        return f"approach of {self.where.joint}"
+
+    @property
+    def unit(self) -> str:
+        return "1"
+
+    def x(self, problem: Problem) -> Array:
+        side = problem.campaign.poses.side
+        return np.zeros(len(problem.q)) if side is None else side[:, problem.joint(self.where.joint)]
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        j = joints.index(str(self.where.joint))
+        side = np.zeros(len(q)) if direction is None else direction[:, j]
+        return np.column_stack([side, side * np.sin(q[:, j]), side * np.cos(q[:, j])])
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        side = problem.campaign.poses.side
+        if side is None:
+            return []
+        return [cls(Where(joint=n)) for j, n in enumerate(problem.arm.names) if np.ptp(side[:, j]) > 0]
