@@ -118,12 +118,11 @@ def _decisions(
             words = f"the torques of the drives (columns tau1 ...) at {count} more poses"
             found.append(Decision("drive_torque", words, None, count, now, after))
     found += _readings(problem, tie, space, now)
-    if poses is not None:
-        return tuple(found)
-    said = (separation(tie.effect.cause, rival.cause) for rival in tie.rivals)
-    return tuple(
-        Decision("other", words, None, None, now, None) for words in dict.fromkeys(filter(None, said))
-    )
+    if poses is None:
+        said = (separation(tie.effect.cause, rival.cause) for rival in tie.rivals)
+        words_of = dict.fromkeys(filter(None, said))
+        found += [Decision("other", words, None, None, now, None) for words in words_of]
+    return tuple(found)
 
 
 def least(space: DesignSpace, data: Array, tie: Tie) -> float:
