@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from .measurement.circle_points import sweeps as sweeps
     from .measurement.circle_points import turning_ratio as turning_ratio
     from .measurement.design import plan as plan
+    from .measurement.design import what_decides as what_decides
     from .measurement.group_plan import GroupPlan as GroupPlan
     from .measurement.group_plan import Rig as Rig
     from .measurement.group_plan import group_plan as group_plan
@@ -154,7 +155,7 @@ _MODULES = {
     "measurement": "axis_by_axis load_pairs sweep zeros_and_offsets",
     "measurement.axis_by_axis": "LocalStiffness",
     "measurement.circle_points": "Axes axes_of fit_circle link_between sweeps turning_ratio",
-    "measurement.design": "plan",
+    "measurement.design": "plan what_decides",
     "measurement.group_plan": "GroupPlan Rig group_plan",
     "measurement.separation": "Separation separate",
     "measurement.zeros_and_offsets": "SimulatedArm",

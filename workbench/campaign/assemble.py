@@ -72,6 +72,7 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         noise_sigma=None if file.noise.sigma_mm is None else file.noise.sigma_mm * 1e-3,
         six_dof=file.noise.pose,
         warnings=tuple(warnings),
+        known=file.known.model_copy(update={"scale": 1.0}),
         files=_hashes([path, poses.path, points.path, *([robot.path] if robot.path else []), robot.urdf]),
         poses=Poses(
             ids=tuple(_column(poses, "pose_id", kept)),

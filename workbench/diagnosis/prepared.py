@@ -14,6 +14,7 @@ import numpy as np
 
 from ..campaign import Campaign, drive_torque, join
 from ..campaign.problem import Problem, problem
+from ..effects.given import Given, exclusions, given_facts
 from ..effects.records import stated_effects
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
@@ -59,12 +60,20 @@ class Prepared:
         geometry = fit(self.geometry.model, self.geometry.state, covariance)
         return replace(self, covariance=covariance, noise=noise, geometry=geometry)
 
+    def with_given(self, given: tuple[Given, ...]) -> Prepared:
+        """The same with numbers that are known by other means, geometry fitted beside them."""
+        if not given:
+            return self
+        model = replace(self.geometry.model, given=given)
+        return replace(self, geometry=fit(model, self.geometry.state, self.covariance))
+
 
 def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambda _: None) -> Prepared:
     """Campaigns of one robot, joined and prepared. Raises InputError where the data are unusable."""
     campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
     progress("loading the robot")
     read = problem(campaign)
+    given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     try:
         sound = _without_faults(read, tuple(stated_effects(read)))

@@ -89,7 +89,9 @@ def fit_text(path: Path, fit: Fit) -> str:
     """A fit as the extended robot that is to stand at `path`: what it found, beside what the robot's model
     had already. Tool and payloads are the campaign's: the effects were found under them."""
     model = fit.model
-    found = [record(e, v) for e, v in zip(model.effects, fit.state.values, strict=True) if e.lasting]
+    given = [(item.effect, v[None]) for item, v in zip(model.given, fit.state.given, strict=True) if v]
+    values = [*given, *zip(model.effects, fit.state.values, strict=True)]
+    found = [record(effect, v) for effect, v in values if effect.lasting]
     robot = loaded(model.problem.robot, model.problem.campaign)
     robot = replace(robot, uncertainty=uncertainty(fit))
     return model_text(path, robot, fit.state.geometry, [*robot.effects, *found])
