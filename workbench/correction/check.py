@@ -90,7 +90,7 @@ def _check_units(robot: Robot, arm: Arm, path: Path, X_FT: Array) -> list[Fault]
     place = path.file or path.title or "path"
     if path.X is not None:
         with np.errstate(over="ignore"):  # infinitely far is far
-        far = np.linalg.norm(path.X[:, :3, 3], axis=1)
+            far = np.linalg.norm(path.X[:, :3, 3], axis=1)
         most = float(np.linalg.norm(arm.p[1])) + reach(arm, X_FT, np.array([j.upper for j in robot.joints]))
         said = (
             f"the tool is {far.min() * 1e3:.3g} to {far.max() * 1e3:.3g} mm from the base, the arm reaches "
