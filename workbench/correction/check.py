@@ -89,8 +89,7 @@ def _check_units(robot: Robot, arm: Arm, path: Path, X_FT: Array) -> list[Fault]
     """Numbers that would fit the arm if they were a thousand times as large, or as small, or in degrees."""
     place = path.file or path.title or "path"
     if path.X is not None:
-        with np.errstate(over="ignore"):  # infinitely far is far
-            far = np.linalg.norm(path.X[:, :3, 3], axis=1)
+        far = np.linalg.norm(path.X[:, :3, 3], axis=1)
         most = float(np.linalg.norm(arm.p[1])) + reach(arm, X_FT, np.array([j.upper for j in robot.joints]))
         said = (
             f"the tool is {far.min() * 1e3:.3g} to {far.max() * 1e3:.3g} mm from the base, the arm reaches "
