@@ -146,12 +146,12 @@ def test_loads_that_no_arm_carries_are_said():
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('<mass value="', '<mass value="x', "line 7: Drake cannot read it: Expected single value"),
-        ('lower="-', 'lower="9', "exchange lower and upper"),
-        ('lower="-', 'lower="x', "lower is 'x"),
+        ('<mass value="', '<mass value="x', "mass: value = 'x4' is not a number"),
+        ('lower="-', 'lower="9', "the lower one comes first"),
+        ('lower="-', 'lower="x', "is not a number; mend the URDF"),
     ],
 )
-def test_what_drake_finds_has_file_line_and_mend(tmp_path, old, new, said):
+def test_what_is_wrong_with_a_urdf_has_place_and_mend(tmp_path, old, new, said):
     ours = load_robot("ur5")
     (tmp_path / "ur5.urdf").write_text(ours.urdf.read_text().replace(old, new, 1))
     (tmp_path / "ur5.toml").write_text(ours.path.read_text())

@@ -39,6 +39,8 @@ def urdf_plant(
     plant = MultibodyPlant(0.0) if plant is None else plant
     with drake_reads(robot):
         Parser(plant).AddModelsFromString(text, "urdf")
+        for name in robot.joint_names:  # Drake skips some elements that it does not understand
+            plant.GetJointByName(name)
     plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
     plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(robot.base).body_frame())
     if more is not None:
