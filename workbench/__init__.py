@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from .correction.paths import Path as Path
     from .correction.paths import load_path as load_path
     from .correction.paths import write_path as write_path
+    from .diagnosis.changes import compare as compare
+    from .diagnosis.changes.result import Comparison as Comparison
     from .diagnosis.result import Diagnosis as Diagnosis
     from .diagnosis.run import Outcome as Outcome
     from .diagnosis.run import diagnose as diagnose
@@ -133,6 +135,8 @@ _MODULES = {
     "correction": "Compensation Conditions compensate compensate_file compensate_program "
     "conditions_of nominal_joints path_shapes stated_conditions",
     "correction.paths": "Path load_path write_path",
+    "diagnosis.changes": "compare",
+    "diagnosis.changes.result": "Comparison",
     "diagnosis.result": "Diagnosis",
     "diagnosis.run": "Outcome diagnose",
     "effects": "catalogue",

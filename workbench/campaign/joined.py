@@ -39,7 +39,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
     faults = _differences(campaigns)
     if faults:
         raise InputError(faults)
-    labels = _labels(campaigns)
+    labels = labels_of(campaigns)
     targets, columns = _targets(campaigns, labels)
     loads, load_of = _payloads(campaigns, labels)
     setup_names = tuple(
@@ -110,8 +110,8 @@ def _same_robot(one: Robot, other: Robot) -> bool:
     )
 
 
-def _labels(campaigns: Sequence[Campaign]) -> list[str]:
-    """A short name for each campaign: its folder, with as many folders above as make it the only one."""
+def labels_of(campaigns: Sequence[Campaign]) -> list[str]:
+    """(K) a short name for each campaign: its folder, with as many folders above as make it the only one."""
     folders = [campaign.path.resolve().parent for campaign in campaigns]
     alone = len(set(folders)) == len(folders)
     paths = folders if alone else [campaign.path.resolve().with_suffix("") for campaign in campaigns]

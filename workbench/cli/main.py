@@ -7,20 +7,35 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..files.faults import plain
-from . import check, compensate, demo, diagnose, export, init, lists, plan, predict, simulate, study, verify
+from . import (
+    check,
+    compare,
+    compensate,
+    demo,
+    diagnose,
+    export,
+    init,
+    lists,
+    plan,
+    predict,
+    simulate,
+    study,
+    verify,
+)
 from .status import guarded
 
 COMMANDS = (
-    demo, init, check, diagnose, simulate, plan, compensate, verify, predict, export, study, lists,
+    demo, init, check, diagnose, compare, simulate, plan, compensate, verify, predict, export, study, lists,
 )  # fmt: skip
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs one command; its exit status (`status.guarded`)."""
 
-    def action() -> None:
+    def action() -> int | None:
         arguments = command_line().parse_args(argv)
-        arguments.run(arguments)
+        status: int | None = arguments.run(arguments)
+        return status
 
     return guarded(action)
 

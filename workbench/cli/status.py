@@ -20,17 +20,18 @@ class Terminated(BaseException):
     """The process was asked to end (SIGTERM)."""
 
 
-def guarded(action: Callable[[], object]) -> int:
-    """Exit status of an action: 0 done, 2 the input or the call is wrong (a line per fault), 1 it failed,
-    130 interrupted, 143 terminated."""
+def guarded(action: Callable[[], int | None]) -> int:
+    """Exit status of an action: its own, or 0 where it has none; 2 the input or the call is wrong (a line per
+    fault), 1 it failed, 130 interrupted, 143 terminated."""
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[threads] = "1"  # sums in one order: the same bytes out, however many cores there are
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without µ is no reason to fail
+    status: int | None = None
     try:
         with _workers_stop_too():
-            action()
+            status = action()
     except InputError as error:
         for fault in error.faults:
             print(f"error: {plain(str(fault))}", file=sys.stderr)
@@ -53,11 +54,11 @@ def guarded(action: Callable[[], object]) -> int:
         if not isinstance(error.code, str):
             raise
         return _failed(error)  # Drake's assertions
-    except Exception as error:
+    except Exception:
         if os.environ.get("WORKBENCH_DEBUG"):
             raise
-        return _failed(error)
-    return DONE
+
+    return DONE if status is None else status
 
 
 def _failed(error: BaseException) -> int:

@@ -75,12 +75,12 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
     out = []
     for key, effects in places.items():
         finer = [other for effect in effects for other in effect.finer()[::EVERY_FINER]]
-        forms = [_form(fit, (effect,)) for effect in (*effects, *finer)]
+        forms = [form_of(fit, (effect,)) for effect in (*effects, *finer)]
         if effects[0].together and len(effects) > 1:
-            forms.append(_form(fit, tuple(effects)))
+            forms.append(form_of(fit, tuple(effects)))
         forms = [form for form in forms if form.columns.any()]
         if forms:
-            out.append(Component(key, tuple(forms), _log_odds(effects[0], sites[key[0]])))
+            out.append(Component(key, tuple(forms), log_odds_of(effects[0], sites[key[0]])))
     return out
 
 
@@ -88,7 +88,7 @@ def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
     """A gear line of unknown order; sharpness: width of its peak over the whole range (log)."""
     joints = fit.model.problem.arm.n
     odds = PRIORS.line / joints * sharpness
-    return Component((effect.cause, effect.where), (_form(fit, (effect,)),), float(np.log(odds)))
+    return Component((effect.cause, effect.where), (form_of(fit, (effect,)),), float(np.log(odds)))
 
 
 def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component]:
@@ -97,13 +97,13 @@ def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component
     counts = Counter(type(one) for one in every)
     out = []
     for one in every:
-        form = _form(fit, (one,))
+        form = form_of(fit, (one,))
         if form.columns.any():
             out.append(Component(one.key, (form,), float(np.log(PRIORS.free / counts[type(one)]))))
     return out
 
 
-def _log_odds(effect: Effect, sites: int) -> float:
+def log_odds_of(effect: Effect, sites: int) -> float:
     if effect.always and effect.axial and not effect.stated:
         p = PRIORS.unstated
         return float(np.log(p / (1 - p)))
@@ -111,7 +111,7 @@ def _log_odds(effect: Effect, sites: int) -> float:
     return float(np.log(p / (1 - p)))
 
 
-def _form(fit: Fit, effects: tuple[Effect, ...]) -> Form:
+def form_of(fit: Fit, effects: tuple[Effect, ...]) -> Form:
     """Effects together as one form, each parameter in its usual size."""
     shares = [(1.0, effect) for effect in effects]
     shares += [pair for effect in effects for pair in effect.companions()]

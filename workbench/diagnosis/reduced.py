@@ -60,16 +60,24 @@ def reduce(
     e = (fit.r if members is None else fit.r + members)[some].ravel()
     n = fit.columns.background
     J = fit.J[some, :, :n].reshape(-1, n) * fit.columns.prior[:n]
+    rows = int((np.abs(fit.whitener[some]).sum(axis=2) > 0).sum())
+    return Reduced(tuple(parts), *without_background(J, background_offset(fit), G, e, rows), noise_dof)
+
+
+def without_background(
+    J: Array, offset: Array, G: Array, e: Array, rows: int
+) -> tuple[Array, Array, float, float]:
+    """S (g, g), u (g,), χ² and degrees of freedom that a background leaves of columns G (R, g) and data e
+    (R,).
+
+    J: (R, n) the background in its priors, offset: (n,) how far it is from their means; rows: with data."""
+    n = J.shape[1]
     upper = np.linalg.cholesky(J.T @ J + np.eye(n)).T
-    offset = background_offset(fit)
     Z = solve_triangular(upper, J.T @ G, trans="T", check_finite=False)
     z = solve_triangular(upper, J.T @ e - offset, trans="T", check_finite=False)
-    S, u = G.T @ G - Z.T @ Z, G.T @ e - Z.T @ z
-    chi2 = float(e @ e + offset @ offset - z @ z)
     inverse = solve_triangular(upper, np.eye(n), trans="T", check_finite=False)
-    rows = int((np.abs(fit.whitener[some]).sum(axis=2) > 0).sum())
     dof = rows - (n - float((inverse**2).sum()))
-    return Reduced(tuple(parts), S, u, chi2, dof, noise_dof)
+    return G.T @ G - Z.T @ Z, G.T @ e - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof
 
 
 def background_offset(fit: Fit) -> Array:

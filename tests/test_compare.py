@@ -1,0 +1,263 @@
+"""Then and now: what changed between campaigns that Drake measured, and what did not."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from workbench import (
+    Truth,
+    compare,
+    load_campaign,
+    load_robot,
+    parse_effect,
+    planned,
+    problem_of,
+    random_geometry,
+    random_poses,
+    simulate,
+    write_campaign,
+)
+from workbench.campaign import Campaign
+from workbench.cli.main import main
+from workbench.diagnosis.changes.result import Comparison
+from workbench.files.faults import InputError
+
+DATA = Path("/work/shared/data")
+SIGMA = 3e-5
+POSES = 25
+JOINT_3_ZERO, JOINT_4 = (3, 5), 4  # slot and component; slot
+WHEEL = "gear_eccentricity:joint=joint_3,variant=1,amplitude=3e-4,phase=0.4"
+
+
+@cache
+def robot():
+    return load_robot("kr120")
+
+
+def measured(
+    seed: int,
+    bent: dict[tuple[int, int], float] | None = None,
+    effects: tuple[str, ...] = (),
+    loaded: bool = False,
+    warm: float | None = None,
+    **truth: Any,
+) -> Campaign:
+    """Poses of their own, from an instrument that stands somewhere else each time."""
+    q = random_poses(robot(), POSES, np.random.default_rng(seed))
+    told: dict[str, Any] = {}
+    if loaded:
+        q = np.tile(q, (2, 1))
+        told = {
+            "payloads": {"heavy": (90.0, (0.05, 0.0, 0.15))},
+            "payload": [""] * POSES + ["heavy"] * POSES,
+        }
+    if warm is not None:
+        told["temperature"] = np.full(len(q), warm)
+    plan = planned(robot(), q, **told)
+    job = problem_of(plan)
+    geometry = random_geometry(job.arm, np.random.default_rng(0))
+    for (slot, component), value in (bent or {}).items():
+        geometry[slot, component] += value
+    hidden = tuple(parse_effect(text, job) for text in effects)
+    return simulate(plan, Truth(geometry=geometry, effects=hidden, **{"sigma": SIGMA, **truth}), seed=seed)
+
+
+@cache
+def before(loaded: bool = False) -> Campaign:
+    return measured(1, loaded=loaded)
+
+
+@cache
+def nothing() -> Comparison:
+    return compare([before(), measured(2)])
+
+
+@cache
+def slipped() -> Comparison:
+    """A geared joint that slipped, its gear's own error unchanged; against two campaigns before."""
+    return compare(
+        [measured(1, effects=(WHEEL,)), measured(3, effects=(WHEEL,)),
+         measured(2, {JOINT_3_ZERO: 1.5e-3}, effects=(WHEEL,))]
+    )  # fmt: skip
+
+
+def only(comparison: Comparison):
+    assert comparison.changed
+    assert comparison.exit_status == 3
+    (change,) = comparison.changes
+    assert change.status == "named"
+    assert change.side == "robot"
+    return change
+
+
+def within(parameter, true: float) -> bool:
+    return abs(parameter.value - true) < 3.5 * parameter.std
+
+
+def test_a_shifted_zero_is_named_with_its_size_and_nothing_else():
+    comparison = compare([before(), measured(2, {(JOINT_4, 5): 3.1e-4})])
+    change = only(comparison)
+    (zero,) = change.parameters
+    assert (change.label, zero.name, zero.unit) == ("joint_4 zero", "zero", "rad")
+    assert within(zero, 3.1e-4)
+    assert zero.std < 4e-5
+    assert comparison.headline.startswith(
+        f"joint_4 zero moved by {1e3 * zero.value:.3f} ± {1e3 * zero.std:.3f} mrad"
+    )
+    assert "everything else unchanged within 0.0" in comparison.headline
+    assert change.recheck_poses is not None
+    assert change.recheck_poses < 12
+    assert len(change.recheck_ids) == change.recheck_poses
+
+
+def test_a_gear_that_slipped_is_a_zero_and_its_map_the_witness():
+    change = only(slipped())
+    assert change.label == "joint_3 zero"
+    assert within(change.parameters[0], 1.5e-3)
+    assert (change.since, change.alone) == (slipped().campaigns[2], False)
+    assert [item.status for item in slipped().repeats if item.label == "gear_eccentricity(joint_3)"] == [
+        "repeats"
+    ]
+
+
+def test_the_control_chart_has_every_campaign():
+    tracks = {track.label: track for track in slipped().chart}
+    zero = tracks["joint_3 zero"]
+    assert len(zero.values) == 3
+    assert abs(zero.values[1]) < 4 * zero.stds[1]
+    assert abs(zero.values[2] - 1.5e-3) < 4 * zero.stds[2]
+    assert zero.values[2] > zero.limit
+    other = tracks["joint_2 zero"]
+    assert all(abs(v) < 4.5 * s + 1e-12 for v, s in zip(other.values, other.stds, strict=True))
+
+
+def test_a_bent_link_is_that_link():
+    change = only(compare([before(), measured(2, {(4, 3): 3e-4, (4, 0): 4e-4, (4, 1): 1e-4})]))
+    assert (change.cause, change.where.link, change.where.joint) == ("geometry", "link_3", "joint_4")
+
+
+def test_a_compensator_that_leaked():
+    leaked = measured(2, loaded=True, effects=("gravity_compensator:relative=-0.1",))
+    change = only(compare([before(True), leaked]))
+    assert change.cause == "gravity_compensator"
+    assert within(change.parameters[0], -0.1)
+
+
+def test_a_tool_mounted_anew_is_not_the_robot():
+    places = [*problem_of(before()).stated_targets, 0.001, 0.0005, 0.0]
+    comparison = compare([before(), measured(2, targets=places)])
+    assert not comparison.changes
+    assert comparison.exit_status == 0
+    assert "tool or reflectors were mounted anew" in comparison.headline
+    after = comparison.apart[1]
+    assert after.targets_moved
+    for target in after.targets:
+        assert np.allclose(target.by_mm, [1.0, 0.5, 0.0], atol=4 * max(target.std_mm))
+
+
+def test_a_moved_base_is_a_frame_and_another_instrument_a_noise():
+    R, t = np.eye(3)[None], np.zeros((1, 3))
+    plans = [planned(robot(), random_poses(robot(), POSES, np.random.default_rng(k))) for k in (1, 2)]
+    truth = Truth(geometry=random_geometry(problem_of(plans[0]).arm, np.random.default_rng(0)), sigma=SIGMA)
+    first = simulate(plans[0], truth, seed=1, instrument=(R, t))
+    moved = simulate(plans[1], replace(truth, sigma=2 * SIGMA), seed=2, instrument=(R, [*t, 0.003, 0.0, 0.0]))
+    comparison = compare([first, moved])
+    assert not comparison.changes
+    assert comparison.exit_status == 0
+    after = comparison.apart[1]
+    assert abs(after.frame_mm - 3.0) < 4 * after.frame_std_mm < 0.3
+    assert after.frame_mrad < 4 * after.frame_std_mrad
+    assert not after.targets_moved
+    assert "the instrument scatters 0.060 instead of 0.030 mm" in comparison.headline
+
+
+def test_another_temperature_is_not_the_robot_written_down_or_not():
+    growth = ("thermal_growth:coefficient=1.15e-5",)
+    cold, warm = measured(1, warm=20.0), measured(2, warm=32.0, effects=growth)
+    told = compare([cold, warm])
+    assert told.exit_status == 0
+    assert [c for c in told.changes if c.side == "robot"] == []
+    assert told.apart[1].temperature == 32.0
+    silent = compare([cold.with_poses(temperature=None), warm.with_poses(temperature=None)])
+    assert silent.exit_status == 0
+    (change,) = silent.changes
+    assert {change.cause, *(r.cause for r in change.rivals)} == {"thermal_growth", "tracker_scale"}
+    assert change.side != "robot"
+    assert within(change.parameters[0], 12 * 1.15e-5)
+
+
+def test_nothing_changed_and_what_would_have_been_seen():
+    comparison = nothing()
+    assert (comparison.changes, comparison.changed, comparison.exit_status) == ((), False, 0)
+    assert comparison.headline.startswith("The robot is unchanged within 0.0")
+    assert comparison.within_mm < 0.06
+    seen = {item.label: item for item in comparison.unchanged}
+    zero = seen["joint_4 zero"]
+    assert 4 * zero.number.std < zero.detectable < 8 * zero.number.std
+    assert abs(zero.number.value) < 4 * zero.number.std
+    same = {item.label: item.same_as for item in comparison.unseen}
+    assert same["joint_1 zero"] == same["joint_6 zero"] == "the instrument's frame or the targets"
+
+
+def test_the_size_called_detectable_is_found():
+    size = {item.label: item.detectable for item in nothing().unchanged}["joint_3 zero"]
+    comparison = compare([before(), measured(2, {JOINT_3_ZERO: 1.5 * size})])
+    (change,) = comparison.changes
+    assert comparison.changed
+    assert "joint_3 zero" in (change.label, *(rival.label for rival in change.rivals))
+
+
+def test_a_link_that_a_gear_could_mimic_is_not_named():
+    """Gravity on link 2 goes with the sine of joint 2, as an eccentric wheel's error does."""
+    first = ("gear_eccentricity:joint=joint_2,variant=1,amplitude=2e-4,phase=0.4",)
+    later = ("gear_eccentricity:joint=joint_2,variant=1,amplitude=2e-4,phase=2.4",)
+    comparison = compare([measured(3, effects=first), measured(4, effects=later)])
+    (change,) = comparison.changes
+    labels = {change.label, *(rival.label for rival in change.rivals)}
+    assert comparison.changed
+    assert change.status == "ambiguous"
+    assert "gear_eccentricity(joint_2)" in labels
+    assert "not decided" in comparison.headline
+
+
+def test_the_command_writes_its_page_and_ends_with_3(tmp_path, capsys):
+    paths = [
+        str(write_campaign(tmp_path / name, campaign))
+        for name, campaign in (("may", before()), ("june", measured(2, {(2, 5): 3e-4})))
+    ]
+    assert main(["compare", *paths, "--json", "--out", str(tmp_path / "out")]) == 3
+    said = json.loads(capsys.readouterr().out)
+    assert said == json.loads((tmp_path / "out/comparison.json").read_text(encoding="utf-8"))
+    assert said["verdict"] == "changed"
+    assert [c["label"] for c in said["campaigns"]] == ["may", "june"]
+    (change,) = said["changes"]
+    assert (change["what"], change["since"]) == ("joint_2 zero", "june")
+    page = (tmp_path / "out/index.html").read_text(encoding="utf-8")
+    assert said["headline"] in page
+    assert "<svg" in page
+    assert (tmp_path / "out/report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
+    path = str(write_campaign(tmp_path / "may", before()))
+    assert main(["compare", path]) == 2
+    assert main(["compare", path, path]) == 2
+    assert "the same campaign twice" in capsys.readouterr().err
+    other = planned(load_robot("kr500"), random_poses(load_robot("kr500"), 12, np.random.default_rng(0)))
+    with pytest.raises(InputError, match="robot 'kr500'"):
+        compare([before(), simulate(other, Truth(sigma=SIGMA), seed=1)])
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="no measured campaigns here")
+def test_halves_of_a_measured_campaign_have_not_changed():
+    whole = load_campaign(DATA / "ma1400-left/campaign.toml")
+    order = np.arange(whole.n_poses)
+    comparison = compare([whole.some(order[::2]), whole.some(order[1::2])])
+    assert (comparison.changes, comparison.exit_status) == ((), 0)

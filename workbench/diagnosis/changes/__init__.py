@@ -1,0 +1,109 @@
+"""Then and now: what changed between campaigns of one robot, and what did not.
+
+Every campaign is prepared and searched by itself, keeps its own frames, targets and noise, and is linearised
+where its own robot is. Geometry and the effects that any of them shows are common to all; each number of
+geometry and of the causes may differ between occasions, and competes for that with the others and with causes
+that all occasions have (`sets`), so that a change is named by its probability.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...campaign import Campaign, load_campaign
+from ...files.faults import Fault, InputError
+from ..prepared import Progress
+from ..priors import PRIORS
+from ..run import testable
+from .decision import Decided, decide
+from .findings import changes_of, repeats, tracks, unseen
+from .frames import apart
+from .occasions import occasions_of
+from .result import Apart, Comparison
+from .sensitivity import unchanged, within_mm
+from .system import relinearised
+from .words import headline
+
+OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
+
+
+def compare(campaigns: Sequence[Campaign | str | Path], progress: Progress = lambda _: None) -> Comparison:
+    """What changed between campaigns of one robot, in the order of time.
+
+    campaigns: two or more, as loaded, or the paths of their campaign.toml. progress: is told each step in
+    words. Raises `InputError` where they are not of one robot, or the data unusable.
+
+    >>> import numpy as np
+    >>> from workbench import Truth, compare, load_robot, planned, random_poses, simulate
+    >>> robot = load_robot("cylindrical")
+    >>> bent = np.zeros((5, 6))
+    >>> bent[2, 3] = 5e-4  # the axis of joint_2 leans by half a milliradian on link_1
+    >>> plans = [planned(robot, random_poses(robot, 25, np.random.default_rng(k))) for k in (1, 2)]
+    >>> truths = [Truth(sigma=2e-5), Truth(sigma=2e-5, geometry=bent)]
+    >>> comparison = compare([simulate(p, t, seed=k) for k, (p, t) in enumerate(zip(plans, truths))])
+    >>> comparison.changed, [(c.cause, c.where.joint) for c in comparison.changes]
+    (True, [('geometry', 'joint_2')])
+    """
+    if len(campaigns) < 2:
+        raise InputError(Fault("compare", "one campaign alone", "name two or more of one robot"))
+    loaded = [one if isinstance(one, Campaign) else load_campaign(one) for one in campaigns]
+    occasions, whole = occasions_of(loaded, progress)
+    progress("comparing")
+    decided = decide(occasions, whole, testable(whole)[0])
+    progress("writing down what was found")
+    return _assembled(decided)
+
+
+def _assembled(decided: Decided) -> Comparison:
+    system = decided.system
+    shapes = [decided.shape(m) for m in decided.members]
+    final = relinearised(system, shapes, decided.solved)
+    changes = tuple(changes_of(decided))
+    changed = any(change.any >= PRIORS.named for change in changes)
+    beside = tuple(apart(system, final, decided.solved))
+    bound = within_mm(decided)
+    first = system.occasions[0].problem
+    return Comparison(
+        first.robot.name,
+        first.robot.title,
+        tuple(one.label for one in system.occasions),
+        tuple(len(one.problem.q) for one in system.occasions),
+        changed,
+        headline(changes, bound, _other(beside), changed),
+        changes,
+        bound,
+        tuple(unchanged(decided)),
+        tuple(unseen(decided)),
+        tuple(repeats(decided, changes)),
+        beside,
+        tuple(tracks(decided)),
+        tuple(_notes(decided)),
+    )
+
+
+def _other(beside: Sequence[Apart]) -> list[str]:
+    """What is not the robot and is not as it was."""
+    out, first = [], beside[0]
+    for one in beside[1:]:
+        at = f" ({one.label})" if len(beside) > 2 else ""
+        if one.targets_moved:
+            out.append(f"the targets sit elsewhere{at}: tool or reflectors were mounted anew")
+        ratio = one.sigma_mm / first.sigma_mm
+        if max(ratio, 1 / ratio) > OTHER_NOISE:
+            out.append(f"the instrument scatters {one.sigma_mm:.3f} instead of {first.sigma_mm:.3f} mm{at}")
+    return out
+
+
+def _notes(decided: Decided) -> list[str]:
+    out = []
+    for one in decided.system.occasions:
+        out += [f"{one.label}: {note}" for note in one.prepared.notes]
+        if one.prepared.faults:
+            out.append(f"{one.label}: {len(one.prepared.faults)} data faults left out")
+    if any(one.misfit for one in decided.system.occasions):
+        out.append(
+            "The noise does not explain what the model leaves: a change counts only where either half of the "
+            "poses shows it."
+        )
+    return out

@@ -1,0 +1,210 @@
+"""What may explain that campaigns differ: a number that changed, or a cause that all of them have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...campaign.problem import Problem
+from ...effects import catalogue
+from ...effects.base import Effect
+from ...effects.place import Where
+from ...robot.kinematics import Array
+from ...robot.schema import GEOMETRY
+from ..components import EVERY_FINER, Component, Form, form_of, log_odds_of
+from ..priors import PRIORS
+from .occasions import Occasion
+
+USUAL = 2e-4  # m, rad: usual size of a change of geometry
+PLACED = "geometry"  # cause of a number of the geometry
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One form of a change or of a common cause. base: (R, g) whitened, in prior sizes, over the rows of
+    all occasions one after the other; own: (R,) occasion of each; pattern: (K,) share of it at each
+    occasion; geometry: columns 6 · slot + component that it moves, zero: it is a joint's own; named: name
+    and unit of the numbers where they are not the effects' own."""
+
+    base: Array
+    own: NDArray[np.int64]
+    sizes: Array
+    pattern: Array
+    effects: tuple[Effect, ...] = ()
+    geometry: tuple[int, ...] = ()
+    zero: bool = False
+    one_sided: bool = False
+    named: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def columns(self) -> Array:
+        """(R, g) where the occasions have it."""
+        return np.asarray(self.base * self.pattern[self.own][:, None])
+
+    @property
+    def main(self) -> int:
+        """Numbers that count; behind them come companions."""
+        return len(self.geometry) or sum(len(effect.params) for effect in self.effects)
+
+    def at(self, pattern: Array) -> Shape:
+        """The same at some of the occasions only."""
+        return replace(self, pattern=np.asarray(pattern, dtype=np.float64))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A cause at one place: common to all occasions, or changed between them. side: whose it is."""
+
+    cause: str
+    where: Where
+    change: bool
+    side: str
+    shapes: tuple[Shape, ...]
+    log_odds: float
+
+    @property
+    def component(self) -> Component:
+        forms = [Form(np.zeros((0, 0, 0)), s.sizes, s.effects, s.one_sided) for s in self.shapes]
+        return Component((self.cause, self.where), tuple(forms), self.log_odds)
+
+
+def candidates_of(
+    occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]
+) -> list[Candidate]:
+    """All of them. effects: of the catalogue, at every place that the joined campaigns can show."""
+    patterns = steps(len(occasions))
+    shared = occasions[0].fit.model.effects
+    out = list(_geometry(occasions, whole, patterns))
+    places: dict[object, list[Effect]] = {}
+    seen = [e for kind in catalogue().values() for e in kind.places(whole) if e.acts == "instrument"]
+    for effect in [*effects, *(one for one in (*shared, *seen) if one not in effects)]:
+        places.setdefault(effect.key, []).append(effect)
+    counts: dict[str, int] = {}
+    for own in places.values():
+        counts[own[0].cause] = counts.get(own[0].cause, 0) + 1
+    known = {effect.key for effect in shared}
+    for own in places.values():
+        effect, sites = own[0], counts[own[0].cause]
+        together = [tuple(own)] if effect.together and len(own) > 1 else []
+        if effect.key not in known and effect in effects:
+            finer = [fine for one in own for fine in one.finer()[::EVERY_FINER]]
+            shapes = [
+                *(_shape(occasions, (e,)) for e in (*own, *finer)),
+                *(_shape(occasions, t) for t in together),
+            ]
+            out += _candidate(effect, False, shapes, log_odds_of(effect, sites))
+        shapes = [replace(_shape(occasions, (e,)), one_sided=False) for e in own]
+        out += _candidate(effect, True, list(_stepped(shapes, patterns)), _odds(whole.arm.n))
+    if whole.campaign.poses.temperature is None:
+        out += _growth(occasions, whole, patterns)
+    return out
+
+
+def own_of(occasions: Sequence[Occasion]) -> NDArray[np.int64]:
+    """(R,) occasion of each whitened row."""
+    return np.repeat(np.arange(len(occasions)), [one.fit.r.size for one in occasions])
+
+
+def steps(count: int) -> Array:
+    """(·, K) which occasions a change may be in: from one on, or one alone."""
+    after = [np.arange(count) >= k for k in range(1, count)]
+    alone = [np.arange(count) == k for k in range(1, count - 1)] if count > 2 else []
+    return np.array([*after, *alone], dtype=np.float64)
+
+
+def side_of(effect: Effect) -> str:
+    """Whose an effect is: the robot's, the load's, the instrument's, or the surroundings'."""
+    if effect.acts == "instrument":
+        return "instrument"
+    if effect.where.payload is not None:
+        return "load"
+    return "surroundings" if effect.uses & {"time", "temperature"} else "robot"
+
+
+def _odds(sites: int) -> float:
+    """log prior odds of a change at one place. sites: joints, for every cause: no cause gains by sitting at
+    few
+    places, since it is a place that something happens to."""
+    p = PRIORS.cause / sites
+    return float(np.log(p / (1 - p)))
+
+
+def _candidate(effect: Effect, change: bool, shapes: Sequence[Shape], odds: float) -> Iterator[Candidate]:
+    shapes = tuple(shape for shape in shapes if shape.base.any())
+    if shapes:
+        yield Candidate(effect.key[0], effect.key[1], change, side_of(effect), shapes, odds)
+
+
+def _shape(occasions: Sequence[Occasion], effects: tuple[Effect, ...]) -> Shape:
+    """Effects over the rows of all occasions, in the sizes of where they show most."""
+    forms = [form_of(one.fit, effects) for one in occasions]
+    sizes = np.min([form.sizes for form in forms], axis=0)
+    columns = [form.columns.reshape(-1, len(sizes)) * sizes for form in forms]
+    pattern = np.ones(len(occasions))
+    one_sided = forms[0].one_sided
+    return Shape(np.concatenate(columns), own_of(occasions), sizes, pattern, effects, one_sided=one_sided)
+
+
+def _stepped(shapes: Sequence[Shape], patterns: Array) -> Iterator[Shape]:
+    for shape in shapes:
+        for pattern in patterns:
+            yield shape.at(pattern)
+
+
+def _geometry(occasions: Sequence[Occasion], whole: Problem, patterns: Array) -> Iterator[Candidate]:
+    """The zero of each joint; and where each joint sits on the link before it, one number or all."""
+    arm = whole.arm
+    for j, axial in enumerate(arm.axial):
+        shape = replace(moved(occasions, (int(axial),)), zero=True)
+        zero = list(_stepped([shape], patterns))
+        yield Candidate(PLACED, Where(joint=arm.names[j]), True, "robot", tuple(zero), _odds(arm.n))
+        every = tuple(range(6 * (j + 1), 6 * (j + 2)))
+        single = [moved(occasions, (c,)) for c in every if c != axial]
+        shapes = tuple(_stepped([*single, moved(occasions, every)], patterns))
+        where = Where(joint=arm.names[j], link=arm.links[j])
+        yield Candidate(PLACED, where, True, "robot", shapes, _odds(arm.n))
+
+
+def moved(occasions: Sequence[Occasion], columns: tuple[int, ...]) -> Shape:
+    """Corrections of the geometry, 6 · slot + component each, at all occasions."""
+    blocks = []
+    for one in occasions:
+        own = one.fit.J[:, :, one.fit.columns.geometry_slice]
+        at = [int(np.flatnonzero(one.fit.columns.geometry == c)[0]) for c in columns]
+        blocks.append(own[:, :, at].reshape(-1, len(columns)) * USUAL)
+    sizes = np.full(len(columns), USUAL)
+    return Shape(np.concatenate(blocks), own_of(occasions), sizes, np.ones(len(occasions)), geometry=columns)
+
+
+def _growth(occasions: Sequence[Occasion], whole: Problem, patterns: Array) -> Iterator[Candidate]:
+    """A warmer arm where nobody wrote the temperature down: all links longer by the same share."""
+    warm = [_at(one.problem, 21.0) for one in occasions]
+    kinds = [effect for kind in catalogue().values() for effect in kind.places(warm[0])]
+    for effect in (effect for effect in kinds if effect.uses == {"temperature"}):
+        blocks = []
+        for one, problem in zip(occasions, warm, strict=True):
+            G = effect.jacobian(problem, one.fit.line, np.zeros(1)) * effect.params[0].typical
+            blocks.append(np.matmul(one.fit.whitener, G).reshape(-1, 1))
+        sizes = np.array([effect.params[0].typical])
+        named = (("growth", "1"),)
+        every = np.ones(len(occasions))
+        shape = Shape(np.concatenate(blocks), own_of(occasions), sizes, every, (effect,), named=named)
+        yield from _candidate(effect, True, list(_stepped([shape], patterns)), _odds(whole.arm.n))
+
+
+def _at(problem: Problem, temperature: float) -> Problem:
+    c = problem.campaign
+    return replace(problem, campaign=c.with_poses(temperature=np.full(c.n_poses, temperature)))
+
+
+def numbers_of_shape(shape: Shape) -> tuple[tuple[str, str], ...]:
+    """Name and unit of each main number."""
+    if shape.named:
+        return shape.named
+    if shape.effects:
+        return tuple((p.name, p.unit) for effect in shape.effects for p in effect.params)
+    names = [GEOMETRY[c % 6] for c in shape.geometry]
+    return tuple((name, "rad" if name.startswith("r") else "m") for name in names)

@@ -1,0 +1,171 @@
+"""Which changes, and which causes common to all occasions, explain the data: the competition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...effects.base import Effect
+from ..priors import PRIORS
+from ..reduced import Reduced
+from ..sets import Chosen, Competition, Member, Shares
+from .candidates import Candidate, Shape, candidates_of
+from .occasions import Occasion
+from .system import LOOSE, Mask, Solved, System, reduced_of, relinearised, solve, system_of
+
+SURVIVES = 1e-6  # share of a column's length² that frames, targets and what is common must leave
+SAME = 0.9999  # correlation of two numbers of the geometry from which they are one and the same
+ROUNDS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Hidden:
+    """A number of the geometry whose change cannot be seen, or is the same as another's."""
+
+    candidate: Candidate
+    shape: Shape
+    same_as: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class Decided:
+    """What the competition found. reduced, competition: over all `candidates`; shares: per member, as in
+    `sets`; solved: all numbers with the members' own, held loosely."""
+
+    system: System
+    candidates: tuple[Candidate, ...]
+    reduced: Reduced
+    competition: Competition
+    members: tuple[Member, ...]
+    shares: tuple[Shares, ...]
+    hidden: tuple[Hidden, ...]
+    solved: Solved
+
+    def shape(self, member: Member) -> Shape:
+        return self.candidates[member.component].shapes[member.form]
+
+    @property
+    def chosen(self) -> Chosen:
+        return Chosen(self.reduced, self.members)
+
+    def part(self, i: int) -> slice:
+        """Columns of the i-th member in `solved`."""
+        lengths = [len(self.shape(m).sizes) for m in self.members]
+        return slice(sum(lengths[:i]), sum(lengths[: i + 1]))
+
+
+def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]) -> Decided:
+    """The likeliest changes, linearised anew at what the first round found."""
+    noise_dof = _noise_dof(occasions)
+    for last in range(ROUNDS):
+        system = system_of(occasions)
+        every = candidates_of(occasions, whole, effects)
+        reduced = reduced_of(system, every, noise_dof)
+        candidates, reduced, hidden = _distinct(every, reduced)
+        competition = Competition(reduced, [c.component for c in candidates])
+        members = competition.best()
+        shares = _shares(system, every, competition, members, noise_dof)
+        sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
+        members, shares = [members[i] for i in sure], [shares[i] for i in sure]
+        shapes = [candidates[m.component].shapes[m.form] for m in members]
+        solved = solve(system, shapes, [_held(s, m) for s, m in zip(shapes, members, strict=True)])
+        if last < ROUNDS - 1:
+            occasions = relinearised(system, shapes, solved)
+    return Decided(
+        system, tuple(candidates), reduced, competition, tuple(members), tuple(shares), tuple(hidden), solved
+    )
+
+
+def _noise_dof(occasions: Sequence[Occasion]) -> float:
+    """How well the noise is known, where it is known of every occasion."""
+    each = []
+    for one in occasions:
+        noise = one.prepared.noise
+        known = noise.source == "repeats" and np.isfinite(one.fit.noise.dof)
+        each.append({"residual": 0.0}.get(noise.source, one.fit.noise.dof if known else PRIORS.noise_dof))
+    return float(min(each))
+
+
+def _held(shape: Shape, member: Member) -> float:
+    """How a member's numbers are held: as found where they are the weights of a free function."""
+    free = any(p.spread is not None for effect in shape.effects for p in effect.params)
+    return member.scale if free else LOOSE
+
+
+def _shares(
+    system: System,
+    every: Sequence[Candidate],
+    competition: Competition,
+    members: Sequence[Member],
+    noise_dof: float,
+) -> list[Shares]:
+    """The probabilities; where the noise does not explain what is left, those of the half of the poses that
+    says least for each member."""
+    shares = competition.shares(members)
+    if not members or not any(one.misfit for one in system.occasions):
+        return shares
+    out = [dict(share) for share in shares]
+    for rows in _halves(system):
+        reduced = replace(reduced_of(system, every, noise_dof, rows), parts=competition.reduced.parts)
+        half = Competition(reduced, competition.components)
+        for share, other, member in zip(out, half.shares(members), members, strict=True):
+            if other.get(member.component, 0.0) < share.get(member.component, 0.0):
+                share.clear()
+                share.update(other)
+    return out
+
+
+def _halves(system: System) -> tuple[Mask, Mask]:
+    """Every other position of every occasion, in the order of measurement."""
+    number = np.concatenate([one.problem.positions for one in system.occasions])[system.pose]
+    return number % 2 == 0, number % 2 == 1
+
+
+def _distinct(
+    candidates: Sequence[Candidate], reduced: Reduced
+) -> tuple[list[Candidate], Reduced, list[Hidden]]:
+    """Without numbers of the geometry that cannot be seen, or that another number does already."""
+    kept, parts, hidden = [], [], []
+    lead: dict[bytes, list[tuple[str, int]]] = {}
+    for candidate, own in zip(candidates, reduced.parts, strict=True):
+        shapes, places = [], []
+        for shape, part in zip(candidate.shapes, own, strict=True):
+            if len(shape.geometry) == 1:
+                length = float((shape.columns**2).sum())
+                left = float(reduced.S[part.start, part.start])
+                if left < SURVIVES * max(length, 1e-12):
+                    hidden.append(Hidden(candidate, shape, None))
+                    continue
+                seen = lead.setdefault(shape.pattern.tobytes(), [])
+                twin = next((name for name, c in seen if _alike(reduced.S, part.start, c)), None)
+                if twin is not None:
+                    hidden.append(Hidden(candidate, shape, twin))
+                    continue
+                seen.append((label_of(candidate, shape), part.start))
+            shapes.append(shape)
+            places.append(part)
+        if shapes:
+            kept.append(replace(candidate, shapes=tuple(shapes)))
+            parts.append(tuple(places))
+    return kept, replace(reduced, parts=tuple(parts)), hidden
+
+
+def _alike(S: np.ndarray, i: int, j: int) -> bool:
+    return bool(abs(S[i, j]) > SAME * np.sqrt(S[i, i] * S[j, j]))
+
+
+def label_of(candidate: Candidate, shape: Shape | None = None) -> str:
+    """What changed, in words; without a shape whatever form of it."""
+    where, form = candidate.where, shape or candidate.shapes[0]
+    if not form.geometry:
+        return form.effects[0].label
+    if form.zero:
+        return f"{where.joint} zero"
+    if shape is None or len(form.geometry) > 1:
+        return f"{where.link} (where it carries {where.joint})"
+    component = form.geometry[0] % 6
+    kind = "tilt about" if component >= 3 else "offset along"
+    return f"{where.link} ({kind} {'xyz'[component % 3]} of {where.joint})"

@@ -1,0 +1,168 @@
+"""What was decided, written down: changes, what repeats, and the tracks of single numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ...effects.base import UNKNOWN
+from ...effects.place import Parameter
+from ...robot.kinematics import Array
+from ..priors import PRIORS
+from .candidates import Shape, numbers_of_shape
+from .decision import Decided, label_of
+from .recheck import recheck
+from .result import Change, Repeats, Rival, Track, Unseen
+from .system import LOOSE, Solved, solve
+
+ROBOT = "robot"
+REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
+
+
+def changes_of(decided: Decided) -> Iterator[Change]:
+    """The members that are changes, or whose rivals are; the surest first."""
+    found = []
+    for i, (member, share) in enumerate(zip(decided.members, decided.shares, strict=True)):
+        odds = {k: p for k, p in share.items() if k is not None and decided.candidates[k].change}
+        sure = sum(odds.values())
+        own = share.get(member.component, 0.0)
+        if sure >= PRIORS.named and decided.candidates[member.component].change:
+            robot = sum(p for k, p in odds.items() if decided.candidates[k].side == ROBOT)
+            found.append(_change(decided, i, own, robot))
+    yield from sorted(found, key=lambda change: -change.moves_mm)
+
+
+def _change(decided: Decided, i: int, own: float, robot: float) -> Change:
+    member = decided.members[i]
+    candidate, shape = decided.candidates[member.component], decided.shape(member)
+    mean, covariance = decided.solved.of(decided.part(i))
+    labels = [one.label for one in decided.system.occasions]
+    first = int(np.flatnonzero(shape.pattern)[0])
+    poses, ids = recheck(decided.system, _without(decided, i), candidate, shape, mean)
+    return Change(
+        label_of(candidate, shape),
+        candidate.cause,
+        candidate.where,
+        candidate.side,
+        "named" if own >= PRIORS.named else "ambiguous",
+        labels[first],
+        bool(shape.pattern[-1] == 0),
+        own,
+        robot,
+        parameters_of(shape, mean, covariance),
+        _moves_mm(decided, shape, mean),
+        tuple(_rivals(decided, i)),
+        poses,
+        ids,
+    )
+
+
+def parameters_of(shape: Shape, mean: Array, covariance: Array) -> tuple[Parameter, ...]:
+    """The main numbers, from those in prior sizes; of an effect as it reports them itself."""
+    main = shape.main
+    value = mean[:main] * shape.sizes[:main]
+    C = covariance[:main, :main] * np.outer(shape.sizes[:main], shape.sizes[:main])
+    if len(shape.effects) == 1 and not shape.named:
+        return shape.effects[0].report(value, C)
+    names, std = numbers_of_shape(shape), np.sqrt(np.diag(C))
+    return tuple(
+        Parameter("zero" if shape.zero else name, float(v), float(s), unit)
+        for (name, unit), v, s in zip(names, value, std, strict=True)
+    )
+
+
+def _without(decided: Decided, i: int) -> Solved:
+    """All numbers with the other members alone: what is known before a change is looked for."""
+    others = [decided.shape(m) for j, m in enumerate(decided.members) if j != i]
+    return solve(decided.system, others, [LOOSE] * len(others))
+
+
+def _moves_mm(decided: Decided, shape: Shape, mean: Array) -> float:
+    """RMS of what a change makes of the points of the occasions that have it, frames and targets as they
+    are."""
+    here = shape.pattern[decided.system.own] > 0
+    motion = shape.columns[here] @ mean
+    share = decided.system.used.sum() / max(decided.system.used[here].sum(), 1)
+    return decided.system.mm * float(np.sqrt(share * (motion @ motion)))
+
+
+def _rivals(decided: Decided, i: int) -> Iterator[Rival]:
+    member, share = decided.members[i], decided.shares[i]
+    others = [(p, k) for k, p in share.items() if k not in (None, member.component)]
+    for p, k in sorted(others, reverse=True):
+        if p < PRIORS.faintest_rival or k is None:
+            break
+        candidate = decided.candidates[k]
+        yield Rival(
+            label_of(candidate),
+            candidate.cause, candidate.where, candidate.change, candidate.side, p,
+        )  # fmt: skip
+
+
+def unseen(decided: Decided) -> Iterator[Unseen]:
+    """Numbers of the geometry whose change looks exactly like something else's."""
+    last = np.arange(decided.system.count) == decided.system.count - 1
+    for hidden in decided.hidden:
+        if np.array_equal(hidden.shape.pattern, last):
+            label = label_of(hidden.candidate, hidden.shape)
+            yield Unseen(label, hidden.same_as or "the instrument's frame or the targets")
+
+
+def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
+    """The named effects of the robot that the campaigns show: whether they repeat, and how closely."""
+    changed = {(change.cause, change.where) for change in changes}
+    result = decided.system.occasions[0].fit
+    start = result.columns.geometry_slice.start
+    common = (decided.solved.values[: decided.solved.background] * decided.system.prior)[
+        decided.system.common
+    ]
+    last = np.arange(decided.system.count) == decided.system.count - 1
+    for k, candidate in enumerate(decided.candidates):
+        if not candidate.change or candidate.side != ROBOT or candidate.cause == UNKNOWN:
+            continue
+        for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
+            known = [e for e in shape.effects if e in result.model.effects]
+            if not known or not np.array_equal(shape.pattern, last):
+                continue
+            columns = result.columns.effect[result.model.effects.index(known[0])]
+            value = common[columns.start - start : columns.stop - start]
+            p = len(value)
+            S, u = (x[0] for x in decided.chosen.left_of(np.arange(part.start, part.start + p)[None]))
+            held = S + np.eye(p)
+            change, half = np.linalg.solve(held, u), np.linalg.cholesky(np.linalg.inv(held))
+            size = float(np.linalg.norm(shape.columns[:, :p] @ (value / shape.sizes[:p])))
+            spread = 1.96 * decided.solved.factor * float(np.linalg.norm(shape.columns[:, :p] @ half))
+            share = float(np.hypot(np.linalg.norm(shape.columns[:, :p] @ change), spread)) / max(size, 1e-12)
+            status = "repeats" if share < REPEATS else "not decided"
+            if (candidate.cause, candidate.where) in changed:
+                status = "changed"
+            yield Repeats(label_of(candidate, shape), status, share)
+
+
+def tracks(decided: Decided) -> Iterator[Track]:
+    """Over all campaigns, against the first: each number that changed alone, and each joint's zero. limit:
+    two-sided 99.7 % of the largest uncertainty."""
+    system, last = decided.system, np.arange(decided.system.count) == decided.system.count - 1
+    each = np.eye(system.count)[1:]
+    for k, candidate in enumerate(decided.candidates):
+        mine = [m for m in decided.members if m.component == k]
+        shapes = (
+            [decided.shape(mine[0])]
+            if mine
+            else [s for s in candidate.shapes if np.array_equal(s.pattern, last)]
+        )
+        shape = next((s for s in shapes if s.main == 1 and (mine or s.zero)), None)
+        if not candidate.change or shape is None:
+            continue
+        others = [decided.shape(m) for m in decided.members if m not in mine]
+        own = [shape.at(pattern) for pattern in each]
+        solved = solve(system, [*others, *own], [LOOSE] * (len(others) + len(own)))
+        at, p = sum(len(s.sizes) for s in others), len(shape.sizes)
+        values, stds = [0.0], [0.0]
+        for j in range(len(own)):
+            mean, covariance = solved.of(slice(at + j * p, at + (j + 1) * p))
+            values.append(float(mean[0] * shape.sizes[0]))
+            stds.append(float(np.sqrt(covariance[0, 0]) * shape.sizes[0]))
+        unit = numbers_of_shape(shape)[0][1]
+        yield Track(label_of(candidate, shape), unit, tuple(values), tuple(stds), 3 * max(stds))

@@ -1,0 +1,236 @@
+"""The result of a comparison: what changed, what did not, and what stands apart from the robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ...effects.place import Parameter, Where
+
+UNCHANGED, CHANGED = 0, 3  # exit status of the command
+
+
+@dataclass(frozen=True)
+class Rival:
+    """What explains the data as well; change: of the robot between campaigns, else common to all."""
+
+    label: str
+    cause: str
+    where: Where
+    change: bool
+    side: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class Change:
+    """What changed. side: robot, load, instrument or surroundings; status: named or ambiguous; since: label
+    of
+    the first campaign with it; alone: only that one has it; probability: of this; any: that something of the
+    robot changed here; moves_mm: RMS of what it makes of the points; recheck_poses: how many poses would show
+    it again with 80 % power (None: more than were measured), recheck_ids: which."""
+
+    label: str
+    cause: str
+    where: Where
+    side: str
+    status: str
+    since: str
+    alone: bool
+    probability: float
+    any: float
+    parameters: tuple[Parameter, ...]
+    moves_mm: float
+    rivals: tuple[Rival, ...]
+    recheck_poses: int | None = None
+    recheck_ids: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Unchanged:
+    """A number without a change. number: difference of the last campaign from those before; detectable:
+    size that would have been seen with 80 % power [unit of the number]; to be named it may have to be
+    larger, where another number does nearly the same, detectable_mm: RMS of what that makes of the points
+    once frame and targets are fitted anew."""
+
+    label: str
+    cause: str
+    where: Where
+    side: str
+    number: Parameter
+    detectable: float
+    detectable_mm: float
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """A number whose change these data cannot show; same_as: what it looks exactly like."""
+
+    label: str
+    same_as: str
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """An error of a joint or link that the campaigns show. status: repeats, changed, or not decided; share:
+    95 %
+    bound of its change over its size (RMS of the points)."""
+
+    label: str
+    status: str
+    share: float
+
+
+@dataclass(frozen=True)
+class TargetMoved:
+    """A target's place after minus before, on the axes of its link, one sigma each [mm]."""
+
+    target: str
+    by_mm: tuple[float, float, float]
+    std_mm: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Apart:
+    """What is not the robot, at one campaign against the first. frame_mm, frame_mrad: shift in the middle
+    of the points and turn between instrument and base, with one sigma; targets_moved: whether they sit
+    elsewhere on the robot; sigma_mm, source: the noise; rms_mm: what the model leaves; temperature: mean
+    [°C]."""
+
+    label: str
+    frame_mm: float
+    frame_std_mm: float
+    frame_mrad: float
+    frame_std_mrad: float
+    targets: tuple[TargetMoved, ...]
+    targets_moved: bool
+    sigma_mm: float
+    source: str
+    rms_mm: float
+    temperature: float | None
+
+
+@dataclass(frozen=True)
+class Track:
+    """A number over all campaigns, as its difference from the first."""
+
+    label: str
+    unit: str
+    values: tuple[float, ...]
+    stds: tuple[float, ...]
+    limit: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What changed between campaigns of one robot.
+
+    changed: whether the robot did, with a probability of 0.95 or more. within_mm: 95 % bound of what all
+    other changes of geometry together make of the points (RMS, frame and targets fitted anew)."""
+
+    robot: str
+    title: str
+    campaigns: tuple[str, ...]
+    n_poses: tuple[int, ...]
+    changed: bool
+    headline: str
+    changes: tuple[Change, ...]
+    within_mm: float
+    unchanged: tuple[Unchanged, ...]
+    unseen: tuple[Unseen, ...]
+    repeats: tuple[Repeats, ...]
+    apart: tuple[Apart, ...]
+    chart: tuple[Track, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def exit_status(self) -> int:
+        """3 where the robot changed, else 0."""
+        return CHANGED if self.changed else UNCHANGED
+
+    def __repr__(self) -> str:
+        return f"Comparison of {', '.join(self.campaigns)}: {self.headline}"
+
+    def to_json(self) -> dict[str, Any]:
+        """For programs; lengths and angles of numbers in SI units, what has `_mm` in mm."""
+        return {
+            "schema": 1,
+            "robot": self.robot,
+            "campaigns": [
+                {"label": label, "n_poses": n} for label, n in zip(self.campaigns, self.n_poses, strict=True)
+            ],
+            "verdict": "changed" if self.changed else "unchanged",
+            "headline": self.headline,
+            "changes": [_change(change) for change in self.changes],
+            "unchanged_within_mm": self.within_mm,
+            "unchanged": [
+                {
+                    **_placed(item.label, item.cause, item.where, item.side),
+                    "difference": _number(item.number),
+                    "detectable": item.detectable,
+                    "detectable_mm": item.detectable_mm,
+                }
+                for item in self.unchanged
+            ],
+            "not_testable": [{"what": item.label, "same_as": item.same_as} for item in self.unseen],
+            "repeats": [
+                {"what": item.label, "status": item.status, "within_share": item.share}
+                for item in self.repeats
+            ],
+            "apart": [_apart(item) for item in self.apart],
+            "chart": [
+                {
+                    "what": track.label,
+                    "unit": track.unit,
+                    "values": list(track.values),
+                    "std": list(track.stds),
+                    "limit": track.limit,
+                }
+                for track in self.chart
+            ],
+            "notes": list(self.notes),
+        }
+
+
+def _placed(label: str, cause: str, where: Where, side: str) -> dict[str, Any]:
+    return {"what": label, "cause": cause, **where.keys(), "side": side}
+
+
+def _number(p: Parameter) -> dict[str, Any]:
+    return {"name": p.name, "value": p.value, "std": p.std, "unit": p.unit, "interval": list(p.interval)}
+
+
+def _change(item: Change) -> dict[str, Any]:
+    return {
+        **_placed(item.label, item.cause, item.where, item.side),
+        "status": item.status,
+        "since": item.since,
+        "alone": item.alone,
+        "probability": item.probability,
+        "parameters": [_number(p) for p in item.parameters],
+        "moves_mm": item.moves_mm,
+        "rivals": [
+            {**_placed(r.label, r.cause, r.where, r.side), "change": r.change, "probability": r.probability}
+            for r in item.rivals
+        ],
+        "recheck": {"poses": item.recheck_poses, "pose_ids": list(item.recheck_ids)},
+    }
+
+
+def _apart(item: Apart) -> dict[str, Any]:
+    return {
+        "label": item.label,
+        "frame": {
+            "shift_mm": item.frame_mm,
+            "shift_std_mm": item.frame_std_mm,
+            "turn_mrad": item.frame_mrad,
+            "turn_std_mrad": item.frame_std_mrad,
+        },
+        "targets_moved": item.targets_moved,
+        "targets": [
+            {"target": t.target, "by_mm": list(t.by_mm), "std_mm": list(t.std_mm)} for t in item.targets
+        ],
+        "noise": {"sigma_mm": item.sigma_mm, "source": item.source},
+        "rms_mm": item.rms_mm,
+        "temperature_degC": item.temperature,
+    }

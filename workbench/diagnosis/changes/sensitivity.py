@@ -1,0 +1,111 @@
+"""What did not change, and what could have been seen of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.special import logsumexp
+from scipy.stats import norm
+
+from ...effects.place import Parameter
+from ...robot.kinematics import Array
+from ..power import MANY, POWER
+from ..priors import PRIORS
+from ..reduced import without_background
+from ..weight import SCALES, WEIGHTS
+from .candidates import Candidate, Shape, moved, numbers_of_shape
+from .decision import Decided, label_of
+from .result import Unchanged
+from .system import LOOSE, System, solve
+
+GRID = np.linspace(1.0, 15.0, 281)  # standard deviations
+DRAWS = 500
+SEEN = 0.95
+
+
+def unchanged(decided: Decided) -> Iterator[Unchanged]:
+    """Every number that no member has, at the last campaign against those before."""
+    taken = {m.component for m in decided.members}
+    last = _last(decided.system)
+    for k, candidate in enumerate(decided.candidates):
+        if not candidate.change or k in taken:
+            continue
+        for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
+            if np.array_equal(shape.pattern, last) and (shape.main == 1 or not shape.geometry):
+                yield from _unchanged(decided, candidate, shape, part)
+
+
+def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice) -> Iterator[Unchanged]:
+    if shape.main >= MANY or len(shape.sizes) == 0:
+        return
+    index = np.arange(part.start, part.start + shape.main)
+    S, u = (x[0] for x in decided.chosen.left_of(index[None]))
+    held = S + LOOSE**-2 * np.eye(len(S))
+    value, covariance = np.linalg.solve(held, u), np.linalg.inv(held)
+    factor = decided.solved.factor
+    value, std = (
+        value * shape.sizes[: shape.main],
+        factor * np.sqrt(np.diag(covariance)) * shape.sizes[: shape.main],
+    )
+    values, vectors = np.linalg.eigh(S)
+    if values[0] * LOOSE**2 < 1.0:
+        return
+    z = threshold(candidate, float(values[0])) + float(norm.isf(1 - POWER))
+    weakest = factor * z / np.sqrt(values[0]) * vectors[:, 0]
+    mm = seen_mm(decided.system, shape.columns[:, : shape.main], weakest, shape.pattern)
+    name, unit = numbers_of_shape(shape)[0]
+    size = float(np.linalg.norm(weakest)) * float(shape.sizes[0])
+    number = Parameter(name, float(value[0]), float(std[0]), unit)
+    yield Unchanged(
+        label_of(candidate, shape), candidate.cause, candidate.where, candidate.side, number, size, mm
+    )
+
+
+def threshold(candidate: Candidate, S: float) -> float:
+    """Standard deviations from which a change of one number with information S (in prior sizes) is seen."""
+    need = np.log(PRIORS.named / (1 - PRIORS.named)) - candidate.log_odds + np.log(len(candidate.shapes))
+    gain = 0.5 * GRID[:, None] ** 2 / (1 + 1 / (SCALES**2 * S)) - 0.5 * np.log1p(SCALES**2 * S) + WEIGHTS
+    enough = logsumexp(gain, axis=1) >= need
+    return float(GRID[int(np.argmax(enough))]) if enough.any() else float(GRID[-1])
+
+
+def seen_mm(system: System, columns: Array, size: Array, pattern: Array) -> float:
+    """RMS [mm] of what columns (R, p) in a size (p,) make of the points of the occasions that have it, once
+    frames and targets are fitted anew."""
+    S = _beside_local(system, columns)
+    return float(np.sqrt(max(float(size @ S @ size), 0.0))) * _per_root(system, pattern)
+
+
+def within_mm(decided: Decided) -> float:
+    """95 % bound [mm] of what all changes of geometry together make of the points, as far as neither frames
+    and
+    targets nor the members do the same."""
+    system, last = decided.system, _last(decided.system)
+    geometry = tuple(int(c) for c in system.occasions[0].fit.columns.geometry)
+    every = moved(system.occasions, geometry).at(last)
+    shapes = [decided.shape(m) for m in decided.members]
+    solved = solve(system, [*shapes, every], [LOOSE] * (len(shapes) + 1))
+    before = sum(len(shape.sizes) for shape in shapes)
+    mean, covariance = solved.of(slice(before, before + len(geometry)))
+    S = _beside_local(system, every.columns, [shape.columns for shape in shapes])
+    draws = np.random.default_rng(0).multivariate_normal(mean, covariance, DRAWS, method="svd")
+    square = np.asarray(np.einsum("di,ij,dj->d", draws, S, draws), dtype=np.float64)
+    length = np.sqrt(np.maximum(square, 0.0))
+    return float(np.quantile(length, SEEN)) * _per_root(system, last)
+
+
+def _beside_local(system: System, columns: Array, more: Sequence[Array] = ()) -> Array:
+    """What frames and targets (and `more`) leave of columns (R, p): (p, p)."""
+    local = np.concatenate([system.J[:, : system.common.start], *(LOOSE * c for c in more)], axis=1)
+    zero = np.zeros(local.shape[1])
+    return without_background(local, zero, columns, np.zeros(len(columns)), 0)[0]
+
+
+def _per_root(system: System, pattern: Array) -> float:
+    here = pattern[system.own] > 0
+    return system.mm * float(np.sqrt(system.used.sum() / max(system.used[here].sum(), 1)))
+
+
+def _last(system: System) -> Array:
+    return (np.arange(system.count) == system.count - 1).astype(float)

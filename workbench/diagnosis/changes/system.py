@@ -1,0 +1,175 @@
+"""All occasions in one linear system: frames and targets of each, geometry and effects of all."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr, solve_triangular
+
+from ...identification.fit import fit
+from ...identification.rows import moved
+from ...robot.kinematics import Array
+from ..reduced import Reduced, without_background
+from .candidates import Candidate, Shape, own_of
+from .occasions import Occasion, numbers_of
+
+FREE = 100.0  # times their priors: frames and targets of an occasion explain what they can, at no price
+LOOSE = 30.0  # usual sizes: a prior that holds nothing
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """R whitened rows of K occasions. J: (R, n) in prior sizes `prior` (n,): what each occasion has to
+    itself (`local[k]`), then geometry and effects, which are common (`common`); e: (R,) the data, as far as
+    the nominal robot does not explain them; own: (R,) occasion; pose: (R,) number among all poses; used:
+    rows with data."""
+
+    occasions: tuple[Occasion, ...]
+    J: Array
+    prior: Array
+    local: tuple[slice, ...]
+    common: slice
+    e: Array
+    own: NDArray[np.int64]
+    pose: NDArray[np.int64]
+    used: Mask
+
+    @property
+    def count(self) -> int:
+        return len(self.occasions)
+
+    @property
+    def mm(self) -> float:
+        """RMS length [mm] of a motion of the points per root of its whitened sum of squares."""
+        sigma = np.concatenate([one.fit.noise.sigma.ravel() for one in self.occasions])
+        return 1e3 * float(np.sqrt(3 * np.mean(sigma**2) / self.used.sum()))
+
+
+def system_of(occasions: Sequence[Occasion]) -> System:
+    """Each occasion linearised where its own fit is."""
+    starts = [one.fit.columns.geometry_slice.start for one in occasions]
+    ends = np.cumsum([0, *starts])
+    common = occasions[0].fit.J.shape[2] - starts[0]
+    J, e, used, priors = [], [], [], []
+    pose = list[NDArray[np.int64]]()
+    for k, one in enumerate(occasions):
+        result, n = one.fit, starts[k]
+        flat = result.J.reshape(-1, result.J.shape[2])
+        rows = np.zeros((len(flat), ends[-1] + common))
+        rows[:, ends[k] : ends[k + 1]], rows[:, ends[-1] :] = flat[:, :n], flat[:, n:]
+        J.append(rows)
+        e.append(result.r.ravel() + flat @ numbers_of(one))
+        first = 0 if not pose else pose[-1][-1] + 1
+        pose.append(first + np.repeat(np.arange(len(result.r)), result.r.shape[1]))
+        used.append((np.abs(result.whitener).sum(axis=2) > 0).ravel())
+        priors.append(FREE * result.columns.prior[:n])
+    prior = np.concatenate([*priors, occasions[0].fit.columns.prior[starts[0] :]])
+    return System(
+        tuple(occasions),
+        np.concatenate(J) * prior,
+        prior,
+        tuple(slice(int(a), int(b)) for a, b in itertools.pairwise(ends)),
+        slice(int(ends[-1]), int(ends[-1]) + common),
+        np.concatenate(e),
+        own_of(occasions),
+        np.concatenate(pose),
+        np.concatenate(used),
+    )
+
+
+def reduced_of(
+    system: System, candidates: Sequence[Candidate], noise_dof: float, rows: Mask | None = None
+) -> Reduced:
+    """The candidates in small matrices, what all occasions have anyway taken out. rows: only these count."""
+    some = np.ones(len(system.e), bool) if rows is None else rows
+    parts, at = [], 0
+    for candidate in candidates:
+        own = []
+        for shape in candidate.shapes:
+            own.append(slice(at, at + len(shape.sizes)))
+            at += len(shape.sizes)
+        parts.append(tuple(own))
+    G = np.concatenate([shape.columns[some] for c in candidates for shape in c.shapes], axis=1)
+    J = system.J[some]
+    left = without_background(J, np.zeros(J.shape[1]), G, system.e[some], int(system.used[some].sum()))
+    return Reduced(tuple(parts), *left, noise_dof)
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """All numbers at once. values: (n + g,) in prior sizes, background first; half: (n + g, n + g) with
+    half halfᵀ their covariance; left: (R,) what is left, whitened; dof: its degrees of freedom; factor: on
+    standard deviations, from what is left where that is more than the noise."""
+
+    values: Array
+    half: Array
+    background: int
+    left: Array
+    dof: float
+
+    @property
+    def factor(self) -> float:
+        return float(np.sqrt(max(1.0, float(self.left @ self.left) / self.dof)))
+
+    def of(self, part: slice) -> tuple[Array, Array]:
+        """Values and covariance of some of the columns behind the background, in their prior sizes."""
+        at = slice(self.background + part.start, self.background + part.stop)
+        half = self.factor * self.half[at]
+        return self.values[at], half @ half.T
+
+
+def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> Solved:
+    """The common numbers, and the shapes held by `scales` times their prior sizes."""
+    C = [shape.columns * scale for shape, scale in zip(shapes, scales, strict=True)]
+    A = np.concatenate([system.J, *C], axis=1)
+    n = A.shape[1]
+    stacked = np.column_stack([np.vstack([A, np.eye(n)]), np.concatenate([system.e, np.zeros(n)])])
+    R = np.asarray(qr(stacked, mode="r", overwrite_a=True, check_finite=False)[0])
+    inverse = solve_triangular(R[:n, :n], np.eye(n), check_finite=False)
+    values = inverse @ R[:n, n]
+    left = system.e - A @ values
+    dof = float(system.used.sum()) - (n - float((inverse**2).sum()))
+    unit = np.concatenate(
+        [np.ones(system.J.shape[1]), *(np.full(c.shape[1], s) for c, s in zip(C, scales, strict=True))]
+    )
+    return Solved(
+        values * unit,
+        inverse * unit[:, None],
+        system.J.shape[1],
+        left,
+        max(dof, 1.0),
+    )
+
+
+def relinearised(system: System, shapes: Sequence[Shape], solved: Solved) -> list[Occasion]:
+    """The occasions at what was solved for, each with its own share of what changed."""
+    background = solved.values[: solved.background] * system.prior
+    out = []
+    for k, one in enumerate(system.occasions):
+        result, wanted = one.fit, background[system.common].copy()
+        start, at = result.columns.geometry_slice.start, 0
+        for shape in shapes:
+            value = solved.of(slice(at, at + len(shape.sizes)))[0] * shape.sizes * shape.pattern[k]
+            at += len(shape.sizes)
+            for column, moved_by in zip(shape.geometry, value, strict=False):
+                wanted[np.flatnonzero(result.columns.geometry == column)] += moved_by
+            first = 0
+            for effect in shape.effects:
+                p = len(effect.params)
+                if effect in result.model.effects:
+                    part = result.columns.effect[result.model.effects.index(effect)]
+                    wanted[part.start - start : part.stop - start] += value[first : first + p]
+                first += p
+        step = np.concatenate([background[system.local[k]], wanted - numbers_of(one)[start:]])
+        state = moved(one.problem, result.columns, result.state, result.line.centre, step)
+        try:
+            out.append(one.at(fit(result.model, state, result.noise, max_iterations=1)))
+        except ArithmeticError:  # an arm too soft to stand: what it was is near enough
+            out.append(one)
+    return out

@@ -1,0 +1,62 @@
+"""A comparison in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...effects.place import Parameter
+from .result import Change
+
+MOST_SAID = 3
+SAID = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "rad/(N·m)": (1e9, "nrad/(N·m)")}
+
+
+def said(p: Parameter) -> str:
+    """A number with one sigma, in the unit of the shop floor."""
+    factor, unit = SAID.get(p.unit, (1.0, p.unit))
+    value, std = factor * p.value, factor * p.std
+    if p.unit == "1":
+        value, std, unit = 100 * value, 100 * std, "%"
+    return f"{with_std(value, std)} {unit}".strip()
+
+
+def with_std(value: float, std: float) -> str:
+    """Both with as many decimals as the uncertainty has worth: two figures where it begins with 1, else
+    one."""
+    if not std > 0:
+        return f"{value:.3g}"
+    digits = 1 if f"{std:.1e}"[0] in "123" else 0
+    decimals = max(0, digits - int(f"{std:e}".split("e")[1]))
+    if decimals > 6:
+        return f"{value:.3g} ± {std:.2g}"
+    return f"{value:.{decimals}f} ± {std:.{decimals}f}"
+
+
+def moved_by(change: Change) -> str:
+    """joint_4 zero moved by 0.31 ± 0.02 mrad."""
+    largest = max(change.parameters, key=lambda p: abs(p.value) / max(p.std, 1e-300))
+    if len(change.parameters) == 1:
+        return f"{change.label} moved by {said(largest)}"
+    at = f"{change.moves_mm:.2f} mm RMS at the targets"
+    return f"{change.label} changed by {at} ({largest.name} by {said(largest)})"
+
+
+def headline(changes: Sequence[Change], within_mm: float, apart: Sequence[str], robot_changed: bool) -> str:
+    """What changed, what did not, and what is not the robot."""
+    robot = [c for c in changes if c.side == "robot"]
+    sure = [moved_by(c) for c in changes if c.status == "named"]
+    open_ = [_either(c) for c in changes if c.status != "named"]
+    within = f"unchanged within {max(within_mm, 0.001):.2g} mm"
+    parts = [*sure[:MOST_SAID], *(["and more"] if len(sure) > MOST_SAID else []), *open_[:MOST_SAID]]
+    if not robot and not robot_changed:
+        parts.append(f"the robot is {within}")
+    else:
+        parts.append(f"everything else {within}")
+    text = "; ".join([*parts, *apart])
+    return f"The {text[4:]}." if text.startswith("the ") else f"{text}."
+
+
+def _either(change: Change) -> str:
+    rivals = [r.label if r.change else f"{r.label} (in all campaigns)" for r in change.rivals]
+    names = " or ".join([change.label, *rivals])
+    return f"something changed by {change.moves_mm:.2f} mm RMS at the targets, not decided: {names}"

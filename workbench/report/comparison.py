@@ -1,0 +1,169 @@
+"""The page, the report and the terminal's lines of a comparison of campaigns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from ..diagnosis.changes.result import Change, Comparison, Track, Unchanged
+from . import charts
+from .drawing import Figure
+from .folder import json_bytes, write_together
+from .markup import render
+from .numbers import axis_scale, mm, percent, quantity, size
+
+LISTED = 12  # of what did not change, on the terminal
+TRACKS = 4  # curves of one chart
+NOT_TOLD = "looks exactly like a change of"
+
+
+def write_comparison(comparison: Comparison, folder: Path) -> None:
+    """Writes `index.html`, `report.pdf` and `comparison.json`, after all of them are made."""
+    from .pdf import typeset
+
+    said, figures = said_of(comparison), {f.name: f for f in chart(comparison.chart, comparison.campaigns)}
+    made = {
+        "index.html": render("comparison.html", **said, figures=figures).encode(),
+        "report.pdf": typeset("comparison.typ", said, figures),
+        "comparison.json": json_bytes(comparison.to_json()),
+    }
+    write_together({folder / name: data for name, data in made.items()})
+
+
+def short_comparison(comparison: Comparison, folder: Path | None) -> str:
+    """For a terminal: verdict, changes, what is not the robot."""
+    labels = ", ".join(
+        f"{label} ({n} poses)" for label, n in zip(comparison.campaigns, comparison.n_poses, strict=True)
+    )
+    said = said_of(comparison)
+    lines = [f"{comparison.title}: {labels}", "", comparison.headline]
+    for change in said["changes"]:
+        lines += ["", f"  {change['status'].upper():<10}{change['what']}   since {change['since']}"]
+        lines += [f"            {row[0]} {row[1]} ({row[2]})" for row in change["parameters"]]
+        lines += [f"            {line}" for line in change["lines"]]
+    lines += ["", "  not the robot:"]
+    lines += [f"            {line}" for line in said["apart_lines"]]
+    seen = [u for u in comparison.unchanged if u.side == "robot" and u.cause == "geometry"]
+    lines += ["", "  did not change, and what would have been seen (80 % power):"]
+    lines += [f"            {' '.join(row)}" for row in (_row(u) for u in seen[:LISTED])]
+    lines += [f"            and {len(seen) - LISTED} more numbers"] if len(seen) > LISTED else []
+    lines += [f"  note: {note}" for note in comparison.notes]
+    if folder is not None:
+        lines += ["", f"  page: {folder}/index.html   report: {folder}/report.pdf"]
+    return "\n".join(lines)
+
+
+def said_of(comparison: Comparison) -> dict[str, Any]:
+    """What the templates read, all of it ready text."""
+    robot = [u for u in comparison.unchanged if u.side == "robot"]
+    return {
+        "title": comparison.title,
+        "headline": comparison.headline,
+        "verdict": "changed" if comparison.changed else "unchanged",
+        "campaigns": [[c, str(n)] for c, n in zip(comparison.campaigns, comparison.n_poses, strict=True)],
+        "changes": [_change(change) for change in comparison.changes],
+        "within": f"{mm(comparison.within_mm)} mm",
+        "unchanged": [_row(u) for u in robot if u.cause == "geometry"],
+        "causes": [_row(u) for u in comparison.unchanged if u.cause != "geometry"],
+        "unseen": [[u.label, f"{NOT_TOLD} {u.same_as}"] for u in comparison.unseen],
+        "repeats": [
+            [r.label, r.status, f"within {percent(r.share, 0)} of its size"] for r in comparison.repeats
+        ],
+        "apart": _apart(comparison),
+        "apart_lines": [" · ".join(filter(None, row)) for row in _apart(comparison)],
+        "notes": list(comparison.notes),
+        "version": version("robot-workbench"),
+    }
+
+
+def _change(change: Change) -> dict[str, Any]:
+    lines = [f"moves the targets by {mm(change.moves_mm)} mm RMS; probability {percent(change.probability)}"]
+    if change.rivals:
+        said = [
+            f"{r.label}{'' if r.change else ' in all campaigns'} ({percent(r.probability)})"
+            for r in change.rivals
+        ]
+        lines.append(f"fits as well: {', '.join(said)}")
+    if change.side != "robot":
+        lines.append(f"not the robot: {change.side}")
+    if change.recheck_poses is not None:
+        poses = ", ".join(change.recheck_ids)
+        lines.append(f"{change.recheck_poses} poses would show such a change again (80 % power): {poses}")
+    else:
+        lines.append("no thirty of these poses would show such a change again: measure more targets or loads")
+    return {
+        "what": change.label,
+        "status": change.status,
+        "since": f"{change.since}{' only' if change.alone else ''}",
+        "parameters": [[p.name, str(quantity(p)), quantity(p).interval] for p in change.parameters],
+        "lines": lines,
+    }
+
+
+def _row(item: Unchanged) -> list[str]:
+    unit = item.number.unit
+    return [
+        item.label,
+        quantity(item.number).interval,
+        f"seen from {size(item.detectable, unit, item.number.name)}",
+        f"= {mm(item.detectable_mm)} mm",
+    ]
+
+
+def _apart(comparison: Comparison) -> list[list[str]]:
+    rows = []
+    for one in comparison.apart:
+        moved = [
+            f"{t.target} {sum(v * v for v in t.by_mm) ** 0.5:.3f} mm"
+            for t in one.targets
+            if one.targets_moved
+        ]
+        first = one is comparison.apart[0]
+        rows.append(
+            [
+                one.label,
+                ""
+                if first
+                else f"instrument from base: {one.frame_mm:.2f} ± {one.frame_std_mm:.2g} mm and "
+                f"{one.frame_mrad:.2f} ± {one.frame_std_mrad:.2g} mrad from the first",
+                ""
+                if first
+                else (f"targets moved: {', '.join(moved)}" if moved else "targets where they were"),
+                f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), left {mm(one.rms_mm)} mm RMS",
+                "" if one.temperature is None else f"{one.temperature:.1f} °C",
+            ]
+        )
+    return rows
+
+
+def chart(tracks: Sequence[Track], labels: Sequence[str]) -> list[Figure]:
+    """Control charts: each number against the first campaign, with 95 % intervals."""
+    figures = list[Figure]()
+    for unit in dict.fromkeys(track.unit for track in tracks):
+        own = [track for track in tracks if track.unit == unit]
+        for first in range(0, len(own), TRACKS):
+            some = own[first : first + TRACKS]
+            scale = axis_scale([v for t in some for v in (*t.values, t.limit)], unit)
+            series: Mapping[str, charts.Series] = {
+                t.label: charts.Series(
+                    [scale.factor * v for v in t.values],
+                    [scale.factor * (v - 1.96 * s) for v, s in zip(t.values, t.stds, strict=True)],
+                    [scale.factor * (v + 1.96 * s) for v, s in zip(t.values, t.stds, strict=True)],
+                    style="o-" if len(labels) > 2 else "o",
+                )
+                for t in some
+            }
+            names = ", ".join(f"{i}: {label}" for i, label in enumerate(labels, 1))
+            figures.append(
+                charts.curves(
+                    f"chart{len(figures) + 1}",
+                    "Each number against the first campaign, with its 95 % interval",
+                    range(1, len(labels) + 1),
+                    series,
+                    f"campaign ({names})",
+                    f"change, {scale.unit}",
+                )
+            )
+    return figures
