@@ -54,10 +54,10 @@ def guarded(action: Callable[[], int | None]) -> int:
         if not isinstance(error.code, str):
             raise
         return _failed(error)  # Drake's assertions
-    except Exception:
+    except Exception as error:
         if os.environ.get("WORKBENCH_DEBUG"):
             raise
-
+        return _failed(error)
     return DONE if status is None else status
 
 
