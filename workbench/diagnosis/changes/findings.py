@@ -9,6 +9,7 @@ import numpy as np
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
+from ..competition import CLEARER
 from ..priors import PRIORS
 from .candidates import Shape, numbers_of_shape
 from .decision import Decided, label_of
@@ -45,7 +46,7 @@ def _change(decided: Decided, i: int, own: float, robot: float) -> Change:
         candidate.cause,
         candidate.where,
         candidate.side,
-        "named" if own >= PRIORS.named else "ambiguous",
+        "named" if own >= PRIORS.named and not _tied(decided, i) else "ambiguous",
         labels[first],
         bool(shape.pattern[-1] == 0),
         own,
@@ -56,6 +57,30 @@ def _change(decided: Decided, i: int, own: float, robot: float) -> Change:
         poses,
         ids,
     )
+
+
+def _tied(decided: Decided, i: int) -> bool:
+    """Whether a rival in the i-th member's place fits the data as well, number for number: then only its prior
+    speaks against it."""
+    member, share = decided.members[i], decided.shares[i]
+    own = _worth(decided, i, member.component, member.form)
+    rivals = [k for k, p in share.items() if k not in (None, member.component) and p >= PRIORS.faintest_rival]
+    return any(
+        _worth(decided, i, k, form) > own - CLEARER
+        for k in rivals
+        if k is not None
+        for form in range(len(decided.candidates[k].shapes))
+    )
+
+
+def _worth(decided: Decided, i: int, component: int, form: int) -> float:
+    """What the main numbers of a form take off χ² beside all members but the i-th, less a price for each."""
+    first, main = (
+        decided.reduced.parts[component][form].start,
+        decided.candidates[component].shapes[form].main,
+    )
+    S, u = (x[0] for x in decided.chosen.left_of(np.arange(first, first + main)[None], i))
+    return float(u @ np.linalg.solve(S + LOOSE**-2 * np.eye(main), u)) - CLEARER * main
 
 
 def parameters_of(shape: Shape, mean: Array, covariance: Array) -> tuple[Parameter, ...]:

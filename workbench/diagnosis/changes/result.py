@@ -24,11 +24,11 @@ class Rival:
 
 @dataclass(frozen=True)
 class Change:
-    """What changed. side: robot, load, instrument or surroundings; status: named or ambiguous; since: label
-    of
-    the first campaign with it; alone: only that one has it; probability: of this; any: that something of the
-    robot changed here; moves_mm: RMS of what it makes of the points; recheck_poses: how many poses would show
-    it again with 80 % power (None: more than were measured), recheck_ids: which."""
+    """What changed. side: robot, load, instrument or surroundings; status: named (probability from 0.95 on, and no
+    rival that fits as well, number for number) or ambiguous; since: label of the first campaign with it; alone:
+    only that one has it; probability: of this; any: that something of the robot changed here; moves_mm: RMS of
+    what it makes of the points; recheck_poses: how many poses would show it again with 80 % power (None: more
+    than were measured), recheck_ids: which."""
 
     label: str
     cause: str
