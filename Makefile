@@ -8,7 +8,7 @@ export MPLBACKEND = Agg
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo example test test-all lint types bench models lock clean help
+.PHONY: demo example test test-all fuzz lint types bench models lock clean help
 .DEFAULT_GOAL := help
 
 help:
@@ -16,6 +16,7 @@ help:
 	@echo "make example   the page, report and scene of the demo that are kept in reports/example"
 	@echo "make test      the tests (under 5 minutes on two cores)"
 	@echo "make test-all  the tests and the slow studies"
+	@echo "make fuzz      20,000 spoilt inputs, what came of them in docs/robustness.md (a quarter of an hour)"
 	@echo "make lint types bench models lock clean"
 
 $(STAMP): pyproject.toml requirements.lock
@@ -39,6 +40,9 @@ test: $(STAMP)
 
 test-all: $(STAMP)
 	$(RUN)python -m pytest -n 2 $(PYTEST_ARGS)
+
+fuzz: $(STAMP)
+	$(RUN)python tests/robustness/fuzz.py
 
 lint: $(STAMP)
 	$(RUN)ruff check .

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.diagnosis.result import (
+    Decision,
     Detectable,
     Diagnosis,
     Evidence,
     FaultFound,
     Finding,
+    GivenFact,
     Noise,
     NotTestable,
     PoseErrors,
@@ -75,6 +77,26 @@ def diagnosis(n_poses: int = 200, loads: int = 2, seed: int = 0) -> Diagnosis:
             "KR 500, 50 test poses, heavy load", 2.47, 0.071, 0.079, 0.196, 6.02, 150, 0.071, 0.079
         ),
         notes=("The three targets were re-fitted; their nominal places were 0.2 mm off.",),
+        given=(
+            GivenFact(
+                "link_mass",
+                Where(link="link_2"),
+                "mass_kg 311 ± 2",
+                "weighed",
+                Parameter("mass", 3.0, 2.0, "kg"),
+                Parameter("mass", 9.0, 41.0, "kg"),
+                Parameter("mass", 3.1, 2.0, "kg"),
+                True,
+                "Given and kept to: link_mass(link_2): mass_kg 311 ± 2.",
+            ),
+            GivenFact(
+                "backlash",
+                Where(),
+                "no backlash(joint_5)",
+                obeyed=False,
+                sentence="Given, but the data contradict it: no backlash(joint_5).",
+            ),
+        ),
         geometry=_geometry(random),
         unidentifiable=(
             "joint_1: zero angle (cannot be told from the instrument's frame)",
@@ -283,6 +305,18 @@ def _findings(
                 Rival("link_bending", Where(link="link_2"), 0.12),
             ),
             separate_by="measure 12 poses with joint 2 between −140° and −100° with the heavy load",
+            decide=(
+                Decision(
+                    "poses",
+                    "14 more poses, chosen for it",
+                    "workbench plan campaign.toml --tell "
+                    "gravity_compensator,joint_compliance:joint=joint_2 --poses 14 --out follow-up",
+                    14,
+                    3.1,
+                    44.0,
+                ),
+                Decision("other", "a target in the middle of the link", None, None, 3.1, None),
+            ),
             sentence="The compensator pulls 11.8 % less than its charge says: gas has leaked.",
             equation="F = A (p (l / (l - (s - s_0)))^n - p_0)",
             evidence=sag,

@@ -60,10 +60,9 @@ def faults(capsys, *arguments):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A simulated campaign, a second one of the same robot, and the diagnosis of the first."""
+    """A simulated campaign and its diagnosis."""
     folder = tmp_path_factory.mktemp("loop")
     assert main(["simulate", "kr500", *DESIGN, *EFFECTS, "--out", str(folder / "one")]) == 0
-    assert main(["simulate", "kr500", *DESIGN, *EFFECTS, "--out", str(folder / "two"), "--seed", "1"]) == 0
     assert main(["diagnose", str(folder / "one/campaign.toml"), "--out", str(folder / "found")]) == 0
     return folder
 
@@ -172,9 +171,18 @@ def test_the_verdict_on_a_terminal(folder, capsys, tmp_path):
     assert len(out.splitlines()) < 25
 
 
-def test_several_campaigns_are_one_and_a_test_is_only_judged(folder, capsys):
-    both = call(capsys, "diagnose", folder / "one/campaign.toml", folder / "two/campaign.toml", "--json")
-    assert json.loads(both[1])["n_poses"] == 160
+def test_several_campaigns_are_one(tmp_path, capsys):
+    for seed in (1, 2):
+        made = ("simulate", "cylindrical", "--random", 15)
+        assert call(capsys, *made, "--seed", seed, "--out", tmp_path / str(seed))[0] == 0
+    status, out, _ = call(
+        capsys, "diagnose", tmp_path / "1/campaign.toml", tmp_path / "2/campaign.toml", "--json"
+    )
+    assert status == 0
+    assert json.loads(out)["n_poses"] == 30
+
+
+def test_a_test_campaign_is_only_judged(folder, capsys):
     status, out, _ = call(
         capsys, "diagnose", folder / "one/campaign.toml", "--test", folder / "one/campaign.toml", "--json"
     )
@@ -604,9 +612,16 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("everyone", [False, True])
-def test_ctrl_c_ends_workers_too_and_says_one_line(tmp_path, everyone):
-    """As `kill -INT` tells the one process, and as a terminal tells all of them."""
+@pytest.mark.parametrize(
+    ("number", "everyone", "status", "line"),
+    [
+        (signal.SIGINT, False, 130, "interrupted\n"),
+        (signal.SIGINT, True, 130, "interrupted\n"),
+        (signal.SIGTERM, False, 143, "terminated\n"),
+    ],
+)
+def test_ctrl_c_and_sigterm_end_workers_too_and_say_one_line(tmp_path, number, everyone, status, line):
+    """As `kill` tells the one process, and as a terminal tells all of them."""
     (tmp_path / "sleepy.py").write_text(SLEEPY)
     running = subprocess.Popen(
         [sys.executable, "sleepy.py"],
@@ -619,9 +634,9 @@ def test_ctrl_c_ends_workers_too_and_says_one_line(tmp_path, everyone):
     until = time.monotonic() + 60
     while len(list(tmp_path.glob("*.started"))) < 2 and time.monotonic() < until:
         time.sleep(0.05)
-    (os.killpg if everyone else os.kill)(running.pid, signal.SIGINT)
+    (os.killpg if everyone else os.kill)(running.pid, number)
     said = running.communicate(timeout=30)[1]
-    assert (said, running.returncode) == ("interrupted\n", 130)
+    assert (said, running.returncode) == (line, status)
 
 
 # ---------------------------------------------------------------- as a process

@@ -1,22 +1,31 @@
 """The search over sets, its rank updates and batches, and the ceiling: against plain algebra."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis_cases import measured
 from scipy.stats import norm
 
+from workbench.campaign.problem import problem_of
 from workbench.diagnosis import prepared as preparation
 from workbench.diagnosis.ceiling import ceiling_mm
 from workbench.diagnosis.competition import compete
 from workbench.diagnosis.components import cause_components, nameless_components
 from workbench.diagnosis.reduced import reduce
+from workbench.diagnosis.result import NAMELESS
+from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.run import testable as candidates_of
 from workbench.diagnosis.sets import Chosen, Competition, Member
 from workbench.diagnosis.stages import rms_mm
 from workbench.diagnosis.weight import SCALES, WEIGHTS
+from workbench.effects.records import stated_effects
 from workbench.effects.unnamed import unnamed
 from workbench.identification.fit import refit
 from workbench.identification.heldout import heldout
+from workbench.identification.model import Model
+from workbench.identification.model_file import write_fit
+from workbench.robot.description import load_robot
 
 
 def product(problem):
@@ -126,3 +135,17 @@ def test_the_ceiling_is_what_is_left_where_nothing_is_missing_and_below_it_elsew
     clean = preparation.prepare(measured()).geometry
     each_alone = rms_mm(heldout(clean, folds=len(clean.r)))
     assert ceiling_mm(clean, candidates) == pytest.approx(each_alone, rel=0.02)
+
+
+def test_what_has_no_name_is_corrected_and_kept_in_the_model(tmp_path):
+    campaign = measured(joints=product)
+    outcome = diagnose(campaign)
+    stages = outcome.diagnosis.stages
+    assert outcome.diagnosis.verdict == "unknown"
+    assert stages[-1].name == f"geometry + {NAMELESS}"
+    assert stages[-1].heldout_rms_mm < 0.65 * stages[1].heldout_rms_mm
+    write_fit(tmp_path / "model.toml", outcome.fit)
+    problem = problem_of(replace(campaign, robot=load_robot(tmp_path / "model.toml")))
+    kept = Model(problem, (), tuple(stated_effects(problem)))
+    points = kept.predict(replace(outcome.fit.state, values=()))
+    assert np.abs(points - outcome.fit.model.predict(outcome.fit.state)).max() < 1e-9

@@ -20,6 +20,7 @@ from workbench.robot.find import list_robots
 from workbench.robot.kinematics import frames
 from workbench.robot.loads import Loads
 from workbench.robot.loop import Loop
+from workbench.simulation.closed_loop import dynamics as dynamics_module
 from workbench.simulation.closed_loop import verify
 from workbench.simulation.closed_loop.control import inertial_torque, nominal_mechanics
 from workbench.simulation.closed_loop.drives import drives
@@ -32,9 +33,11 @@ from workbench.simulation.closed_loop.limits import OverLimit
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.closed_loop.motion import hold, motion
+from workbench.simulation.closed_loop.rest import rest
 from workbench.simulation.closed_loop.runs import Task, World, simulate
 from workbench.simulation.closed_loop.simulation import run
 
+FREE = Loop(coulomb=0.0, viscous=0.0)
 LATE = Loop(drive_period=1e-3, delay=1e-3)  # 1 ms hold, 1 ms delay
 HEAVY = Conditions("heavy", 250.0, (0.15, 0.0, 0.05))
 FRAME = work_frame((1.6, 0.3, 0.9))
@@ -106,59 +109,84 @@ def test_stated_damping_is_used(name):
     assert drives(truth, q[0], LATE).damping.tolist() == stated
 
 
-def test_it_swings_as_in_drakes_simulator():
-    """Free of drives, friction and dampers, from slack springs: the same motion as Drake's own
-    integration."""
-    truth, _, _, q = short("kr500", HEAVY)
-    truth = replace(truth, compensator=None)
-    loop = Loop(coulomb=0.0, viscous=0.0)
-    drive = drives(truth, q[0], loop)
+def free(name, compensator=lambda law: law):
+    """A robot free of drives, friction, dampers; its plant, its drives, its joints."""
+    truth, _, _, q = short(name, HEAVY)
+    truth = replace(truth, compensator=compensator(truth.compensator))
+    drive = drives(truth, q[0], FREE)
     drive = replace(drive, damping=np.zeros_like(drive.damping))
-    built = machine(truth, drive.rotor)
-    found = []
-    for step in (1e-4, 5e-5):
-        dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), step)
-        dynamics.q[: truth.arm.n] = q[0]
-        for k in range(round(0.15 / step)):
-            dynamics.advance(np.zeros(truth.arm.n), k)
-        found.append(dynamics.q)
-    simulator = Simulator(built.plant)
+    return truth, machine(truth, drive.rotor), drive, q
+
+
+def falling(truth, built, drive, q, step):
+    """Where it is after 0.15 s, let go with slack springs."""
+    loop = FREE.model_copy(update={"gas_exponent": 1.0})  # the gas stays as warm as it is
+    dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), step)
+    dynamics.put(q[0])
+    for k in range(round(0.15 / step)):
+        dynamics.advance(np.zeros(truth.arm.n), k)
+    return dynamics.q
+
+
+@pytest.mark.parametrize("name", ["kr500", "rx170"])
+def test_half_a_compensator_is_seen_in_the_loop(name):
+    """A gas at the plant's port, or a coil in the plant."""
+    whole, half = (
+        falling(*free(name, lambda law, share=share: replace(law, charge=share)), 5e-4)
+        for share in (1.0, 0.5)
+    )
+    built = free(name)[1]
+    assert (built.cylinder is None) == (name == "rx170")
+    assert built.plant.num_force_elements() == 1 + built.native.sum() + (name == "rx170")  # gravity too
+    assert np.abs(whole - half).max() > 1e-4
+
+
+@pytest.mark.parametrize("name", ["kr500", "rx170"])
+def test_it_swings_as_in_drakes_simulator(name, monkeypatch):
+    """Free of drives, friction and dampers, from slack springs: the same motion as Drake's own integration
+    of the whole diagram, compensator and all, when the gas is looked at in every step."""
+    monkeypatch.setattr(dynamics_module, "SEEN", 0.0)
+    truth, built, drive, q = free(name)
+    found = [falling(truth, built, drive, q, step) for step in (1e-4, 5e-5)]
+    simulator = Simulator(built.diagram)
     ResetIntegratorFromFlags(simulator, "runge_kutta3", 1e-4)
     simulator.get_mutable_integrator().set_target_accuracy(1e-8)
-    context = simulator.get_mutable_context()
+    root = simulator.get_mutable_context()
+    built.diagram.GetInputPort("joint_force").FixValue(root, np.zeros(built.plant.num_velocities()))
+    built.diagram.GetInputPort("wrench").FixValue(root, [])
+    context = built.plant.GetMyMutableContextFromRoot(root)
     start = np.zeros(built.plant.num_positions())
     start[built.motors] = q[0]
     built.plant.SetPositions(context, start)
     simulator.AdvanceTo(0.15)
-    wanted = built.plant.GetPositions(context)[dynamics.order]
-    assert np.abs(wanted[: truth.arm.n] - q[0]).max() > 1e-3  # it falls
+    wanted = built.plant.GetPositions(context)
+    assert np.abs(wanted[built.motors] - q[0]).max() > 1e-3  # it falls
     coarse, fine = (np.abs(x - wanted).max() for x in found)
     assert fine < 3e-7  # of undamped modes up to 500 Hz
     assert fine < 0.3 * coarse  # second order
 
 
 def test_friction_along_a_step_is_the_mean_of_its_states():
-    way = np.full(4, 2e-5)
-    s, dx = np.array([0.3, -0.9, 0.0, 1.0]), np.array([1e-5, 8e-5, -3e-5, -1e-6])
-    parts = np.linspace(0, 1, 20001)[:, None]
-    states = gone_over(np.tile(s, (20001, 1)), parts * dx, np.tile(way, (20001, 1)))
-    mean, slope = mean_on_the_way(s, dx, way)
-    assert mean == pytest.approx(np.trapezoid(states, dx=1 / 20000, axis=0), abs=2e-4)
-    assert (slope >= 0).all()
-    still, stiff = mean_on_the_way(s, np.zeros(4), way)
-    assert still == pytest.approx(s, abs=1e-4)
-    assert stiff == pytest.approx(0.5 / way, rel=1e-3)
+    way = 2e-5
+    for s, dx in ((0.3, 1e-5), (-0.9, 8e-5), (0.0, -3e-5), (1.0, -1e-6)):
+        states = [gone_over(s, part * dx, way) for part in np.linspace(0, 1, 2001).tolist()]
+        mean, slope = mean_on_the_way(s, dx, way)
+        assert mean == pytest.approx(np.trapezoid(states, dx=1 / 2000), abs=2e-4)
+        assert slope >= 0
+        still, stiff = mean_on_the_way(s, 0.0, way)
+        assert still == pytest.approx(s, abs=1e-4)
+        assert stiff == pytest.approx(0.5 / way, rel=1e-3)
 
 
 def test_a_motor_crosses_its_play_before_the_joint_follows():
     robot = extended(load_robot("kr500"), [(Backlash(Where(joint="joint_2")), [4e-5])])
     q = np.tile((0.3, -1.0, 1.2, 0.4, 0.7, 0.2), (2, 1))
     gears = Gears(mechanics(robot, Path(np.arange(2.0), q=q), q, Conditions()), q)
-    side, motor, joint = np.ones(6), q[0].copy(), []
+    side, motor, joint = [1.0] * 6, q[0].copy(), []
     for _ in range(10):
         motor[1] -= 1e-5
-        side = gears.crossed(side, np.array([0.0, -1e-5, 0.0, 0.0, 0.0, 0.0]))
-        joint.append(motor[1] + gears.errors(motor, side)[0][1])
+        side = gears.crossed(side, [0.0, -1e-5, 0.0, 0.0, 0.0, 0.0])
+        joint.append(motor[1] + gears.errors(motor.tolist(), side)[0][1])
     assert np.ptp(joint[:8]) == pytest.approx(0.0, abs=1e-12)  # 8 steps of 10 µrad: twice the half width
     assert joint[9] - joint[8] == pytest.approx(-1e-5)
 
@@ -173,9 +201,9 @@ def test_a_turned_round_joint_is_wound_up_by_friction_behind_its_gear():
     for way in (1.0, -1.0):
         built = machine(truth, drive.rotor)
         dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), 5e-4)
-        dynamics.memory[truth.arm.n :] = way
-        dynamics.rest(q[0])
-        angle.append(dynamics.q[truth.arm.n + built.own[j]])
+        dynamics.rubbing.memory = [way] * (2 * truth.arm.n)
+        rest(dynamics, q[0])
+        angle.append(dynamics.q[built.own_at[built.own[j]]])
     law = truth.axial[j]
     assert law is not None
     assert angle[0] - angle[1] == pytest.approx(-2 * 0.5 * drive.coulomb[j] * law.compliance, rel=1e-6)

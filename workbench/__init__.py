@@ -69,6 +69,8 @@ if TYPE_CHECKING:
     from .identification.model_file import write_fit as write_fit
     from .identification.model_file import write_model as write_model
     from .identification.noise import Covariance as Covariance
+    from .identification.prediction import ToolErrors as ToolErrors
+    from .identification.prediction import predict as predict
     from .identification.restated import restated as restated
     from .identification.restated import stored as stored
     from .measurement import axis_by_axis as axis_by_axis
@@ -83,6 +85,7 @@ if TYPE_CHECKING:
     from .measurement.circle_points import sweeps as sweeps
     from .measurement.circle_points import turning_ratio as turning_ratio
     from .measurement.design import plan as plan
+    from .measurement.design import what_decides as what_decides
     from .measurement.group_plan import GroupPlan as GroupPlan
     from .measurement.group_plan import Rig as Rig
     from .measurement.group_plan import group_plan as group_plan
@@ -151,11 +154,12 @@ _MODULES = {
     "identification.model": "Model",
     "identification.model_file": "loaded write_fit write_model",
     "identification.noise": "Covariance",
+    "identification.prediction": "ToolErrors predict",
     "identification.restated": "restated stored",
     "measurement": "axis_by_axis load_pairs sweep zeros_and_offsets",
     "measurement.axis_by_axis": "LocalStiffness",
     "measurement.circle_points": "Axes axes_of fit_circle link_between sweeps turning_ratio",
-    "measurement.design": "plan",
+    "measurement.design": "plan what_decides",
     "measurement.group_plan": "GroupPlan Rig group_plan",
     "measurement.separation": "Separation separate",
     "measurement.zeros_and_offsets": "SimulatedArm",

@@ -72,6 +72,7 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         noise_sigma=None if file.noise.sigma_mm is None else file.noise.sigma_mm * 1e-3,
         six_dof=file.noise.pose,
         warnings=tuple(warnings),
+        known=file.known.model_copy(update={"scale": 1.0}),
         files=_hashes([path, poses.path, points.path, *([robot.path] if robot.path else []), robot.urdf]),
         poses=Poses(
             ids=tuple(_column(poses, "pose_id", kept)),
@@ -115,7 +116,9 @@ def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) 
             stated = np.where(np.isnan(stated), file.noise.sigma_mm * 1e-3, stated)
         with np.errstate(invalid="ignore"):
             sigma = (np.sqrt(_sums(cell, stated**2, len(shots))) / shots[:, None]).reshape(*grid, 3)
-    scatter = float(np.sum((xyz - mean[cell]) ** 2)), 3 * int(np.sum(np.maximum(shots - 1, 0)))
+    with np.errstate(over="ignore"):  # beyond all measure: left out later
+        square = float(np.sum((xyz - mean[cell]) ** 2))
+    scatter = square, 3 * int(np.sum(np.maximum(shots - 1, 0)))
     return _Seen(targets, mean.reshape(*grid, 3), shots.reshape(grid), sigma, scatter, warnings)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.description import Robot
+from .known import KnownData
 from .poses import Array, Column, IntArray, Poses
 
 
@@ -47,6 +48,7 @@ class Campaign:
     noise_sigma       one sigma per axis of one shot, stated for all; None: not stated
     six_dof           the targets of a pose are points of one 6-D measurement
     files             "<folder>/<file>" -> sha256
+    known             facts of other sources, not yet looked up in the robot; its scale is in the points
     """
 
     title: str
@@ -68,6 +70,7 @@ class Campaign:
     six_dof: bool = False
     warnings: tuple[str, ...] = ()
     files: dict[str, str] = field(default_factory=dict)
+    known: KnownData = field(default_factory=KnownData)
 
     def __repr__(self) -> str:
         loads = f", payloads {', '.join(self.payload_names[1:])}" if len(self.payload_names) > 1 else ""

@@ -15,8 +15,8 @@ from ..files.toml import read_toml
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
 from .exports import EXPORTS
+from .known import FactData, KnownData, Name
 
-Name = Annotated[str, Field(min_length=1)]
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
@@ -44,13 +44,6 @@ class PointsFile(TableFile):
 
     wide: dict[Name, tuple[ColumnPlace, ColumnPlace, ColumnPlace]] = Field(default_factory=dict)
     """targets side by side: name → columns of x, y and z"""
-
-
-class KnownData(_Section):
-    """`[known]`: what is known of the instrument. scale: true length by shown length."""
-
-    scale: Annotated[FiniteFloat, Field(gt=0)] = 1.0
-    """true length by the length that the instrument shows"""
 
 
 class PosesFile(TableFile):
@@ -98,7 +91,7 @@ class CampaignFile(_Section):
     noise: NoiseData = NoiseData()
     """of the measurement"""
     known: KnownData = KnownData()
-    """of the instrument"""
+    """besides what was measured here"""
     tool: LoadData = LoadData(mass_kg=0.0)
     """always mounted"""
     payloads: dict[Name, LoadData] = {}
@@ -163,6 +156,8 @@ _SECTIONS: dict[str, type[BaseModel]] = {
 
 def _keys(place: list[str]) -> list[str]:
     """The keys that a section of the file may have."""
+    if place[:2] == ["known", "facts"]:
+        return sorted(FactData.model_fields)
     model = _SECTIONS.get(place[0], CampaignFile) if place else CampaignFile
     fields = cast(dict[str, Any], model.model_fields)
     return sorted(field.alias or name for name, field in fields.items())

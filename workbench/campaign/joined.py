@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import TypeVar
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from .data import Array, Campaign, IntArray, Target
+from .known import KnownData
 from .poses import join_poses
 
 
@@ -77,6 +79,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         six_dof=first.six_dof,
         warnings=(*(line for campaign in campaigns for line in campaign.warnings), *warnings),
         files=_files(campaigns, labels),
+        known=reduce(KnownData.and_more, (campaign.known for campaign in campaigns)),
     )
 
 

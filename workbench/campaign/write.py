@@ -16,6 +16,7 @@ from ..robot.description import Robot
 from ..robot.find import list_robots
 from .data import Array, Campaign
 from .file import WRENCH_COLUMNS, pose_columns
+from .known import KnownData
 
 Rows = list[list[str]]
 
@@ -68,10 +69,16 @@ def _campaign_table(folder: Path, campaign: Campaign) -> dict[str, Any]:
             **({} if campaign.noise_sigma is None else {"sigma_mm": _rounded(1e3 * campaign.noise_sigma)}),
             **({"pose": True} if campaign.six_dof else {}),
         },
+        "known": _known(campaign.known),
         "tool": _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0.0 else {},
         "payloads": {name: _load(mass, com) for name, mass, com in list(loads)[1:]},
     }
     return {key: value for key, value in table.items() if value != {}}
+
+
+def _known(known: KnownData) -> dict[str, Any]:
+    """Without what is as by default; the scale is in the points already."""
+    return known.model_dump(mode="json", exclude_defaults=True, exclude={"scale"})
 
 
 def _load(mass: float, com: Iterable[float]) -> dict[str, Any]:

@@ -44,6 +44,15 @@ def workers_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--workers", type=positive, metavar="N", help="processes (default: all cores)")
 
 
+def known_option(parser: argparse.ArgumentParser) -> None:
+    """`--known`: facts beside the `[known]` of the campaign."""
+    parser.add_argument(
+        "--known", action="append", default=[], metavar="FACT",
+        help="known by other means, repeated for more: link_mass:link=link_2,mass_kg=311,std=2, or "
+        '"no hose_torque", "no backlash(joint_5)"',
+    )  # fmt: skip
+
+
 def load_options(parser: argparse.ArgumentParser) -> None:
     """Tool and payload along a path; `conditions` says what they mean."""
     parser.add_argument(

@@ -6,7 +6,15 @@ import argparse
 import json
 from pathlib import Path
 
-from .arguments import Commands, check_folder, json_option, load_all, out_option, seed_option
+from .arguments import (
+    Commands,
+    check_folder,
+    json_option,
+    known_option,
+    load_all,
+    out_option,
+    seed_option,
+)
 from .status import progress
 
 
@@ -18,6 +26,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--test", metavar="CAMPAIGN.toml", help="judge on this campaign; nothing is fitted on it"
     )
+    known_option(parser)
     out_option(
         parser,
         "folder for the page, report, scene, model and numbers (reports/ and the name of the campaign's "
@@ -30,11 +39,14 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     from ..diagnosis.run import diagnose
+    from ..measurement.design import what_decides
 
     check_folder(arguments.out)
     campaigns = load_all([*arguments.campaigns, *([arguments.test] if arguments.test else [])])
     test = campaigns.pop() if arguments.test else None
-    outcome = diagnose(campaigns, test, progress, arguments.seed)
+    outcome = diagnose(campaigns, test, progress, arguments.seed, arguments.known)
+    progress("working out what would decide")
+    outcome = what_decides(outcome)
     folder = arguments.out
     if folder is None and not arguments.json:
         folder = Path("reports") / Path(arguments.campaigns[0]).resolve().parent.name

@@ -4,12 +4,29 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
-from . import check, compare, compensate, demo, diagnose, export, init, lists, plan, simulate, study, verify
+from ..files.faults import plain
+from . import (
+    check,
+    compare,
+    compensate,
+    demo,
+    diagnose,
+    export,
+    init,
+    lists,
+    plan,
+    predict,
+    simulate,
+    study,
+    verify,
+)
 from .status import guarded
 
-COMMANDS = (demo, init, check, diagnose, compare, simulate, plan, compensate, verify, export, study, lists)
+COMMANDS = (
+    demo, init, check, diagnose, compare, simulate, plan, compensate, verify, predict, export, study, lists,
+)  # fmt: skip
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -25,7 +42,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def command_line() -> argparse.ArgumentParser:
     """All commands with their options; `run` of what is parsed is the command."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="workbench",
         description="What a robot's simulation gets wrong, why, and how to draw the right path all the same.",
     )
@@ -34,6 +51,13 @@ def command_line() -> argparse.ArgumentParser:
     for module in COMMANDS:
         module.add(commands)
     return parser
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong without what acts in a terminal; commands are parsers of the same kind."""
+
+    def error(self, message: str) -> NoReturn:
+        super().error(plain(message))
 
 
 class _Version(argparse.Action):

@@ -11,6 +11,7 @@ from ..files.faults import Fault, InputError
 from .arguments import (
     Commands,
     json_option,
+    known_option,
     load_all,
     out_option,
     program_options,
@@ -41,9 +42,11 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--tell",
         metavar="CAUSE,CAUSE",
-        help="two causes as in --effect, without numbers: gear_ratio:joint=joint_2,link_mass:link=link_2; "
+        help="two causes or more as in --effect, without numbers: "
+        "gear_ratio:joint=joint_2,link_mass:link=link_2; "
         "what is left out (joint, link, payload, variant) is tried everywhere: gear_ratio,hose_torque",
     )
+    known_option(parser)
     parser.add_argument(
         "--format", metavar="NAME",
         help="also a program that stands still at the poses: krl, rapid, val3, ls, urscript",
@@ -70,6 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
         source,
         arguments.poses,
         tell=arguments.tell,
+        known=arguments.known,
         seed=arguments.seed,
         quick=arguments.quick,
         progress=progress,

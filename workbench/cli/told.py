@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,8 @@ Load = tuple[float, tuple[float, float, float]]  # kg, and the centre of mass [m
 
 @dataclass(frozen=True)
 class Told:
-    """What the robot is told in N poses, as in `Campaign`; payload: (N,) names, empty while none are said."""
+    """What the robot is told in N poses, as in `Campaign`; payload: (N,) names, empty while none are said;
+    ids: (N) of a file that names its poses."""
 
     q: Array
     payload: Sequence[str] = ()
@@ -32,6 +34,7 @@ class Told:
     direction: Array | None = None
     time: Array | None = None
     temperature: Array | None = None
+    ids: tuple[str, ...] = ()
 
     def with_and_without(self, payloads: Sequence[str]) -> Told:
         """Every pose without and with each payload, unless a file said which."""
@@ -39,12 +42,12 @@ class Told:
             return self
         copies = 1 + len(payloads)
         carried = [name for name in ["", *payloads] for _ in range(len(self.q))]
-        tiled = {
+        tiled: dict[str, Any] = {
             name: np.concatenate([values] * copies)
             for name in ("wrench", "direction", "time", "temperature")
             if (values := getattr(self, name)) is not None
         }
-        return replace(self, q=np.tile(self.q, (copies, 1)), payload=carried, **tiled)
+        return replace(self, q=np.tile(self.q, (copies, 1)), payload=carried, ids=(), **tiled)
 
     def over(self, hours: float, shuffled: np.random.Generator | None) -> Told:
         """At even times, in random order if `shuffled`, unless a file said when."""
@@ -98,6 +101,7 @@ def from_file(robot: Robot, file: str, loads: dict[str, Load]) -> tuple[Told, di
         direction=columns([f"dir{j + 1}" for j in range(n)]),
         time=filled(table.numbers.get("t"), 0.0),
         temperature=filled(table.numbers.get("temp"), 0.0),
+        ids=tuple(table.texts.get("pose_id", ())),
     )
     return told, loads
 

@@ -13,6 +13,7 @@ from ..files.tables import Column, Table, number_text
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 
+FARTHEST = 1e6  # m, beyond all measure
 MOST_JOINTS = 20  # looked for where no robot says how many
 TIME = Column("t", ("time",), required=True, mend="every sample needs its time")
 POSITION = tuple(Column(name, ("length",)) for name in ("x", "y", "z"))
@@ -98,6 +99,10 @@ def _check_time(table: Table, fewest: int) -> None:
 
 
 def _check_poses(table: Table) -> None:
+    for name in names(*POSITION):
+        beyond = np.flatnonzero(np.abs(table.numbers.get(name, np.zeros(0))) > FARTHEST).tolist()
+        whats = [f"{table.labels[name]} is beyond {FARTHEST / 1e3:g} km" for _ in beyond]
+        table.add_faults(beyond, whats, ["mend the number"] * len(beyond))
     quaternion, angles = (any(name in table.numbers for name in names(*some)) for some in (QUATERNION, ABC))
     _need(table, POSITION)
     if quaternion and angles:
@@ -107,7 +112,8 @@ def _check_poses(table: Table) -> None:
         _need(table, ABC)
     elif quaternion:
         if _need(table, QUATERNION):
-            length = np.linalg.norm(stacked(table, names(*QUATERNION)), axis=1)
+            with np.errstate(over="ignore"):
+                length = np.linalg.norm(stacked(table, names(*QUATERNION)), axis=1)
             off = np.flatnonzero(np.abs(length - 1.0) > 1e-3)
             whats = [f"qw qx qy qz has length {length[row]:.4g}, not 1" for row in off]
             table.add_faults(off.tolist(), whats, ["is one of the four wrong, or their order?"] * len(off))

@@ -27,6 +27,7 @@ from .stages import rms_mm
 
 ROUNDS = 5
 CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
+BETTER = 0.99  # of the held-out error: what counts as an improvement of a round
 LOOSE = 30.0  # usual sizes: a prior that holds nothing
 MOST_SCATTERING = 2  # joints that are looked at for functions of two others
 LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
@@ -203,7 +204,10 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
             *nameless_components(at, [*unnamed(at.model.problem), *_of_scattering(at, base)]),
         ]
         competition = Competition(reduce(at, components, _explained(at), noise_dof), components)
-        members = competition.best()
+        before = (
+            [tried[-1].competition.components[m.component].label for m in tried[-1].members] if tried else []
+        )
+        members = competition.best(before)
         effects, noise = _effects(competition, members), at.noise
         if not noise_known:
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
@@ -211,9 +215,14 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
         tried.append(_Round(at, found, competition, members, rms_mm(heldout(found))))
         same = len(tried) > 1 and set(effects) == set(tried[-2].found.model.effects)
         at = found
-        if same and alike(noise, at.noise):
+        if (same and alike(noise, at.noise)) or _no_better([one.heldout_mm for one in tried]):
             break
     return min(tried, key=lambda one: one.heldout_mm)
+
+
+def _no_better(errors: Sequence[float]) -> bool:
+    """Whether the last two rounds were no better than the best before them."""
+    return len(errors) > 2 and min(errors[-2:]) > BETTER * min(errors[:-2])
 
 
 @dataclass(frozen=True, eq=False)

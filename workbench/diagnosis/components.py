@@ -54,7 +54,9 @@ class Component:
 
     @property
     def label(self) -> str:
-        return self.forms[0].effects[0].label
+        effect = self.forms[0].effects[0]
+        order = "" if self.key[1].order is None else f" {self.key[1].order:g}"
+        return f"{effect.label}{order}" + (f" ({effect.variant})" if self.nameless else "")
 
 
 def bare(key: Key) -> Key:

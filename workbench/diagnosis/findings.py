@@ -25,7 +25,7 @@ from .power import detectable, swallowed, visible_mm
 from .prepared import Prepared
 from .priors import PRIORS
 from .remainder import Remainder, remainder
-from .result import Diagnosis, Finding, NotTestable, Rival
+from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .sets import Shares
 from .stages import Group, pose_errors, stages_of, without
@@ -45,6 +45,7 @@ class Parts:
     not_testable: tuple[NotTestable, ...]
     seed: int
     test: Campaign | None
+    given: tuple[GivenFact, ...] = ()
 
 
 def assemble(parts: Parts) -> Diagnosis:
@@ -72,7 +73,15 @@ def assemble(parts: Parts) -> Diagnosis:
         noise=prepared.noise,
         stages=tuple(stages),
         verdict=verdict,
-        headline=headline(verdict, findings, stages, brought, ceiling, visible_mm(final, parts.candidates)),
+        headline=headline(
+            verdict,
+            findings,
+            stages,
+            brought,
+            ceiling,
+            visible_mm(final, parts.candidates),
+            bool(final.model.given),
+        ),
         causes=tuple(findings),
         ceiling_mm=ceiling,
         remainder_chi2=left.chi2,
@@ -82,7 +91,13 @@ def assemble(parts: Parts) -> Diagnosis:
         detectable=tuple(detectable(parts.candidates, final, known)),
         faults=prepared.faults + rounded_joints(final, prepared.noise, left),
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
-        notes=(*prepared.notes, *c.warnings, *remarks(prepared, left, bool(nameless))),
+        given=parts.given,
+        notes=(
+            *(fact.sentence for fact in parts.given if not fact.obeyed),
+            *prepared.notes,
+            *c.warnings,
+            *remarks(prepared, left, bool(nameless)),
+        ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
         facts=facts(problem),
@@ -107,7 +122,7 @@ def _finding(parts: Parts, group: Group, named_mm: float) -> Finding:
     """One cause; named_mm: held-out RMS with all of them, and nothing without a name."""
     effect, own = group
     final, selection = parts.selection.fit, parts.selection
-    probability, rivals = _shares(selection, effect)
+    probability, rivals = probability_of(selection, effect)
     named = probability >= PRIORS.named
     advice = list(filter(None, (separation(effect.cause, rival.cause) for rival in rivals)))
     if any(rival.cause == "unknown" for rival in rivals):
@@ -130,7 +145,7 @@ def _finding(parts: Parts, group: Group, named_mm: float) -> Finding:
     )
 
 
-def _shares(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, ...]]:
+def probability_of(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, ...]]:
     """Probability of a cause at its place, and the rivals that cover the rest, likeliest first."""
     best: tuple[float, Shares, int] | None = None
     for member, share in zip(selection.members, selection.shares, strict=True):

@@ -33,9 +33,10 @@ def headline(
     brought_mm: float,
     ceiling_mm: float,
     visible_mm: float,
+    given: bool = False,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
-    beyond geometry that these data would have shown."""
+    beyond geometry that these data would have shown; given: numbers known by other means are in the model."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [_words(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
@@ -51,8 +52,9 @@ def headline(
     if verdict == "nothing_missing" and stages[1].heldout_rms_mm > stages[0].heldout_rms_mm:
         return f"Too few poses to say: fitted to them, the robot is worse at others. {gain}"
     if verdict == "nothing_missing":
+        explain = "geometry and what was given explain" if given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
-        return f"Nothing is missing: geometry explains these data, and {power}. {gain}."
+        return f"Nothing is missing: {explain} these data, and {power}. {gain}."
     best = max(geometry - ceiling_mm, 0.0)
     gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
     if verdict == "unknown":

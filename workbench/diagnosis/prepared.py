@@ -6,6 +6,7 @@ on their own, they come to prepare differently.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from ..campaign import Campaign, drive_torque, join
 from ..campaign.problem import Problem, problem
+from ..effects.given import Given, exclusions, given_facts
 from ..effects.records import stated_effects
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
@@ -58,18 +60,28 @@ class Prepared:
         geometry = fit(self.geometry.model, self.geometry.state, covariance)
         return replace(self, covariance=covariance, noise=noise, geometry=geometry)
 
+    def with_given(self, given: tuple[Given, ...]) -> Prepared:
+        """The same with numbers that are known by other means, geometry fitted beside them."""
+        if not given:
+            return self
+        model = replace(self.geometry.model, given=given)
+        return replace(self, geometry=fit(model, self.geometry.state, self.covariance))
+
 
 def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambda _: None) -> Prepared:
     """Campaigns of one robot, joined and prepared. Raises InputError where the data are unusable."""
     campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
     progress("loading the robot")
     read = problem(campaign)
+    given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     try:
         sound = _without_faults(read, tuple(stated_effects(read)))
         progress("fitting geometry")
         return _fitted(sound)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
+        if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
+            raise
         what = f"no robot of this kind moves as these data say ({error})"
         raise InputError(Fault(str(campaign.path), what, "check loads, stiffness and points")) from error
 
@@ -91,6 +103,7 @@ def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
     possible = without_impossible(problem)
     problem, faults = _measured_only(possible.problem), possible.faults
+    enough_poses(problem)  # what cannot be enough is not searched for mistakes
     far = jump(problem)
     if far is not None:
         problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))

@@ -68,6 +68,19 @@ class Rival:
 
 
 @dataclass(frozen=True)
+class Decision:
+    """What would decide between a finding and its rivals. command: ready to run; poses: how many settle it;
+    lambda_before, lambda_after: how far apart the rivals are now, and after it (`measurement.design`)."""
+
+    kind: Literal["poses", "drive_torque", "reading", "other"]
+    words: str
+    command: str | None
+    poses: int | None
+    lambda_before: float
+    lambda_after: float | None
+
+
+@dataclass(frozen=True)
 class Finding:
     """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
     this one, of all that competed."""
@@ -81,6 +94,7 @@ class Finding:
     parameters: tuple[Parameter, ...] = ()
     rivals: tuple[Rival, ...] = ()
     separate_by: str | None = None
+    decide: tuple[Decision, ...] = ()
     structure: str | None = None
     sentence: str = ""
     equation: str = ""
@@ -100,6 +114,22 @@ class NotTestable:
     cause: str
     why: str
     where: Where = NOWHERE
+
+
+@dataclass(frozen=True)
+class GivenFact:
+    """What `[known]` said, and what became of it. said: as it was said; given, seen, fitted: the parameter as
+    given, by the data alone, and by both (None of a cause that was excluded); obeyed: kept to."""
+
+    cause: str
+    where: Where
+    said: str
+    note: str = ""
+    given: Parameter | None = None
+    seen: Parameter | None = None
+    fitted: Parameter | None = None
+    obeyed: bool = True
+    sentence: str = ""
 
 
 @dataclass(frozen=True)
@@ -201,6 +231,7 @@ class Diagnosis:
     faults: tuple[FaultFound, ...] = ()
     test: TestFigures | None = None
     notes: tuple[str, ...] = ()
+    given: tuple[GivenFact, ...] = ()
     geometry: tuple[Parameter, ...] = ()
     unidentifiable: tuple[str, ...] = ()
     facts: Mapping[str, str] = field(default_factory=dict)

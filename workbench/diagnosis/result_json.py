@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from .result import Diagnosis, FaultFound, Finding, Stage, TestFigures
+    from ..effects.place import Parameter
+    from .result import Decision, Diagnosis, FaultFound, Finding, GivenFact, Stage, TestFigures
 
 
 def result_json(result: Diagnosis) -> dict[str, Any]:
@@ -39,6 +40,7 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         ],
         "faults": [fault_json(fault) for fault in result.faults],
         "notes": list(result.notes),
+        "given": [_given(fact) for fact in result.given],
         "version": result.version,
     }
 
@@ -82,16 +84,43 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "status": finding.status,
         "gain_mm": _number(finding.gain_mm),
         "probability": _number(finding.probability),
-        "parameters": [
-            {"name": p.name, "value": _number(p.value), "std": _number(p.std), "unit": p.unit}
-            for p in finding.parameters
-        ],
+        "parameters": [_parameter(p) for p in finding.parameters],
         "rivals": [
             {"cause": r.cause, **r.where.keys(), "probability": _number(r.probability)}
             for r in finding.rivals
         ],
         "separate_by": finding.separate_by,
+        **({"decide": [_decision(one) for one in finding.decide]} if finding.decide else {}),
         **({"structure": finding.structure} if finding.structure else {}),
+    }
+
+
+def _decision(one: Decision) -> dict[str, Any]:
+    after = None if one.lambda_after is None else _number(one.lambda_after)
+    return {
+        "kind": one.kind,
+        "words": one.words,
+        "command": one.command,
+        "poses": one.poses,
+        "lambda_before": _number(one.lambda_before),
+        "lambda_after": after,
+    }
+
+
+def _parameter(p: Parameter) -> dict[str, Any]:
+    return {"name": p.name, "value": _number(p.value), "std": _number(p.std), "unit": p.unit}
+
+
+def _given(fact: GivenFact) -> dict[str, Any]:
+    numbers = {"given": fact.given, "seen": fact.seen, "fitted": fact.fitted}
+    return {
+        "cause": fact.cause,
+        **fact.where.keys(),
+        "said": fact.said,
+        **({"note": fact.note} if fact.note else {}),
+        **{name: _parameter(p) for name, p in numbers.items() if p is not None},
+        "obeyed": fact.obeyed,
+        "sentence": fact.sentence,
     }
 
 

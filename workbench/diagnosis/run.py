@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ..campaign import Campaign, load_campaign
+from ..campaign.known import with_known
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
@@ -17,7 +19,8 @@ from ..identification.heldout import heldout
 from .competition import Selection, compete
 from .components import Key
 from .findings import Parts, assemble
-from .prepared import Progress, prepare
+from .given import search_with_given
+from .prepared import Prepared, Progress, prepare
 from .result import Diagnosis, NotTestable
 from .stages import rms_mm, without
 
@@ -27,11 +30,13 @@ FAINT = 0.1  # of the noise: a gain that decides nothing
 
 @dataclass(frozen=True)
 class Outcome:
-    """The diagnosis with what later steps need: the final fit and the problem it was made on."""
+    """The diagnosis with what later steps need: the final fit, the problem it was made on, and the
+    preparation that a plan begins with."""
 
     diagnosis: Diagnosis
     problem: Problem
     fit: Fit
+    prepared: Prepared
 
     def __repr__(self) -> str:
         return f"Outcome: {self.diagnosis!r}"
@@ -45,13 +50,15 @@ def diagnose(
     test: Given | None = None,
     progress: Progress = lambda _: None,
     seed: int = 0,
+    known: Sequence[str] = (),
 ) -> Outcome:
     """What the simulation gets wrong, why, and the gain of saying so.
 
     campaigns: one, or several of one robot, which are fitted together; each as loaded, or the path of its
     campaign.toml. test: poses kept apart; nothing is
     fitted on it but the frame and targets of set-ups that the campaigns do not have. progress: is told
-    each step in words. seed: of the groups of poses that are held out in turn. Raises `InputError` where
+    each step in words. seed: of the groups of poses that are held out in turn. known: facts beside those of
+    `[known]`, as `--known` takes them. Raises `InputError` where
     the data are unusable.
 
     >>> import numpy as np
@@ -67,16 +74,23 @@ def diagnose(
     """
     several = [campaigns] if isinstance(campaigns, Campaign | str | Path) else campaigns
     test = None if test is None else _loaded(test)
-    prepared = prepare([_loaded(one) for one in several], progress)
+    loaded = [_loaded(one) for one in several]
+    prepared = prepare([with_known(loaded[0], known), *loaded[1:]], progress)
     progress("testing causes")
     candidates, not_testable = testable(prepared.problem)
+    found = search_with_given(prepared, candidates, partial(_search, seed=seed), progress)
+    progress("writing down what was found")
+    missing = (*not_testable, *found.not_testable)
+    parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)
+    return Outcome(assemble(parts), found.prepared.problem, found.selection.fit, found.prepared)
+
+
+def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tuple[Prepared, Selection]:
+    """The causes that explain the data, and the noise that they leave where there was none."""
     selection = compete(prepared, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
-    selection = _worth_it(selection, seed)
-    progress("writing down what was found")
-    diagnosis = assemble(Parts(prepared, selection, candidates, tuple(not_testable), seed, test))
-    return Outcome(diagnosis, prepared.problem, selection.fit)
+    return prepared, _worth_it(selection, seed)
 
 
 def _loaded(given: Given) -> Campaign:

@@ -127,14 +127,27 @@ class Competition:
         prior = sum(prior_weight(self.components[m.component], m.scale) for m in members)
         return gained - 0.5 * chosen.log_determinant + prior
 
-    def best(self) -> list[Member]:
-        """The better of two searches: everything at once; or causes first, then everything."""
+    def best(self, before: Sequence[str] = ()) -> list[Member]:
+        """The better of two searches: everything at once; or causes first, then everything. Where a set was
+        found before (labels of its components), the search goes on from there."""
         everything = np.ones(len(self.components), bool)
+        if before:
+            return self.search(self._again(before), everything)
         causes = np.array([not c.nameless for c in self.components])
         found = [self.search([], everything)]
         if causes.any() and not all(causes[m.component] for m in found[0]):
             found.append(self.search(self.search([], causes), everything))
         return max(found, key=self.score)
+
+    def _again(self, labels: Sequence[str]) -> list[Member]:
+        """The components with these labels, each in its likeliest form beside the others."""
+        known = {component.label: k for k, component in enumerate(self.components)}
+        here = [known[label] for label in labels if label in known]
+        weights = self.beside(Chosen(self.reduced, []))
+        members = [Member(k, weights[k].form, weights[k].scale) for k in here]
+        own = np.zeros(len(self.components), bool)
+        own[here] = True
+        return self.exchanged(members, own)
 
     def search(self, start: list[Member], among: Mask) -> list[Member]:
         """Additions while any helps, then exchanges, and again until neither does."""

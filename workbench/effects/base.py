@@ -89,7 +89,8 @@ class Effect(ABC):
     at once. depends: what any form of it depends on (one form: `uses`). smooth: a smooth function of its
     joint's angle, so that several of them can draw any such function. always: every machine has it, whether
     its model states it or not. axial: it moves its joint along the joint's own axis, and nothing else.
-    in_drake: how a campaign simulated in Drake has it.
+    in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
+    whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`).
     """
 
     where: Where = NOWHERE
@@ -108,6 +109,7 @@ class Effect(ABC):
     always: ClassVar[bool] = False
     axial: ClassVar[bool] = False
     in_drake: ClassVar[str]
+    wholes: ClassVar[Mapping[str, str]] = {}
 
     @property
     @abstractmethod
@@ -213,6 +215,11 @@ class Effect(ABC):
     def given(self, numbers: Mapping[str, float]) -> Array:
         """The fitted parameters (p,) from numbers by name: `report` the other way round."""
         return np.array([numbers.get(p.name, 0.0) for p in self.params])
+
+    def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
+        """The parameter from one of `wholes`, measured `warmth` [K] over 20 °C; None where the model has no
+        such number to differ from."""
+        return None
 
     def sentence(self, values: Array) -> str:
         """What was found, for a busy engineer."""

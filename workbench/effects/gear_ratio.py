@@ -23,6 +23,7 @@ class GearRatio(TransmissionEffect):
     cause: ClassVar[str] = "gear_ratio"
     title: ClassVar[str] = "Reduction ratio is wrong"
     smooth: ClassVar[bool] = True
+    wholes: ClassVar[dict[str, str]] = {"ratio": "1"}
     equation: ClassVar[str] = "Delta q = epsilon thin q"
     separate: ClassVar[dict[str, str]] = {
         "hose_torque": "repeat some poses with the hose pack taken off: on poses alone the two are the same",
@@ -44,6 +45,10 @@ class GearRatio(TransmissionEffect):
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         j = joints.index(str(self.where.joint))
         return q[:, j : j + 1]
+
+    def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
+        believed = problem.robot.joints[problem.joint(self.where.joint)].data.gear_ratio
+        return believed / value - 1 if believed and value else None
 
     def sentence(self, values: Array) -> str:
         word = "further" if values[0] > 0 else "less"

@@ -8,12 +8,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..campaign.problem import Problem
+from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
+from ..robot.compensator import ATMOSPHERE
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
 from .base import Depends, Param, Rest
 from .drawn import Drawn
 from .kinds import LoadEffect
+
+REFERENCE_KELVIN = 273.15 + REFERENCE_TEMPERATURE
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,7 @@ class GravityCompensator(LoadEffect):
         "a LinearSpringDamper between its pivots (coil), or a pair of forces at the plant's port (gas)"
     )
     together: ClassVar[bool] = True
+    wholes: ClassVar[dict[str, str]] = {"precharge_bar": "bar", "gauge_bar": "bar", "rate": "N/m"}
     depends: ClassVar[Depends] = frozenset({"joints", "temperature"})
     equation: ClassVar[str] = "Delta tau = -Delta F(s) thin (dif s) / (dif q_2)"
     separate: ClassVar[dict[str, str]] = {
@@ -78,6 +82,17 @@ class GravityCompensator(LoadEffect):
         kind = problem.compensator.data.kind
         variants = ("charge", "preload", "temperature") if kind == "gas" else ("charge", "preload")
         return [cls(variant=variant, kind=kind) for variant in variants]
+
+    def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
+        if self.variant != "charge" or problem.compensator is None:
+            return None
+        data = problem.compensator.data
+        if name == "rate":
+            return value / data.rate - 1 if data.rate else None
+        if not data.precharge:
+            return None
+        pressure = 1e5 * value + (ATMOSPHERE if name == "gauge_bar" else 0.0)
+        return pressure * REFERENCE_KELVIN / (REFERENCE_KELVIN + warmth) / data.precharge - 1
 
     def _scale(self, problem: Problem) -> Array:
         """(N,) relative change of the charge per unit of the parameter."""

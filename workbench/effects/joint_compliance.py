@@ -29,6 +29,7 @@ class JointCompliance(AxialYield, LinearYield):
     cause: ClassVar[str] = "joint_compliance"
     title: ClassVar[str] = "Joint stiffness differs from the model"
     always: ClassVar[bool] = True
+    wholes: ClassVar[dict[str, str]] = {"stiffness": "N·m/rad"}
     equation: ClassVar[str] = "Delta q = c_0 thin r thin tau"
     separate: ClassVar[dict[str, str]] = {
         "payload": "weigh the payload, or add a third load",
@@ -63,6 +64,11 @@ class JointCompliance(AxialYield, LinearYield):
         out = np.zeros((6, 6))
         out[axial, axial] = self.nominal or 1.0
         return out
+
+    def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
+        if value <= 0:
+            return None
+        return 1 / (self.nominal * value) - 1 if self.nominal > 0 else 1 / value
 
     def sentence(self, values: Array) -> str:
         if self.nominal > 0:

@@ -26,6 +26,7 @@ class MassEffect(LoadEffect):
 
     reference: ClassVar[str]
     in_drake: ClassVar[str] = "mass and centre of mass of the body, in the Context"
+    wholes: ClassVar[dict[str, str]] = {"mass_kg": "kg"}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -37,6 +38,9 @@ class MassEffect(LoadEffect):
         if self.variant == "mass":
             return super().given(numbers)
         return np.array([numbers.get(f"moment_{a}", self.mass * numbers.get(f"com_{a}", 0.0)) for a in "xyz"])
+
+    def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
+        return value - self.mass if self.variant == "mass" else None
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         std = np.sqrt(np.diag(covariance))

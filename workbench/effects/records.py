@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
+from ..files.toml import SHOWN
 from ..robot.kinematics import Array
 from ..robot.schema import EffectRecord
 from . import catalogue
@@ -52,7 +54,9 @@ def parse_effect(text: str, problem: Problem) -> tuple[Effect, Array]:
         try:
             numbers[key] = float(value)
         except ValueError:
-            raise InputError(Fault(text, f"{key} is {value!r}, not a number")) from None
+            numbers[key] = math.nan
+        if not math.isfinite(numbers[key]):
+            raise InputError(Fault(text, f"{key} is {value[:SHOWN]!r}, not a number"))
     order = numbers.pop("order", None)
     return from_record(
         EffectRecord(cause=cause.strip(), order=order, values=numbers, **strings), problem, text

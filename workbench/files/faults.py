@@ -8,9 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from .whole import settle
+
 BYTE_ORDER_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 LARGEST = 1 << 29  # bytes of a file that is read
 CONTROL = re.compile("[\x00-\x08\x0b\x0e-\x1f\x7f-\x84\x86-\x9f]")  # act in a terminal, are no text
+BUILD = re.compile(r"Failure at \S+ in ")  # before what Drake says
 FAULTS_SHOWN = 10  # faults of one kind that are listed one by one; the rest is counted
 
 
@@ -38,6 +41,11 @@ class InputError(ValueError):
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
 
+def plain(text: str) -> str:
+    """The text with what acts in a terminal made visible, and without places in Drake's own source."""
+    return CONTROL.sub(lambda found: repr(found[0])[1:-1], BUILD.sub("", text))
+
+
 def counted(faults: Sequence[Fault]) -> list[Fault]:
     """Many faults of one kind: the first ones in full, the rest counted at the place of the last."""
     rest = len(faults) - FAULTS_SHOWN
@@ -53,6 +61,7 @@ def read_text(path: Path, encoding: str = "utf-8") -> str:
     try:
         if stat.S_ISCHR(path.stat().st_mode):
             raise InputError(Fault(str(path), "is a device, not a file", "name a file"))
+        settle(path.parent)
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except FileNotFoundError:

@@ -14,6 +14,7 @@ from .faults import Fault, InputError, counted, read_text
 from .table_columns import Column, Finding, Found, Layout, find_columns
 from .table_rows import content, split, usual_width, wrong_layout
 from .table_units import Unit
+from .toml import LONGEST
 
 Array = NDArray[np.float64]
 
@@ -79,6 +80,14 @@ def parse_table(text: str, path: Path, layout: Layout, wanted: Sequence[Column],
     if not rows or lines[0] != numbered[0][0]:
         needs = "a header and a line per row" if layout.header else "a line per row"
         table.faults = table.faults or [Fault(str(path), "is empty", f"it needs {needs}")]
+        return table
+    if endless := [line for row, line in zip(rows, lines, strict=True) if max(map(len, row)) > LONGEST]:
+        what, mend = (
+            f"has a cell of more than {LONGEST} characters",
+            "is a quotation mark or a separator missing?",
+        )
+        count = len(endless)
+        table.faults += line_faults(path, endless, [what] * count, [mend] * count)
         return table
     start = 1 if layout.header else 0
     width = _width(rows, layout)

@@ -1,13 +1,24 @@
-"""Files appear whole or not at all; those of one result all together or none of them."""
+"""Files appear whole or not at all; those of one result all together or none of them.
+
+A process that is killed while it moves the files of a result leaves its list of moves: whoever next reads or
+writes in that folder carries them out first (`settle`), so that nobody reads half of one result and half of
+another. One process at a time writes in a folder.
+"""
 
 from __future__ import annotations
 
+import fcntl
+import json
 import os
+import re
 import secrets
 import shutil
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from pathlib import Path
+
+MOVES = ".unfinished"  # names of temporary files, and of those that they become
+TEMPORARY = re.compile(r"\.[0-9a-f]{16}\.part")
 
 
 def put(path: Path, data: bytes | str) -> None:
@@ -23,17 +34,77 @@ def put_all(files: Mapping[Path, bytes | str]) -> None:
     there before stand there again, and neither temporary files nor new folders are left.
     """
     with ExitStack() as new_folders, ExitStack() as temporary, ExitStack() as placed:
+        folders = sorted({path.parent for path in files})
+        for folder in folders:
+            _make_folder(folder, new_folders)
+        for folder in folders:
+            temporary.enter_context(_locked(folder))
+            _clean(folder)
         fresh, kept = {}, {}
         for path, data in files.items():
-            _make_folder(path.parent, new_folders)
             fresh[path] = _beside(path, temporary)
             fresh[path].write_bytes(data.encode() if isinstance(data, str) else data)
             kept[path] = _copied(path, temporary)
+        if len(files) > 1:
+            _list_moves(fresh, temporary)
         for path, source in fresh.items():
             placed.callback(_take_back, path, kept[path])
             os.replace(source, path)
         placed.pop_all()
         new_folders.pop_all()
+
+
+def settle(folder: Path) -> None:
+    """Finish what a killed process began to move in the folder. Raises OSError where that cannot be done."""
+    if (folder / MOVES).exists():
+        with _locked(folder):
+            _finish(folder)
+
+
+def _list_moves(fresh: Mapping[Path, Path], temporary: ExitStack) -> None:
+    """From here on the result is the new one, unless a move fails; for files that share a folder."""
+    folder = Path(os.path.commonpath([path.parent.absolute() for path in fresh]))
+    if folder not in {path.parent.absolute() for path in fresh}:
+        return
+    moves = [[os.path.relpath(part, folder) for part in (source, path)] for path, source in fresh.items()]
+    listed = _beside(folder / MOVES, temporary)
+    listed.write_text(json.dumps(moves), encoding="utf-8")
+    os.replace(listed, folder / MOVES)
+    # the last callback is the first: it goes before the temporary files do
+    temporary.callback((folder / MOVES).unlink, missing_ok=True)
+
+
+def _finish(folder: Path) -> None:
+    """Carry out the list of moves in a folder, as far as they are its own."""
+    listed = folder / MOVES
+    if not listed.exists():
+        return
+    with suppress(ValueError, TypeError):
+        for source, target in json.loads(listed.read_text(encoding="utf-8")):
+            old, new = Path(source), Path(target)
+            inside = not new.is_absolute() and ".." not in new.parts and old.parent == new.parent
+            if inside and TEMPORARY.fullmatch(old.name):
+                with suppress(FileNotFoundError):  # was moved already
+                    os.replace(folder / source, folder / target)
+    listed.unlink(missing_ok=True)
+
+
+def _clean(folder: Path) -> None:
+    """The folder without what killed processes left in it."""
+    _finish(folder)
+    for name in os.listdir(folder):
+        if TEMPORARY.fullmatch(name):
+            (folder / name).unlink(missing_ok=True)
+
+
+def _locked(folder: Path) -> ExitStack:
+    """While it is open, no other process writes in the folder."""
+    held = ExitStack()
+    handle = os.open(folder, os.O_RDONLY)
+    held.callback(os.close, handle)
+    with suppress(OSError):  # a file system without locks
+        fcntl.flock(handle, fcntl.LOCK_EX)
+    return held
 
 
 def _make_folder(folder: Path, made: ExitStack) -> None:

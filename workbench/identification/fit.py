@@ -95,6 +95,11 @@ class Fit:
         part = self.columns.effect[i]
         return self.state.values[i], self.covariance[part, part]
 
+    def given_estimate(self, i: int) -> tuple[float, float]:
+        """Value and standard deviation of the model's i-th given number, what was given counted in."""
+        at = self.columns.given_slice.start + i
+        return float(self.state.given[i]), float(np.sqrt(self.covariance[at, at]))
+
     def wald(self, i: int) -> float:
         """Squared size of the model's i-th effect in standard deviations."""
         values, covariance = self.effect_values(i)
@@ -115,7 +120,7 @@ def fit(
     tolerance: float = 1e-2,
     max_iterations: int = 30,
 ) -> Fit:
-    """Fits frames, targets, geometry and the model's effects to the campaign.
+    """Fits frames, targets, geometry, the model's effects and its given numbers to the campaign.
 
     geometry: all of it, none of it, or only the columns 6 · slot + component (tx ty tz rx ry rz) named.
     start: default the registered nominal robot; it may lack the effects' values (zeros then). noise: default
@@ -127,7 +132,8 @@ def fit(
     start, noise = start or start_state(problem), noise or required_noise(problem)
     if len(start.values) != len(model.effects):
         start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
-    cols = columns(problem, model.effects, geometry)
+    start = replace(start, given=model.given_values(start))
+    cols = columns(problem, model.effects, geometry, model.given)
     line = model.linearise(start)
     W = whitening(problem, line, noise)
     at = equations(model, line, cols, start, W)

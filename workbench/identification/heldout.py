@@ -22,7 +22,7 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] 
     block = problem.positions
     blocks = int(block.max()) + 1
     fold = (np.random.default_rng(seed).permutation(blocks) % min(folds, blocks))[block]
-    plain = _motions(result)
+    plain = motions(result)
     kept = np.ones(len(cols.names), bool)
     gone = np.zeros(len(cols.names))
     for i in without:
@@ -37,8 +37,7 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] 
     for f in range(fold.max() + 1):
         here = fold == f
         own = J[here].reshape(-1, J.shape[2])
-        left = A - own.T @ own
-        left[np.diag_indices_from(left)] += 1e-12 * np.diag(A)
+        left = without_rows(A, own)
         change = np.zeros(len(cols.names))
         change[kept] = np.linalg.solve(left, slope - own.T @ r[here].ravel())
         change *= cols.prior
@@ -46,7 +45,14 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] 
     return out
 
 
-def _motions(result: Fit) -> Array:
+def without_rows(A: Array, own: Array) -> Array:
+    """(P, P) normal equations A less those of the rows own (k, P)."""
+    left = A - own.T @ own
+    left[np.diag_indices_from(left)] += 1e-12 * np.diag(A)
+    return np.asarray(left)
+
+
+def motions(result: Fit) -> Array:
     """(N, R, P) Jacobian before whitening."""
     rows = result.whitener.shape[2]
     unit = np.broadcast_to(np.eye(rows), (len(result.whitener), rows, rows))

@@ -11,7 +11,7 @@ which is the exact compliance derivative (K − ∂τ/∂θ)⁻¹ for axial spri
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from ..campaign import drive_torque
 from ..campaign.problem import Problem
 from ..effects.acting import Acting
 from ..effects.base import Effect
+from ..effects.given import Given
 from ..robot.equilibrium import equilibrium
 from ..robot.kinematics import Arm, Array, Frames, point_jacobian
 from ..robot.loads import Loads, Wrenches
@@ -32,7 +33,8 @@ class State:
     """Everything that a fit changes. K set-ups, T targets, S slots.
 
     geometry: (S, 6) corrections [m, rad]; R: (K, 3, 3), t: (K, 3) [m] base frame in the instrument's;
-    targets: (K, T, 3) [m] in the frames behind their slots; values: one (p,) per effect of the model.
+    targets: (K, T, 3) [m] in the frames behind their slots; values: one (p,) per effect of the model;
+    given: (g,) the model's given numbers, empty where they are as they were said.
     """
 
     geometry: Array
@@ -40,6 +42,7 @@ class State:
     t: Array
     targets: Array
     values: tuple[Array, ...] = ()
+    given: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -90,15 +93,22 @@ class Linearisation:
 @dataclass(frozen=True)
 class Model:
     """A problem with the effects that act in it: `effects` with the state's values, and `known` ones
-    with values of their own, which no fit changes (those of a model.toml)."""
+    with values of their own, which no fit changes (those of a model.toml); `given`: numbers known by other
+    means, which a fit changes within their spread."""
 
     problem: Problem
     effects: tuple[Effect, ...] = ()
     known: tuple[tuple[Effect, Array], ...] = ()
+    given: tuple[Given, ...] = ()
+
+    def given_values(self, state: State) -> Array:
+        """(g,) the given numbers at a state."""
+        return state.given if len(state.given) else np.array([item.value for item in self.given])
 
     def acting(self, state: State) -> Acting:
         """All effects with their values at a state."""
-        return Acting((*self.known, *zip(self.effects, state.values, strict=True)))
+        given = [(item.effect, v[None]) for item, v in zip(self.given, self.given_values(state), strict=True)]
+        return Acting((*self.known, *given, *zip(self.effects, state.values, strict=True)))
 
     def start(self, R: Array, t: Array, targets: Array) -> State:
         """State with the robot's own geometry and all effects at zero."""

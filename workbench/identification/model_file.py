@@ -18,6 +18,7 @@ from ..robot.kinematics import Array
 from ..robot.loop import Loop
 from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
+from .prediction.of_fit import uncertainty
 
 
 def write_model(path: str | Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
@@ -65,6 +66,8 @@ def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[Effe
         if geometry[i + 1].any()
     }
     table["effects"] = [_given(item.model_dump()) for item in effects]
+    if robot.uncertainty is not None:
+        table["prediction"] = robot.uncertainty.model_dump(mode="json")
     return toml_text(table)
 
 
@@ -86,8 +89,11 @@ def fit_text(path: Path, fit: Fit) -> str:
     """A fit as the extended robot that is to stand at `path`: what it found, beside what the robot's model
     had already. Tool and payloads are the campaign's: the effects were found under them."""
     model = fit.model
-    found = [record(e, v) for e, v in zip(model.effects, fit.state.values, strict=True) if e.lasting]
+    given = [(item.effect, v[None]) for item, v in zip(model.given, fit.state.given, strict=True) if v]
+    values = [*given, *zip(model.effects, fit.state.values, strict=True)]
+    found = [record(effect, v) for effect, v in values if effect.lasting]
     robot = loaded(model.problem.robot, model.problem.campaign)
+    robot = replace(robot, uncertainty=uncertainty(fit))
     return model_text(path, robot, fit.state.geometry, [*robot.effects, *found])
 
 

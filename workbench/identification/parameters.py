@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
 from ..effects.base import Effect
+from ..effects.given import Given
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 from ..robot.schema import GEOMETRY
@@ -25,7 +26,7 @@ class Columns:
 
     First the frames: shift and turn of each set-up. Then `targets`: (setup, target, columns), three
     columns for one target, or six (shift and turn, target None) for all of a 6-D measurement together.
-    Then geometry: columns 6 · slot + component; then the effects' own parameters.
+    Then geometry: columns 6 · slot + component; then `given` numbers; then the effects' own parameters.
     """
 
     names: tuple[str, ...]
@@ -34,12 +35,13 @@ class Columns:
     targets: tuple[tuple[int, int | None, slice], ...]
     geometry: NDArray[np.int64]
     effect: tuple[slice, ...]
+    given: int = 0
 
     @property
     def background(self) -> int:
         """Number of columns before the effects'."""
         start = self.targets[-1][2].stop if self.targets else 6 * self.setups
-        return int(start) + len(self.geometry)
+        return int(start) + len(self.geometry) + self.given
 
     def index(self, name: str) -> int:
         """Number of a column by its name, or by a start that only this name has (`payload/heavy/mass`)."""
@@ -52,11 +54,22 @@ class Columns:
 
     @property
     def geometry_slice(self) -> slice:
-        return slice(self.background - len(self.geometry), self.background)
+        stop = self.given_slice.start
+        return slice(stop - len(self.geometry), stop)
+
+    @property
+    def given_slice(self) -> slice:
+        return slice(self.background - self.given, self.background)
 
 
-def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequence[int] = True) -> Columns:
-    """The numbers to fit: frames, targets, geometry (all, none, or these columns) and the effects' own."""
+def columns(
+    problem: Problem,
+    effects: Sequence[Effect],
+    geometry: bool | Sequence[int] = True,
+    given: Sequence[Given] = (),
+) -> Columns:
+    """The numbers to fit: frames, targets, geometry (all, none, or these columns), given ones, and the
+    effects' own."""
     campaign = problem.campaign
     names: list[str] = []
     prior: list[float] = []
@@ -77,15 +90,17 @@ def columns(problem: Problem, effects: Sequence[Effect], geometry: bool | Sequen
         slot, component = divmod(int(column), 6)
         names.append(f"geometry/{arm.names[slot - 1]}/{GEOMETRY[component]}")
         prior.append(GEOMETRY_PRIOR[component // 3])
+    for item in given:
+        names += [f"given/{name}" for name in effect_names(item.effect)]
+        prior.append(item.std)
     slices, start = [], len(names)
     for effect in effects:
         names += effect_names(effect)
         prior += effect.prior(problem).tolist()
         slices.append(slice(start, len(names)))
         start = len(names)
-    return Columns(
-        tuple(names), np.array(prior), len(campaign.setup_names), tuple(targets), which, tuple(slices)
-    )
+    setups = len(campaign.setup_names)
+    return Columns(tuple(names), np.array(prior), setups, tuple(targets), which, tuple(slices), len(given))
 
 
 def effect_names(effect: Effect) -> list[str]:

@@ -68,6 +68,7 @@ def fitted_numbers(cols: Columns, state: State) -> Array:
         if i is not None:
             out[part] = state.targets[k, i]
     out[cols.geometry_slice] = state.geometry.ravel()[cols.geometry]
+    out[cols.given_slice] = state.given
     for part, values in zip(cols.effect, state.values, strict=True):
         out[part] = values
     return out
@@ -85,6 +86,7 @@ def _offset(model: Model, cols: Columns, state: State) -> Array:
             out[part] = np.linalg.lstsq(body_motion(state.targets[k]), off.ravel(), rcond=None)[0]
     change = state.geometry - problem.arm.geometry
     out[cols.geometry_slice] = change.ravel()[cols.geometry]
+    out[cols.given_slice] = state.given - [item.value for item in model.given]
     for part, values in zip(cols.effect, state.values, strict=True):
         out[part] = values
     return out / cols.prior
@@ -106,6 +108,9 @@ def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: 
             count = 3 * line.target.shape[1]
             J[:, :count, part] = np.where(here, (line.target @ body).reshape(n_poses, count, 6), 0.0)
     J[:, :, cols.geometry_slice] = line.geometry[:, :, cols.geometry]
+    for i, item in enumerate(model.given, cols.given_slice.start):
+        values = state.given[i - cols.given_slice.start, None]
+        J[:, :, i : i + 1] = model.effect_jacobian(line, item.effect, values)
     for part, effect, values in zip(cols.effect, model.effects, state.values, strict=True):
         J[:, :, part] = model.effect_jacobian(line, effect, values)
     return np.asarray(np.matmul(W, J))
@@ -126,4 +131,5 @@ def moved(problem: Problem, cols: Columns, state: State, centre: Array, step: Ar
     geometry = state.geometry.copy()
     geometry.reshape(-1)[cols.geometry] += step[cols.geometry_slice]
     values = tuple(v + step[part] for v, part in zip(state.values, cols.effect, strict=True))
-    return replace(state, targets=targets, geometry=geometry, values=values)
+    given = state.given + step[cols.given_slice]
+    return replace(state, targets=targets, geometry=geometry, values=values, given=given)

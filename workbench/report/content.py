@@ -13,7 +13,7 @@ from typing import Any
 
 from scipy.stats import maxwell
 
-from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound, Finding
+from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
 from ..effects.place import Parameter
 from . import figures
 from .drawing import Figure
@@ -70,6 +70,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "geometry": [_geometry(parameter) for parameter in diagnosis.geometry],
         "facts": [[name, value] for name, value in _facts(diagnosis)],
         "notes": list(diagnosis.notes),
+        "given": [_given(fact) for fact in diagnosis.given],
         "support": SUPPORT,
         "version": diagnosis.version,
         "inputs": [[name, digest] for name, digest in diagnosis.inputs.items()],
@@ -197,8 +198,16 @@ def _cause(finding: Finding, number: int) -> Content:
         "parameters": [_parameter(parameter) for parameter in finding.parameters],
         "rivals": _rivals(finding),
         "separate_by": finding.separate_by or "",
+        "decide": [[decision(one), one.command or ""] for one in finding.decide],
         "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",
     }
+
+
+def decision(one: Decision) -> str:
+    """What would decide, with λ before and after."""
+    if one.lambda_after is None:
+        return one.words
+    return f"{one.words} (λ {one.lambda_before:.2g} → {one.lambda_after:.2g})"
 
 
 def _rivals(finding: Finding) -> list[str]:
@@ -236,6 +245,23 @@ def _fault(fault: FaultFound) -> list[str]:
     pose = "" if fault.pose_id is None else f"pose {fault.pose_id}"
     where = ", ".join(part for part in (pose, fault.target) if part)
     return [words(fault.kind), where, fault.what, fault.done]
+
+
+def _given(fact: GivenFact) -> list[str]:
+    """As it was said, as the data alone have it, as both have it, and whether it was kept to."""
+    where = place(fact.where)
+    seen, fitted = (
+        quantity(p).interval or str(quantity(p)) if p else MISSING for p in (fact.seen, fact.fitted)
+    )
+    cause = f"{words(fact.cause)} ({where})" if where else words(fact.cause)
+    note = f" ({fact.note})" if fact.note else ""
+    return [
+        cause,
+        f"{fact.said}{note}",
+        seen,
+        fitted,
+        "kept to" if fact.obeyed else "contradicted, not kept to",
+    ]
 
 
 def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:

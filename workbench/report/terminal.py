@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..diagnosis.result import Diagnosis
-from .content import place
+from .content import decision, place
 
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
@@ -39,6 +39,10 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             lines.append(f"            fits as well: {rivals}")
         if finding.separate_by:
             lines.append(f"            to decide: {finding.separate_by}")
+        for one in finding.decide:
+            lines.append(f"            - {decision(one)}")
+            lines += [f"              {one.command}"] if one.command else []
+    lines += [f"  {fact.sentence}" for fact in diagnosis.given]
     for fault in diagnosis.faults[:10]:
         lines.append(f"  data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done})")
     if len(diagnosis.faults) > 10:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -31,30 +32,19 @@ class CompensatorLaw:
 
     def force(self, s: Array) -> tuple[Array, Array, Array]:
         """F, dF/ds and dF/dcharge at pivot distances s: (N,)."""
-        d = self.data
-        if d.kind == "spring":
-            assert d.rate is not None
-            assert d.free_length is not None
-            pull = d.rate * (s - d.free_length)
-            return self.charge * pull + self.preload, self.charge * np.full_like(s, d.rate), pull
-        assert d.piston_area
-        assert d.precharge
-        assert d.gas_length
-        assert d.reference is not None
-        length = d.gas_length - (s - d.reference)
-        gas = d.piston_area * d.precharge * (d.gas_length / length) ** d.exponent
-        force = self.charge * gas - d.piston_area * ATMOSPHERE + self.preload
-        return force, self.charge * gas * d.exponent / length, gas
+        by_charge, by_length, constant = _force(self.data, s)
+        return self.charge * by_charge + constant + self.preload, self.charge * by_length, by_charge
 
     def pull(self, s: float, charge: float, preload: float) -> float:
         """F [N] at one pivot distance s [m], with that charge and preload in place of the law's own."""
-        return float(replace(self, charge=charge, preload=preload).force(np.array([s]))[0][0])
+        by_charge, _, constant = _force(self.data, s)
+        return charge * by_charge + constant + preload
 
     @property
     def coil(self) -> tuple[float, float] | None:
         """Rate [N/m] and free length [m] of the coil spring that pulls as this does; None where none does: a
-        gas, or a spring that would be slack at no length."""
-        if self.data.kind != "spring":
+        gas, a spring whose rate changes, or one that would be slack at no length."""
+        if self.data.kind != "spring" or np.ptp(self.charge) > 0:
             return None
         assert self.data.rate is not None
         assert self.data.free_length is not None
@@ -68,6 +58,24 @@ class CompensatorLaw:
         b = where.p[self.body] + where.R[self.body] @ self.body_pivot
         s = np.linalg.norm(b - a, axis=1)
         return a, (b - a) / s[:, None], s
+
+
+Length = TypeVar("Length", float, Array)
+
+
+def _force(data: Compensator, s: Length) -> tuple[Length, Length, float]:
+    """Force that the charge multiplies, its slope by s, and force beside it, at pivot distance s."""
+    if data.kind == "spring":
+        assert data.rate is not None
+        assert data.free_length is not None
+        return data.rate * (s - data.free_length), data.rate + 0 * s, 0.0
+    assert data.piston_area
+    assert data.precharge
+    assert data.gas_length
+    assert data.reference is not None
+    length = data.gas_length - (s - data.reference)
+    gas = data.piston_area * data.precharge * (data.gas_length / length) ** data.exponent
+    return gas, gas * data.exponent / length, -data.piston_area * ATMOSPHERE
 
 
 def compensator_law(robot: Robot, arm: Arm) -> CompensatorLaw | None:

@@ -25,6 +25,7 @@ from .schema import (
     parse_robot,
     unknown_names,
 )
+from .uncertainty import Uncertainty
 from .urdf import read_urdf
 
 
@@ -61,6 +62,7 @@ class Robot:
     effects: tuple[EffectRecord, ...] = ()
     path: Path | None = None
     loop: Loop = field(default_factory=Loop)
+    uncertainty: Uncertainty | None = None
 
     def __repr__(self) -> str:
         joints = ", ".join(f"{joint.name} ({joint.kind})" for joint in self.joints)
@@ -140,6 +142,7 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         effects=file.effects,
         path=path,
         loop=file.controller.loop,
+        uncertainty=file.prediction,
     )
 
 

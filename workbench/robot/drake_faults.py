@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from ..files.faults import Fault, InputError
+from ..files.faults import BUILD, Fault, InputError
 from .description import Robot
 
 PLACED = re.compile(r"[^\s:]*:(\d+): (?:error: )?(.*)", re.DOTALL)  # file:line: error: what
-BUILD = re.compile(r"Failure at \S+ in ")  # Drake's own source file
 
 
 @contextmanager
@@ -27,6 +27,8 @@ def drake_reads(robot: Robot) -> Iterator[None]:
     ]
     if reversed_limits:
         raise InputError(reversed_limits)
+    log, told = logging.getLogger("drake"), _Told()
+    log.addFilter(told)
     try:
         yield
     except (RuntimeError, ValueError) as error:
@@ -35,3 +37,13 @@ def drake_reads(robot: Robot) -> Iterator[None]:
         place = f"{robot.urdf} line {placed[1]}" if placed else str(robot.urdf)
         what = " ".join((placed[2] if placed else text).split())
         raise InputError(Fault(place, f"Drake cannot read it: {what}", "mend the URDF")) from None
+    finally:
+        log.removeFilter(told)
+
+
+class _Told(logging.Filter):
+    """What Drake remarks, without its own source files."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        record.msg, record.args = BUILD.sub("", record.getMessage()), ()
+        return True

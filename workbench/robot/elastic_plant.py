@@ -16,17 +16,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from pydrake.multibody.plant import ExternallyAppliedSpatialForceMultiplexer, MultibodyPlant
-from pydrake.multibody.tree import Frame, Joint, RevoluteSpring, RigidBody
-from pydrake.systems.framework import Diagram, DiagramBuilder
-from pydrake.systems.primitives import Adder
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Frame, Joint, RevoluteSpring
 
 from .compensator import CompensatorLaw
 from .description import Robot
 from .elastic_twin import ElasticTwin
-from .force_systems import Cylinder, SlotSpring, SlotSprings
+from .force_systems import SlotSpring, SlotSprings
 from .kinematics import RX, Arm
-from .plant_parts import add_coil, add_rotor, add_spring, axial_joint, component_joint, pivots
+from .plant_diagram import cylinder_of, plant_diagram
+from .plant_parts import add_rotor, add_spring, axial_joint, component_joint
 from .plants import ArmPlant, arm_plant
 from .schema import GEOMETRY
 from .yielding import Yielding, own_yielding
@@ -48,17 +47,9 @@ def elastic_twin(
     """
     yielding = own_yielding(arm) if yielding is None else yielding
     moving = _Moving(arm, robot, yielding, set(moved))
-
-    def between(plant: MultibodyPlant, bodies: tuple[RigidBody, ...]) -> None:
-        if compensator is not None and compensator.coil is not None:
-            add_coil(plant, bodies, arm, compensator)
-
-    built = arm_plant(arm, moving.at_slot, between=between)
-    laws, cylinder = moving.laws(built), None
-    if compensator is not None and compensator.coil is None:
-        carriers = built.bodies[compensator.body], built.bodies[compensator.arm]
-        cylinder = Cylinder(compensator, carriers, pivots(arm, compensator))
-    diagram = _diagram(built, laws, cylinder)
+    built = arm_plant(arm, moving.at_slot, compensator=compensator)
+    laws, cylinder = moving.laws(built), cylinder_of(built, arm, compensator)
+    diagram = plant_diagram(built.plant, laws, cylinder)
     return ElasticTwin(
         arm=arm,
         built=built,
@@ -72,27 +63,6 @@ def elastic_twin(
         compensator=compensator,
         cylinder=cylinder,
     )
-
-
-def _diagram(built: ArmPlant, laws: SlotSprings | None, cylinder: Cylinder | None) -> Diagram:
-    """Plant and force laws; inputs `joint_force` (V,) and `wrench`, ExternallyAppliedSpatialForces."""
-    builder, plant = DiagramBuilder(), built.plant
-    builder.AddSystem(plant)
-    summed = builder.AddSystem(Adder(1 if laws is None else 2, plant.num_velocities()))
-    builder.ExportInput(summed.get_input_port(0), "joint_force")
-    builder.Connect(summed.get_output_port(), plant.get_applied_generalized_force_input_port())
-    if laws is not None:
-        builder.AddSystem(laws)
-        builder.Connect(plant.get_state_output_port(), laws.get_input_port())
-        builder.Connect(laws.get_output_port(), summed.get_input_port(1))
-    joined = builder.AddSystem(ExternallyAppliedSpatialForceMultiplexer(1 if cylinder is None else 2))
-    builder.ExportInput(joined.get_input_port(0), "wrench")
-    builder.Connect(joined.get_output_port(), plant.get_applied_spatial_force_input_port())
-    if cylinder is not None:
-        builder.AddSystem(cylinder)
-        builder.Connect(plant.get_body_poses_output_port(), cylinder.get_input_port())
-        builder.Connect(cylinder.get_output_port(), joined.get_input_port(1))
-    return builder.Build()
 
 
 class _Moving:

@@ -9,15 +9,16 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import MultibodyForces, RevoluteSpring
 from pydrake.systems.framework import Context, Diagram
 
 from .compensator import CompensatorLaw
+from .equilibrium import NoRest
 from .force_systems import Cylinder, SlotSprings
 from .kinematics import Arm, Array
 from .loads import Loads
+from .plant_diagram import add_applied, applied_wrench
 from .plant_parts import link_inertia, point_inertia, slot_pose
 from .plants import ArmPlant
 from .schema import GEOMETRY
@@ -86,10 +87,7 @@ class ElasticTwin:
         for at in (self._motors_at, self._axial_at):
             force[at] += loads.torque[0]
         self.diagram.GetInputPort("joint_force").FixValue(self.root, force)
-        wrench: Any = ExternallyAppliedSpatialForce()
-        wrench.body_index, wrench.p_BoBq_B = self.built.bodies[-1].index(), np.zeros(3)
-        pushed: Any = loads.wrench[0]
-        wrench.F_Bq_W = SpatialForce(pushed[3:], pushed[:3])
+        wrench = applied_wrench(self.built.bodies[-1], loads.wrench[0])
         self.diagram.GetInputPort("wrench").FixValue(self.root, [wrench])
         if (law := loads.compensator) is not None and self.cylinder is not None:
             charge = float(np.mean(law.charge))
@@ -104,7 +102,7 @@ class ElasticTwin:
 
         q: (n,) commanded; direct: (S, 6) motions without load, at which the springs are slack; `loads` of
         one pose (N = 1). Each round the wrench of the springs takes up what Drake's forces leave, and the
-        batch law says where that moves the slots. Raises ArithmeticError where the arm finds no rest.
+        batch law says where that moves the slots. Raises NoRest where the arm finds no rest.
         """
         self._refuse_without_joint(direct)
         self.set_loads(loads)
@@ -124,18 +122,14 @@ class ElasticTwin:
                 self.set_motion(q, motion, direct)
                 return motion
             last = step
-        raise ArithmeticError("Drake's equilibrium was not reached")
+        raise NoRest
 
     def forces(self) -> Array:
         """(V,) Drake's generalised forces at the present place: weight, force elements, all at the ports."""
         plant, context = self.plant, self.context
         sum_ = MultibodyForces(plant)
         plant.CalcForceElementsContribution(context, sum_)
-        at_bodies: Any = plant.get_applied_spatial_force_input_port().Eval(context)
-        for one in at_bodies:
-            body = plant.get_body(one.body_index)
-            lever = body.EvalPoseInWorld(context).rotation() @ one.p_BoBq_B
-            body.AddInForce(context, lever, one.F_Bq_W, plant.world_frame(), sum_)
+        add_applied(plant, context, sum_)
         at_port: Any = plant.get_applied_generalized_force_input_port().Eval(context)
         return np.asarray(plant.CalcGeneralizedForces(context, sum_) + at_port)
 

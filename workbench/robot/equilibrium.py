@@ -9,10 +9,19 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..files.faults import Fault, InputError
 from .kinematics import Arm, Array, Frames, frames
 from .loads import Loads, Wrenches, wrenches
 
 Law = Callable[[Array], Array]
+
+
+class NoRest(InputError, ArithmeticError):
+    """The arm as stated does not come to rest under its loads as stated."""
+
+    def __init__(self) -> None:
+        what = "the loaded arm finds no rest: a stiffness is far too small for its load"
+        super().__init__(Fault("robot", what, "check stiffness, masses, wrenches and effects"))
 
 
 def equilibrium(
@@ -31,7 +40,7 @@ def equilibrium(
     the local wrenches (N, S, 6). Fixed point; the load moves the wrenches by about 1e-3 of
     themselves, so each round gains three digits. An arm that is almost the same saves rounds: `near`, its
     motions, and `preconditioner`, which makes a Newton step of a round's change (N, S, 6). Raises
-    ArithmeticError when an arm is so soft that it does not come to rest.
+    NoRest when an arm is so soft that it does not come to rest.
     """
     motion, last = direct if near is None else near, np.inf
     for _ in range(60):
@@ -43,4 +52,4 @@ def equilibrium(
             return motion + change, where, load
         last = step
         motion = motion + (change if preconditioner is None else preconditioner(change))
-    raise ArithmeticError("the loaded arm finds no rest: a stiffness is far too small for its load")
+    raise NoRest

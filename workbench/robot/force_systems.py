@@ -6,6 +6,7 @@ gear); `Cylinder` is a compensator of any law. Both act wherever the plant is ev
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
@@ -23,6 +24,7 @@ from .compensator import CompensatorLaw
 from .kinematics import Array
 from .yielding import Yielding
 
+_NO_TORQUE: Any = np.zeros(3)
 RIGID = 1e-16  # rad/(N·m), m/N: what a direction yields in which the slot's own law does not
 
 
@@ -121,6 +123,7 @@ class Cylinder(LeafSystem):
         super().__init__()
         self.law, self.pivots = law, pivots
         self._bodies = tuple(body.index() for body in bodies)
+        self._frames = tuple(body.body_frame() for body in bodies)
         self._poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())
         start: Any = [float(np.mean(law.charge)), law.preload]
         self.DeclareNumericParameter(BasicVector(start))
@@ -133,18 +136,22 @@ class Cylinder(LeafSystem):
         both: Any = [charge, preload]
         context.get_mutable_numeric_parameter(0).SetFromVector(both)
 
+    def distance(self, plant: MultibodyPlant, context: Context) -> float:
+        """Of the pivots [m], in the plant's own Context."""
+        far: Any = plant.CalcRelativeTransform(context, *self._frames) @ self.pivots[1]
+        return float(np.linalg.norm(far - self.pivots[0]))
+
     def _calc(self, context: Context, output: Any) -> None:
         poses: Any = self._poses.Eval(context)
         charge, preload = context.get_numeric_parameter(0).get_value()
         ends = [poses[int(body)] @ pivot for body, pivot in zip(self._bodies, self.pivots, strict=True)]
         way = ends[1] - ends[0]
-        s = float(np.linalg.norm(way))
+        s = math.sqrt(way @ way)
         pull = self.law.pull(s, charge, preload) / s * way
         forces = []
-        for body, pivot, sign in zip(self._bodies, self.pivots, (1.0, -1.0), strict=True):
+        for body, pivot, force in zip(self._bodies, self.pivots, (pull, -pull), strict=True):
             one: Any = ExternallyAppliedSpatialForce()
             one.body_index, one.p_BoBq_B = body, pivot
-            tau, force = np.zeros(3), sign * pull
-            one.F_Bq_W = SpatialForce(tau=tau, f=force)  # type: ignore[arg-type]
+            one.F_Bq_W = SpatialForce(_NO_TORQUE, force)
             forces.append(one)
         output.set_value(forces)

@@ -17,14 +17,14 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, Frame, RigidBody, SpatialInertia
 
+from .compensator import CompensatorLaw
 from .description import Robot
 from .drake_faults import drake_reads
 from .kinematics import Arm, Array
-from .plant_parts import axial_joint, link_inertia, motion_transform, slot_pose
+from .plant_parts import add_coil, axial_joint, link_inertia, motion_transform, slot_pose
 from .shown import bare_text, shown_text
 
 Moving = Callable[[MultibodyPlant, int, Frame], Frame]
-Between = Callable[[MultibodyPlant, tuple[RigidBody, ...]], None]
 
 
 def urdf_plant(
@@ -39,6 +39,8 @@ def urdf_plant(
     plant = MultibodyPlant(0.0) if plant is None else plant
     with drake_reads(robot):
         Parser(plant).AddModelsFromString(text, "urdf")
+        for name in robot.joint_names:  # Drake skips some elements that it does not understand
+            plant.GetJointByName(name)
     plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))
     plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(robot.base).body_frame())
     if more is not None:
@@ -67,13 +69,13 @@ def arm_plant(
     moving: Moving,
     payload: SpatialInertia | None = None,
     placed: Array | None = None,
-    between: Between | None = None,
+    compensator: CompensatorLaw | None = None,
 ) -> ArmPlant:
     """Builds an arm slot by slot; finalised.
 
     moving: adds what moves at a slot, on the frame given, and returns the frame that carries the link.
     payload: inertia of tool and payload in the flange's frame. placed: (S, 6) motions that stay as they are.
-    between: adds what acts between the bodies, base to flange.
+    compensator: whose coil spring becomes Drake's element; of another law, see `plant_diagram`.
     """
     plant = MultibodyPlant(0.0)
     plant.mutable_gravity_field().set_gravity_vector(arm.gravity)
@@ -96,8 +98,8 @@ def arm_plant(
         bodies.append(body)
         slots.append(parent)
         corrected.append(frame)
-    if between is not None:
-        between(plant, tuple(bodies))
+    if compensator is not None and compensator.coil is not None:
+        add_coil(plant, tuple(bodies), arm, compensator)
     plant.Finalize()
     return ArmPlant(plant, tuple(bodies), tuple(slots), tuple(corrected))
 

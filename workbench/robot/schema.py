@@ -11,6 +11,7 @@ from ..files.faults import Fault, InputError
 from ..files.toml import read_toml
 from .convention import Controller
 from .loop import Loop
+from .uncertainty import Uncertainty
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 STANDARD_GRAVITY = 9.80665  # m/s²
@@ -19,7 +20,7 @@ Vector3 = tuple[float, float, float]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True, allow_inf_nan=False)
 
 
 class JointData(_Table):
@@ -166,6 +167,8 @@ class RobotFile(_Table):
     """in a model.toml: corrections tx ty tz rx ry rz [m, rad] by joint"""
     effects: tuple[EffectRecord, ...] = ()
     """in a model.toml: what was found"""
+    prediction: Uncertainty | None = None
+    """in a model.toml: how sure it is of the tool's place"""
 
 
 class _LoopFile(_Table):

@@ -1,8 +1,9 @@
 """The next measurements: records that make the model most accurate, or that discriminate between rivals."""
 
 from .accuracy import AccuracyPlan
+from .decide import what_decides
 from .discrimination import DiscriminationPlan
 from .fedorov import criterion, exchange
 from .next_poses import plan
 
-__all__ = ["AccuracyPlan", "DiscriminationPlan", "criterion", "exchange", "plan"]
+__all__ = ["AccuracyPlan", "DiscriminationPlan", "criterion", "exchange", "plan", "what_decides"]

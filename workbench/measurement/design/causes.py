@@ -50,22 +50,21 @@ class NamedCause:
         return NOTHING.union(*(effect.uses for effect in self.sites(trial)))
 
 
-def named_causes(text: str) -> tuple[NamedCause, NamedCause]:
-    """The two causes of `--tell`: a part without a colon that is key=value belongs to the cause before it.
-    Raises InputError."""
+def named_causes(text: str) -> tuple[NamedCause, ...]:
+    """The causes of `--tell`, two or more: a part without a colon that is key=value belongs to the cause
+    before it. Raises InputError."""
     found: list[str] = []
     for part in (part.strip() for part in text.split(",")):
         if found and "=" in part and ":" not in part:
             found[-1] += f"{',' if ':' in found[-1] else ':'}{part}"
         elif part:
             found.append(part)
-    if len(found) != 2:
+    if len(found) < 2:
         raise InputError(Fault("--tell", f"{text!r} names {len(found)} causes, not two", EXAMPLE))
     faults = [fault for item in found for fault in _faults(item)]
     if faults:
         raise InputError(faults)
-    first, second = (_named(item) for item in found)
-    return first, second
+    return tuple(_named(item) for item in found)
 
 
 def _faults(item: str) -> list[Fault]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -136,14 +136,14 @@ class DiscriminationPlan:
 def plan_discrimination(prior: PriorInformation, text: str, count: int, search: Search) -> DiscriminationPlan:
     """`count` records out of the candidates that tell the causes of `text` apart. Raises InputError where
     the text names no two causes, or causes that these records cannot have."""
-    offered, first, second = _offered(prior, text, search)
+    offered, causes = _offered(prior, text, search)
     check_count(count, len(offered.poses.q))
-    effects = list(dict.fromkeys([*first, *second]))
+    effects = list(dict.fromkeys(effect for cause in causes for effect in cause))
     at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
     space = design_space(prior.of_records(offered, at_zero), prior.of_campaign(at_zero))
     everything = space.before + information(space.rows)
     unseen = [effect for effect in effects if space.alone(everything, effect) < LEVELS.least]
-    pairs = _pairs(first, second, unseen)
+    pairs = _pairs(causes, unseen)
     if not pairs and not unseen:
         raise InputError(Fault("--tell", f"{text!r} names one cause at one place", EXAMPLE))
     reached = space.criterion(everything, pairs)
@@ -168,23 +168,28 @@ def plan_discrimination(prior: PriorInformation, text: str, count: int, search: 
     return replace(found, records=records, hardest=hardest, needed=_needed(hardest, count))
 
 
-def _offered(
-    prior: PriorInformation, text: str, search: Search
-) -> tuple[Campaign, list[Effect], list[Effect]]:
-    """Candidates that vary what the named causes depend on, and what each cause may be in them."""
+def _offered(prior: PriorInformation, text: str, search: Search) -> tuple[Campaign, list[list[Effect]]]:
+    """Candidates that vary what the named causes depend on, and what each cause may be in them. Raises
+    InputError where a cause is given or excluded."""
     causes = named_causes(text)
     everything = candidates(prior, 0, Factors(True, True, True), np.random.default_rng(search.seed))
     needed = factors(causes, replace(prior.problem, campaign=everything))
     offered = candidates(prior, search.pool, needed, np.random.default_rng([search.seed, 21]))
     problem = replace(prior.problem, campaign=offered)
-    first, second = (cause.effects(problem) for cause in causes)
-    return offered, first, second
+    found = [[e for e in cause.effects(problem) if prior.is_open(e)] for cause in causes]
+    known = [cause.text for cause, left in zip(causes, found, strict=True) if not left]
+    if known:
+        raise InputError(
+            [Fault(f"--tell {one}", "is known: nothing is to be told", "leave it out") for one in known]
+        )
+    return offered, found
 
 
-def _pairs(first: Sequence[Effect], second: Sequence[Effect], unseen: Sequence[Effect]) -> list[Pair]:
+def _pairs(causes: Sequence[Sequence[Effect]], unseen: Sequence[Effect]) -> list[Pair]:
     """Every pair of different causes or places, both ways one after the other."""
     out: dict[frozenset[Effect], Pair] = {}
-    for a, b in product(first, second):
+    every = (pair for first, second in combinations(causes, 2) for pair in product(first, second))
+    for a, b in every:
         if a.key != b.key and a not in unseen and b not in unseen:
             out.setdefault(frozenset((a, b)), (a, b))
     return [way for a, b in out.values() for way in ((a, b), (b, a))]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ...campaign import Campaign
+from ...campaign.known import with_known
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from .accuracy import AccuracyPlan, plan_accuracy
@@ -26,6 +27,7 @@ def plan(
     poses: int = 30,
     *,
     tell: str | None = None,
+    known: Sequence[str] = (),
     seed: int = 0,
     quick: bool = False,
     progress: Progress = lambda _: None,
@@ -33,8 +35,9 @@ def plan(
     """The next poses to measure: for accuracy, or to tell rival causes apart.
 
     source: a campaign, of which what it has shown already counts, or a robot that was not measured yet.
-    poses: how many to choose. tell: two causes, "A,B", each as in `--effect`. seed: of the poses on offer;
-    quick: fewer of them. progress: is told each step in words. Raises `InputError` where there is no plan.
+    poses: how many to choose. tell: causes, "A,B", each as in `--effect`. known: facts as `--known` takes
+    them. seed: of the poses on offer; quick: fewer of them. progress: is told each step in words. Raises
+    `InputError` where there is no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -46,7 +49,10 @@ def plan(
     if poses < 1:
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
-    prior = from_campaign(source) if isinstance(source, Campaign) else from_robot(source)
+    if isinstance(source, Campaign):
+        prior = from_campaign(with_known(source, known))
+    else:
+        prior = from_robot(source, known)
     if quick:
         search = Search(max(QUICK_POOL, QUICK_PER_POSE * poses), QUICK_STARTS, seed)
     else:

@@ -14,11 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign import Campaign
+from ...campaign.known import with_known
 from ...campaign.planned import TARGETS, planned
 from ...campaign.problem import Problem, problem_of
-from ...diagnosis.prepared import prepare
+from ...diagnosis.prepared import Prepared, prepare
 from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
+from ...effects.given import Given, exclusions, given_facts
 from ...effects.records import stated_effects
 from ...identification.fit import Fit, fit
 from ...identification.model import Model, State
@@ -29,6 +31,7 @@ from ...robot.kinematics import Array
 from ...robot.schema import stated_load
 
 ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tracker
+DRIVE_TORQUE = 0.03  # of a joint's torque (RMS): noise of what motor currents say
 WIDE = 30.0  # prior of an effect's parameter, in its typical sizes: wide, but no arm is made of rubber
 OFTEN = 0.5  # share of the poses that must show a target for a plan to count on it
 
@@ -61,7 +64,7 @@ class PriorInformation:
     acting: effects with the values that the robot's own TOML states; sigma: (T,) [m] noise per axis,
     joint: (n,) one sigma of the joints, noise: where that comes from; shown: (T,) the targets that the
     campaign shows often, which new records show too; places: (T, 3) [m] where these are behind their slots;
-    faults: of the campaign's data, as a diagnosis finds them.
+    faults: of the campaign's data, as a diagnosis finds them; given: numbers known by other means.
     """
 
     problem: Problem
@@ -74,6 +77,12 @@ class PriorInformation:
     shown: NDArray[np.bool_]
     places: Array
     faults: tuple[FaultFound, ...] = ()
+    given: tuple[Given, ...] = ()
+
+    def is_open(self, effect: Effect) -> bool:
+        """Whether an effect may be there: it is neither given nor excluded."""
+        gone = (*(item.is_for for item in self.given), *(one.covers for one in exclusions(self.problem)))
+        return not any(is_it(effect) for is_it in gone)
 
     @property
     def robot(self) -> Robot:
@@ -110,9 +119,14 @@ class PriorInformation:
         return None if self.fit is None else _sensitivity_of(self.fit, effects)
 
     def of_records(self, records: Campaign, effects: ValuedEffects) -> Sensitivity:
-        """Sensitivity of new records, in a set-up of their own."""
+        """Sensitivity of new records, in a set-up of their own; where they have a column of drive torques,
+        these count as good as motor currents are."""
         sigma = np.tile(self.sigma[self.shown], (len(records.poses.q), 1))
         noise = Covariance(sigma, self.joint, np.ones(len(records.poses.q)), turn_ratio=self.turn_ratio)
+        if records.poses.torque is not None:
+            axial = replace(self.problem, campaign=records).nominal_load.local
+            torque = axial.reshape(len(sigma), -1)[:, self.problem.arm.axial]
+            noise = replace(noise, torque=DRIVE_TORQUE * np.sqrt((torque**2).mean(axis=0)) + 1e-9)
         return self._sensitivity(records, noise, effects)
 
     def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:
@@ -138,7 +152,7 @@ class PriorInformation:
         geometry = self.problem.arm.geometry if self.fit is None else self.fit.state.geometry
         # seen from the base: where the instrument stands makes no difference
         state = State(geometry, np.eye(3)[None], np.zeros((1, 3)), self.places[None, self.shown])
-        model = Model(problem, (), self.acting)
+        model = Model(problem, (), self.acting, self.given)
         points = model.predict(state)
         shots = np.ones(points.shape[:2], dtype=np.int64)
         problem = replace(problem, campaign=replace(records, points=points, shots=shots))
@@ -174,22 +188,30 @@ def prior_precision(names: Sequence[str]) -> Array:
     return np.array([WIDE**-2 if name.startswith("effect/") else 1.0 for name in names])
 
 
-def from_robot(robot: Robot) -> PriorInformation:
-    """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker."""
+def from_robot(robot: Robot, known: Sequence[str] = ()) -> PriorInformation:
+    """A robot with the loads of its own TOML, three targets on its flange, and an assumed tracker; known: as
+    `--known` says it. Raises InputError where that cannot be."""
     loads = {name: stated_load(load) for name, load in robot.payloads.items()}
     blank = planned(robot, np.zeros((1, len(robot.joints))), payloads=loads, tool=stated_load(robot.tool))
-    nothing = problem_of(blank)
+    nothing = problem_of(with_known(blank, known))
+    given = given_facts(nothing)
     joint = np.array([item.data.repeatability or 0.0 for item in robot.joints])
     noise = f"{1e3 * ASSUMED_SIGMA:.3f} mm per axis assumed, and the joints' repeatability as stated"
     sigma = np.full(len(TARGETS), ASSUMED_SIGMA)
     effects = tuple(stated_effects(nothing))
     shown = np.ones(len(TARGETS), dtype=bool)
-    return PriorInformation(nothing, effects, None, sigma, joint, 1.0, noise, shown, nothing.stated_targets)
+    places = nothing.stated_targets
+    return PriorInformation(nothing, effects, None, sigma, joint, 1.0, noise, shown, places, given=given)
 
 
 def from_campaign(campaign: Campaign) -> PriorInformation:
     """A robot with its campaign, as a diagnosis prepares it. Raises InputError where data are unusable."""
     prepared = prepare(campaign)
+    return from_prepared(prepared.with_given(given_facts(prepared.problem)))
+
+
+def from_prepared(prepared: Prepared) -> PriorInformation:
+    """A robot with campaigns that are prepared, and with what is given beside them."""
     problem, covariance = prepared.problem, prepared.covariance
     share = problem.seen.mean(axis=0)
     shown = (share >= min(OFTEN, float(share.max()))) | problem.campaign.six_dof
@@ -213,4 +235,5 @@ def from_campaign(campaign: Campaign) -> PriorInformation:
         shown,
         places,
         prepared.faults,
+        prepared.geometry.model.given,
     )

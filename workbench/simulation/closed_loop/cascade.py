@@ -50,15 +50,19 @@ class Cascade:
     integral: Array
     correction: Array
 
+    def __post_init__(self) -> None:
+        T = self.loop.drive_period
+        self.share = T / (T + self.loop.velocity_filter)
+        self.ki = self.gains.ki * T
+
     @classmethod
     def at_rest(cls, loop: Loop, gains: Gains, q: Array, integral: Array) -> Cascade:
         return cls(loop, gains, q, np.zeros_like(q), integral, np.zeros_like(q))
 
     def measure(self, seen: Array) -> None:
         """Reads encoders (n,): velocity by difference, filtered."""
-        T = self.loop.drive_period
-        share = T / (T + self.loop.velocity_filter)
-        self.speed = self.speed + share * ((seen - self.before) / T - self.speed)
+        turned = (seen - self.before) / self.loop.drive_period
+        self.speed = self.speed + self.share * (turned - self.speed)
         self.before = seen
 
     def correct(self, wanted: Array) -> None:
@@ -69,7 +73,7 @@ class Cascade:
         """Torque for the velocity wanted (n,) over the feed-forward (n,), and what the integral would
         become."""
         off = wanted - self.speed
-        integral = self.integral + _scaled(self.gains.ki * self.loop.drive_period, off)
+        integral = self.integral + _scaled(self.ki, off)
         return feed + _scaled(self.gains.kp, off) + integral, integral
 
 
@@ -100,7 +104,7 @@ def set_points(motion: Motion, torque: Array, drive: Drives, loop: Loop) -> SetP
     seen = t - T / 2 - loop.velocity_filter
     acts = t + loop.delay + T / 2
     v, a = curve(acts, 1), curve(acts, 2)
-    dry = stribeck(v, drive.coulomb, loop.stiction, loop.stribeck_speed)
+    dry = np.vectorize(stribeck)(v, drive.coulomb, loop.stiction, loop.stribeck_speed)
     rubbing = dry * np.tanh(v / (TURNING * loop.stribeck_speed)) + drive.viscous * v
     feed = interpolated(acts, motion.times, torque) + drive.rotor * a + loop.friction_known * rubbing
     return SetPoints(curve(t), np.where(seen[:, None] < 0, 0.0, curve(np.maximum(seen, 0.0), 1)), feed)

@@ -18,9 +18,9 @@ from ...robot.kinematics import Array
 from ...robot.loop import Loop
 from .cascade import Cascade, Gains
 from .drives import Drives
-from .dynamics import SCREW_DAMPING
 from .machine import Machine, machine, mass_matrix
 from .mechanics import Mechanics
+from .springs import spring_damping
 
 INTEGRAL = 0.2  # of the velocity loop's crossover: 11° of its phase
 SLOWER = 0.85  # per round
@@ -108,8 +108,7 @@ class _Linear:
         size = len(M)
         K, D = np.zeros(size), np.zeros(size)
         K[built.springs] = built.stiffness
-        own = [drive.damping[j] for j, law in enumerate(mechanics.axial) if law is not None]
-        D[built.springs] = [*own, *(SCREW_DAMPING / screw.compliance for screw in mechanics.screws)]
+        D[built.springs] = spring_damping(mechanics, drive)
         D[built.motors] = drive.viscous
         inverse = np.linalg.inv(M + np.diag(h / 2 * D + h**2 / 4 * K))
         dv_q, dv_v = -h * inverse * K, -inverse * (h * D + h**2 / 2 * K)

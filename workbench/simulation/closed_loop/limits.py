@@ -54,7 +54,7 @@ class Limits:
         """Values (n,) cut to their limits. Raises OverLimit where a run is to stop at them."""
         size = np.abs(values)
         over = size > self.limit
-        if not over.any():
+        if not np.count_nonzero(over):
             return values
         if self.on_limit == "stop":
             j = int(np.argmax(size / self.limit))

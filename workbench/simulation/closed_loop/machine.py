@@ -1,6 +1,7 @@
-"""The simulated robot as a Drake plant: drives, springs, links, payload.
+"""The simulated robot as a Drake plant: drives, springs, links, payload, compensator.
 
-Springs that are linear are Drake's force elements; their joints carry no inertia of their own.
+Springs that are linear are Drake's force elements, and so is a compensator's coil; a gas is a
+`Cylinder` at the plant's port. The springs' joints carry no inertia of their own.
 """
 
 from __future__ import annotations
@@ -12,8 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, Joint, PrismaticJoint, RevoluteJoint
+from pydrake.systems.framework import Diagram
 
+from ...robot.force_systems import Cylinder
 from ...robot.kinematics import Arm, Array
+from ...robot.plant_diagram import cylinder_of, plant_diagram
 from ...robot.plant_parts import add_rotor, add_spring, axial_joint, point_inertia, screw_joint
 from ...robot.plants import ArmPlant, arm_plant, rigid_arm_plant
 from .mechanics import Mechanics, Screw
@@ -25,7 +29,8 @@ class Machine:
 
     motors: (n,), springs: (K,) places in positions and velocities; own: (n,) place among the springs of
     each joint's own spring, −1 for none. stiffness: (K,) [N·m/rad, N/m]; native: (K,) whether the spring is
-    Drake's force element. rotor: (n,) reflected inertia of the drives [kg·m², kg].
+    Drake's force element. rotor: (n,) reflected inertia of the drives [kg·m², kg]. diagram: the plant
+    with what acts at its ports; cylinder: the compensator there, None where there is none or it is a coil.
     """
 
     built: ArmPlant
@@ -35,6 +40,8 @@ class Machine:
     stiffness: Array
     native: NDArray[np.bool_]
     rotor: Array
+    diagram: Diagram
+    cylinder: Cylinder | None
 
     @property
     def plant(self) -> MultibodyPlant:
@@ -44,6 +51,11 @@ class Machine:
     def sprung(self) -> NDArray[np.int64]:
         """Joints that have a spring of their own, in the springs' order."""
         return np.flatnonzero(self.own >= 0)
+
+    @cached_property
+    def own_at(self) -> NDArray[np.int64]:
+        """Places of the joints' own springs, in the springs' order."""
+        return self.springs[: len(self.sprung)]
 
     @property
     def flange(self) -> Frame:
@@ -55,8 +67,13 @@ def machine(mechanics: Mechanics, rotor: Array) -> Machine:
     """Builds the plant. rotor: (n,) reflected inertia of each drive [kg·m², kg]."""
     moving = _Moving(mechanics, rotor)
     built = arm_plant(
-        mechanics.arm, moving.at_slot, point_inertia(mechanics.mass, mechanics.moment), mechanics.placed[0]
+        mechanics.arm,
+        moving.at_slot,
+        point_inertia(mechanics.mass, mechanics.moment),
+        mechanics.placed[0],
+        mechanics.compensator,
     )
+    cylinder = cylinder_of(built, mechanics.arm, mechanics.compensator)
     springs = [joint.position_start() for joint in (*moving.own, *moving.screws)]
     own = np.full(mechanics.arm.n, -1)
     own[moving.sprung] = np.arange(len(moving.own))
@@ -70,6 +87,8 @@ def machine(mechanics: Mechanics, rotor: Array) -> Machine:
         np.array(stiffness),
         np.array(moving.native, dtype=bool),
         np.asarray(rotor, float),
+        plant_diagram(built.plant, None, cylinder),
+        cylinder,
     )
 
 

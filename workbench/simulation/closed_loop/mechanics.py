@@ -7,7 +7,7 @@ each ξ with a spring of stiffness 1/λ yields by C · wrench. No constraint and
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -64,8 +64,7 @@ class Mechanics:
     """The simulated robot on a path of N samples: geometry and masses in `arm`, and what moves.
 
     screws: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
-    placed: (N, S, 6) motions that neither load nor the drive makes (temperature, drift). charge: (N,) of the
-    compensator, 1 = nominal.
+    placed: (N, S, 6) motions that neither load nor the drive makes (temperature, drift).
     mass, moment: tool and payload [kg, kg·m, flange frame]; wrench: (N, 6), torque: (N, n) as `Loads` has
     them. gear: the effects of the transmission. notes: what had to be assumed.
     """
@@ -80,7 +79,6 @@ class Mechanics:
     wrench: Array
     torque: Array
     compensator: CompensatorLaw | None
-    charge: Array
     gear: Acting
     notes: tuple[str, ...]
 
@@ -106,10 +104,6 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
     placed = others.direct(here)
     erring = {str(effect.where.joint) for effect, _ in gear}
     axial, screws = _springs(arm, extended.acting.yielding(arm), erring)
-    law = loads.compensator
-    charge = np.ones(len(q))
-    if law is not None:
-        charge, law = np.broadcast_to(law.charge, len(q)).astype(float), replace(law, charge=1.0)
     return Mechanics(
         robot,
         loaded,
@@ -120,8 +114,7 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
         loads.moment.mean(axis=0),
         loads.wrench,
         loads.torque,
-        law,
-        charge,
+        loads.compensator,
         gear,
         extended.notes,
     )

@@ -21,6 +21,7 @@ from .limits import Limits, OnLimit
 from .machine import Machine, machine
 from .mechanics import Mechanics
 from .motion import Motion, interpolated
+from .rest import rest
 
 WILD = 1e6  # rad/s, m/s: no drive turns so fast
 STILL = 1e-9  # rad, m: frames that move less along a path stay
@@ -90,11 +91,12 @@ def run(
         step,
         reaction,
     )
-    dynamics.side = motion.side.copy()
-    hold = dynamics.rest(motion.q[0])
+    dynamics.side = motion.side.tolist()
+    hold = rest(dynamics, motion.q[0])
     if not at_rest:
-        dynamics.q[truth.arm.n :] = 0.0
-    cascade = Cascade.at_rest(loop, tuned, _counted(motion.q[0], drive), hold - told.feed[0])
+        dynamics.put(motion.q[0])
+    seen = _counted(motion.q[0], drive.count) if drive.count.any() else motion.q[0]
+    cascade = Cascade.at_rest(loop, tuned, seen, hold - told.feed[0])
     limits = [
         Limits(what, truth.arm.names, truth.arm.prismatic, limit, on_limit, loop.drive_period)
         for what, limit in (("torque", drive.torque), ("speed", drive.speed))
@@ -109,9 +111,9 @@ def run(
     return Run(times, states, X, joints, motor, torque, wall, notes)
 
 
-def _counted(q: Array, drive: Drives) -> Array:
-    """What the encoders count at motors q (n,)."""
-    return drive.count * np.round(q / drive.count) if drive.count.any() else q
+def _counted(q: Array, count: Array) -> Array:
+    """What encoders with steps `count` (n,) say at motors q (n,)."""
+    return np.asarray(count * np.round(q / count))
 
 
 def _run(
@@ -124,9 +126,9 @@ def _run(
     hold: Array,
 ) -> tuple[Array, Array]:
     """States (M, 2 V) of the plant after every step, and torques asked for (T, n)."""
-    loop, n = cascade.loop, dynamics.n
+    loop, motors = cascade.loop, dynamics.machine.motors
     late, ticks, size = steps_of_delay(loop, dynamics.h), len(told.q) - 1, dynamics.size
-    kept = -(-late // parts)
+    kept, counts = -(-late // parts), bool(drive.count.any())
     torque_limit, speed_limit = limits
     states = np.empty((ticks * parts + 1, 2 * size))
     states[0, :size], states[0, size:] = dynamics.q, dynamics.v
@@ -134,7 +136,8 @@ def _run(
     waiting = [hold] * kept
     for tick in range(ticks):
         now = tick * loop.drive_period
-        cascade.measure(_counted(dynamics.q[:n], drive))
+        seen = dynamics.q[motors]
+        cascade.measure(_counted(seen, drive.count) if counts else seen)
         if tick % loop.cycles == 0:
             cascade.correct(told.q[tick])
         wanted = speed_limit.within(told.v[tick] + cascade.correction, now)
@@ -143,7 +146,7 @@ def _run(
         # a drive that gives less than asked does not go on integrating
         cascade.integral = integral if cut is torque else np.where(cut == torque, integral, cascade.integral)
         asked[tick] = cut
-        if not np.abs(dynamics.v).max() < WILD:
+        if not dynamics.v @ dynamics.v < WILD**2:
             raise ArithmeticError("the simulation diverged")
         waiting.append(cut)
         for i in range(parts):
@@ -151,9 +154,7 @@ def _run(
             dynamics.advance(waiting[kept + (i - late) // parts], k)
             states[k + 1, :size], states[k + 1, size:] = dynamics.q, dynamics.v
         waiting.pop(0)
-    out = np.empty_like(states)
-    out[:, dynamics.state_order] = states
-    return out, asked
+    return states, asked
 
 
 def _along(truth: Mechanics, motion: Motion, times: Array) -> Along:
@@ -171,8 +172,10 @@ def _along(truth: Mechanics, motion: Motion, times: Array) -> Along:
 
     moves = float(np.ptp(truth.placed, axis=0).max(initial=0.0)) > STILL
     placed = at(truth.placed) if moves else None
-    charge = at(truth.charge[:, None]) if truth.compensator is not None else None
-    return Along(at(truth.wrench), at(truth.torque), None if charge is None else charge[:, 0], placed)
+    law, charge = truth.compensator, None
+    if law is not None:
+        charge = at(np.broadcast_to(law.charge, len(truth.wrench)).astype(float))
+    return Along(at(truth.wrench), at(truth.torque), charge, placed)
 
 
 def _seen(

@@ -6,7 +6,6 @@ What the paper does not give is assumed here; the story says why.
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -14,30 +13,18 @@ from workbench import (
     Array,
     Robot,
     Truth,
-    load_robot,
     parse_effect,
     planned,
     problem_of,
     random_geometry,
-    stored,
 )
 
 from .compensator import GAS
 
 SIGMA = 3e-5  # m, of a reading, per axis
-PISTON = 1.2e-3  # m², of the gas spring
 GEAR, SOFT_ZONE, SOFT_TORQUE = 0.23e-6, float(np.radians(0.5 / 60)), 500.0  # rad/(N·m), rad, N·m
 LEAK = 0.15  # of the charge
 MACHINES = {"gas": "Gas spring alone", "soft": "Soft gear", "leak": f"Leak, {100 * LEAK:.0f} % of the charge"}
-
-
-def balanced(path: Path) -> Robot:
-    """The KR 120 with the study's piston, written beside the study."""
-    robot = load_robot("kr120")
-    assert robot.compensator is not None
-    return stored(
-        path, replace(robot, compensator=robot.compensator.model_copy(update={"piston_area": PISTON}))
-    )
 
 
 def machines(robot: Robot, seed: int) -> dict[str, Truth]:

@@ -31,11 +31,13 @@ from workbench import (
     gas_spring,
     group_plan,
     load_pairs,
+    load_robot,
     planned,
     problem_of,
     run_study,
     shown_of,
     simulate,
+    stored,
     tell,
     write_fit,
 )
@@ -46,9 +48,9 @@ if not __package__:  # run as a script: the chapters lie beside it
 from . import figures
 from .compensator import blind_to_charge, charge_by_witness
 from .decides import WAYS, diagnosed, reversing, three_loads
-from .machines import LEAK, MACHINES, SIGMA, balanced, machines, true_compliances
+from .machines import LEAK, MACHINES, SIGMA, machines, true_compliances
 from .printed import CONFIGURATIONS, HALF_1, LOAD, MARKERS_APART, MARKERS_BEFORE, NUMBERS, TABLE_1
-from .verdicts import verdict_table
+from .verdicts import deciding, verdict_table
 
 SIX = slice(1, 7)
 PER_ANGLE = (7, 6, 5, 5, 4, 4)  # the paper says: three to seven
@@ -79,7 +81,7 @@ FILES = {
 
 def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:
     """Table I on simulated machines, the gas spring that it would need, and the measurement that decides."""
-    robot = balanced(folder / "robot" / "kr120.toml")
+    robot = stored(folder / "robot" / "kr120.toml", load_robot("kr120"))
     progress(f"choosing {CONFIGURATIONS} configurations in six groups")
     A0 = RIG.moved(robot, TEST_POSE, TEST_FORCE)
     plan = group_plan(robot, "joint_2", ANGLES, PER_ANGLE, RIG, A0, 250 if quick else 1500, seed)
@@ -115,7 +117,7 @@ def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None])
     outcomes = diagnosed(folder / "campaign", data, rich, seed)
     best = outcomes[WAYS[-1]]["soft"]
     write_fit(folder / "model.toml", best.fit)
-    numbers |= reversing(best.problem)
+    numbers |= reversing(best.problem) | deciding(outcomes)
 
     items: dict[str, Table | Figure] = {
         "torque": figures.torque_figure(robot, stretched, RIG.load, RIG.tool),

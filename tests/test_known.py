@@ -1,0 +1,150 @@
+"""What is known by other means: read, looked up, counted in, and told where the data contradict it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from diagnosis_cases import measured, named
+
+from workbench import diagnose, plan, what_decides
+from workbench.campaign import Campaign, load_campaign, write_campaign
+from workbench.campaign.known import KnownData, parse_known, with_known
+from workbench.campaign.problem import problem_of
+from workbench.effects.given import given_facts
+from workbench.files.faults import InputError
+from workbench.identification.fit import fit, start_state
+from workbench.identification.model import Model
+from workbench.identification.model_file import fit_text
+from workbench.identification.noise import required_noise
+
+CHARGE = "gravity_compensator:variant=charge,relative=-0.10"
+SLACK = "backlash:joint=joint_5,half_width=2.5e-4"
+BAR = 100.0  # of the KR 500's compensator, as its TOML has it
+
+
+@cache
+def weak() -> Campaign:
+    """A KR 500 that has lost a tenth of its charge, without payload: a link's mass would do the same."""
+    return measured("kr500", (CHARGE, SLACK), poses=40, loads=())
+
+
+def test_facts_are_read_from_text_and_toml_alike(tmp_path):
+    texts = ["link_mass:link=link_2,mass_kg=311,std=2,note=weighed", "no hose_torque", "no backlash(joint_5)"]
+    campaign = with_known(weak(), texts)
+    assert campaign.known.exclude == ("hose_torque", "backlash(joint_5)")
+    (fact,) = campaign.known.facts
+    assert (fact.link, fact.parameter, fact.value, fact.std) == ("link_2", "mass_kg", 311.0, 2.0)
+    again = load_campaign(write_campaign(tmp_path, campaign))
+    assert again.known == campaign.known
+    assert "[[known.facts]]" in (tmp_path / "campaign.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("link_mass:link=link_2,mass_kg=311", "std"),
+        ("link_mass:link=link_2,std=2", "says 0 numbers"),
+        ("link_mass:link=link_2,mass_kg=heavy,std=2", "number"),
+        ("link_mass:link=link_9,mass_kg=311,std=2", "no link 'link_9'"),
+        ("link_mass:link=link_2,variant=com,mass_kg=3,std=2", "has 3 numbers"),
+        ("gear_rato:joint=joint_4,ratio=120,std=0", "no cause"),
+        ("gravity_compensator:precharge_bar=-3,std=1", "is no gravity_compensator"),
+        ("gravity_compensator:rate=3,std=1", "no rate to differ from"),
+        ("no backlsh", "no cause 'backlsh'"),
+        ("no backlash(joint_9)", "cannot sit there"),
+    ],
+)
+def test_a_fact_that_cannot_be_is_an_error_of_the_input(text, said):
+    with pytest.raises(InputError) as error:
+        diagnose(weak(), known=(text,))
+    assert said in str(error.value)
+
+
+def test_whole_quantities_become_differences_from_the_model():
+    robot = weak().robot
+    mass = float(problem_of(weak()).arm.mass[problem_of(weak()).arm.slot_of_link("link_2")])
+    said = KnownData()
+    for text in (
+        f"link_mass:link=link_2,mass_kg={mass + 7},std=2",
+        "gravity_compensator:gauge_bar=90,std=1,temp_degC=30",
+        f"joint_compliance:joint=joint_2,stiffness={robot.joints[1].data.stiffness},std=0",
+        f"gear_ratio:joint=joint_4,ratio={robot.joints[3].data.gear_ratio},std=0",
+    ):
+        said = said.and_more(parse_known(text))
+    mass_, charge, stiffness, ratio = given_facts(problem_of(replace(weak(), known=said)))
+    assert (mass_.value, mass_.std) == pytest.approx((7.0, 2.0))
+    # a sealed gas: p/T constant; the gauge shows what is above the atmosphere
+    assert charge.value == pytest.approx(91.01325 * 293.15 / 303.15 / BAR - 1)
+    assert charge.std == pytest.approx(293.15 / 303.15 / BAR)
+    assert (stiffness.value, ratio.value) == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert 0 < ratio.std < 1e-9
+
+
+def test_a_given_number_is_weighed_against_the_data():
+    """Bayes: the fit with a fact is the fit without it and the fact, weighed by their variances."""
+    campaign = with_known(weak(), ["gravity_compensator:precharge_bar=93,std=0.6"])
+    job = problem_of(campaign)
+    (fact,) = given_facts(job)
+    noise = required_noise(job)
+    free = fit(Model(job, (fact.effect,)), start_state(job), noise, tolerance=1e-4)
+    both = fit(Model(job, (), (), (fact,)), start_state(job), noise, tolerance=1e-4)
+    (value,), ((variance,),) = free.effect_values(0)
+    weight = np.array([1 / variance, fact.std**-2])
+    assert both.given_estimate(0)[0] == pytest.approx(weight @ [value, fact.value] / weight.sum(), abs=2e-4)
+    assert both.given_estimate(0)[1] == pytest.approx(weight.sum() ** -0.5, rel=0.02)
+
+
+def test_a_reading_of_the_gauge_decides(tmp_path):
+    before = diagnose(weak())
+    assert named(before.diagnosis) == {
+        ("gravity_compensator", ""): "ambiguous",
+        ("backlash", "joint_5"): "named",
+    }
+    outcome = diagnose(weak(), known=[f"gravity_compensator:precharge_bar={0.9 * BAR},std=1"])
+    after = outcome.diagnosis
+    assert named(after) == {("backlash", "joint_5"): "named"}
+    (fact,) = after.given
+    assert fact.obeyed
+    assert fact.fitted.value == pytest.approx(-0.10, abs=3 * fact.fitted.std)
+    assert fact.fitted.std < fact.given.std
+    # the same error is left as when the compensator was found
+    assert after.stages[-1].heldout_rms_mm == pytest.approx(
+        before.diagnosis.stages[-1].heldout_rms_mm, rel=0.03
+    )
+    assert 'cause = "gravity_compensator"' in fit_text(tmp_path / "model.toml", outcome.fit)
+    # and that reading had been asked for
+    (open_,) = (one for one in what_decides(before).diagnosis.causes if one.status == "ambiguous")
+    offered = {one.kind: one for one in open_.decide}
+    assert "precharge_bar to ± 1 bar" in offered["reading"].words
+    assert "--known" in offered["reading"].command
+    assert offered["reading"].lambda_before < 1 < offered["reading"].lambda_after
+    assert offered["other"].words in open_.separate_by
+
+
+def test_a_fact_that_the_data_contradict_is_told_and_not_obeyed():
+    known = ["backlash:joint=joint_5,half_width=2e-5,std=5e-6", "no backlash(joint_5)", "no hose_torque"]
+    found = diagnose(weak(), known=known).diagnosis
+    assert named(found)["backlash", "joint_5"] == "named"
+    number, excluded, other = found.given
+    assert [fact.obeyed for fact in found.given] == [False, False, True]
+    assert number.seen.value == pytest.approx(2.5e-4, abs=3 * number.seen.std)
+    assert {number.sentence, excluded.sentence} <= set(found.notes)
+    assert other.sentence not in found.notes
+    assert ("hose_torque", "given: it is not there") in {(n.cause, n.why) for n in found.not_testable}
+    assert [fact["obeyed"] for fact in found.to_json()["given"]] == [False, False, True]
+
+
+def test_plans_count_in_what_is_known_and_tell_several_causes():
+    link = "link_mass:link=link_2,variant=mass"
+    causes = f"{link},gravity_compensator:variant=charge,link_mass:link=link_3,variant=mass"
+    three = plan(weak(), 8, tell=causes, quick=True)
+    known = plan(
+        weak(), 8, tell=causes, quick=True, known=["joint_compliance:joint=joint_2,relative=0,std=0.01"]
+    )
+    assert {pair.effect.cause for pair in three.hardest} <= {"link_mass", "gravity_compensator"}
+    assert known.least == pytest.approx(three.least, rel=0.5)
+    with pytest.raises(InputError, match="is known"):
+        plan(weak(), 8, tell=causes, quick=True, known=["link_mass:link=link_2,mass=0,std=1"])

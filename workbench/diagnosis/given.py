@@ -1,0 +1,180 @@
+"""What is known by other means, held against the data: obeyed as a prior, or contradicted and told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..effects.base import Effect
+from ..effects.given import Exclusion, Given, exclusions, given_facts
+from ..effects.place import NOWHERE, Parameter
+from ..identification.fit import Fit
+from ..identification.rows import equations
+from .competition import LOOSE, Selection
+from .findings import probability_of
+from .prepared import Prepared, Progress
+from .priors import PRIORS
+from .result import GivenFact, NotTestable
+
+CONTRADICTED = 3.0  # combined standard deviations between what is given and what the data say alone
+
+Search = Callable[[Prepared, Sequence[Effect]], tuple[Prepared, Selection]]
+
+
+@dataclass(frozen=True)
+class Searched:
+    """The finished search beside what was given: the candidates left, and what became of each fact."""
+
+    prepared: Prepared
+    selection: Selection
+    candidates: Sequence[Effect]
+    said: tuple[GivenFact, ...] = ()
+    not_testable: tuple[NotTestable, ...] = ()
+
+
+def search_with_given(
+    prepared: Prepared, candidates: Sequence[Effect], search: Search, progress: Progress
+) -> Searched:
+    """The search beside all that is given and not contradicted.
+
+    Everything is searched without it first: a number that is `CONTRADICTED` off what the data say of it,
+    and an excluded cause that they name, are told and not obeyed. The rest becomes background, held by its
+    spread. Should the search then pull a number that far, it is left out too.
+    """
+    problem = prepared.problem
+    facts, excluded = given_facts(problem), exclusions(problem)
+    free = search(prepared, candidates)
+    if not facts and not excluded:
+        return Searched(*free, candidates)
+    progress("testing causes beside what is given")
+    seen = {fact: _seen(free[1], fact) for fact in facts}
+    obeyed = [fact for fact in facts if _pull(fact, *seen[fact]) <= CONTRADICTED]
+    named = {one: _named(free[1], one) for one in excluded}
+    believed = [one for one in excluded if not named[one]]
+    while True:
+        left = _allowed(candidates, obeyed, believed)
+        beside = prepared.with_given(tuple(obeyed))
+        nothing = not obeyed and len(left) == len(candidates)
+        found = free if nothing else search(beside, left)
+        alone = {fact: _without_prior(found[1].fit, i) for i, fact in enumerate(obeyed)}
+        worst = max(obeyed, key=lambda fact: _pull(fact, *alone[fact]), default=None)
+        if worst is None or _pull(worst, *alone[worst]) <= CONTRADICTED:
+            break
+        seen[worst] = alone[worst]
+        obeyed.remove(worst)
+    result = found[1].fit
+    said = [_fact(fact, seen[fact], obeyed, result) for fact in facts]
+    said += [_excluded(one, named[one]) for one in excluded]
+    gone = {(e.cause, NOWHERE if one.text.strip() == e.cause else e.where): None
+            for one in believed for e in candidates if one.covers(e)}  # fmt: skip
+    missing = tuple(NotTestable(cause, "given: it is not there", where) for cause, where in gone)
+    return Searched(*found, left, tuple(said), missing)
+
+
+def _allowed(
+    candidates: Sequence[Effect], obeyed: Sequence[Given], excluded: Sequence[Exclusion]
+) -> list[Effect]:
+    """Candidates that are neither given nor excluded."""
+    gone = (*(fact.is_for for fact in obeyed), *(one.covers for one in excluded))
+    return [effect for effect in candidates if not any(is_it(effect) for is_it in gone)]
+
+
+def _seen(free: Selection, fact: Given) -> tuple[float, float]:
+    """Value and standard deviation of a number by the data alone, beside all causes that were found without
+    it and whatever could stand in for them: one linear step, from the fit without it."""
+    result = free.fit
+    own = [i for i, effect in enumerate(result.model.effects) if fact.is_for(effect)]
+    found = {effect: None for effect in result.model.effects}
+    others = [e for e in _stand_ins(free) if e not in found and not fact.is_for(e)]
+    J = result.J.reshape(result.r.size, -1)
+    offset = equations(result.model, result.line, result.columns, result.state, result.whitener).offset
+    r, kept = result.r.ravel(), np.ones(J.shape[1], bool)
+    for i in own:
+        part = result.columns.effect[i]
+        r, kept[part] = r + J[:, part] @ result.state.values[i], False
+    blocks = [(J * result.columns.prior)[:, kept]]
+    for effect in (*others, fact.effect):
+        G = result.model.effect_jacobian(result.line, effect, np.zeros(len(effect.params)))
+        G = np.matmul(result.whitener, G).reshape(result.r.size, -1)
+        blocks.append(G * [LOOSE * p.typical for p in effect.params])
+    A = np.concatenate(blocks, axis=1)
+    g = A.T @ r
+    g[: int(kept.sum())] -= offset[kept]
+    inverse = np.linalg.inv(A.T @ A + np.eye(A.shape[1]))
+    size = LOOSE * fact.effect.params[0].typical
+    return float(inverse[-1] @ g) * size, float(np.sqrt(inverse[-1, -1])) * size
+
+
+def _stand_ins(free: Selection) -> dict[Effect, None]:
+    """Effects that may be there in the place of those that were found and are not sure enough for a name."""
+    unsure = [
+        share
+        for member, share in zip(free.members, free.shares, strict=True)
+        if share[member.component] < PRIORS.named
+    ]
+    likely = {k for share in unsure for k, p in share.items() if p >= PRIORS.faintest_rival}
+    return {e: None for k in likely if k is not None for e in free.components[k].forms[0].effects}
+
+
+def _without_prior(result: Fit, i: int) -> tuple[float, float]:
+    """Value and standard deviation of the i-th given number, what was given taken out again."""
+    item = result.model.given[i]
+    value, std = result.given_estimate(i)
+    precision = std**-2 - item.std**-2
+    if precision <= 1e-9 * item.std**-2:
+        return item.value, np.inf
+    return (value / std**2 - item.value / item.std**2) / precision, precision**-0.5
+
+
+def _pull(fact: Given, value: float, std: float) -> float:
+    """Distance of what was given from what is seen, in combined standard deviations."""
+    return abs(value - fact.value) / float(np.hypot(fact.std, std))
+
+
+def _named(free: Selection, one: Exclusion) -> float:
+    """Probability of an excluded cause that the data name; 0 where they do not."""
+    found = [e for e in free.fit.model.effects if one.covers(e) and free.named(e)]
+    likely = max((probability_of(free, effect)[0] for effect in found), default=0.0)
+    return likely if likely >= PRIORS.named else 0.0
+
+
+def _fact(fact: Given, seen: tuple[float, float], obeyed: Sequence[Given], result: Fit) -> GivenFact:
+    given, alone = _parameter(fact, fact.value, fact.std), _parameter(fact, *seen)
+    fitted = None
+    said = f"{fact.effect.label}: {fact.fact.said}"
+    if fact in obeyed:
+        fitted = _parameter(fact, *result.given_estimate(list(obeyed).index(fact)))
+        sentence = f"Given and kept to: {said}."
+    else:
+        sentence = (
+            f"Given, but the data contradict it: {said} ({_plain(given)} against the model); the data alone "
+            f"say {_plain(alone)}, {_pull(fact, *seen):.1f} standard deviations off. It was not kept to."
+        )
+    return GivenFact(
+        fact.effect.cause, fact.effect.where, fact.fact.said, fact.fact.note, given, alone, fitted,
+        fact in obeyed, sentence,
+    )  # fmt: skip
+
+
+def _excluded(one: Exclusion, probability: float) -> GivenFact:
+    cause = one.text.partition("(")[0].strip()
+    said = f"no {one.text.strip()}"
+    sentence = f"Given and kept to: {said}."
+    if probability:
+        sentence = (
+            f"Given, but the data contradict it: {said}; without it they name this cause with probability "
+            f"{probability:.2f}. It was not kept to."
+        )
+    return GivenFact(cause, NOWHERE, said, obeyed=not probability, sentence=sentence)
+
+
+def _parameter(fact: Given, value: float, std: float) -> Parameter:
+    (found,) = fact.effect.report(np.array([value]), np.array([[std**2]]))
+    return found
+
+
+def _plain(p: Parameter) -> str:
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    return f"{p.name} {p.value:.4g} ± {p.std:.2g}{unit}"

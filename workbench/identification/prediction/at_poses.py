@@ -1,0 +1,202 @@
+"""The error to be expected at the tool: what an uncorrected program misses, and what correction leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...campaign import Campaign, Target
+from ...campaign.planned import planned
+from ...campaign.problem import Problem, problem_of
+from ...correction.extended_arm import extended_arm, parts
+from ...effects.acting import Acting
+from ...files.faults import Fault, InputError
+from ...robot.description import Robot, load_robot
+from ...robot.kinematics import Array
+from ...robot.rotations import from_vectors
+from ...robot.schema import stated_load
+from ...robot.uncertainty import Uncertainty
+from .tempering import Tempering
+from .tool import tool_motion, tool_points, tool_problem
+
+FARTHER = 1.5  # times the largest uncertainty at a measured pose: here the data say little
+MARGIN = 0.02  # of a joint's measured range: nearer than this is inside
+
+
+@dataclass(frozen=True, eq=False)
+class ToolErrors:
+    """What to expect at N poses, T points of the tool; lengths in m, the nominal robot's base frame.
+
+    error: (N, T, 3) the corrected robot's point minus the nominal one's, with base and tool set up as well as
+    the campaign allows; nominal, corrected: (N, T) lengths that 95 % of the errors do not exceed without and
+    with the correction; places: (N, T, 3) of the nominal robot. outside: (N) what of a pose lies outside of
+    what was measured ("" inside). notes: what could not be taken into account.
+    """
+
+    campaign: Campaign
+    error: Array
+    nominal: Array
+    corrected: Array
+    places: Array
+    outside: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        said = f"{len(self.outside)} poses, nominal error {1e3 * float(self.length.mean()):.3f} mm"
+        return f"ToolErrors at {said}, after correction {1e3 * float(np.median(self.worst)):.3f} mm (95 %)"
+
+    @property
+    def length(self) -> Array:
+        """(N, T) [m] of the nominal robot's error."""
+        return np.asarray(np.linalg.norm(self.error, axis=2))
+
+    @cached_property
+    def worst(self) -> Array:
+        """(N,) [m] largest bound of a pose's points after correction."""
+        return np.asarray(self.corrected.max(axis=1))
+
+    @property
+    def measured(self) -> NDArray[np.bool_]:
+        """(N,) the pose lies inside of what was measured."""
+        return np.array([not said for said in self.outside])
+
+    def share_inside(self, tolerance: float) -> tuple[float, float]:
+        """Share of the poses at which every point of the tool stays within `tolerance` [m] with 95 %:
+        without and with the correction (guard band as in JCGM 106:2012)."""
+        before = float(np.mean(self.nominal.max(axis=1) <= tolerance))
+        return before, float(np.mean(self.worst <= tolerance))
+
+
+def predict(
+    model: Robot | str | Path,
+    poses: Campaign | Array,
+    payload: str | Sequence[str] = "",
+    instrument: float = 0.0,
+) -> ToolErrors:
+    """The error to be expected at the tool, from the model.toml of a diagnosis.
+
+    poses: (N, n) joints [rad, m], carrying the model's tool and its `payload` (one, or N names), or a
+    campaign, whose points do not count. instrument: [m] one sigma per axis of who measures; 0: the tool
+    itself. Raises `InputError` for a model without `[prediction]`.
+    """
+    robot = model if isinstance(model, Robot) else load_robot(model)
+    data = required_uncertainty(robot)
+    campaign = poses if isinstance(poses, Campaign) else posed(robot, poses, payload)
+    campaign = replace(campaign, robot=robot)
+    targets = [Target(p.name, _metres(p.xyz_mm)) for p in data.points]
+    told = tool_problem(problem_of(campaign), targets)
+    arm = extended_arm(told)
+    found = [_part(told, arm.acting, data, part, instrument) for part in _parts(told)]
+    error, nominal, corrected, places, far = (np.concatenate(each) for each in zip(*found, strict=True))
+    notes = [*arm.notes, *_sided(told, arm.acting)]
+    if data.instrument_inside:
+        notes.append("nobody knows the instrument's noise: it is in the bounds as well")
+    outside = _outside(told, data, far)
+    return ToolErrors(told.campaign, error, nominal, corrected, places, outside, tuple(notes))
+
+
+def required_uncertainty(robot: Robot) -> Uncertainty:
+    """What a model knows of its errors; raises `InputError` where it does not say."""
+    if robot.uncertainty is None:
+        what = "has no [prediction]: it does not say how sure it is"
+        raise InputError(Fault(str(robot.path or robot.name), what, "give the model.toml of a new diagnosis"))
+    return robot.uncertainty
+
+
+def posed(robot: Robot, q: Array, payload: str | Sequence[str] = "") -> Campaign:
+    """Poses (N, n) [rad, m] with the model's tool, carrying a payload that it knows (one, or N names).
+
+    Raises `InputError` for another."""
+    carried = [payload] * len(q) if isinstance(payload, str) else list(payload)
+    loads = {}
+    for name in filter(None, dict.fromkeys(carried)):
+        if name not in robot.payloads:
+            known = ", ".join(robot.payloads) or "none"
+            raise InputError(Fault(f"payload {name!r}", "is not in the model", f"known: {known}"))
+        loads[name] = stated_load(robot.payloads[name])
+    return planned(robot, q, payloads=loads, payload=carried, tool=stated_load(robot.tool))
+
+
+def _parts(told: Problem) -> Iterator[NDArray[np.int64]]:
+    for part in parts(len(told.q)):
+        yield np.arange(part.start, part.stop)
+
+
+def _part(
+    told: Problem, acting: Acting, data: Uncertainty, part: NDArray[np.int64], instrument: float
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Error, bounds without and with correction, nominal places, and the fitted numbers' spread (N,)."""
+    here = replace(told, campaign=told.campaign.some(part))
+    at = tool_motion(here, acting)
+    moved = at.J @ placed(data, at.names)
+    fitted = moved @ moved.swapaxes(-1, -2)
+    joint = at.joint * np.array(data.repeatability)
+    play = _play(here, acting, at.points)
+    other = joint @ joint.swapaxes(-1, -2) + play @ play.swapaxes(-1, -2) + instrument**2 * np.eye(3)
+    places, error = _nominal(here, data, at.points)
+    tempering = Tempering(data.rest, data.tempering, data.growth)
+    unit = np.where(told.arm.prismatic, 3.0, 1.0)
+    beyond = (np.maximum(np.array(data.lower) - here.q, here.q - np.array(data.upper)) * unit).max(axis=1)
+    beyond = np.broadcast_to(np.maximum(beyond, 0.0)[:, None], error.shape[:2])
+    corrected = tempering.bound(fitted, other, beyond)
+    nominal = tempering.bound(fitted, other, beyond, error)
+    return error, nominal, corrected, places, np.sqrt(np.trace(fitted, axis1=2, axis2=3).max(axis=1))
+
+
+def placed(data: Uncertainty, names: tuple[str, ...]) -> Array:
+    """(P, k) rows of the covariance's factor in the order of `names`; zeros for what it does not have."""
+    at = dict(zip(data.names, data.F, strict=True))
+    none = np.zeros(data.F.shape[1])
+    return np.array([at.get(name, none) for name in names])
+
+
+def _nominal(here: Problem, data: Uncertainty, points: Array) -> tuple[Array, Array]:
+    """Places (N, T, 3) of the nominal robot, and how far the corrected robot's are off, in its base frame."""
+    bare = replace(here.campaign.robot, geometry={}, effects=())
+    targets = [Target(p.name, _metres(p.nominal_xyz_mm)) for p in data.points]
+    told = tool_problem(replace(here, robot=bare, arm=here.arm.with_geometry(0 * here.arm.geometry)), targets)
+    places = tool_points(told)
+    shift, turn = np.array(data.nominal_base[:3]), from_vectors(np.array(data.nominal_base[3:]))
+    return places, (points - shift) @ turn - places
+
+
+def _play(here: Problem, acting: Acting, points: Array) -> Array:
+    """(N, T, 3, n) how far the points move by the side from which each joint comes, where nobody says it."""
+    if here.campaign.poses.side is not None or not any("side" in effect.uses for effect, _ in acting):
+        return np.zeros((*points.shape, 1))
+    out = []
+    for side in np.eye(here.arm.n):
+        campaign = here.campaign.with_poses(side=np.tile(side, (len(here.q), 1)))
+        out.append(tool_points(replace(here, campaign=campaign), acting) - points)
+    return np.stack(out, axis=-1)
+
+
+def _sided(told: Problem, acting: Acting) -> Iterator[str]:
+    """A note where the poses do not say from which side they are reached, and it matters."""
+    if told.campaign.poses.side is None:
+        for effect, _ in acting:
+            if "side" in effect.uses:
+                yield f"{effect.label}: the poses have no dir columns; the bounds hold for either side"
+
+
+def _outside(told: Problem, data: Uncertainty, far: Array) -> tuple[str, ...]:
+    """What of each pose lies outside of what was measured."""
+    lower, upper = np.array(data.lower), np.array(data.upper)
+    margin = MARGIN * (upper - lower) + 1e-6
+    off = (told.q < lower - margin) | (told.q > upper + margin)
+    names = told.arm.names
+    out = []
+    for row, spread in zip(off, far, strict=True):
+        said = [names[j] for j in np.flatnonzero(row)]
+        out.append("; ".join(said) or ("far from measured poses" if spread > FARTHER * data.farthest else ""))
+    return tuple(out)
+
+
+def _metres(place: tuple[float, float, float]) -> tuple[float, float, float]:
+    x, y, z = place
+    return 1e-3 * x, 1e-3 * y, 1e-3 * z

@@ -1,0 +1,101 @@
+"""Errors and their covariances at poses that a fit did not see: what bounds are measured by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...robot.kinematics import Array
+from ..fit import Fit
+from ..heldout import motions, without_rows
+
+FOLDS = 10
+END = 0.15  # share of the positions that lie at an end of a joint's range
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Points of poses that a fit did not see, k of them.
+
+    error: (k, 3) [m] measured minus predicted; fitted: (k, 3, 3) [m²] covariance by that fit's numbers;
+    scatter: (k, 3, 3) by the joints; seen: (k, 3, 3) by the instrument; beyond: (k,) [rad, 1/3 m]
+    how far a joint is outside of what that fit saw.
+    """
+
+    error: Array
+    fitted: Array
+    scatter: Array
+    seen: Array
+    beyond: Array
+
+
+class Leaver:
+    """Leaves poses out of a fit, again and again. points: (T,) which targets are looked at."""
+
+    def __init__(self, fit: Fit, points: NDArray[np.bool_]) -> None:
+        self.fit, self.points = fit, points
+        self.plain = motions(fit) * fit.columns.prior
+        self.J = fit.J * fit.columns.prior
+        self.A = fit.upper.T @ fit.upper
+        self.seen, self.scatter = _noise(fit)
+
+    def leave(self, here: NDArray[np.bool_], beyond: Array, variance: float) -> LeftOut:
+        """The poses `here` (N,) left out; beyond: (N,) as in `LeftOut`; variance: as in `tempered`."""
+        fit, targets = self.fit, self.fit.residual.shape[1]
+        own = self.J[here].reshape(-1, self.J.shape[2])
+        left = without_rows(self.A, own)
+        change = -np.linalg.solve(left, own.T @ fit.r[here].ravel())
+        inverse = np.linalg.inv(tempered(left, variance))
+        plain = self.plain[here][:, : 3 * targets].reshape(-1, targets, 3, len(self.A))
+        error = fit.residual[here] - plain @ change
+        fitted = np.einsum("ntip,ntjp->ntij", plain @ inverse, plain)
+        mask = fit.model.problem.seen[here] & self.points & (fit.noise.weight[here] > 0)[:, None]
+        far = np.repeat(beyond[here][:, None], targets, axis=1)
+        return LeftOut(error[mask], fitted[mask], self.scatter[here][mask], self.seen[here][mask], far[mask])
+
+    def by_position(self, variance: float, seed: int = 0) -> LeftOut:
+        """Every pose once, in groups of positions drawn at random."""
+        block = self.fit.model.problem.positions
+        blocks = int(block.max()) + 1
+        fold = (np.random.default_rng(seed).permutation(blocks) % min(FOLDS, blocks))[block]
+        inside = np.zeros(len(block))
+        return joined([self.leave(fold == f, inside, variance) for f in range(fold.max() + 1)])
+
+    def by_end(self, variance: float) -> Iterator[LeftOut]:
+        """The poses at each end of each joint's range."""
+        problem = self.fit.model.problem
+        unit = np.where(problem.arm.prismatic, 3.0, 1.0)
+        for x in (problem.q * unit).T:
+            for side in (x, -x):
+                edge = float(np.quantile(side, 1 - END))
+                here = side > edge
+                if here.any() and not here.all() and np.ptp(side[~here]) > 0:
+                    yield self.leave(here, np.maximum(side - side[~here].max(), 0.0), variance)
+
+
+def tempered(A: Array, variance: float) -> Array:
+    """(P, P) normal equations in units of the priors; variance: of the data, over the noise's."""
+    eye = np.eye(len(A))
+    return np.asarray((A - eye) / variance + eye)
+
+
+def joined(parts: list[LeftOut]) -> LeftOut:
+    """All of them, one after the other."""
+    return LeftOut(*(np.concatenate([getattr(p, name) for p in parts]) for name in LeftOut.__annotations__))
+
+
+def _noise(fit: Fit) -> tuple[Array, Array]:
+    """(N, T, 3, 3) [m²] covariances of the points: by the instrument, and by the joints' repeatability."""
+    count, targets = fit.residual.shape[:2]
+    joint = fit.line.direct[:, : 3 * targets, fit.model.problem.arm.axial] * fit.noise.joint
+    joint = joint.reshape(count, targets, 3, -1)
+    scatter = np.einsum("ntik,ntjk->ntij", joint, joint)
+    sigma = np.broadcast_to((fit.noise.sigma**2)[..., None, None] * np.eye(3), scatter.shape)
+    if fit.model.problem.campaign.six_dof:
+        W = fit.whitener[:, : fit.point_residual.shape[1], : 3 * targets]
+        half = np.linalg.pinv(W).reshape(count, targets, 3, -1)
+        sigma = np.einsum("ntik,ntjk->ntij", half, half)
+    return np.asarray(sigma), np.asarray(scatter)

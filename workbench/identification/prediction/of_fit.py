@@ -1,0 +1,189 @@
+"""What a fit knows of its own errors, as a model.toml keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from ...campaign import Target
+from ...campaign.problem import Problem
+from ...effects.base import Effect
+from ...robot.kinematics import Array
+from ...robot.rotations import skew, vectors
+from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
+from ..fit import Fit, fit, start_state
+from ..heldout import motions
+from ..model import Model
+from ..noise import Covariance, stated_noise
+from ..parameters import body_motion
+from .left_out import Leaver, tempered
+from .tempering import temper
+from .tool import tool_motion, tool_problem
+
+SAMPLES = 100  # poses within the limits that say which directions move the tool
+FAINT = 0.01  # of the tool's spread at the measured poses: what leaving directions out may cost
+SEED = 0
+LEAST = 20  # held-out points that can be said to hold in 95 %
+
+
+def uncertainty(result: Fit) -> Uncertainty | None:
+    """Covariance of the numbers that last, reduced to what moves the tool, and the tempering of bounds.
+
+    None where no target sits on the flange, or there are too few points to judge by.
+    """
+    problem = result.model.problem
+    gauge = _gauge(result)
+    if int(problem.seen[:, gauge.chosen].sum()) < LEAST:
+        return None
+    acting = result.model.acting(result.state).those(_own)
+    corrected = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
+    told = tool_problem(corrected, gauge.targets)
+    at = tool_motion(told, acting)
+    known = stated_noise(problem) is not None or bool(np.isfinite(result.noise.dof))
+    on_flange = np.isin(np.arange(problem.seen.shape[1]), gauge.chosen)
+    tempering, variance = temper(Leaver(result, on_flange), known)
+    far = tool_motion(_anywhere(told), acting)
+    factor = _reduced(_rows(result, gauge, at.names, variance), at.J, far.J)
+    fitted = at.J @ factor
+    base, nominal = _nominal(problem, told, at.points)
+    places = [np.array(target.xyz) for target in gauge.targets]
+    return Uncertainty(
+        points=tuple(
+            ToolPoint(name=target.name, xyz_mm=_mm(place), nominal_xyz_mm=_mm(other))
+            for target, place, other in zip(gauge.targets, places, nominal, strict=True)
+        ),
+        nominal_base=_numbers(base),
+        names=at.names,
+        factor=factor_lines(factor),
+        rest=tempering.rest,
+        repeatability=_numbers(result.noise.joint),
+        tempering=tempering.factor,
+        growth=tempering.growth,
+        lower=_numbers(problem.q.min(axis=0)),
+        upper=_numbers(problem.q.max(axis=0)),
+        farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
+        instrument_inside=not known,
+    )
+
+
+@dataclass(frozen=True)
+class _Gauge:
+    """The set-up in whose frame the base is known, and the targets on the flange that it saw."""
+
+    setup: int
+    chosen: list[int]
+    targets: tuple[Target, ...]
+
+
+def _gauge(result: Fit) -> _Gauge:
+    """The set-up with most poses."""
+    problem, c = result.model.problem, result.model.problem.campaign
+    setup = int(np.bincount(c.poses.setup).argmax())
+    seen = problem.seen[c.poses.setup == setup].any(axis=0)
+    flange = problem.arm.slots - 1
+    chosen = [i for i, slot in enumerate(problem.on) if slot == flange and seen[i]]
+    targets = []
+    for i in chosen:
+        x, y, z = (problem.arm.R_link[flange].T @ result.state.targets[setup, i]).tolist()
+        targets.append(Target(c.targets[i].name, (x, y, z)))
+    return _Gauge(setup, chosen, tuple(targets))
+
+
+def _rows(result: Fit, gauge: _Gauge, names: Sequence[str], variance: float) -> Array:
+    """(M, P) square root of the covariance of the numbers `names` of the tool's motion: the base as seen from
+    one set-up, the targets, geometry, and the effects (zero for those of the robot's own model)."""
+    cols, state, k = result.columns, result.state, gauge.setup
+    lower = np.linalg.cholesky(tempered(result.upper.T @ result.upper, variance))
+    half = solve_triangular(lower, np.eye(len(lower)), lower=True).T * cols.prior[:, None]
+    half = _with_passing(result, gauge, half)
+    R, arm = state.R[k].T, skew(state.t[k] - result.line.centre[k])
+    frame = half[6 * k : 6 * k + 6]
+    out = [np.vstack([R @ (frame[:3] - arm @ frame[3:]), R @ frame[3:]])]
+    places = np.zeros((*state.targets[k].shape, len(half)))
+    for setup, i, part in cols.targets:
+        if setup == k and i is not None:
+            places[i] = half[part]
+        elif setup == k:
+            places = (body_motion(state.targets[k]) @ half[part]).reshape(places.shape)
+    out.append(places[gauge.chosen].reshape(-1, len(half)))
+    slots = np.zeros((state.geometry.size, len(half)))
+    slots[cols.geometry] = half[cols.geometry_slice]
+    out.append(slots[6:-6])
+    stated = sum(len(values) for effect, values in result.model.known if _own(effect))
+    out.append(np.zeros((stated, len(half))))
+    for effect, part in zip(result.model.effects, cols.effect, strict=True):
+        if _own(effect):
+            out.append(half[part])
+    rows = np.vstack(out)
+    assert len(rows) == len(names)
+    return rows
+
+
+def _with_passing(result: Fit, gauge: _Gauge, half: Array) -> Array:
+    """The square root (P, P) with base and targets where they were on the whole of the campaign: what moves
+    them for a time, or as the instrument sees it, and what it hides of where they are, goes together."""
+    cols, k = result.columns, gauge.setup
+    effects = zip(result.model.effects, cols.effect, strict=True)
+    passing = [np.arange(part.start, part.stop) for effect, part in effects if not _own(effect)]
+    if not passing:
+        return half
+    rows = (3 * np.array(gauge.chosen)[:, None] + np.arange(3)).ravel()
+    moved = motions(result)[result.model.problem.campaign.poses.setup == k][:, rows]
+    moved = moved.reshape(-1, len(half))
+    own = [np.arange(part.start, part.stop) for setup, _, part in cols.targets if setup == k]
+    placing = np.concatenate([np.arange(6 * k, 6 * k + 6), *own])
+    gone = np.concatenate(passing)
+    out = half.copy()
+    out[placing] += np.linalg.lstsq(moved[:, placing], moved[:, gone] @ half[gone], rcond=1e-9)[0]
+    return out
+
+
+def _own(effect: Effect) -> bool:
+    """Whether it moves the tool in other campaigns as well."""
+    return effect.lasting and effect.acts != "instrument"
+
+
+def _anywhere(told: Problem) -> Problem:
+    """Poses drawn at random within the limits, under the loads of measured ones."""
+    rng = np.random.default_rng(SEED)
+    joints = told.robot.joints
+    limits = [(j.lower, j.upper) if np.isfinite(j.upper - j.lower) else (-np.pi, np.pi) for j in joints]
+    lower, upper = np.array(limits).T
+    some = rng.integers(len(told.q), size=SAMPLES)
+    campaign = told.campaign.some(some).with_poses(q=rng.uniform(lower, upper, (SAMPLES, len(joints))))
+    return replace(told, campaign=campaign)
+
+
+def _reduced(rows: Array, near: Array, far: Array) -> Array:
+    """(M, k) a factor of the covariance without what does not move the tool, by its motions (N, T, 3, M) at
+    the measured poses and elsewhere."""
+    moved = [J.reshape(-1, len(rows)) @ rows for J in (near, far)]
+    least = FAINT**2 * float((moved[0] ** 2).mean(axis=0).sum())
+    normal = sum(m.T @ m / len(m) for m in moved)
+    size, way = np.linalg.eigh(normal)
+    kept = np.cumsum(np.maximum(size, 0.0)) > least
+    return np.asarray(rows @ way[:, kept])
+
+
+def _nominal(problem: Problem, told: Problem, points: Array) -> tuple[Array, Array]:
+    """Where the nominal robot's base (6,) and targets (T, 3) are best taken to be, by the corrected robot's
+    points at the measured poses: what an uncorrected program works with."""
+    c = told.campaign
+    bare = replace(problem.robot, geometry={}, effects=())
+    seen = replace(c, robot=bare, points=points, shots=np.ones(points.shape[:2], dtype=np.int64))
+    nominal = Problem(bare, problem.arm.with_geometry(0 * problem.arm.geometry), seen, problem.compensator)
+    noise = Covariance(np.full(points.shape[:2], 1e-4), np.zeros(problem.arm.n), np.ones(len(points)))
+    state = fit(Model(nominal), start_state(nominal), noise, geometry=False).state
+    return np.concatenate([state.t[0], vectors(state.R)[0]]), state.targets[0] @ problem.arm.R_link[-1]
+
+
+def _numbers(values: Array) -> tuple[float, ...]:
+    return tuple(float(f"{value:.{DIGITS}g}") for value in values.tolist())
+
+
+def _mm(place: Array) -> tuple[float, float, float]:
+    x, y, z = (round(1e3 * value, DIGITS) for value in place.tolist())
+    return x, y, z

@@ -1,0 +1,75 @@
+"""How far bounds from a fit's covariance have to be stretched to hold on poses that it did not see."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...robot.kinematics import Array
+from .bound import LEVEL, length_bound
+from .left_out import Leaver, LeftOut, joined
+
+WILD = 0.99  # quantile of the squared errors above which they do not count in a mean
+MOST_GROWTH = 20.0
+ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class Tempering:
+    """rest: [m] one sigma per axis of what is left unknown; factor: on the bounds; growth: of the bounds
+    outside, as in `LeftOut.beyond`."""
+
+    rest: float
+    factor: float
+    growth: float
+
+    def bound(self, fitted: Array, other: Array, beyond: Array, mean: Array | None = None) -> Array:
+        """(...) [m] 95 % bound of the length. fitted: (..., 3, 3) [m²] covariance by the fitted numbers;
+        other: (..., 3, 3) the joints' repeatability, and the instrument if it is asked for; beyond: (...) how
+        far outside; mean: (..., 3) [m] of the error itself."""
+        stretch = self.factor * (1 + self.growth * beyond)
+        covariance = fitted + other + self.rest**2 * np.eye(3)
+        return length_bound(covariance * stretch[..., None, None] ** 2, mean)
+
+
+def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
+    """From held-out errors; and their variance over the noise, which the fitted numbers' covariance takes.
+
+    The factor is the conformal quantile of error over bound (Vovk 2005, Lei 2018: it holds for a further pose
+    whatever the errors' distribution); the growth is that of the poses at the ends of the joints' ranges,
+    predicted from all others."""
+    variance = 1.0
+    for _ in range(ROUNDS):
+        out = leaver.by_position(variance)
+        squared = (out.error**2).sum(axis=1)
+        usual = squared <= np.quantile(squared, WILD)
+        expected = _trace(out.fitted + variance * (out.scatter + out.seen))[usual].mean()
+        variance *= float(squared[usual].mean() / expected)
+        variance = max(variance, 1.0) if instrument_known else variance
+    out = leaver.by_position(variance)
+    other = out.scatter + out.seen * instrument_known
+    left = (squared - _trace(out.fitted + other))[usual].mean() / 3
+    rest = float(np.sqrt(max(left, 0.0)))
+    stretch = np.sort(np.sqrt(squared) / Tempering(rest, 1.0, 0.0).bound(out.fitted, other, out.beyond))
+    rank = int(np.ceil((len(stretch) + 1) * LEVEL)) - 1
+    factor = float(stretch[min(rank, len(stretch) - 1)])
+    growth = _growth(Tempering(rest, factor, 0.0), list(leaver.by_end(variance)), instrument_known)
+    return Tempering(rest, factor, growth), variance
+
+
+def _growth(inside: Tempering, ends: list[LeftOut], instrument_known: bool) -> float:
+    """The least growth with which the bounds hold at the ends of the joints' ranges."""
+    if not ends:
+        return 0.0
+    out = joined(ends)
+    bound = inside.bound(out.fitted, out.scatter + out.seen * instrument_known, np.zeros(len(out.error)))
+    need = np.linalg.norm(out.error, axis=1) / bound - 1
+    growth = need[need > 0] / np.maximum(out.beyond[need > 0], 1e-9)
+    spare = int((1 - LEVEL) * len(need))
+    largest = np.sort(growth)[::-1]
+    return float(min(largest[spare], MOST_GROWTH)) if len(largest) > spare else 0.0
+
+
+def _trace(covariance: Array) -> Array:
+    return np.asarray(np.trace(covariance, axis1=-2, axis2=-1))

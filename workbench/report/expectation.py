@@ -1,0 +1,205 @@
+"""The page, the table and the scene of `workbench predict`: the error to be expected at the tool."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..files.tables import table_text
+from ..identification.prediction import ToolErrors
+from ..robot.description import Robot
+from ..robot.kinematics import Array
+from .drawing import AFTER, BEFORE, MIDDLE, Figure, dots, drawing
+from .folder import json_bytes, write_together
+from .markup import render
+from .scene import Shown, scene_of
+
+HEAD = (
+    "pose_id", "target", "x_mm", "y_mm", "z_mm", "dx_mm", "dy_mm", "dz_mm",
+    "error_mm", "nominal_bound_mm", "corrected_bound_mm", "outside",
+)  # fmt: skip
+LISTED = 6  # places outside of what was measured, by name
+WORDS = (
+    "Errors are those of the tool's points with base and tool set up as well as the campaign allows.",
+    "A bound holds for one standstill with 95 %: uncertainty of the fitted numbers, what is left unknown, "
+    "and the joints' repeatability, tempered so that 95 % of the errors at poses held out lie inside.",
+)
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What `predict` says. tolerance: [m], None where none was given."""
+
+    robot: Robot
+    errors: ToolErrors
+    tolerance: float | None = None
+
+    @property
+    def headline(self) -> str:
+        e, count = self.errors, len(self.errors.outside)
+        median, most = 1e3 * np.quantile(e.worst, [0.5, 0.95])
+        mean = 1e3 * float(e.length.mean())
+        said = (
+            f"An uncorrected program misses by {mean:.3f} mm (mean of {count} poses); after correction "
+            f"the tool stays within {median:.3f} mm at half of them, within {most:.3f} mm at 95 %"
+        )
+        if self.tolerance is not None:
+            before, after = self.errors.share_inside(self.tolerance)
+            said += (
+                f". Inside {1e3 * self.tolerance:.3g} mm with 95 %: at {100 * after:.0f} % of these poses, "
+                f"uncorrected at {100 * before:.0f} %"
+            )
+        return said
+
+    @property
+    def outside(self) -> list[str]:
+        """Which poses lie outside of what was measured, in words."""
+        found = Counter(said for said in self.errors.outside if said)
+        if not found:
+            return ["All poses lie inside of what was measured."]
+        lines = [
+            f"{sum(found.values())} of {len(self.errors.outside)} poses lie outside of what was measured: "
+            "their bounds are extrapolated, and grow with the distance"
+        ]
+        lines += [f"{said}: {count} poses" for said, count in found.most_common(LISTED)]
+        return lines + ([f"and {len(found) - LISTED} more combinations"] if len(found) > LISTED else [])
+
+    @property
+    def text(self) -> str:
+        return "\n".join([f"{self.headline}.", *self.outside, *self.errors.notes])
+
+    def to_json(self) -> dict[str, Any]:
+        e, mm = self.errors, 1e3
+        names = [target.name for target in e.campaign.targets]
+        out: dict[str, Any] = {
+            "schema": 1,
+            "robot": self.robot.name,
+            "n_poses": len(e.outside),
+            "targets": names,
+            "nominal": _figures(e.length, e.nominal.max(axis=1)),
+            "corrected": _figures(None, e.worst),
+            "outside": sum(bool(said) for said in e.outside),
+            "notes": list(e.notes),
+        }
+        if self.tolerance is not None:
+            before, after = e.share_inside(self.tolerance)
+            out["tolerance"] = {
+                "tolerance_mm": mm * self.tolerance,
+                "nominal_share": before,
+                "corrected_share": after,
+            }
+        rows = zip(
+            e.campaign.poses.ids, e.length.max(axis=1), e.nominal.max(axis=1), e.worst, e.outside, strict=True
+        )
+        out["poses"] = [
+            {
+                "pose_id": name,
+                "error_mm": mm * float(error),
+                "nominal_bound_mm": mm * float(nominal),
+                "corrected_bound_mm": mm * float(bound),
+                "outside": said,
+            }
+            for name, error, nominal, bound, said in rows
+        ]
+        return out
+
+
+def _figures(error: Array | None, bound: Array) -> dict[str, float]:
+    mean = {} if error is None else {"error_mean_mm": 1e3 * float(error.mean())}
+    half, most = (1e3 * float(v) for v in np.quantile(bound, [0.5, 0.95]))
+    return {**mean, "bound_median_mm": half, "bound_95_mm": most, "bound_max_mm": 1e3 * float(bound.max())}
+
+
+def write_expected(expected: Expected, folder: Path) -> None:
+    """Writes `index.html`, `scene.html`, `errors.csv` and `predict.json`, after all of them are made."""
+    e, robot = expected.errors, expected.robot
+    title = f"{robot.title}: error at the tool"
+    page = render(
+        "predict.html",
+        title=title,
+        headline=expected.headline,
+        words=WORDS,
+        outside=expected.outside,
+        notes=list(e.notes),
+        figures=[_shares(expected), _map(expected)],
+        version=version("robot-workbench"),
+    )
+    flat = e.places.reshape(-1, 3)
+    error = e.error.reshape(-1, 3)
+    way = error / np.maximum(np.linalg.norm(error, axis=1, keepdims=True), 1e-12)
+    stages = {"Uncorrected": error, "Left after correction (95 %)": e.corrected.reshape(-1, 1) * way}
+    pose, target = np.divmod(np.arange(len(flat)), e.error.shape[1])
+    far = np.array([bool(said) for said in e.outside])[pose]
+    shown = Shown(e.campaign.poses.q[0], flat, stages, pose, target, suspicious=far)
+    made = {
+        "index.html": page.encode(),
+        "scene.html": scene_of(robot, shown, title).encode(),
+        "errors.csv": table_text(HEAD, _rows(e)).encode(),
+        "predict.json": json_bytes(expected.to_json()),
+    }
+    write_together({folder / name: data for name, data in made.items()})
+
+
+def _rows(e: ToolErrors) -> list[Sequence[str]]:
+    """The table, a row for each pose and target."""
+    numbers = np.concatenate(
+        [e.places, e.error, e.length[..., None], e.nominal[..., None], e.corrected[..., None]], axis=2
+    )
+    return [
+        [name, target.name, *(f"{1e3 * value:.4f}" for value in numbers[i, t]), e.outside[i]]
+        for i, name in enumerate(e.campaign.poses.ids)
+        for t, target in enumerate(e.campaign.targets)
+    ]
+
+
+def _shares(expected: Expected) -> Figure:
+    """Share of the poses over the bound."""
+    e = expected.errors
+    share = np.arange(1, len(e.worst) + 1) / len(e.worst) * 100
+    with drawing("shares", 2.8) as (axes, svg):
+        for bound, colour, label in (
+            (e.worst, AFTER, "corrected"),
+            (e.nominal.max(axis=1), BEFORE, "uncorrected"),
+        ):
+            axes.plot(1e3 * np.sort(bound), share, color=colour, label=label)
+        if expected.tolerance is not None:
+            axes.axvline(1e3 * expected.tolerance, color=MIDDLE, lw=1)
+        axes.set_xscale("log")
+        axes.set_xlabel("95 % bound of the error (mm)")
+        axes.set_ylabel("poses inside (%)")
+        axes.legend()
+    return Figure("shares", "At how many poses the tool stays inside", expected.headline, svg[0])
+
+
+def _map(expected: Expected) -> Figure:
+    """The poses from the side and from above, by what is left."""
+    e = expected.errors
+    places, worst = e.places.mean(axis=1), e.worst
+    if expected.tolerance is None:
+        levels = np.quantile(worst, [1 / 3, 2 / 3])
+        label = [f"below {1e3 * levels[0]:.3f} mm", "between", f"above {1e3 * levels[1]:.3f} mm"]
+    else:
+        levels = np.array([expected.tolerance, expected.tolerance])
+        label = [
+            f"inside {1e3 * expected.tolerance:.3g} mm",
+            "",
+            f"not inside {1e3 * expected.tolerance:.3g} mm",
+        ]
+    level = np.searchsorted(levels, worst)
+    with drawing("map", 3.6, columns=2) as (axes, svg):
+        for ax, (a, b) in zip(axes, ((0, 2), (0, 1)), strict=True):
+            for k, colour in enumerate((AFTER, MIDDLE, BEFORE)):
+                if (level == k).any():
+                    dots(ax, places[level == k, a], places[level == k, b], colour, label[k])
+            ax.set_xlabel(f"{'xyz'[a]} (m)")
+            ax.set_ylabel(f"{'xyz'[b]} (m)")
+            ax.set_aspect("equal", adjustable="datalim")
+        axes[0].legend()
+    title = "What is left after correction (95 % bound), from the side and from above"
+    return Figure("map", title, title, svg[0])

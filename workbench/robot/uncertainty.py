@@ -1,0 +1,80 @@
+"""`[prediction]` of a model.toml: how sure the model is of the tool's place, and what was measured."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationInfo, field_validator
+
+DIGITS = 6
+ON_A_LINE = 12
+Numbers = tuple[FiniteFloat, ...]
+Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+class ToolPoint(_Table):
+    """A target on the flange: where the errors are predicted."""
+
+    name: str
+    """as the campaign calls it"""
+    xyz_mm: Place
+    """in the flange's frame, as the corrected model has it"""
+    nominal_xyz_mm: Place
+    """where it is best taken to be with the nominal robot"""
+
+
+class Uncertainty(_Table):
+    """In a model.toml: covariance of the fitted numbers, and bounds that held on poses held out."""
+
+    points: tuple[ToolPoint, ...] = Field(min_length=1)
+    """the targets on the flange"""
+    nominal_base: Numbers = Field(min_length=6, max_length=6)
+    """best base of the nominal robot in that of the corrected one: shift [m] and rotation vector [rad]"""
+    names: tuple[str, ...]
+    """the fitted numbers"""
+    factor: tuple[str, ...]
+    """covariance = F Fᵀ, SI units: numbers of F, row after row, a row for each name"""
+    rest: float = Field(ge=0)
+    """m, one sigma per axis of what is left unknown"""
+    repeatability: Numbers
+    """rad or m by joint, one sigma"""
+    tempering: float = Field(gt=0)
+    """factor on the bounds, so that 95 % of held-out errors lie inside"""
+    growth: float = Field(ge=0)
+    """1/rad (3 m⁻¹ of a sliding joint): the bound's growth outside of the measured range"""
+    lower: Numbers
+    """rad or m by joint: least measured angle"""
+    upper: Numbers
+    """rad or m by joint: largest measured angle"""
+    farthest: float = Field(ge=0)
+    """m: largest standard deviation at a measured pose that comes from the fitted numbers"""
+    instrument_inside: bool
+    """nobody knows the instrument's noise: it is in the bounds as well"""
+
+    @field_validator("factor")
+    @classmethod
+    def _whole(cls, lines: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        numbers, names = " ".join(lines).split(), info.data.get("names", ())
+        if not names or not numbers or len(numbers) % len(names):
+            raise ValueError(f"has {len(numbers)} numbers, for {len(names)} names")
+        if not np.isfinite(np.array(numbers, dtype=np.float64)).all():
+            raise ValueError("has numbers that are not finite")
+        return lines
+
+    @cached_property
+    def F(self) -> NDArray[np.float64]:
+        """(P, k) square root of the covariance of the P numbers `names`."""
+        numbers = np.array(" ".join(self.factor).split(), dtype=np.float64)
+        return numbers.reshape(len(self.names), -1)
+
+
+def factor_lines(F: NDArray[np.float64]) -> tuple[str, ...]:
+    """A square root (P, k) of a covariance as `Uncertainty` keeps it."""
+    rows = [[f"{value:.{DIGITS}g}" for value in row] for row in F.tolist()]
+    return tuple(" ".join(row[i : i + ON_A_LINE]) for row in rows for i in range(0, len(row), ON_A_LINE))

@@ -1,0 +1,73 @@
+"""What runs say: errors and figures of each, repeatability and accuracy of all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ...robot.description import Robot
+from ...robot.kinematics import Array, frames
+from ...robot.rigid_plant import arrays
+from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
+from .runs import Outcome
+from .verification import Repeats, Series, Trial
+
+
+def trial(name: str, done: Outcome, p: Array, lines: Sequence[tuple[str, int, float]]) -> Trial:
+    error = done.tool[:, :3, 3] - p
+    across = beside(error, tangents(p))
+    return Trial(
+        name,
+        error,
+        across,
+        done.q,
+        done.motor,
+        figures(error, across, error @ normal(p)),
+        main_lines(done.time, across, done.q, lines),
+        done.real_time_factor,
+    )
+
+
+def orders(truth: Robot, belief: Robot) -> list[tuple[str, int, float]]:
+    """Gear orders that may show: of the joints' ratios, and of the effects of truth and belief."""
+    names = truth.joint_names
+    out = [
+        (f"{joint.name}, {k} per motor turn", j, k * abs(joint.data.gear_ratio))
+        for j, joint in enumerate(truth.joints)
+        if joint.data.gear_ratio
+        for k in (1, 2, 4)
+    ]
+    stated = {(i.joint, i.order) for i in (*truth.effects, *belief.effects) if i.order and i.joint in names}
+    for joint_name, order in sorted(stated):
+        assert joint_name is not None
+        assert order is not None
+        out.append((f"{joint_name}, {order:g} per joint turn", names.index(joint_name), order))
+    return out
+
+
+def accuracy(series: Series, repeated: list[Outcome], p: Array) -> tuple[Repeats, ...]:
+    """AT and RT at the series' speed; RT is unknown without repeated runs."""
+    names, count = ("uncorrected", "corrected"), len(repeated) // 2
+    if not count:
+        single = [path_accuracy([series.trials[name].across])[0] for name in names]
+        return tuple(Repeats(name, 1, series.speed, at, None) for name, at in zip(names, single, strict=True))
+    across = [beside(outcome.tool[:, :3, 3] - p, tangents(p)) for outcome in repeated]
+    return tuple(
+        Repeats(name, count, series.speed, *path_accuracy(across[a:b]))
+        for name, (a, b) in zip(names, pairwise((0, count, 2 * count)), strict=True)
+    )
+
+
+def repeatability(robot: Robot, q: Array) -> float | None:
+    """[mm] of ISO 9283's pose repeatability, l̄ + 3 S, that the joints' own makes at the middle of a path."""
+    sigma = np.array([joint.data.repeatability or 0.0 for joint in robot.joints])
+    if not sigma.any():
+        return None
+    arm = arrays(robot)
+    q = q[len(q) // 2]
+    scattered = q + sigma * np.random.default_rng(0).normal(size=(2000, len(q)))
+    where = frames(arm, scattered).p[-1]
+    away = 1e3 * np.linalg.norm(where - where.mean(axis=0), axis=1)
+    return float(away.mean() + 3 * away.std(ddof=1))

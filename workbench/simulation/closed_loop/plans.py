@@ -1,0 +1,82 @@
+"""The commands that `verify` runs, at each speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...correction import Compensation, Conditions, compensate
+from ...correction.paths import Path
+from ...files.faults import Fault, InputError
+from ...robot.description import Robot
+from ...robot.kinematics import Array
+from .runs import World
+
+LEAST_TOLD = 1e-9  # rad, m: by which a command has to differ to be run beside another
+LONGEST = 60.0  # s that a run may take in the simulated world
+
+
+@dataclass(eq=False)
+class Plans:
+    """The commands that are run."""
+
+    world: World
+    path: Path
+    start: Array | None
+    seed: int
+
+    def __post_init__(self) -> None:
+        world = self.world
+        self.notes: list[str] = []
+        self.expected_mm = 0.0
+        # geometry and the nominal joints are the same at every speed
+        self.geometry = self._compensate(self.path, world.belief, world.conditions, "geometry")
+        self.desired = self.geometry.X_desired
+
+    def _compensate(self, path: Path, robot: Robot, conditions: Conditions, method: str) -> Compensation:
+        world = self.world
+        return compensate(
+            robot,
+            path,
+            conditions,
+            tool=world.tool,
+            start=self.start,
+            method=method,
+            bandwidth_hz=world.loop.feed_forward_hz,
+            seed=self.seed,
+        )
+
+    def commands(self, path: Path) -> dict[str, Array]:
+        """Joints (N, n) of each variant."""
+        world = self.world
+        everything = self._compensate(path, world.belief, world.conditions, "exact")
+        self.notes += everything.lines()[1:]
+        if not self.expected_mm:
+            self.expected_mm = float(np.sqrt((everything.after_mm**2).mean()))
+        out = {"uncorrected": self.geometry.q_nominal, "corrected": everything.q_command}
+        if np.abs(self.geometry.q_command - self.geometry.q_nominal).max() > LEAST_TOLD:
+            out["geometry"] = self.geometry.q_command
+        if world.truth is not world.belief:
+            best = self._compensate(path, world.truth, world.true_conditions, "exact")
+            out["perfect"] = best.q_command
+        return out
+
+    def at_speeds(self, speeds: Sequence[float] | None) -> tuple[list[tuple[Path, float]], list[str]]:
+        """The path at each tool speed, slowest first: its time stretched, within what a run may last."""
+        p, time = self.desired[:, :3, 3], self.path.time
+        own = float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
+        if own <= 0:
+            place = self.path.file or self.path.title or "path"
+            raise InputError(Fault(place, "the tool does not move", "give a path"))
+        length, found, notes = float(time[-1] - time[0]), {}, []
+        for speed in speeds if speeds is not None else (own,):
+            stretch = min(own / speed, LONGEST / length)
+            if stretch < own / speed:
+                took = f"{speed:g} m/s would take {own / speed * length:.0f} s"
+                notes.append(f"{took}: run at {own / stretch:.3g} m/s instead")
+            found[round(own / stretch, 9)] = replace(
+                self.path, time=time[0] + stretch * (time - time[0])
+            )  # fmt: skip
+        return [(found[speed], speed) for speed in sorted(found)], notes
