@@ -15,7 +15,6 @@ from ..files.toml import toml_text
 from ..files.whole import put
 from ..robot.description import Robot
 from ..robot.kinematics import Array
-from ..robot.loop import Loop
 from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
 from .prediction.of_fit import uncertainty
@@ -48,8 +47,6 @@ def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[Effe
     }
     if robot.compensator is not None:
         table["compensator"] = _given(robot.compensator.model_dump())
-    if robot.loop != Loop():
-        table["controller"] = {"loop": _given(robot.loop.model_dump(exclude_defaults=True))}
     if robot.bending_stiffness:
         table["links"] = [{"name": k, "bending_stiffness": v} for k, v in robot.bending_stiffness.items()]
     if controller := robot.controller.model_dump(mode="json", exclude_defaults=True):

@@ -114,6 +114,9 @@ def _rows(result: Fit, gauge: _Gauge, names: Sequence[str], variance: float) -> 
     out.append(slots[6:-6])
     stated = sum(len(values) for effect, values in result.model.known if _own(effect))
     out.append(np.zeros((stated, len(half))))
+    for item, row in zip(result.model.given, half[cols.given_slice], strict=True):
+        if _own(item.effect):
+            out.append(row[None])
     for effect, part in zip(result.model.effects, cols.effect, strict=True):
         if _own(effect):
             out.append(half[part])
