@@ -44,7 +44,7 @@ def prepared():
 def competition(prepared):
     fit, (candidates, _) = prepared.geometry, candidates_of(prepared.problem)
     components = [*cause_components(fit, candidates), *nameless_components(fit, unnamed(prepared.problem))]
-    return Competition(reduce(fit, components, None, 300.0), components)
+    return Competition(reduce(fit, components, 300.0), components)
 
 
 @pytest.fixture(scope="module")

@@ -262,6 +262,18 @@ def test_a_campaign_comes_in_as_the_controller_has_it(tmp_path: Path) -> None:
     assert poses.torque[0].tolist() == [0, -1, 1, 0, 0, 0]
 
 
+def test_a_controllers_table_may_have_its_own_encoding(tmp_path: Path) -> None:
+    q = np.random.default_rng(2).uniform(-1, 1, (8, 6))
+    path = written_by_a_controller(tmp_path, q)
+    for name in ("shown.csv", "points.csv"):
+        text = (tmp_path / name).read_text().replace("p0,", "höchste,")
+        (tmp_path / name).write_text(text, encoding="latin-1")
+    path.write_text(path.read_text().replace('.csv"\n', '.csv"\nencoding = "latin-1"\n'))
+    poses = load_campaign(path).poses
+    assert poses.ids[0] == "höchste"
+    assert poses.q == pytest.approx(q, abs=1e-10)
+
+
 def test_a_campaign_without_convention_is_told(tmp_path: Path) -> None:
     path = written_by_a_controller(tmp_path, np.zeros((8, 6)))
     path.write_text(path.read_text().replace("lrmate200id", "iiwa7"))

@@ -195,7 +195,7 @@ def test_lambda_is_that_of_the_diagnosis(kr500):
     chosen = np.arange(40)
     job = problem_of(simulate(take(offered, chosen), Truth(sigma=3e-5), seed=2))
     noise = Covariance(np.full(job.seen.shape, 3e-5), kr500.joint, np.ones(40))
-    S = screen(fit(Model(job), start_state(job), noise), pair, known=True).S
+    S = screen(fit(Model(job), start_state(job), noise), pair).S
     alone = [S[0, 0] - S[0, 1] ** 2 / S[1, 1], S[1, 1] - S[0, 1] ** 2 / S[0, 0]]
     assert space.criterion(space.measured(chosen), [pair, pair[::-1]]) == pytest.approx(alone, rel=0.02)
 

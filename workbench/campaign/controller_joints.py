@@ -33,7 +33,7 @@ def joints_in_order(robot: Robot, convention: Convention) -> list[Joint]:
 
 def by_the_controllers_names(path: Path, layout: Layout, convention: Convention) -> Layout:
     """The layout, with the columns that are named as the controller names its joints: A1 is q1, and so on."""
-    rows, _, _ = split(content(read_text(path), layout), layout.separator, str(path))
+    rows, _, _ = split(content(read_text(path, layout.encoding), layout), layout.separator, str(path))
     header = [cell.strip() for cell in rows[0]] if layout.header and rows else []
     said = {name.split("_")[0] for name in layout.columns}
     named = {

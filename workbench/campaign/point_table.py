@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..files.tables import Column, Layout, Table, read_table
+from ..files.faults import InputError, read_text
+from ..files.tables import Column, Layout, Table, parse_table, read_table
 from .file import CampaignFile, point_columns
 
 AXES = ("x_mm", "y_mm", "z_mm")
@@ -22,11 +23,15 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
         Column("pose_id", text=True, required=named),
         *(Column(axis, ("length",), required=True, blank=True) for axis in "xyz"),
     ]
+    try:
+        text = read_text(path, layout.encoding)
+    except InputError as error:
+        return Table(path, faults=list(error.faults))
     parts = []
     for target, places in layout.wide.items():
         mapping = {**layout.columns, **dict(zip(AXES, places, strict=True))}
         own = Layout(**{key: getattr(layout, key) for key in Layout.model_fields} | {"columns": mapping})
-        parts.append(_seen(read_table(path, own, columns, f"{place}.wide.{target}"), target))
+        parts.append(_seen(parse_table(text, path, own, columns, f"{place}.wide.{target}"), target))
     return _stacked(path, parts)
 
 

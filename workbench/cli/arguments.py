@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -88,6 +88,21 @@ def frame(text: str) -> Array:
     return pose(1e-3 * np.array(numbers[:3]), from_zyx(turn)[0])
 
 
+def above_zero(what: str) -> Callable[[str], float]:
+    """What reads a number above zero: `what` it is, for the message."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = 0.0
+        if not 0 < value < float("inf"):
+            raise argparse.ArgumentTypeError(f"{text!r} is no {what} above zero")
+        return value
+
+    return read
+
+
 def positive(text: str) -> int:
     """A whole number from 1."""
     if not text.isdecimal() or int(text) < 1:
@@ -120,14 +135,18 @@ def load_all(paths: Sequence[str]) -> list[Campaign]:
     return campaigns
 
 
-def conditions(model: str, payload: str, campaign: str | None) -> Conditions:
+def stated(campaign: str | None) -> Campaign | None:
+    """The campaign that is named beside a model, its warnings told; None where there is none."""
+    return load_all([campaign])[0] if campaign else None
+
+
+def conditions(model: str, payload: str, campaign: Campaign | None) -> Conditions:
     """Tool and payload along the path, as the campaign or else the model states them."""
     from ..correction import conditions_of, stated_conditions
     from ..robot.description import load_robot
 
-    if campaign:
-        (stated,) = load_all([campaign])
-        return conditions_of(stated, payload)
+    if campaign is not None:
+        return conditions_of(campaign, payload)
     robot = load_robot(model)
     if robot.payloads and not payload:
         known = ", ".join(robot.payloads)

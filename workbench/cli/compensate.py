@@ -15,6 +15,7 @@ from .arguments import (
     out_option,
     program_options,
     seed_option,
+    stated,
 )
 
 
@@ -57,7 +58,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     from ..correction import compensate_file, compensate_program, is_program
 
-    loads = conditions(arguments.model, arguments.payload, arguments.campaign)
+    loads = conditions(arguments.model, arguments.payload, stated(arguments.campaign))
     if is_program(Path(arguments.path)):
         written = compensate_program(
             arguments.path,

@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from .arguments import Commands, check_folder, conditions, json_option, load_all, load_options, out_option
+from .arguments import Commands, check_folder, conditions, json_option, load_options, out_option, stated
 
 
 def add(commands: Commands) -> None:
@@ -26,7 +26,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     out = arguments.out or Path("reports/export") / arguments.to
     check_folder(out)
-    campaign = load_all([arguments.campaign])[0] if arguments.campaign else None
-    loads = conditions(arguments.model, arguments.payload, arguments.campaign)
+    campaign = stated(arguments.campaign)
+    loads = conditions(arguments.model, arguments.payload, campaign)
     written = export(arguments.model, arguments.to, out, campaign=campaign, conditions=loads)
     print(json.dumps(written.to_json()) if arguments.json else written.text)

@@ -127,7 +127,7 @@ def _places(out: Path | None, format: str | None) -> tuple[Path, Path]:
     return poses, poses.parent
 
 
-def write_poses(path: Path, records: Campaign, keep: bool = False) -> list[Path]:
+def write_poses(path: Path, records: Campaign, keep: bool) -> list[Path]:
     """poses.csv as `write_campaign` writes it, whole or not at all. Raises InputError."""
     from ..campaign.write import poses_text
     from ..correction.programs.files import put_files

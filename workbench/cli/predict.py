@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .arguments import Commands, check_folder, json_option, out_option, positive, seed_option
+from .arguments import Commands, above_zero, check_folder, json_option, out_option, positive, seed_option
 from .status import progress
 
 if TYPE_CHECKING:
@@ -36,7 +36,10 @@ def add(commands: Commands) -> None:
         "--payload", default="", metavar="NAME", help="what the arm carries, where the file says nothing"
     )
     parser.add_argument(
-        "--tolerance", type=_tolerance, metavar="MM", help="at how many poses the tool stays inside this"
+        "--tolerance",
+        type=above_zero("length"),
+        metavar="MM",
+        help="at how many poses the tool stays inside this",
     )
     out_option(
         parser,
@@ -87,8 +90,7 @@ def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
         wrench = campaign.poses.wrench if path.wrench is None else path.wrench
         return campaign.with_poses(wrench=wrench, temperature=path.temperature, time=path.time)
     poses, _ = told.from_file(robot, arguments.poses, {})
-    carried = poses.payload or [arguments.payload] * len(poses.q)
-    campaign = posed(robot, poses.q, carried)
+    campaign = posed(robot, poses.q, poses.payload or arguments.payload)
     told_too = {"wrench": poses.wrench, "ids": poses.ids or None}
     return campaign.with_poses(
         side=poses.direction,
@@ -96,14 +98,3 @@ def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
         temperature=poses.temperature,
         **{name: column for name, column in told_too.items() if column is not None},
     )
-
-
-def _tolerance(text: str) -> float:
-    """Millimetres above zero."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text!r} is no length above zero")
-    return value

@@ -9,12 +9,14 @@ from pathlib import Path
 
 from .arguments import (
     Commands,
+    above_zero,
     conditions,
     json_option,
     load_options,
     out_option,
     quick_option,
     seed_option,
+    stated,
     workers_option,
 )
 from .status import progress
@@ -30,7 +32,11 @@ def add(commands: Commands) -> None:
     parser.add_argument("--model", required=True, metavar="MODEL.toml", help="what the compensation knows")
     parser.add_argument("--truth", metavar="MODEL.toml", help="what is simulated (default: the model)")
     parser.add_argument(
-        "--speed", type=_speed, action="append", metavar="M/S", help="tool speed, repeatable (0.03 and 0.3)"
+        "--speed",
+        type=above_zero("speed"),
+        action="append",
+        metavar="M/S",
+        help="tool speed, repeatable (0.03 and 0.3)",
     )
     parser.add_argument(
         "--controller", metavar="FILE.toml", help="its [controller.loop] instead of that of the truth"
@@ -68,7 +74,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.model,
         arguments.truth,
         arguments.out,
-        conditions=conditions(arguments.model, arguments.payload, arguments.campaign),
+        conditions=conditions(arguments.model, arguments.payload, stated(arguments.campaign)),
         speeds=arguments.speed or SPEEDS,
         loop=parse_loop(Path(arguments.controller)) if arguments.controller else None,
         feed_forward=arguments.feed_forward,
@@ -80,14 +86,3 @@ def run(arguments: argparse.Namespace) -> None:
         progress=progress,
     )
     print(json.dumps(done.to_json()) if arguments.json else done.text)
-
-
-def _speed(text: str) -> float:
-    """A number above zero."""
-    try:
-        speed = float(text)
-    except ValueError:
-        speed = 0.0
-    if not 0 < speed < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text!r} is no speed above zero")
-    return speed

@@ -19,7 +19,7 @@ from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
 from .components import Component, cause_components, nameless_components
-from .reduced import Reduced
+from .reduced import Reduced, columns_of, explained
 from .screen import effective_dof, reduce_columns
 from .sets import Chosen, Competition
 
@@ -40,7 +40,7 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     components = [*cause_components(final, near), *nameless_components(final, unnamed(problem))]
     blocks = [block[some] for block in _worth_trying(final, components)]
     J = final.J[some] * final.columns.prior
-    r = final.r[some] + J @ _given_back(final)
+    r = (final.r + explained(final))[some]
     own = J.shape[2]
     A = np.concatenate([J, *blocks], axis=2)
     ends = np.cumsum([own, *(block.shape[2] for block in blocks)])
@@ -57,38 +57,31 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
 
 def _worth_trying(final: Fit, components: Sequence[Component]) -> list[Array]:
     """Columns (N, D, p) in prior sizes: the likeliest form of each component that has any evidence."""
-    blocks = [form.columns * form.sizes for component in components for form in component.forms]
-    ends = iter(pairwise(np.cumsum([0, *(block.shape[2] for block in blocks)])))
-    parts = tuple(tuple(slice(*next(ends)) for _ in component.forms) for component in components)
+    blocks, parts = columns_of(components)
     S, u, _ = reduce_columns(final, np.concatenate(blocks, axis=2))
-    dof = effective_dof(final)
-    reduced = Reduced(parts, S, u, final.chi2, dof, 0.0)
+    reduced = Reduced(parts, S, u, final.chi2, effective_dof(final), 0.0)
     weights = Competition(reduced, components).beside(Chosen(reduced, []))
-    found = []
-    for k, weight in weights.items():
-        if weight.log_odds - components[k].log_odds > SPEAKS:
-            form = components[k].forms[weight.form]
-            found.append(form.columns * form.sizes)
-    return found
-
-
-def _given_back(final: Fit) -> Array:
-    """(P,) how far the fit has moved the effects' numbers from their priors' means, in their priors."""
-    out = np.zeros(len(final.columns.names))
-    for part, values in zip(final.columns.effect, final.state.values, strict=True):
-        out[part] = values / final.columns.prior[part]
-    return out
+    first = np.cumsum([0, *(len(component.forms) for component in components)])
+    return [
+        blocks[first[k] + weight.form]
+        for k, weight in weights.items()
+        if weight.log_odds - components[k].log_odds > SPEAKS
+    ]
 
 
 def _relevant(
     normal: Array, right: Array, total: float, own: int, parts: list[NDArray[np.int64]], rows: int
-) -> tuple[Array, Array]:
+) -> tuple[NDArray[np.int64], Array]:
     """Numbers of the columns that stay, and their prior precisions over the noise's."""
     scale = np.ones(len(parts))
     live, noise = list(range(len(parts))), 1.0
-    for _ in range(ROUNDS):
+
+    def staying() -> tuple[NDArray[np.int64], Array]:
         columns = np.concatenate([np.arange(own), *(parts[k] for k in live)])
-        precision = np.concatenate([np.ones(own), *(np.full(len(parts[k]), 1 / scale[k]) for k in live)])
+        return columns, np.concatenate([np.ones(own), *(np.full(len(parts[k]), 1 / scale[k]) for k in live)])
+
+    for _ in range(ROUNDS):
+        columns, precision = staying()
         M = normal[np.ix_(columns, columns)] / noise + np.diag(precision)
         half = solve_triangular(np.linalg.cholesky(M), np.eye(len(M)), lower=True, check_finite=False)
         weights = half.T @ (half @ (right[columns] / noise))
@@ -106,8 +99,7 @@ def _relevant(
         rest = total - weights @ (2 * right[columns] - normal[np.ix_(columns, columns)] @ weights)
         noise = max(float(rest), 1e-12 * total) / max(rows - used, 1.0)
         live = kept
-    columns = np.concatenate([np.arange(own), *(parts[k] for k in live)])
-    precision = np.concatenate([np.ones(own), *(np.full(len(parts[k]), 1 / scale[k]) for k in live)])
+    columns, precision = staying()
     return columns, precision * noise
 
 

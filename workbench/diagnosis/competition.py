@@ -15,15 +15,15 @@ from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from ..robot.kinematics import Array
-from .components import Component, Form, Key, bare, cause_components, line_component, nameless_components
-from .noise_choice import from_residual
+from .components import Component, Key, bare, cause_components, line_component, nameless_components
+from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
 from .sets import Chosen, Competition, Member, Shares
-from .stages import rms_mm
+from .stages import Group, rms_mm
 
 ROUNDS = 5
 CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
@@ -55,6 +55,15 @@ class Selection:
         return effect.cause != UNKNOWN and effect.key in keys and effect.key not in self.faint
 
     @property
+    def groups(self) -> list[Group]:
+        """Named effects of one cause and place together, strongest first."""
+        found: dict[Key, Group] = {}
+        for i, effect in enumerate(self.fit.model.effects):
+            if self.named(effect):
+                found.setdefault(effect.key, (effect, []))[1].append(i)
+        return list(found.values())
+
+    @property
     def nameless(self) -> list[int]:
         """Numbers of the fit's effects that have no name."""
         return [i for i, effect in enumerate(self.fit.model.effects) if not self.named(effect)]
@@ -65,22 +74,19 @@ class Selection:
         own = chosen.own[chosen.members.index(member)]
         index, beta = chosen.index[own], chosen.beta[own]
         S = self.reduced.S[np.ix_(index, index)]
-        sigma = float(np.sqrt(np.mean(self.fit.noise.sigma**2)))
-        return 1e3 * sigma * float(np.sqrt(3 * (beta @ S @ beta) / self.reduced.dof))
+        return 1e3 * self.fit.noise.usual * float(np.sqrt(3 * (beta @ S @ beta) / self.reduced.dof))
 
 
 def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     """The likeliest set of causes, gear lines and free functions."""
     geometry, source = prepared.geometry, prepared.noise.source
-    noise_dof = {"stated": PRIORS.noise_dof, "repeats": geometry.noise.dof, "residual": 0.0}[source]
-    if not np.isfinite(noise_dof):
-        noise_dof = PRIORS.noise_dof
+    noise_dof = known_dof(prepared.noise, geometry.noise.dof)
     best = _converged(geometry, candidates, noise_dof, prepared.noise_known)
     at, competition, members = best.found, best.competition, best.members
     reduced, components = competition.reduced, competition.components
     shares = competition.shares(members)
     sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
-    sure.sort(key=lambda i: -_size(reduced, members[i]))
+    sure.sort(key=lambda i: -Chosen(reduced, [members[i]]).explained)
     members, shares = [members[i] for i in sure], [shares[i] for i in sure]
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
     misfit = misfit or any(components[m.component].nameless for m in members)
@@ -110,13 +116,13 @@ def _in_both_halves(
     halves of the poses (in the order of measurement), averaged, for members of which these say less."""
     out = [dict(share) for share in shares]
     halves = [
-        Competition(reduce(at, components, _explained(at), noise_dof, poses), components).shares(members)
+        Competition(reduce(at, components, noise_dof, poses), components).shares(members)
         for poses in _halves(at.model.problem.campaign.poses)
     ]
     for i, (member, *both) in enumerate(zip(members, *halves, strict=True)):
         if components[member.component].nameless:
             continue  # no name is at stake
-        mean = {k: sum(half.get(k, 0.0) for half in both) / 2 for half_ in both for k in half_}
+        mean = {k: sum(half.get(k, 0.0) for half in both) / 2 for k in both[0] | both[1]}
         if mean[member.component] < out[i][member.component]:
             out[i] = mean
     return out
@@ -156,8 +162,7 @@ def _sharpened(result: Fit, candidates: Sequence[Effect]) -> Fit:
 
 def _chi2_with(result: Fit, i: int, other: Effect) -> float:
     """χ² to first order with another form in the place of the model's i-th effect."""
-    G = result.model.effect_jacobian(result.line, other, np.zeros(len(other.params)))
-    G = np.matmul(result.whitener, G).reshape(result.r.size, -1)
+    G = result.whitened(other).reshape(result.r.size, -1)
     part = result.columns.effect[i]
     J = result.J.reshape(result.r.size, -1)
     r = result.r.ravel() + J[:, part] @ result.state.values[i]
@@ -203,7 +208,7 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
             *(_line(at, line) for line in lines),
             *nameless_components(at, [*unnamed(at.model.problem), *_of_scattering(at, base)]),
         ]
-        competition = Competition(reduce(at, components, _explained(at), noise_dof), components)
+        competition = Competition(reduce(at, components, noise_dof), components)
         before = (
             [tried[-1].competition.components[m.component].label for m in tried[-1].members] if tried else []
         )
@@ -212,7 +217,7 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
         if not noise_known:
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
         found = _fitted(at, effects, base)
-        tried.append(_Round(at, found, competition, members, rms_mm(heldout(found))))
+        tried.append(_Round(found, competition, members, rms_mm(heldout(found))))
         same = len(tried) > 1 and set(effects) == set(tried[-2].found.model.effects)
         at = found
         if (same and alike(noise, at.noise)) or _no_better([one.heldout_mm for one in tried]):
@@ -227,9 +232,8 @@ def _no_better(errors: Sequence[float]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Round:
-    """One round: where it was linearised, the fit with the set that it found, the error of that held out."""
+    """One round: the set that it found, the fit with that, and the error of this held out."""
 
-    at: Fit
     found: Fit
     competition: Competition
     members: list[Member]
@@ -255,28 +259,19 @@ def _effects(competition: Competition, members: Sequence[Member]) -> list[Effect
         form = forms[member.form]
         if not form.held:
             parts = competition.reduced.parts[member.component]
-            worth = [_worth(chosen, i, f, part) for f, part in zip(forms, parts, strict=True)]
+            mains = [part.start + np.arange(f.main) for f, part in zip(forms, parts, strict=True)]
+            worth = [worth_of(chosen, i, main) for main in mains]
             form = forms[int(np.argmax(worth))]
         out += [effect.sized(member.scale) for effect in form.effects]
     return out
 
 
-def _worth(chosen: Chosen, without: int, form: Form, part: slice) -> float:
-    """What a form explains without its companions, beside the others of a set, less a price per number."""
-    main = part.start + np.arange(sum(len(effect.params) for effect in form.effects))
+def worth_of(chosen: Chosen, without: int, main: Index) -> float:
+    """What a form's main numbers (its columns `main`) explain beside the others of a set, less a price for
+    each."""
     S, u = (x[0] for x in chosen.left_of(main[None], without))
     S[np.diag_indices_from(S)] += LOOSE**-2
     return float(u @ np.linalg.solve(S, u)) - CLEARER * len(main)
-
-
-def _explained(at: Fit) -> Array | None:
-    """(N, D) what the fit's effects explain of the whitened data, to first order."""
-    if not at.model.effects:
-        return None
-    out = np.zeros_like(at.r)
-    for part, values in zip(at.columns.effect, at.state.values, strict=True):
-        out += at.J[:, :, part] @ values
-    return out
 
 
 def _with_lines(at: Fit, lines: list[Line]) -> list[Line]:
@@ -295,9 +290,3 @@ def _line(at: Fit, line: Line) -> Component:
     width = np.sqrt(2 * np.pi) / (np.sqrt(line.statistic) * max(spread, 1e-3))
     sharpness = min(1.0, width / line.order / np.log(HIGHEST / LOWEST))
     return line_component(at, gear_line(problem.arm.names[line.joint], round(line.order, 3)), sharpness)
-
-
-def _size(reduced: Reduced, member: Member) -> float:
-    part = reduced.parts[member.component][member.form]
-    index = np.arange(len(reduced.u))[part]
-    return reduced.explained(index, np.full(len(index), member.scale**-2))

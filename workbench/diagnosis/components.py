@@ -35,6 +35,11 @@ class Form:
     one_sided: bool = False
 
     @property
+    def main(self) -> int:
+        """Number of its main columns."""
+        return sum(len(effect.params) for effect in self.effects)
+
+    @property
     def held(self) -> bool:
         """Whether its prior sizes hold its weights in the fit as well: a free function."""
         return all(p.spread is not None for effect in self.effects for p in effect.params)
@@ -69,9 +74,7 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
     places: dict[Key, list[Effect]] = {}
     for effect in candidates:
         places.setdefault(effect.key, []).append(effect)
-    sites: dict[str, int] = {}
-    for cause, _ in places:
-        sites[cause] = sites.get(cause, 0) + 1
+    sites = Counter(cause for cause, _ in places)
     out = []
     for key, effects in places.items():
         finer = [other for effect in effects for other in effect.finer()[::EVERY_FINER]]
@@ -104,10 +107,8 @@ def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component
 
 
 def log_odds_of(effect: Effect, sites: int) -> float:
-    if effect.always and effect.axial and not effect.stated:
-        p = PRIORS.unstated
-        return float(np.log(p / (1 - p)))
-    p = PRIORS.cause / sites
+    unstated = effect.always and effect.axial and not effect.stated
+    p = PRIORS.unstated if unstated else PRIORS.cause / sites
     return float(np.log(p / (1 - p)))
 
 
@@ -117,11 +118,10 @@ def form_of(fit: Fit, effects: tuple[Effect, ...]) -> Form:
     shares += [pair for effect in effects for pair in effect.companions()]
     blocks, sizes = [], []
     for share, effect in shares:
-        G = fit.model.effect_jacobian(fit.line, effect, np.zeros(len(effect.params)))
         usual = np.array([p.typical for p in effect.params])
         if effect.acts == "yielding" and not effect.stated:
             usual = usual_yield(fit, effect, usual)
-        blocks.append(np.matmul(fit.whitener, G))
+        blocks.append(fit.whitened(effect))
         sizes.append(share * usual)
     first = effects[0].params[0]
     one_sided = len(effects) == 1 and len(effects[0].params) == 1 and first.lower == 0.0

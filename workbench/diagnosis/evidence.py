@@ -49,7 +49,7 @@ def structure_evidence(result: Fit, function: Unnamed) -> Evidence:
     """The part of the data that a function without a name takes, against its variable."""
     problem = result.model.problem
     moved, r = _taken(result, function)
-    sigma = float(np.sqrt(np.mean(result.noise.sigma**2))) * 1e3
+    sigma = result.noise.usual * 1e3
     length = np.maximum(np.linalg.norm(moved, axis=1), 1e-12)
     part, before = length * sigma, (moved * r).sum(axis=1) / length * sigma
     turn, unit = (np.degrees(1.0), "deg") if function.unit == "rad" else (1.0, function.unit)
@@ -68,8 +68,7 @@ def _taken(result: Fit, function: Unnamed) -> tuple[Array, Array]:
             G = result.model.effect_jacobian(result.line, effect, values)
             moved = np.matmul(result.whitener, (G @ values)[..., None])[..., 0]
             return moved, result.r + moved
-    G = result.model.effect_jacobian(result.line, function, np.zeros(len(function.params)))
-    flat = np.matmul(result.whitener, G).reshape(result.r.size, -1)
+    flat = result.whitened(function).reshape(result.r.size, -1)
     scale = np.linalg.norm(flat, axis=0) + 1e-300
     solution = np.linalg.lstsq(flat / scale, result.r.ravel(), rcond=1e-8)[0]
     return ((flat / scale) @ solution).reshape(result.r.shape), result.r

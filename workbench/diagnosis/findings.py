@@ -16,7 +16,7 @@ from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit, fit
 from .ceiling import ceiling_mm
 from .competition import Selection
-from .components import Key, bare
+from .components import bare
 from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable
 from .headline import headline, remarks, verdict_of
@@ -32,7 +32,6 @@ from .stages import Group, pose_errors, stages_of, without
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
-UNNAMED = "Something that no cause of the catalogue explains"
 
 
 @dataclass(frozen=True)
@@ -52,13 +51,14 @@ def assemble(parts: Parts) -> Diagnosis:
     """The Diagnosis."""
     prepared, selection, final = parts.prepared, parts.selection, parts.selection.fit
     problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
-    groups = _groups(selection)
-    stages, _ = stages_of(prepared, final, groups, parts.seed)
+    groups = selection.groups
+    stages = stages_of(prepared, final, groups, parts.seed)
     # what is left is judged by the noise that was there before any scatter was seen
     left = remainder(fit(final.model, final.state, prepared.covariance, max_iterations=4), known)
     best = stages[-1].heldout_rms_mm
     with_names = stages[1 + len(groups)].heldout_rms_mm
-    findings = [_finding(parts, group, without(final, selection.nameless, parts.seed)) for group in groups]
+    named_mm = without(final, selection.nameless, parts.seed)
+    findings = [_finding(parts, group, named_mm) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = stages[1].heldout_rms_mm - with_names
     nameless = _nameless(selection, left, best, with_names - best)
@@ -87,7 +87,7 @@ def assemble(parts: Parts) -> Diagnosis:
         remainder_chi2=left.chi2,
         remainder_dof=left.dof,
         remainder_p=left.p,
-        not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry, known)),
+        not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry)),
         detectable=tuple(detectable(parts.candidates, final, known)),
         faults=prepared.faults + rounded_joints(final, prepared.noise, left),
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
@@ -109,15 +109,6 @@ def assemble(parts: Parts) -> Diagnosis:
     )
 
 
-def _groups(selection: Selection) -> list[Group]:
-    """Effects of one cause and place together, strongest first (indices into the fit's effects)."""
-    found: dict[Key, Group] = {}
-    for i, effect in enumerate(selection.fit.model.effects):
-        if selection.named(effect):
-            found.setdefault(effect.key, (effect, []))[1].append(i)
-    return list(found.values())
-
-
 def _finding(parts: Parts, group: Group, named_mm: float) -> Finding:
     """One cause; named_mm: held-out RMS with all of them, and nothing without a name."""
     effect, own = group
@@ -125,7 +116,7 @@ def _finding(parts: Parts, group: Group, named_mm: float) -> Finding:
     probability, rivals = probability_of(selection, effect)
     named = probability >= PRIORS.named
     advice = list(filter(None, (separation(effect.cause, rival.cause) for rival in rivals)))
-    if any(rival.cause == "unknown" for rival in rivals):
+    if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
     parameters, sentence = _describe(final, group)
     strongest = max(own, key=final.wald)
@@ -229,7 +220,7 @@ def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
 
 def _plain(structure: str, sentence: str, where: Where, worth_mm: float) -> Finding:
     return Finding(
-        "unknown", UNNAMED, where, "ambiguous", worth_mm, 1.0, structure=structure, sentence=sentence
+        UNKNOWN, Unnamed.title, where, "ambiguous", worth_mm, 1.0, structure=structure, sentence=sentence
     )
 
 
@@ -237,7 +228,7 @@ def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) ->
     structure = f"depends on {function.variable}"
     return Finding(
         cause=UNKNOWN,
-        title=UNNAMED,
+        title=Unnamed.title,
         where=function.where if function.where.other is None else NOWHERE,
         status="ambiguous",
         gain_mm=worth,

@@ -11,7 +11,7 @@ from ..effects.base import Effect
 from ..effects.given import Exclusion, Given, exclusions, given_facts
 from ..effects.place import NOWHERE, Parameter
 from ..identification.fit import Fit
-from ..identification.rows import equations
+from ..identification.rows import offset_of
 from .competition import LOOSE, Selection
 from .findings import probability_of
 from .prepared import Prepared, Progress
@@ -89,15 +89,14 @@ def _seen(free: Selection, fact: Given) -> tuple[float, float]:
     found = {effect: None for effect in result.model.effects}
     others = [e for e in _stand_ins(free) if e not in found and not fact.is_for(e)]
     J = result.J.reshape(result.r.size, -1)
-    offset = equations(result.model, result.line, result.columns, result.state, result.whitener).offset
+    offset = offset_of(result.model, result.columns, result.state)
     r, kept = result.r.ravel(), np.ones(J.shape[1], bool)
     for i in own:
         part = result.columns.effect[i]
         r, kept[part] = r + J[:, part] @ result.state.values[i], False
     blocks = [(J * result.columns.prior)[:, kept]]
     for effect in (*others, fact.effect):
-        G = result.model.effect_jacobian(result.line, effect, np.zeros(len(effect.params)))
-        G = np.matmul(result.whitener, G).reshape(result.r.size, -1)
+        G = result.whitened(effect).reshape(result.r.size, -1)
         blocks.append(G * [LOOSE * p.typical for p in effect.params])
     A = np.concatenate(blocks, axis=1)
     g = A.T @ r

@@ -117,10 +117,7 @@ def _beside_joints(result: Fit, step: Array) -> float:
     Poses measured joint by joint, or load by load, would else let their errors look like a step.
     """
     smooth = np.concatenate(
-        [
-            _columns(result, e)
-            for e in [*_of_one_joint(result.model.problem), *_of_load(result.model.problem)]
-        ],
+        [result.whitened(e) for e in [*_of_one_joint(result.model.problem), *_of_load(result.model.problem)]],
         axis=2,
     )
     if result.J.shape[2] + smooth.shape[2] > 0.6 * result.point_rows:
@@ -145,12 +142,6 @@ def _of_load(problem: Problem) -> list[Effect]:
     """What a change of load does: payloads, and joints that yield to them."""
     every = [e for kind in catalogue().values() if kind.needs(problem) is None for e in kind.sites(problem)]
     return [e for e in every if e.where.payload is not None or (e.always and e.axial)]
-
-
-def _columns(result: Fit, effect: Effect) -> Array:
-    """(N, D, p) whitened columns of an effect."""
-    G = result.model.effect_jacobian(result.line, effect, np.zeros(len(effect.params)))
-    return np.matmul(result.whitener, G)
 
 
 def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Array]]:

@@ -21,6 +21,7 @@ from ..identification.noise import (
     within,
 )
 from ..robot.kinematics import Array
+from .priors import PRIORS
 from .result import Noise
 
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
@@ -72,6 +73,13 @@ def without_wild_repeats(problem: Problem) -> Problem:
     return replace(problem, campaign=replace(problem.campaign, points=points))
 
 
+def known_dof(noise: Noise, dof: float) -> float:
+    """Degrees of freedom behind a noise that was measured with `dof`; 0 where it is the residual's own."""
+    if noise.source == "residual":
+        return 0.0
+    return dof if noise.source == "repeats" and np.isfinite(dof) else PRIORS.noise_dof
+
+
 def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial: Array) -> str | None:
     """A sentence when repeats scatter otherwise than stated (robot's part included)."""
     chi2, dof = repeat_chi2(problem, said, axial)
@@ -84,7 +92,7 @@ def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial
 
 
 def _figures(noise: Covariance, source: str, axial: Array, measured: MeasuredNoise | None) -> Noise:
-    sigma = float(np.sqrt(np.mean(noise.sigma**2)))
+    sigma = noise.usual
     robot = float(np.sqrt(np.mean(((axial * noise.joint) ** 2).sum(axis=2))))
     words = {"stated": "as stated in the campaign", "repeats": "measured from repeated poses"}[source]
     sentence = f"{sigma * 1e3:.4f} mm per axis, {words}"
@@ -117,7 +125,7 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
         rows = problem.seen.sum() * 3
         rms = float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
         new = replace(noise, sigma=np.full_like(noise.sigma, rms))
-    sigma = float(np.sqrt(np.mean(new.sigma**2))) * 1e3
+    sigma = new.usual * 1e3
     sentence = (
         f"No noise was stated and no pose repeated: {sigma:.4f} mm per axis is what the model leaves. "
         "Whether that is noise cannot be judged; only what depends on something can be found."

@@ -33,7 +33,7 @@ def detectable(candidates: Sequence[Effect], final: Fit, known: bool) -> Iterato
     candidates = [e for e in candidates if e not in final.model.effects and len(e.params) < MANY]
     if not candidates:
         return
-    table = screen(final, candidates, known)
+    table = screen(final, candidates)
     scale = 1.0 if known else float(np.sqrt(final.chi2 / max(table.dof, 1.0)))
     best: dict[tuple[str, Where], Detectable] = {}
     for k, effect in enumerate(candidates):
@@ -59,17 +59,15 @@ def visible_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     """RMS length [mm], beyond what geometry can explain, of an effect with two numbers that would have been
     found with 80 % power."""
     alpha = FALSE_ALARM / max(len(candidates), 1)
-    sigma = float(np.sqrt(np.mean(final.noise.sigma**2)))
-    return 1e3 * sigma * float(np.sqrt(3 * needed(2, alpha) / max(final.point_rows, 1)))
+    return 1e3 * final.noise.usual * float(np.sqrt(3 * needed(2, alpha) / max(final.point_rows, 1)))
 
 
-def swallowed(candidates: Sequence[Effect], geometry: Fit, known: bool) -> list[NotTestable]:
+def swallowed(candidates: Sequence[Effect], geometry: Fit) -> list[NotTestable]:
     """Candidates without any pattern of their own in these data."""
-    pool, problem = screen(geometry, candidates, known), geometry.model.problem
+    pool, problem = screen(geometry, candidates), geometry.model.problem
     visible, hidden = set[tuple[str, Where]](), dict[tuple[str, Where], str]()
-    for k, effect in enumerate(pool.candidates):
-        _, rank = pool.statistic([k])
-        if rank:
+    for k, effect in enumerate(candidates):
+        if pool.rank(k):
             visible.add(effect.key)
         elif effect.key not in hidden:
             hidden[effect.key] = _why(effect, pool.own[pool.parts[k]], problem, geometry)

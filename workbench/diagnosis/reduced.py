@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
 
 from ..identification.fit import Fit
-from ..identification.rows import equations
+from ..identification.rows import offset_of
 from ..robot.kinematics import Array
 from .components import Component
 
@@ -29,39 +30,48 @@ class Reduced:
     dof: float
     noise_dof: float
 
-    def explained(self, chosen: Index, precision: Array) -> float:
-        """What columns take off χ², held by their priors."""
-        block = self.S[np.ix_(chosen, chosen)] + np.diag(precision)
-        return float(self.u[chosen] @ cho_solve(cho_factor(block), self.u[chosen]))
-
 
 def reduce(
-    fit: Fit,
-    components: Sequence[Component],
-    members: Array | None,
-    noise_dof: float,
-    poses: Index | None = None,
+    fit: Fit, components: Sequence[Component], noise_dof: float, poses: Index | None = None
 ) -> Reduced:
-    """Reduced form at a fit; members: (N, D) what effects in the fit's model explain, given back to the data.
+    """Reduced form at a fit, what the effects in its model explain given back to the data.
 
     The fit stops within a hundredth of a standard deviation: one exact linear step is taken here, or columns
     that the background nearly swallows get a false score. poses: only these count.
     """
-    parts, blocks, at = [], [], 0
-    for component in components:
-        own = []
-        for form in component.forms:
-            blocks.append(form.columns * form.sizes)
-            own.append(slice(at, at + len(form.sizes)))
-            at += len(form.sizes)
-        parts.append(tuple(own))
+    blocks, parts = columns_of(components)
     some = slice(None) if poses is None else poses
-    G = np.concatenate(blocks, axis=2)[some].reshape(-1, at)
-    e = (fit.r if members is None else fit.r + members)[some].ravel()
+    G = np.concatenate(blocks, axis=2)[some]
+    e = (fit.r + explained(fit))[some].ravel()
     n = fit.columns.background
     J = fit.J[some, :, :n].reshape(-1, n) * fit.columns.prior[:n]
+    offset = offset_of(fit.model, fit.columns, fit.state)[:n]
     rows = int((np.abs(fit.whitener[some]).sum(axis=2) > 0).sum())
-    return Reduced(tuple(parts), *without_background(J, background_offset(fit), G, e, rows), noise_dof)
+    return Reduced(parts, *without_background(J, offset, G.reshape(-1, G.shape[2]), e, rows), noise_dof)
+
+
+def columns_of(components: Sequence[Component]) -> tuple[list[Array], tuple[tuple[slice, ...], ...]]:
+    """Columns (N, D, p) of every form in prior sizes, and each component's slices of them side by side."""
+    blocks = [form.columns * form.sizes for component in components for form in component.forms]
+    return blocks, parts_of([len(form.sizes) for form in component.forms] for component in components)
+
+
+def parts_of(widths: Iterable[Iterable[int]]) -> tuple[tuple[slice, ...], ...]:
+    """Slices of columns that stand side by side, from the numbers of each component's forms' columns."""
+    at, parts = 0, []
+    for own in widths:
+        ends = np.cumsum([at, *own]).tolist()
+        parts.append(tuple(slice(a, b) for a, b in pairwise(ends)))
+        at = ends[-1]
+    return tuple(parts)
+
+
+def explained(fit: Fit) -> Array:
+    """(N, D) what the fit's effects explain of the whitened data, to first order."""
+    out = np.zeros_like(fit.r)
+    for part, values in zip(fit.columns.effect, fit.state.values, strict=True):
+        out += fit.J[:, :, part] @ values
+    return out
 
 
 def without_background(
@@ -78,9 +88,3 @@ def without_background(
     inverse = solve_triangular(upper, np.eye(n), trans="T", check_finite=False)
     dof = rows - (n - float((inverse**2).sum()))
     return G.T @ G - Z.T @ Z, G.T @ e - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof
-
-
-def background_offset(fit: Fit) -> Array:
-    """How far the background's numbers are from their priors' means, in their priors."""
-    at = equations(fit.model, fit.line, fit.columns, fit.state, fit.whitener)
-    return at.offset[: fit.columns.background]

@@ -17,7 +17,6 @@ from ..effects.base import Effect
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from .competition import Selection, compete
-from .components import Key
 from .findings import Parts, assemble
 from .given import search_with_given
 from .prepared import Prepared, Progress, prepare
@@ -108,16 +107,13 @@ def _worth_it(selection: Selection, seed: int) -> Selection:
             break
         rest = [effect for i, effect in enumerate(kept.fit.model.effects) if i != worst]
         kept = replace(kept, fit=refit(kept.fit, rest))
-    result = kept.fit
-    least = FAINT * 1e3 * float(np.sqrt(np.mean(result.noise.sigma**2)))
-    nameless = kept.nameless
+    result, nameless = kept.fit, kept.nameless
+    if not nameless:
+        return kept
+    least = FAINT * 1e3 * result.noise.usual
     alone = without(result, nameless, seed)
-    own: dict[Key, list[int]] = {}
-    for i, effect in enumerate(result.model.effects):
-        if i not in nameless:
-            own.setdefault(effect.key, []).append(i)
-    faint = {key for key, these in own.items() if without(result, [*nameless, *these], seed) - alone < least}
-    return replace(kept, faint=frozenset(faint) if nameless else frozenset())
+    gains_mm = {e.key: without(result, [*nameless, *own], seed) - alone for e, own in kept.groups}
+    return replace(kept, faint=frozenset(key for key, gain in gains_mm.items() if gain < least))
 
 
 def _gains(selection: Selection, seed: int) -> list[float]:

@@ -1,9 +1,7 @@
-"""Score tests of all candidates at once, with the background projected out (Frisch, Waugh, Lovell).
+"""Candidates in small matrices, with the background projected out (Frisch, Waugh, Lovell).
 
-Everything happens in small matrices: with G the candidates' whitened columns, e the whitened residual
-and V⁻¹ the projection that removes what geometry, frames and targets can explain (within their priors),
-
-    u = Gᵀ e,   S = Gᵀ V⁻¹ G,   T_k = u_kᵀ S_kk⁺ u_k  ~  χ²(p_k)  where cause k is absent.
+With G the candidates' whitened columns, e the whitened residual and V⁻¹ the projection that removes what
+geometry, frames and targets can explain (within their priors): u = Gᵀ e, S = Gᵀ V⁻¹ G.
 """
 
 from __future__ import annotations
@@ -12,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from ..effects.base import Effect
@@ -27,54 +24,22 @@ FAINT = 1e-2  # length² (a λ) below which a typical size of a cause moves noth
 class Screen:
     """Candidates in reduced form. `parts[k]` are the columns of candidate k.
 
-    S: (g, g), u: (g,) in units where every column's parameter is counted in its typical size;
-    own: (g,) length² of the columns before projection; held: (g,) what the parameters' priors add to the
-    diagonal of S where several are solved for; rss: whitened residual sum of squares, dof its
-    degrees of freedom; known: the noise is known (χ²), else tests divide by the residual (F).
+    S: (g, g), u: (g,) in units where every column's parameter is counted in its typical size `scale`; own:
+    (g,) length² of the columns before projection; dof: of the whitened residual.
     """
 
-    candidates: tuple[Effect, ...]
     parts: tuple[slice, ...]
     S: Array
     u: Array
     own: Array
-    rss: float
     dof: float
-    noise_dof: float
-    known: bool
     scale: Array
-    held: Array
 
-    def statistic(self, k: Sequence[int], given: Sequence[int] = ()) -> tuple[float, int]:
-        """Drop of the residual sum of squares by candidates `k` beyond `given`, and its rank."""
-        g = self.columns(given)
-        a = self.columns(k)
-        S, u = self._without(a, g)
-        return quadratic(S, u, self._size(a))
-
-    def _size(self, index: NDArray[np.int64]) -> Array:
-        """Length² of columns; infinite for those that move nothing, so that they drop out."""
-        return np.where(self.own[index] > FAINT, self.own[index], np.inf)
-
-    def _solve(self, g: NDArray[np.int64], right: Array) -> Array:
-        """S_gg⁻¹ right, held by the priors, with a whiff of ridge for sets that are nearly dependent."""
-        if not len(g):
-            return np.zeros((0, *right.shape[1:]))
-        S = self.S[np.ix_(g, g)].copy()
-        S[np.diag_indices_from(S)] += 1e-10 * self.own[g] + self.held[g]
-        return np.asarray(np.linalg.solve(S, right), dtype=np.float64)
-
-    def columns(self, k: Sequence[int]) -> NDArray[np.int64]:
-        """Numbers of the columns of some candidates."""
-        return np.concatenate([np.arange(len(self.u))[self.parts[i]] for i in k] or [np.zeros(0, int)])
-
-    def _without(self, a: NDArray[np.int64], g: NDArray[np.int64]) -> tuple[Array, Array]:
-        S, u = self.S[np.ix_(a, a)], self.u[a]
-        if len(g):
-            cross = self.S[np.ix_(g, a)]
-            solved = self._solve(g, np.column_stack([cross, self.u[g]]))
-            S, u = S - cross.T @ solved[:, :-1], u - cross.T @ solved[:, -1]
-        return S, u
+    def rank(self, k: int) -> int:
+        """Rank of what the background leaves of candidate k; columns that move nothing drop out."""
+        part = self.parts[k]
+        own = np.where(self.own[part] > FAINT, self.own[part], np.inf)
+        return quadratic(self.S[part, part], self.u[part], own)[1]
 
 
 def quadratic(S: Array, u: Array, own: Array) -> tuple[float, int]:
@@ -111,29 +76,15 @@ def effective_dof(fit: Fit, drives: bool = False) -> float:
     return rows - (len(fit.upper) - float((inverse**2).sum()))
 
 
-def screen(fit: Fit, candidates: Sequence[Effect], known: bool) -> Screen:
+def screen(fit: Fit, candidates: Sequence[Effect]) -> Screen:
     """Reduced form of all candidates at a fit. Effects of the fit's model are background."""
-    blocks, parts, scale, held, at = [], [], [], [], 0
+    blocks, parts, scale, at = [], [], [], 0
     for effect in candidates:
         typical = np.array([p.typical for p in effect.params])
-        G = fit.model.effect_jacobian(fit.line, effect, np.zeros(len(typical))) * typical
-        blocks.append(G)
+        blocks.append(fit.model.effect_jacobian(fit.line, effect, np.zeros(len(typical))) * typical)
         parts.append(slice(at, at + len(typical)))
         scale.append(typical)
-        held += ((typical / effect.prior(fit.model.problem)) ** 2).tolist()
         at += len(typical)
     G = np.matmul(fit.whitener, np.concatenate(blocks, axis=2))
     S, u, own = reduce_columns(fit, G)
-    return Screen(
-        tuple(candidates),
-        tuple(parts),
-        S,
-        u,
-        own,
-        float((fit.r**2).sum()),
-        effective_dof(fit, drives=True),
-        fit.noise.dof,
-        known,
-        np.concatenate(scale),
-        np.array(held),
-    )
+    return Screen(tuple(parts), S, u, own, effective_dof(fit, drives=True), np.concatenate(scale))

@@ -58,8 +58,12 @@ class Chosen:
         return np.asarray(cho_solve(self._factor, np.eye(len(self.index)), check_finite=False))
 
     @cached_property
+    def cross(self) -> Array:
+        return np.asarray(self.reduced.S[:, self.index])
+
+    @cached_property
     def K(self) -> Array:
-        return np.asarray(self.reduced.S[:, self.index] @ self.inverse)
+        return np.asarray(self.cross @ self.inverse)
 
     @cached_property
     def beta(self) -> Array:
@@ -77,7 +81,7 @@ class Chosen:
         if not len(self.index):
             return S, u
         K = self.K[index]
-        S = S - K @ self.reduced.S[:, self.index][index].swapaxes(1, 2)
+        S = S - K @ self.cross[index].swapaxes(1, 2)
         u = u - K @ self.reduced.u[self.index]
         if without is not None:
             own = self.own[without]

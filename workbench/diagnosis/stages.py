@@ -20,10 +20,8 @@ NEAR_STATED = (
 )
 
 
-def stages_of(
-    prepared: Prepared, final: Fit, groups: Sequence[Group], seed: int
-) -> tuple[list[Stage], Array]:
-    """Nominal, geometry, then one stage per cause; and the last one's held-out residuals (N, T, 3) [m]."""
+def stages_of(prepared: Prepared, final: Fit, groups: Sequence[Group], seed: int) -> list[Stage]:
+    """Nominal, geometry, one stage per cause, and one for what has no name."""
     fits = [("nominal", prepared.nominal), ("geometry", prepared.geometry)]
     members: list[int] = []
     name = "geometry"
@@ -40,7 +38,7 @@ def stages_of(
         added = 0 if result is prepared.nominal else result.rank - prepared.nominal.rank
         undecided = result is prepared.nominal and result.rank < len(result.columns.names)
         stages.append(_stage(name, added, result, out, NEAR_STATED if undecided else ""))
-    return stages, out
+    return stages
 
 
 def _stage(name: str, parameters: int, result: Fit, out: Array, note: str) -> Stage:

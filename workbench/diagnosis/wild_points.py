@@ -170,9 +170,11 @@ def without_gross(problem: Problem) -> Mended:
     fitted."""
     frozen = _frozen(problem)
     problem = frozen.problem
-    target = _wild_targets(problem, *_off_the_rigid(problem))
-    problem = target.problem
-    predicted, _, limit = _off_the_rigid(problem)
+    predicted, length, limit = _off_the_rigid(problem)
+    target = _wild_targets(problem, length, limit)
+    if target.faults:
+        problem = target.problem
+        predicted, _, limit = _off_the_rigid(problem)
     gross = mended(problem, predicted, limit)
     faults = [*frozen.faults, *target.faults, *gross.faults]
     for _ in range(ROUNDS):  # those that the worst ones hid
@@ -229,7 +231,7 @@ def without_impossible(problem: Problem) -> Mended:
     return Mended(replace(problem, campaign=c), tuple(faults))
 
 
-def _wild_targets(problem: Problem, predicted: Array, length: Array, limit: Array) -> Mended:
+def _wild_targets(problem: Problem, length: Array, limit: Array) -> Mended:
     """Without targets most of whose points are grossly off while another's are not."""
     c = problem.campaign
     wild = np.where(problem.seen, length > limit, False).sum(axis=0) / np.maximum(problem.seen.sum(axis=0), 1)

@@ -29,7 +29,9 @@ from .drawn import Drawn
 from .place import NOWHERE, Parameter, Where
 
 Acts = Literal["transmission", "load", "yielding", "geometry", "instrument"]
-Depends = frozenset[str]  # of "joints", "load", "side", "time", "temperature", "torque", "readback", "points"
+Depends = frozenset[
+    str
+]  # of "joints", "load", "side", "time", "temperature", "torque", "readback", "points", "payload"
 NOTHING: Depends = frozenset()
 UNKNOWN = "unknown"  # the cause of what has no name
 
@@ -120,11 +122,6 @@ class Effect(ABC):
     def uses(self) -> Depends:
         """What this form depends on."""
         return self.depends
-
-    @property
-    def searched(self) -> bool:
-        """Whether the place was found by a search in the same data (a gear line of unknown order)."""
-        return False
 
     @property
     def stated(self) -> bool:

@@ -43,11 +43,6 @@ class GearKinematicError(TransmissionEffect):
         return self.where.order
 
     @property
-    def searched(self) -> bool:
-        """Its order was found by a scan, not taken from a known ratio."""
-        return not self.variant
-
-    @property
     def params(self) -> tuple[Param, ...]:
         return (Param("sin", "rad", 3e-5), Param("cos", "rad", 3e-5))
 

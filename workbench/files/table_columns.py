@@ -141,7 +141,7 @@ def find_columns(
     for column in wanted:
         if column.required and column.name not in result.found:
             result.missing = True
-            result.faults.append(_missing(column, header, result, layout, file))
+            result.faults.append(_missing(column, header, result, file))
     _override_units(result, layout, names, place)
     return result
 
@@ -242,9 +242,7 @@ def _misspelt(name: str, result: Finding, names: _Names, file: str) -> Fault | N
     )
 
 
-def _missing(
-    column: Column, header: Sequence[str] | None, result: Finding, layout: Layout, file: str
-) -> Fault:
+def _missing(column: Column, header: Sequence[str] | None, result: Finding, file: str) -> Fault:
     name = column.usual.split(" or ")[0]
     what = f"no column {column.usual}"
     if header is None:

@@ -69,6 +69,11 @@ class Fit:
         i = self.columns.index(name)
         return float(np.sqrt(self.covariance[i, i]))
 
+    def whitened(self, effect: Effect) -> Array:
+        """(N, D, p) whitened columns of an effect at zero, in the model or not."""
+        G = self.model.effect_jacobian(self.line, effect, np.zeros(len(effect.params)))
+        return np.asarray(np.matmul(self.whitener, G))
+
     @property
     def rank(self) -> int:
         """Number of combinations that the data decide better than their prior does."""

@@ -5,10 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..robot.kinematics import Array
 from .fit import Fit
 from .rows import jacobian
+
+
+def folds_of(positions: NDArray[np.int64], folds: int, seed: int) -> NDArray[np.int64]:
+    """(N,) number of the group that each pose is held out with, of positions (N,) drawn at random."""
+    blocks = int(positions.max()) + 1
+    groups = np.random.default_rng(seed).permutation(blocks) % min(folds, blocks)
+    return np.asarray(groups[positions])
 
 
 def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] = ()) -> Array:
@@ -19,9 +27,7 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] 
     full solution: exact to the second order of the change.
     """
     problem, cols = result.model.problem, result.columns
-    block = problem.positions
-    blocks = int(block.max()) + 1
-    fold = (np.random.default_rng(seed).permutation(blocks) % min(folds, blocks))[block]
+    fold = folds_of(problem.positions, folds, seed)
     plain = motions(result)
     kept = np.ones(len(cols.names), bool)
     gone = np.zeros(len(cols.names))

@@ -35,6 +35,11 @@ class Covariance:
     turn_ratio: float = 1.0
     torque: Array | None = None
 
+    @property
+    def usual(self) -> float:
+        """The instrument's sigma per axis [m], over all points (root mean square)."""
+        return float(np.sqrt(np.mean(self.sigma**2)))
+
     def without(self, poses: NDArray[np.bool_]) -> Covariance:
         """Leaves out the poses marked True."""
         return replace(self, weight=np.where(poses, 0.0, self.weight))

@@ -57,7 +57,7 @@ def equations(model: Model, line: Linearisation, cols: Columns, state: State, W:
     if problem.drives:
         flat = np.concatenate([flat, model.drive_residual(line, state)], axis=1)
     r = np.matmul(W, flat[..., None])[..., 0]
-    offset = _offset(model, cols, state)
+    offset = offset_of(model, cols, state)
     return Equations(state, line, residual, r, offset, float((r**2).sum() + (offset**2).sum()))
 
 
@@ -74,7 +74,7 @@ def fitted_numbers(cols: Columns, state: State) -> Array:
     return out
 
 
-def _offset(model: Model, cols: Columns, state: State) -> Array:
+def offset_of(model: Model, cols: Columns, state: State) -> Array:
     """How far each number is from its prior's mean, in units of the prior."""
     problem = model.problem
     out = np.zeros(len(cols.names))

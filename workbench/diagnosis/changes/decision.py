@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ...campaign.problem import Problem
 from ...effects.base import Effect
+from ..competition import LOOSE
+from ..noise_choice import known_dof
 from ..priors import PRIORS
 from ..reduced import Reduced
 from ..sets import Chosen, Competition, Member, Shares
 from .candidates import Candidate, Shape, candidates_of
 from .occasions import Occasion
-from .system import LOOSE, Mask, Solved, System, reduced_of, relinearised, solve, system_of
+from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
 
 SURVIVES = 1e-6  # share of a column's length² that frames, targets and what is common must leave
 SAME = 0.9999  # correlation of two numbers of the geometry from which they are one and the same
@@ -32,13 +35,12 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class Decided:
-    """What the competition found. reduced, competition: over all `candidates`; shares: per member, as in
+    """What the competition found. reduced: over all `candidates`; shares: per member, as in
     `sets`; solved: all numbers with the members' own, held loosely."""
 
     system: System
     candidates: tuple[Candidate, ...]
     reduced: Reduced
-    competition: Competition
     members: tuple[Member, ...]
     shares: tuple[Shares, ...]
     hidden: tuple[Hidden, ...]
@@ -47,7 +49,7 @@ class Decided:
     def shape(self, member: Member) -> Shape:
         return self.candidates[member.component].shapes[member.form]
 
-    @property
+    @cached_property
     def chosen(self) -> Chosen:
         return Chosen(self.reduced, self.members)
 
@@ -59,7 +61,7 @@ class Decided:
 
 def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]) -> Decided:
     """The likeliest changes, linearised anew at what the first round found."""
-    noise_dof = _noise_dof(occasions)
+    noise_dof = min(known_dof(one.prepared.noise, one.fit.noise.dof) for one in occasions)
     for last in range(ROUNDS):
         system = system_of(occasions)
         every = candidates_of(occasions, whole, effects)
@@ -74,19 +76,7 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
         solved = solve(system, shapes, [_held(s, m) for s, m in zip(shapes, members, strict=True)])
         if last < ROUNDS - 1:
             occasions = relinearised(system, shapes, solved)
-    return Decided(
-        system, tuple(candidates), reduced, competition, tuple(members), tuple(shares), tuple(hidden), solved
-    )
-
-
-def _noise_dof(occasions: Sequence[Occasion]) -> float:
-    """How well the noise is known, where it is known of every occasion."""
-    each = []
-    for one in occasions:
-        noise = one.prepared.noise
-        known = noise.source == "repeats" and np.isfinite(one.fit.noise.dof)
-        each.append({"residual": 0.0}.get(noise.source, one.fit.noise.dof if known else PRIORS.noise_dof))
-    return float(min(each))
+    return Decided(system, tuple(candidates), reduced, tuple(members), tuple(shares), tuple(hidden), solved)
 
 
 def _held(shape: Shape, member: Member) -> float:

@@ -9,13 +9,13 @@ import numpy as np
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
-from ..competition import CLEARER
+from ..competition import CLEARER, LOOSE, worth_of
 from ..priors import PRIORS
 from .candidates import Shape, numbers_of_shape
 from .decision import Decided, label_of
 from .recheck import recheck
 from .result import Change, Repeats, Rival, Track, Unseen
-from .system import LOOSE, Solved, solve
+from .system import Solved, solve
 
 ROBOT = "robot"
 REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
@@ -74,13 +74,9 @@ def _tied(decided: Decided, i: int) -> bool:
 
 
 def _worth(decided: Decided, i: int, component: int, form: int) -> float:
-    """What the main numbers of a form take off χ² beside all members but the i-th, less a price for each."""
-    first, main = (
-        decided.reduced.parts[component][form].start,
-        decided.candidates[component].shapes[form].main,
-    )
-    S, u = (x[0] for x in decided.chosen.left_of(np.arange(first, first + main)[None], i))
-    return float(u @ np.linalg.solve(S + LOOSE**-2 * np.eye(main), u)) - CLEARER * main
+    """What the main numbers of a form explain beside all members but the i-th, less a price for each."""
+    first = decided.reduced.parts[component][form].start
+    return worth_of(decided.chosen, i, first + np.arange(decided.candidates[component].shapes[form].main))
 
 
 def parameters_of(shape: Shape, mean: Array, covariance: Array) -> tuple[Parameter, ...]:

@@ -57,7 +57,7 @@ def occasions_of(campaigns: Sequence[Campaign], progress: Progress) -> tuple[lis
         poses = np.arange(first, first + len(one.problem.q))
         first += len(poses)
         part = _part(whole, poses)
-        noise = _noise(selection.fit.noise, one.problem, part)
+        noise = _noise(selection.fit.noise, part)
         model = Model(part, (), one.known_effects)
         began = fit(model, start_state(part), noise)
         misfit = one.noise.source == "residual" or not alike(noise, one.covariance)
@@ -107,7 +107,7 @@ def _part(whole: Problem, poses: np.ndarray) -> Problem:
     )
 
 
-def _noise(own: Covariance, problem: Problem, part: Problem) -> Covariance:
+def _noise(own: Covariance, part: Problem) -> Covariance:
     """A campaign's noise, with a row of drive torques where only another campaign recorded them."""
     if part.drives and own.torque is None:
         return replace(own, torque=np.full(part.arm.n, np.inf))

@@ -10,6 +10,7 @@ from scipy.stats import norm
 
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
+from ..competition import LOOSE
 from ..power import MANY, POWER
 from ..priors import PRIORS
 from ..reduced import without_background
@@ -17,7 +18,7 @@ from ..weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
 from .decision import Decided, label_of
 from .result import Unchanged
-from .system import LOOSE, System, solve
+from .system import System, solve
 
 GRID = np.linspace(1.0, 15.0, 281)  # standard deviations
 DRAWS = 500

@@ -13,12 +13,11 @@ from scipy.linalg import qr, solve_triangular
 from ...identification.fit import fit
 from ...identification.rows import moved
 from ...robot.kinematics import Array
-from ..reduced import Reduced, without_background
+from ..reduced import Reduced, parts_of, without_background
 from .candidates import Candidate, Shape, own_of
 from .occasions import Occasion, numbers_of
 
 FREE = 100.0  # times their priors: frames and targets of an occasion explain what they can, at no price
-LOOSE = 30.0  # usual sizes: a prior that holds nothing
 
 Mask = NDArray[np.bool_]
 
@@ -88,17 +87,11 @@ def reduced_of(
 ) -> Reduced:
     """The candidates in small matrices, what all occasions have anyway taken out. rows: only these count."""
     some = np.ones(len(system.e), bool) if rows is None else rows
-    parts, at = [], 0
-    for candidate in candidates:
-        own = []
-        for shape in candidate.shapes:
-            own.append(slice(at, at + len(shape.sizes)))
-            at += len(shape.sizes)
-        parts.append(tuple(own))
+    parts = parts_of([len(shape.sizes) for shape in candidate.shapes] for candidate in candidates)
     G = np.concatenate([shape.columns[some] for c in candidates for shape in c.shapes], axis=1)
     J = system.J[some]
     left = without_background(J, np.zeros(J.shape[1]), G, system.e[some], int(system.used[some].sum()))
-    return Reduced(tuple(parts), *left, noise_dof)
+    return Reduced(parts, *left, noise_dof)
 
 
 @dataclass(frozen=True, eq=False)

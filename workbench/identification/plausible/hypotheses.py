@@ -54,7 +54,7 @@ def hypotheses(problem: Problem) -> Iterator[Hypothesis]:
     yield from _offsets(problem)
     yield from _orders(problem)
     yield from _couplings(problem)
-    yield from _frames(problem)
+    yield from _frames()
     yield from _rows(problem)
     yield from _targets(problem)
     yield from _robots(problem)
@@ -164,7 +164,7 @@ def _couplings(problem: Problem) -> Iterator[Hypothesis]:
             yield Hypothesis("poses", what, mend, _joints(change))
 
 
-def _frames(problem: Problem) -> Iterator[Hypothesis]:
+def _frames() -> Iterator[Hypothesis]:
     """Points in other units, all or one column, and left-handed frames."""
     mend = "mend the column's suffix, or say so under `units`"
     for name, said, factor in _lengths():

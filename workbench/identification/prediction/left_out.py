@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...robot.kinematics import Array
 from ..fit import Fit
-from ..heldout import motions, without_rows
+from ..heldout import folds_of, motions, without_rows
 
 FOLDS = 10
 END = 0.15  # share of the positions that lie at an end of a joint's range
@@ -58,10 +58,8 @@ class Leaver:
 
     def by_position(self, variance: float, seed: int = 0) -> LeftOut:
         """Every pose once, in groups of positions drawn at random."""
-        block = self.fit.model.problem.positions
-        blocks = int(block.max()) + 1
-        fold = (np.random.default_rng(seed).permutation(blocks) % min(FOLDS, blocks))[block]
-        inside = np.zeros(len(block))
+        fold = folds_of(self.fit.model.problem.positions, FOLDS, seed)
+        inside = np.zeros(len(fold))
         return joined([self.leave(fold == f, inside, variance) for f in range(fold.max() + 1)])
 
     def by_end(self, variance: float) -> Iterator[LeftOut]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from ...campaign.problem import Problem
 from ...effects import catalogue
-from ...effects.base import NOTHING, Depends, Effect
+from ...effects.base import Effect
 from ...effects.records import PLACE, parse_effect
 from ...files.faults import Fault, InputError
 from .candidates import Factors
@@ -44,10 +44,6 @@ class NamedCause:
             raise InputError(Fault(f"--tell {self.text}", why))
         # an order of its own, or a place that is not there (then with the fault of it)
         return self.sites(problem) or [parse_effect(self.text, problem)[0]]
-
-    def depends(self, trial: Problem) -> Depends:
-        """What its places and forms depend on; trial: a campaign that varies side, time and temperature."""
-        return NOTHING.union(*(effect.uses for effect in self.sites(trial)))
 
 
 def named_causes(text: str) -> tuple[NamedCause, ...]:
@@ -88,7 +84,12 @@ def _named(item: str) -> NamedCause:
 
 def factors(causes: Sequence[NamedCause], trial: Problem) -> Factors:
     """What besides pose and payload a plan for these causes must vary; trial: varies everything."""
-    depends = frozenset[str]().union(*(cause.depends(trial) for cause in causes))
+    return varied(effect for cause in causes for effect in cause.sites(trial))
+
+
+def varied(effects: Iterable[Effect]) -> Factors:
+    """What besides pose and payload has to vary for these effects to show."""
+    depends = frozenset[str]().union(*(effect.uses for effect in effects))
     return Factors("side" in depends, "temperature" in depends, "time" in depends)
 
 

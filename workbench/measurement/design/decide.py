@@ -19,10 +19,11 @@ from ...diagnosis.run import Outcome
 from ...effects import catalogue, separation
 from ...effects.base import UNKNOWN, Effect
 from ...robot.kinematics import Array
-from .candidates import Factors, candidates
+from .candidates import candidates
+from .causes import varied
 from .discrimination import LEVELS
 from .fedorov import Records, Search, information
-from .prior_information import WIDE, PriorInformation, ValuedEffects, from_prepared
+from .prior_information import WIDE, PriorInformation, Sensitivity, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 
 MOST = 3  # ambiguous findings that are worked out, the strongest
@@ -55,8 +56,9 @@ def what_decides(outcome: Outcome) -> Outcome:
     effects = list(dict.fromkeys(e for tie in ties for e in (tie.effect, *tie.rivals)))
     valued = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
     offered = _offered(prior, effects)
-    space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
-    with_torque = _with_torque(prior, offered, valued)
+    measured = prior.of_campaign(valued)
+    space = design_space(prior.of_records(offered, valued), measured)
+    with_torque = _with_torque(prior, offered, valued, measured)
     found = {id(tie.finding): _decisions(prior.problem, tie, space, with_torque) for tie in ties}
     causes = tuple(replace(f, decide=found.get(id(f), ())) for f in outcome.diagnosis.causes)
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
@@ -79,21 +81,20 @@ def _tie(outcome: Outcome, finding: Finding) -> Tie | None:
 
 
 def _offered(prior: PriorInformation, effects: Sequence[Effect]) -> Campaign:
-    depends = frozenset[str]().union(*(effect.uses for effect in effects))
-    needed = Factors("side" in depends, "temperature" in depends, "time" in depends)
-    return candidates(prior, POOL, needed, np.random.default_rng(21))
+    return candidates(prior, POOL, varied(effects), np.random.default_rng(21))
 
 
-def _with_torque(prior: PriorInformation, offered: Campaign, effects: ValuedEffects) -> Torques | None:
+def _with_torque(
+    prior: PriorInformation, offered: Campaign, effects: ValuedEffects, measured: Sensitivity | None
+) -> Torques | None:
     """The same records with the drives' torques; None where these were recorded, or no load is in it."""
     loads = any(effect.acts == "load" for effect, _ in effects)
     if not loads or prior.problem.drives:
         return None
     recorded = offered.with_poses(torque=np.zeros_like(offered.poses.q))
-    before = prior.of_campaign(effects)
 
     def space(chosen: Records) -> DesignSpace:
-        return design_space(prior.of_records(recorded.some(chosen), effects), before)
+        return design_space(prior.of_records(recorded.some(chosen), effects), measured)
 
     return space
 
@@ -128,11 +129,11 @@ def _decisions(
 def least(space: DesignSpace, data: Array, tie: Tie) -> float:
     """The smallest λ of the cause beside each of its rivals, and of each rival beside the cause, with the
     information data: (P, P)."""
-    return min(min(_both(space, data, tie, rival)) for rival in tie.rivals)
-
-
-def _both(space: DesignSpace, data: Array, tie: Tie, rival: Effect) -> tuple[float, float]:
     before, after = space.left(space.before), space.left(data)
+    return min(min(_both(space, before, after, tie, rival)) for rival in tie.rivals)
+
+
+def _both(space: DesignSpace, before: Array, after: Array, tie: Tie, rival: Effect) -> tuple[float, float]:
     i, j = (space.columns(effect) - space.background for effect in (tie.effect, rival))
     S = before[np.ix_(j, j)] + WIDE**-2 * np.eye(len(j))
     imitation = np.asarray(np.linalg.solve(S, before[np.ix_(j, i)] @ tie.size), dtype=np.float64)
@@ -161,7 +162,7 @@ def _settled(space: DesignSpace, tie: Tie, now: float) -> tuple[int, float] | No
     count = FIRST
     for _ in range(2):
         chosen = t_optimal(space, _pairs(tie), count, Search(POOL, 1, 0))
-        after = least(space, space.before + information(space.rows[chosen]), tie)
+        after = least(space, space.measured(chosen), tie)
         gain = (after - now) / count
         if gain <= 0:
             return None
