@@ -22,6 +22,7 @@ from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
+from .screen import effective_dof
 from .sets import Chosen, Competition, Member, Shares
 from .stages import Group, rms_mm
 
@@ -90,7 +91,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     members, shares = [members[i] for i in sure], [shares[i] for i in sure]
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
     misfit = misfit or any(components[m.component].nameless for m in members)
-    if misfit and positions(geometry) >= 2 * POSES_PER_JOINT * geometry.model.problem.arm.n:
+    if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
         shares = _in_both_halves(at, components, members, shares, noise_dof)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     shown = [
@@ -112,19 +113,23 @@ def _in_both_halves(
     shares: list[Shares],
     noise_dof: float,
 ) -> list[Shares]:
-    """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of the
-    halves of the poses (in the order of measurement), averaged, for members of which these say less."""
+    """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of two
+    searches that each see one half of the poses (in the order of measurement) and nothing of the other's set,
+    averaged, for members of which these say less."""
+    halves = list[list[Shares]]()
+    for poses in _halves(at.model.problem.campaign.poses):
+        half = Competition(reduce(at, components, noise_dof, poses), components)
+        halves.append(half.shares(half.best()))
     out = [dict(share) for share in shares]
-    halves = [
-        Competition(reduce(at, components, noise_dof, poses), components).shares(members)
-        for poses in _halves(at.model.problem.campaign.poses)
-    ]
-    for i, (member, *both) in enumerate(zip(members, *halves, strict=True)):
-        if components[member.component].nameless:
+    for i, member in enumerate(members):
+        k = member.component
+        if components[k].nameless:
             continue  # no name is at stake
-        mean = {k: sum(half.get(k, 0.0) for half in both) / 2 for k in both[0] | both[1]}
-        if mean[member.component] < out[i][member.component]:
-            out[i] = mean
+        both = [max(half, key=lambda share: share.get(k, 0.0), default={}) for half in halves]
+        both = [share if k in share else {None: 1.0} for share in both]
+        mean = {key: sum(share.get(key, 0.0) for share in both) / 2 for key in both[0] | both[1]}
+        if mean.get(k, 0.0) < out[i][k]:
+            out[i] = {k: 0.0} | mean
     return out
 
 
@@ -197,9 +202,11 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
     predicts best what it did not see.
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
-    must stand out of it. So does a noise that nobody knows.
+    must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
+    more than that, is what it leaves: else the data would be believed in what no member can say.
     """
     base, lines, tried = geometry.noise, list[Line](), list[_Round]()
+    stated = base
     at = _fitted(geometry, [], base)
     for _ in range(ROUNDS):
         lines = _with_lines(at, lines)
@@ -218,11 +225,19 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
         found = _fitted(at, effects, base)
         tried.append(_Round(found, competition, members, rms_mm(heldout(found))))
+        if noise_known:
+            base = stated.times(max(1.0, base.usual / stated.usual * _misfit(found, noise_dof)))
+            found = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
         same = len(tried) > 1 and set(effects) == set(tried[-2].found.model.effects)
         at = found
         if (same and alike(noise, at.noise)) or _no_better([one.heldout_mm for one in tried]):
             break
     return min(tried, key=lambda one: one.heldout_mm)
+
+
+def _misfit(found: Fit, noise_dof: float) -> float:
+    """What a fit leaves, over its noise: as far as this is known with so many degrees of freedom."""
+    return float(np.sqrt((noise_dof + found.chi2) / (noise_dof + effective_dof(found))))
 
 
 def _no_better(errors: Sequence[float]) -> bool:
