@@ -129,7 +129,7 @@ def _in_both_halves(
         both = [share if k in share else {None: 1.0} for share in both]
         mean = {key: sum(share.get(key, 0.0) for share in both) / 2 for key in both[0] | both[1]}
         if mean.get(k, 0.0) < out[i][k]:
-            out[i] = {k: 0.0} | mean
+            out[i] = {**mean, k: mean.get(k, 0.0)}
     return out
 
 

@@ -16,7 +16,7 @@ from .reduced import Reduced
 
 SCALES = np.array(PRIORS.scales)
 WEIGHTS = np.log(SCALES / (1 + SCALES**2)) - logsumexp(np.log(SCALES / (1 + SCALES**2)))
-TOO_LARGE = SCALES > PRIORS.largest
+TOO_LARGE = PRIORS.largest < SCALES
 Blocks = Callable[[NDArray[np.int64]], tuple[Array, Array]]
 
 
