@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..campaign.poses import Poses
 from ..effects import line as gear_line
 from ..effects.base import UNKNOWN, Effect
 from ..effects.unnamed import products, unnamed
@@ -20,6 +19,7 @@ from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
+from .replication import replicated
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
 from .screen import effective_dof
@@ -37,8 +37,8 @@ LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 @dataclass(frozen=True, eq=False)
 class Selection:
     """The likeliest set, strongest member first. fit: with its effects; shares: per member, the
-    probability of each component in its place, None: of nothing. unrepeated: members that one half of the
-    poses takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
+    probability of each component in its place, None: of nothing. unrepeated: members that one part of the
+    data takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
     joints beyond the noise; faint: causes that bring too little to be named beside what has no name."""
 
     fit: Fit
@@ -92,7 +92,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
     misfit = misfit or any(components[m.component].nameless for m in members)
     if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
-        shares = _in_both_halves(at, components, members, shares, noise_dof)
+        shares = replicated(at, components, members, shares, noise_dof)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     shown = [
         share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
@@ -104,33 +104,6 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     return Selection(
         final, tuple(components), tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter
     )
-
-
-def _in_both_halves(
-    at: Fit,
-    components: Sequence[Component],
-    members: Sequence[Member],
-    shares: list[Shares],
-    noise_dof: float,
-) -> list[Shares]:
-    """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of two
-    searches that each see one half of the poses (in the order of measurement) and nothing of the other's set,
-    averaged, for members of which these say less."""
-    halves = list[list[Shares]]()
-    for poses in _halves(at.model.problem.campaign.poses):
-        half = Competition(reduce(at, components, noise_dof, poses), components)
-        halves.append(half.shares(half.best()))
-    out = [dict(share) for share in shares]
-    for i, member in enumerate(members):
-        k = member.component
-        if components[k].nameless:
-            continue  # no name is at stake
-        both = [max(half, key=lambda share: share.get(k, 0.0), default={}) for half in halves]
-        both = [share if k in share else {None: 1.0} for share in both]
-        mean = {key: sum(share.get(key, 0.0) for share in both) / 2 for key in both[0] | both[1]}
-        if mean.get(k, 0.0) < out[i][k]:
-            out[i] = {**mean, k: mean.get(k, 0.0)}
-    return out
 
 
 def _refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
@@ -176,17 +149,6 @@ def _chi2_with(result: Fit, i: int, other: Effect) -> float:
     g = A.T @ r
     normal = A.T @ A + np.eye(A.shape[1])
     return float(r @ r - g @ np.linalg.solve(normal, g))
-
-
-def _halves(poses: Poses) -> tuple[Index, Index]:
-    """The earlier and the later half of the poses of every set-up and payload."""
-    early, late = list[Index](), list[Index]()
-    groups = np.unique(np.column_stack([poses.setup, poses.payload]), axis=0, return_inverse=True)[1].ravel()
-    for group in range(int(groups.max()) + 1):
-        own = np.flatnonzero(groups == group)
-        early.append(own[: len(own) // 2])
-        late.append(own[len(own) // 2 :])
-    return np.sort(np.concatenate(early)), np.sort(np.concatenate(late))
 
 
 def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:

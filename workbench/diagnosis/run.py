@@ -117,7 +117,8 @@ def _worth_it(selection: Selection, seed: int) -> Selection:
     least = FAINT * max(1e3 * result.noise.usual, left)
     alone = without(result, nameless, seed)
     gains_mm = {e.key: without(result, [*nameless, *own], seed) - alone for e, own in kept.groups}
-    return replace(kept, faint=frozenset(key for key, gain in gains_mm.items() if gain < least))
+    together = without(result, range(len(result.model.effects)), seed) - alone
+    return replace(kept, faint=frozenset(k for k, gain in gains_mm.items() if min(gain, together) < least))
 
 
 def _gains(selection: Selection, seed: int) -> list[float]:

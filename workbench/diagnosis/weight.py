@@ -82,8 +82,9 @@ class Forms:
         for k, rows in tables.items():
             values = np.array([row for _, row in rows])
             best = np.unravel_index(int(np.argmax(values)), values.shape)
-            total = float(logsumexp(values)) - np.log(len(rows)) + self.components[k].log_odds
-            out[k] = Weight(total, rows[int(best[0])][0], float(SCALES[best[1]]))
+            most = float(values[best])
+            total = most + np.log(np.exp(values - most).sum() / len(rows)) + self.components[k].log_odds
+            out[k] = Weight(float(total), rows[int(best[0])][0], float(SCALES[best[1]]))
         return out
 
     def _table(self, S: Array, u: Array, explained: float, one_sided: NDArray[np.bool_]) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -52,6 +53,13 @@ class Fit:
     def __repr__(self) -> str:
         names = ", ".join(effect.cause for effect in self.model.effects) or "geometry alone"
         return f"Fit with {names}: {len(self.columns.names)} numbers, {self.iterations} iterations"
+
+    @cached_property
+    def motions(self) -> Array:
+        """(N, R, P) Jacobian before whitening."""
+        rows = self.whitener.shape[2]
+        unit = np.broadcast_to(np.eye(rows), (len(self.whitener), rows, rows))
+        return jacobian(self.model, self.line, self.columns, self.state, unit)
 
     @property
     def covariance(self) -> Array:
