@@ -55,6 +55,16 @@ def test_an_extreme_number_anywhere_is_refused_or_answered(
     assert any("beyond all measure" in one.said or "greater than" in one.said for one in ended)
 
 
+def test_a_slide_kilometres_out_is_left_out_of_the_loads_too(tmp_path: Path, sound: dict[str, str]) -> None:
+    header, first, second, *rest = sound["more_poses.csv"].splitlines()
+    cells = second.split(",")
+    cells[3] = "1e9"  # mm: with this pose the loaded arm would find no rest
+    files = {**sound, "points.csv": sound["more_points.csv"]}
+    files["poses.csv"] = "\n".join([header, first, ",".join(cells), *rest]) + "\n"
+    ended = run_case(0, Case("poses.csv", "a slide 1000 km out", DIAGNOSE), files, tmp_path / "case")
+    assert (ended.status, ended.wrong) == ("0", "")
+
+
 def loaded(folder: Path, old: str, new: str) -> Robot:
     assert old in TINY_URDF + TINY_TOML
     (folder / "tiny.urdf").write_text(TINY_URDF.replace(old, new, 1))
