@@ -1,4 +1,8 @@
-"""Steps of Gauss and Newton, held by priors: by the normal equations where these will do, else by QR."""
+"""Steps of Gauss and Newton, held by priors: by the normal equations where these will do, else by QR.
+
+What hardly shows in the data is held by its prior alone, so damping (Levenberg's) counts in priors too:
+scaled by the data's own columns it would stop just those numbers.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +18,8 @@ def quick_step(J: Array, r: Array, offset: Array, prior: Array, damping: float) 
     A = (J.T @ J) * np.outer(prior, prior)
     A[np.diag_indices_from(A)] += 1.0
     g = (J.T @ r) * prior - offset
-    scale = 1 / np.sqrt(np.diag(A))
-    M = A * np.outer(scale, scale)
-    M[np.diag_indices_from(M)] *= 1 + damping
+    scale = 1 / np.sqrt(np.diag(A) + damping)
+    M = (A + damping * np.eye(len(A))) * np.outer(scale, scale)
     try:
         step = scale * cho_solve(cho_factor(M, check_finite=False), scale * g)
     except np.linalg.LinAlgError:
@@ -30,8 +33,7 @@ def full_step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -
     stacked = np.vstack([J * prior, np.eye(P)])
     right = np.concatenate([r, -offset])
     if damping > 0:
-        scale = np.sqrt(damping) * np.linalg.norm(stacked, axis=0)
-        stacked = np.vstack([stacked, np.diag(scale)])
+        stacked = np.vstack([stacked, np.sqrt(damping) * np.eye(P)])
         right = np.concatenate([right, np.zeros(P)])
     QtR, upper = _qr(stacked, right)
     return np.asarray(solve_triangular(upper, QtR) * prior), upper
