@@ -142,7 +142,7 @@ def test_one_outlier_or_two_files_change_no_cause(tmp_path: Path, change: Change
 @pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no measured data at {DATA.parent.name}/{DATA.name}")
 @pytest.mark.parametrize("name", MEASURED)
-@pytest.mark.parametrize("change", [permuted, other_frame, other_names, an_outlier])
+@pytest.mark.parametrize("change", [other_frame, other_names, an_outlier])  # the order of rows is a time here
 def test_measured_campaigns_told_otherwise(tmp_path: Path, name: str, change: Change) -> None:
     after, before = found(change(campaign_of(name), tmp_path)), diagnosed(name)
     if change is an_outlier:
