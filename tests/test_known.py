@@ -17,7 +17,7 @@ from workbench.effects.given import given_facts
 from workbench.files.faults import InputError
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
-from workbench.identification.model_file import fit_text
+from workbench.identification.model_file import fit_files
 from workbench.identification.noise import required_noise
 
 CHARGE = "gravity_compensator:variant=charge,relative=-0.10"
@@ -114,7 +114,10 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     assert after.stages[-1].heldout_rms_mm == pytest.approx(
         before.diagnosis.stages[-1].heldout_rms_mm, rel=0.03
     )
-    assert 'cause = "gravity_compensator"' in fit_text(tmp_path / "model.toml", outcome.fit)
+    assert (
+        'cause = "gravity_compensator"'
+        in fit_files(tmp_path / "model.toml", outcome.fit)[tmp_path / "model.toml"]
+    )
     # and that reading had been asked for
     (open_,) = (one for one in what_decides(before).diagnosis.causes if one.status == "ambiguous")
     offered = {one.kind: one for one in open_.decide}

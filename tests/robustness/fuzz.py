@@ -138,7 +138,8 @@ def main() -> int:
             print(
                 f"… {len(found)} cases, {sum(bool(case['wrong']) for case in found)} wrong", file=sys.stderr
             )
-    put(arguments.out, table(found))
+    before = arguments.out.read_text(encoding="utf-8") if arguments.out.exists() else ""
+    put(arguments.out, table(found) + "".join(before.partition("\n## ")[1:]))  # the first section is ours
     wrong = [case for case in found if case["wrong"]]
     for case in wrong:
         print(f"{case['kind']} {case['number']}: {case['wrong']}")

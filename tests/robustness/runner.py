@@ -46,6 +46,11 @@ class Hang(BaseException):
 def run(number: int, sound: dict[str, str], draws: list[tuple[int, Draw]], folder: Path) -> Ended:
     """One case from its number."""
     case, files = draw(number, sound, draws)
+    return run_case(number, case, files, folder)
+
+
+def run_case(number: int, case: Case, files: dict[str, str], folder: Path) -> Ended:
+    """One case, with these files in its folder."""
     place = _empty(folder)
     for name, text in files.items():
         (place / name).write_bytes(text.encode("utf-8", "surrogatepass"))

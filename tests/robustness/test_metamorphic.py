@@ -23,7 +23,7 @@ DATA = Path(__file__).parents[2].parent / "shared" / "data"
 MEASURED = ("iiwa7-torque", "iiwa7-payload0", "irb120-faro", "ma1400-left", "ur5-tracker")
 POSE = 7
 EXACT = 1e-6  # relative: the same numbers, but for rounding
-CONVERGED = 0.03  # of a standard deviation: a fit from another start stops at a hundredth
+SPREAD = 1e-6  # of a standard deviation: a value that is hardly there has no digits of its own
 OUTLIER = 0.1  # one pose less
 
 Change = Callable[[Campaign, Path], Campaign]
@@ -84,26 +84,38 @@ def simulated() -> Campaign:
 
 
 @cache
+def bent() -> Campaign:
+    """A set of numbers that hardly shows, and is not straight: parallel axes, with much left by geometry."""
+    hidden = ("gear_eccentricity:joint=joint_2,variant=1,amplitude=4e-4,phase=0.4",
+              "joint_compliance:joint=joint_3,relative=0.3")  # fmt: skip
+    return measured("kr500", hidden, poses=40)
+
+
+@cache
 def diagnosed(name: str) -> Diagnosis:
     return found(campaign_of(name))
 
 
 def campaign_of(name: str) -> Campaign:
-    return simulated() if name == "simulated" else load_campaign(DATA / name / "campaign.toml")
+    made = {"simulated": simulated, "in a bent valley": bent}
+    return made[name]() if name in made else load_campaign(DATA / name / "campaign.toml")
 
 
-def same(after: Diagnosis, before: Diagnosis, share: float) -> None:
-    """Causes with their places and status; parameters to a share of their standard deviation, and the rms."""
+def same(after: Diagnosis, before: Diagnosis) -> None:
+    """Causes with their places, status, gain and probability, their parameters, and all stages."""
     assert named(after) == named(before)
     assert after.verdict == before.verdict
     ours, theirs = ([(f.cause, str(f.where), f.parameters) for f in d.causes] for d in (after, before))
     for (*key, here), (*other, there) in zip(sorted(ours, key=str), sorted(theirs, key=str), strict=True):
         assert key == other
         for one, two in zip(here, there, strict=True):
-            assert one.value == pytest.approx(two.value, rel=EXACT, abs=share * two.std)
-    assert after.stages[-1].fit_rms_mm == pytest.approx(
-        before.stages[-1].fit_rms_mm, rel=max(share / 100, EXACT)
-    )
+            assert one.value == pytest.approx(two.value, rel=EXACT, abs=SPREAD * two.std)
+    for one, two in zip(after.causes, before.causes, strict=True):
+        assert one.probability == pytest.approx(two.probability, abs=EXACT)
+        assert one.gain_mm == pytest.approx(two.gain_mm, rel=EXACT)
+    for one, two in zip(after.stages, before.stages, strict=True):
+        assert one.fit_rms_mm == pytest.approx(two.fit_rms_mm, rel=EXACT)
+        assert one.heldout_rms_mm == pytest.approx(two.heldout_rms_mm, rel=EXACT)
 
 
 def test_the_simulated_campaign_shows_its_cause() -> None:
@@ -113,9 +125,9 @@ def test_the_simulated_campaign_shows_its_cause() -> None:
 @pytest.mark.parametrize(
     "change", [permuted, other_frame, other_names, other_units], ids=lambda f: f.__name__
 )
-def test_told_otherwise_it_is_the_same(tmp_path: Path, change: Change) -> None:
-    share = CONVERGED if change is other_frame else EXACT
-    same(found(change(simulated(), tmp_path)), diagnosed("simulated"), share)
+@pytest.mark.parametrize("name", ["simulated", "in a bent valley"])
+def test_told_otherwise_it_is_the_same(tmp_path: Path, change: Change, name: str) -> None:
+    same(found(change(campaign_of(name), tmp_path)), diagnosed(name))
 
 
 @pytest.mark.parametrize("change", [an_outlier, split_and_joined])
@@ -130,11 +142,11 @@ def test_one_outlier_or_two_files_change_no_cause(tmp_path: Path, change: Change
 @pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no measured data at {DATA.parent.name}/{DATA.name}")
 @pytest.mark.parametrize("name", MEASURED)
-@pytest.mark.parametrize("change", [permuted, other_frame, other_names, an_outlier])
+@pytest.mark.parametrize("change", [other_frame, other_names, an_outlier])  # the order of rows is a time here
 def test_measured_campaigns_told_otherwise(tmp_path: Path, name: str, change: Change) -> None:
     after, before = found(change(campaign_of(name), tmp_path)), diagnosed(name)
     if change is an_outlier:
         assert named(after) == named(before)
         assert after.verdict == before.verdict
     else:
-        same(after, before, CONVERGED)
+        same(after, before)

@@ -121,7 +121,7 @@ def doubts(poses: Table, points: Table, robot: Robot) -> list[str]:
     xyz = np.stack([points.numbers[axis] for axis in "xyz"], axis=1)
     far = float(np.max(np.abs(xyz)))
     if far > 200.0:
-        warnings.append(f"{points.path}: points {far:.0f} m away; is the unit right?")
+        warnings.append(f"{points.path}: points {far:.6g} m away; is the unit right?")
     elif far < 0.02:
         warnings.append(
             f"{points.path}: all points within {1e3 * far:.1f} mm of the origin; are these metres?"

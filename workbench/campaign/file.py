@@ -67,7 +67,7 @@ class TargetData(_Section):
 class NoiseData(_Section):
     """`[noise]`."""
 
-    sigma_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    sigma_mm: Annotated[FiniteFloat, Field(ge=1e-5)] | None = None
     """of the instrument, one sigma per axis; absent = estimated from repeated poses"""
     pose: bool = False
     """the targets of a pose are points of one 6-D measurement"""
@@ -177,7 +177,13 @@ def joint_column(
     slides = joint.kind == "prismatic"
     dimension, moves = ("length", "slides") if slides else ("angle", "turns")
     return Column(
-        name, (dimension,), required=required, blank=blank, subject=f"{joint.name} {moves}", mend=mend
+        name,
+        (dimension,),
+        required=required,
+        blank=blank,
+        wild=required,
+        subject=f"{joint.name} {moves}",
+        mend=mend,
     )
 
 
@@ -212,6 +218,6 @@ def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
     return [
         Column("pose_id", text=True, required=named, mend="every point belongs to a pose"),
         Column("target", text=True, required=len(file.targets) > 1, mend="name the target of every point"),
-        *(Column(axis, ("length",), required=True, mend=unseen) for axis in "xyz"),
+        *(Column(axis, ("length",), required=True, wild=True, mend=unseen) for axis in "xyz"),
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
     ]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ..files.faults import Fault, InputError
+from ..files.measure import AboveZero
 
 if TYPE_CHECKING:
     from .data import Campaign
@@ -68,7 +69,7 @@ class KnownData(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
-    scale: Annotated[FiniteFloat, Field(gt=0)] = 1.0
+    scale: AboveZero = 1.0
     """true length by the length that the instrument shows"""
     exclude: tuple[Name, ...] = ()
     """causes that are not there: `hose_torque`, or at one place `backlash(joint_5)`"""

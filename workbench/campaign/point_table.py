@@ -21,7 +21,7 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
         return read_table(path, layout, point_columns(file, named), place)
     columns = [
         Column("pose_id", text=True, required=named),
-        *(Column(axis, ("length",), required=True, blank=True) for axis in "xyz"),
+        *(Column(axis, ("length",), required=True, blank=True, wild=True) for axis in "xyz"),
     ]
     try:
         text = read_text(path, layout.encoding)

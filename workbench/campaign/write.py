@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,15 +9,17 @@ from typing import Any
 import numpy as np
 
 from ..files.tables import column_cells, number_text, table_text
-from ..files.toml import toml_text
+from ..files.toml import read_toml, toml_text
 from ..files.whole import put_all
 from ..robot.description import Robot
 from ..robot.find import list_robots
+from ..robot.portable import carried
 from .data import Array, Campaign
 from .file import WRENCH_COLUMNS, pose_columns
 from .known import KnownData
 
 Rows = list[list[str]]
+OWN = "robot.toml"  # of a robot that is the user's
 
 
 def write_campaign(
@@ -28,7 +29,8 @@ def write_campaign(
 
     shots: (N, T, S, 3) single shots [m], NaN where there is none, written instead of the means.
     Without them a mean of several shots is written with its own sigma, as far as that is known.
-    `comments` go on top of the TOML. All three files are written, or none.
+    `comments` go on top of the TOML. A robot of the user's own goes with it as `robot.toml`
+    and its URDF. All files are written, or none.
     """
     folder = Path(folder)
     path = folder / "campaign.toml"
@@ -37,6 +39,7 @@ def write_campaign(
             folder / "poses.csv": poses_text(campaign),
             folder / "points.csv": table_text(*_points(campaign, shots)),
             path: toml_text(_campaign_table(folder, campaign), comments),
+            **_own_robot(folder, campaign.robot),
         }
     )
     return path
@@ -95,13 +98,22 @@ def _rounded(value: float) -> float:
 
 
 def _robot_name(folder: Path, robot: Robot) -> str:
-    """A name where the robot comes with the workbench, else the path from the folder."""
+    """A name where the robot comes with the workbench, a path where it is in the folder already, else that of
+    what goes with the campaign."""
     if robot.path is None:
         return robot.name
-    path = robot.path.resolve()
+    path, here = robot.path.resolve(), folder.resolve()
     if path in [known.resolve() for known in list_robots()]:
         return path.stem
-    return Path(os.path.relpath(path, folder.resolve())).as_posix()
+    return path.relative_to(here).as_posix() if path.is_relative_to(here) else OWN
+
+
+def _own_robot(folder: Path, robot: Robot) -> dict[Path, str]:
+    """The TOML and URDF of a robot that is neither the workbench's nor in the folder: they go with it."""
+    if robot.path is None or _robot_name(folder, robot) != OWN:
+        return {}
+    urdf, text = carried(robot.urdf, folder)
+    return {folder / urdf: text, folder / OWN: toml_text(read_toml(robot.path) | {"urdf": urdf})}
 
 
 def _pose_cells(campaign: Campaign) -> dict[str, Sequence[str]]:

@@ -14,6 +14,7 @@ from ..robot.description import Robot
 from ..robot.kinematics import Array
 
 FARTHEST = 1e6  # m, beyond all measure
+SHORTEST = 1e-9  # s, from line to line
 MOST_JOINTS = 20  # looked for where no robot says how many
 TIME = Column("t", ("time",), required=True, mend="every sample needs its time")
 POSITION = tuple(Column(name, ("length",)) for name in ("x", "y", "z"))
@@ -86,7 +87,7 @@ def _check_time(table: Table, fewest: int) -> None:
     if time is None:
         return
     reached = np.fmax.accumulate(time)
-    back = np.flatnonzero(time[1:] <= reached[:-1]) + 1
+    back = np.flatnonzero(time[1:] < reached[:-1] + SHORTEST) + 1
     whats = [
         f"{table.labels['t']} is {number_text(now)} s, after {number_text(before)} s"
         for now, before in zip(time[back], reached[back - 1], strict=True)

@@ -109,7 +109,7 @@ def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
         problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))
     said = check_plausible(problem)
     gross = without_gross(problem)
-    problem, faults = gross.problem, (*faults, *gross.faults)
+    problem, faults = _measured_only(gross.problem), (*faults, *gross.faults)
     start = start_state(problem)
     check_rest(Model(problem, (), known_effects), start)
     usual = without_wild_repeats(problem)

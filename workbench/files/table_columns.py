@@ -58,7 +58,8 @@ class Column:
     """A column that a table may have.
 
     `name` is without the unit ("q1"); `dimensions` are those that its unit may have, none for a
-    plain number or a text. `blank`: empty cells are legal. `subject` and `mend` go into messages:
+    plain number or a text. `blank`: empty cells are legal. `wild`: numbers beyond all
+    measure are, too: who reads the column judges them row by row. `subject` and `mend` go into messages:
     what the column is of ("joint_1 turns"), and what to do about a bad cell.
     """
 
@@ -67,6 +68,7 @@ class Column:
     text: bool = False
     required: bool = False
     blank: bool = False
+    wild: bool = False
     subject: str = ""
     mend: str = ""
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .faults import Fault, InputError, counted, read_text
+from .measure import LARGEST
 from .table_columns import Column, Finding, Found, Layout, find_columns
 from .table_rows import content, split, usual_width, wrong_layout
 from .table_units import Unit
@@ -152,6 +153,9 @@ def _read_column(table: Table, found: Found, cells: Sequence[str], layout: Layou
         values = _numbers(cells, layout.decimal)
         table.numbers[column.name] = found.sign * values * found.unit.factor + found.unit.offset
         wrong = np.flatnonzero(~np.isfinite(values)).tolist()
+        if not column.wild:
+            huge = np.isfinite(values) & (np.abs(values) > LARGEST)
+            table.add_fault_where(huge, column.name, "is beyond all measure", "mend the number")
         if column.blank:
             wrong = [row for row in wrong if cells[row]]
     told = [_tell(found, cells[row], layout) for row in wrong]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import tomli_w
 
 from .faults import CONTROL, Fault, InputError, counted, read_text
+from .measure import beyond
 
 LONGEST = 2000  # characters of a name or a text
 SHOWN = 40  # of which a message shows
@@ -30,7 +32,22 @@ def read_toml(path: Path) -> dict[str, Any]:
     ]
     if faults:
         raise InputError(counted(faults))
+    if huge := [Fault(f"{path}: {place}", f"{value:g} is beyond all measure", "mend the number")
+                for place, value in _numbers(content) if beyond(value)]:  # fmt: skip
+        raise InputError(counted(huge))
     return content
+
+
+def _numbers(content: Any, place: str = "") -> Iterator[tuple[str, float]]:
+    """Every number in a TOML's content with its place; what is no number at all is the schema's matter."""
+    if isinstance(content, int | float) and not math.isnan(content):
+        yield place, content
+    elif isinstance(content, Mapping):
+        for key, value in content.items():
+            yield from _numbers(value, f"{place}.{key}" if place else key)
+    elif isinstance(content, Sequence) and not isinstance(content, str):
+        for value in content:
+            yield from _numbers(value, place)
 
 
 def _texts(content: Any, place: str = "") -> Iterator[tuple[str, str]]:

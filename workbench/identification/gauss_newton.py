@@ -1,8 +1,12 @@
-"""Steps of Gauss and Newton, held by priors: by the normal equations where these will do, else by QR."""
+"""Steps of Gauss and Newton, held by priors: by the normal equations where these will do, else by QR.
+
+What hardly shows in the data is held by its prior alone, so damping (Levenberg's) counts in priors too:
+scaled by the data's own columns it would stop just those numbers.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
@@ -29,25 +33,25 @@ class Normal:
 
     def step(self, damping: float) -> Step:
         """By Cholesky; by QR where the equations are too nearly singular."""
-        scale = 1 / np.sqrt(np.diag(self.A))
-        M = self.A * np.outer(scale, scale)
-        M[np.diag_indices_from(M)] *= 1 + damping
+        scale = 1 / np.sqrt(np.diag(self.A) + damping)
+        M = (self.A + damping * np.eye(len(self.A))) * np.outer(scale, scale)
         try:
             step = scale * cho_solve(cho_factor(M, check_finite=False), scale * self.g)
         except np.linalg.LinAlgError:
             step = full_step(self.J, self.r, self.offset, self.prior, damping)[0] / self.prior
-        square = max(float(step @ self.A @ step), 0.0)
-        return Step(step * self.prior, float(np.sqrt(square)), 2 * float(step @ self.g) - square)
+        return Step(step * self.prior, float(np.sqrt(max(float(step @ self.A @ step), 0.0))))
+
+    def towards(self, r: Array) -> Normal:
+        """The same for other rows r (R,), without the pull of the priors."""
+        return replace(self, r=r, offset=np.zeros_like(self.offset), g=(self.J.T @ r) * self.prior)
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """change: (P,) of the fitted numbers; length: in standard deviations; gain: what it takes off the cost to
-    first order."""
+    """change: (P,) of the fitted numbers; length: in standard deviations."""
 
     change: Array
     length: float
-    gain: float
 
 
 def full_step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tuple[Array, Array]:
@@ -56,8 +60,7 @@ def full_step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -
     stacked = np.vstack([J * prior, np.eye(P)])
     right = np.concatenate([r, -offset])
     if damping > 0:
-        scale = np.sqrt(damping) * np.linalg.norm(stacked, axis=0)
-        stacked = np.vstack([stacked, np.diag(scale)])
+        stacked = np.vstack([stacked, np.sqrt(damping) * np.eye(P)])
         right = np.concatenate([right, np.zeros(P)])
     QtR, upper = _qr(stacked, right)
     return np.asarray(solve_triangular(upper, QtR) * prior), upper

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,32 +11,36 @@ from ..campaign import Campaign
 from ..effects.records import record
 from ..files.tables import number_text
 from ..files.toml import toml_text
-from ..files.whole import put
+from ..files.whole import put_all
 from ..robot.description import Robot
 from ..robot.kinematics import Array
+from ..robot.portable import carried
 from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
 from .prediction.of_fit import uncertainty
 
+Files = dict[Path, str]
+
 
 def write_model(path: str | Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> None:
-    """Writes the extended robot to `path`, the whole file or nothing; `load_robot` reads it back.
+    """Writes the extended robot to `path` and its URDF beside it, both or none; `load_robot` reads it back.
 
     geometry: (S, 6) tx ty tz rx ry rz [m, rad], corrections of the arm's slots; effects: all of them.
     """
-    put(Path(path), model_text(Path(path), robot, geometry, effects))
+    put_all(model_files(Path(path), robot, geometry, effects))
 
 
-def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> str:
-    """The extended robot as it is to stand at `path`, for any S slots of the arm.
+def model_files(path: Path, robot: Robot, geometry: Array, effects: Sequence[EffectRecord]) -> Files:
+    """The extended robot as it is to stand at `path`, and its URDF beside it; for any S slots of the arm.
 
     geometry: (S, 6) tx ty tz rx ry rz [m, rad] corrections; effects: all of them.
     """
+    urdf, text = carried(robot.urdf, path.parent)
     table: dict[str, Any] = {
         "schema": 1,
         "name": robot.name,
         "title": robot.title,
-        "urdf": os.path.relpath(robot.urdf.resolve(), path.parent.resolve()),
+        "urdf": urdf,
         "flange": robot.flange,
         "base": robot.base,
         "gravity": list(robot.gravity),
@@ -65,7 +68,7 @@ def model_text(path: Path, robot: Robot, geometry: Array, effects: Sequence[Effe
     table["effects"] = [_given(item.model_dump()) for item in effects]
     if robot.uncertainty is not None:
         table["prediction"] = robot.uncertainty.model_dump(mode="json")
-    return toml_text(table)
+    return {path.parent / urdf: text, path: toml_text(table)}
 
 
 def _given(table: dict[str, Any]) -> dict[str, Any]:
@@ -78,11 +81,11 @@ def _given(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def write_fit(path: str | Path, fit: Fit) -> None:
-    """Writes a fit as the extended robot; see `fit_text`."""
-    put(Path(path), fit_text(Path(path), fit))
+    """Writes a fit as the extended robot; see `fit_files`."""
+    put_all(fit_files(Path(path), fit))
 
 
-def fit_text(path: Path, fit: Fit) -> str:
+def fit_files(path: Path, fit: Fit) -> Files:
     """A fit as the extended robot that is to stand at `path`: what it found, beside what the robot's model
     had already. Tool and payloads are the campaign's: the effects were found under them."""
     model = fit.model
@@ -91,7 +94,7 @@ def fit_text(path: Path, fit: Fit) -> str:
     found = [record(effect, v) for effect, v in values if effect.lasting]
     robot = loaded(model.problem.robot, model.problem.campaign)
     robot = replace(robot, uncertainty=uncertainty(fit))
-    return model_text(path, robot, fit.state.geometry, [*robot.effects, *found])
+    return model_files(path, robot, fit.state.geometry, [*robot.effects, *found])
 
 
 def loaded(robot: Robot, campaign: Campaign) -> Robot:

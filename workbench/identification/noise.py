@@ -17,6 +17,8 @@ from ..files.faults import Fault, InputError
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 
+LEAST = 1e-8  # m: no instrument that sees a robot is better, and squares of errors in it still have digits
+
 
 @dataclass(frozen=True)
 class Covariance:
@@ -62,7 +64,7 @@ def stated_noise(problem: Problem) -> Covariance | None:
         each = c.noise_sigma / np.sqrt(np.maximum(c.shots, 1))
     else:
         return None
-    return Covariance(np.maximum(each, 1e-9), joint, np.ones(len(c.poses.q)))
+    return Covariance(np.maximum(each, LEAST), joint, np.ones(len(c.poses.q)))
 
 
 def required_noise(problem: Problem) -> Covariance:
@@ -177,7 +179,11 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     if float(np.exp(x[1] / 2)) * reach < 0.03 * total:
         joint = np.zeros_like(joint)
     return MeasuredNoise(
-        float(np.exp(x[0] / 2)), joint, float(np.exp(x[1] / 2)) * reach, total, float(dof + shot_dof)
+        max(float(np.exp(x[0] / 2)), LEAST),
+        joint,
+        float(np.exp(x[1] / 2)) * reach,
+        total,
+        float(dof + shot_dof),
     )
 
 

@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from ..diagnosis.run import Outcome
-from ..identification.model_file import fit_text
+from ..identification.model_file import fit_files
 from . import write_all
 
 
 def write_outcome(outcome: Outcome, folder: str | Path) -> None:
-    """Writes result.json, index.html, report.pdf, scene.html and model.toml: all, or none.
+    """Writes result.json, index.html, report.pdf, scene.html and model.toml with its URDF: all, or
+    none.
 
     The scene shows the pose that bends most, rigid, and its loaded twin with the deflection enlarged.
     """
@@ -25,5 +26,6 @@ def write_outcome(outcome: Outcome, folder: str | Path) -> None:
     if bend > 1e-7:
         factor = float(f"{0.1 / bend:.1g}")
         ghost, label = q + factor * axial[n], f"loaded, deflection × {factor:g}"
-    model = {"model.toml": fit_text(folder / "model.toml", fit).encode()}
+    files = fit_files(folder / "model.toml", fit)
+    model = {path.relative_to(folder).as_posix(): text.encode() for path, text in files.items()}
     write_all(outcome.diagnosis, outcome.problem.robot, folder, q, ghost, label or "", model)

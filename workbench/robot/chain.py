@@ -11,7 +11,9 @@ import numpy as np
 
 from ..files.faults import Fault, InputError
 from .rotations import from_zyx
-from .urdf import LOOSE, MOVING, WORLD, Urdf, Vector3, number, origin_of, vector
+from .urdf import LOOSE, MOVING, WORLD, Urdf, Vector3, limit, origin_of, vector
+
+LIMITS = ("lower", "upper", "velocity", "effort")
 
 
 @dataclass(frozen=True)
@@ -98,10 +100,13 @@ def _down(urdf: Urdf, base: str) -> Vector3:
 
 def _moving_joint(joint: ET.Element, link: str, place: str, faults: list[Fault]) -> MovingJoint:
     """Limits that leave no way (the URDF's default 0 .. 0) are none."""
-    limit = joint.find("limit")
-    lower, upper = number(limit, "lower", place, 0.0), number(limit, "upper", place, 0.0)
+    said = joint.find("limit")
+    lower, upper, velocity, effort = (limit(said, key, place) for key in LIMITS)
     if lower > upper:
         faults.append(Fault(place, f"its limits are {lower:g} .. {upper:g}", "the lower one comes first"))
+    for key, value in (("velocity", velocity), ("effort", effort)):
+        if value < 0:
+            faults.append(Fault(place, f"its limit of {key} is {value:g}", "above zero, or leave it out"))
     if not any(vector(joint.find("axis"), "xyz", place, (1.0, 0.0, 0.0))):
         faults.append(Fault(place, "its axis is 0 0 0", "say which way it is"))
     bounds = lower < upper and joint.get("type") != "continuous"
@@ -111,6 +116,6 @@ def _moving_joint(joint: ET.Element, link: str, place: str, faults: list[Fault])
         link=link,
         lower=lower if bounds else -math.inf,
         upper=upper if bounds else math.inf,
-        velocity=number(limit, "velocity", place, 0.0) or math.inf,
-        effort=number(limit, "effort", place, 0.0) or math.inf,
+        velocity=velocity or math.inf,
+        effort=effort or math.inf,
     )

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ..files.measure import AboveZero
+
 
 class Loop(BaseModel):
     """A sampled cascade: position loop and velocity loop (PI) on the motor's encoder. SI units."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
-    position_period: float = Field(default=0.004, gt=0, le=0.05)
+    position_period: float = Field(default=0.004, ge=1e-4, le=0.05)
     """sampling of the position loop [s]"""
     drive_period: float = Field(default=0.0005, ge=1e-4, le=0.01)
     """sampling of the velocity loop [s]"""
@@ -20,17 +22,17 @@ class Loop(BaseModel):
     """time constant of the measured velocity [s]"""
     encoder_steps: float = Field(default=0.0, ge=0)
     """per motor turn; 0: infinitely fine"""
-    position_hz: float = Field(default=5.0, gt=0)
+    position_hz: AboveZero = 5.0
     """bandwidth asked of the position loop"""
-    velocity_hz: float | None = Field(default=None, gt=0)
+    velocity_hz: AboveZero | None = None
     """bandwidth of the velocity loop, the drive alone on it; absent: what the phase margin allows"""
-    phase_margin_deg: float = Field(default=45.0, gt=0, lt=80)
+    phase_margin_deg: float = Field(default=45.0, ge=1, lt=80)
     """of the velocity loop on the drive alone"""
     gain_margin: float = Field(default=2.0, ge=1)
     """factor on all drives' gains that the whole arm has to bear"""
     delay_margin: float = Field(default=0.0005, ge=0)
     """more delay [s] that the whole arm has to bear"""
-    feed_forward_hz: float = Field(default=10.0, gt=0)
+    feed_forward_hz: AboveZero = 10.0
     """up to where the arm's inertia is fed forward"""
     friction_known: float = Field(default=0.9, ge=0, le=1.5)
     """share of the friction that is fed forward"""
@@ -38,17 +40,17 @@ class Loop(BaseModel):
     """friction of a drive as a share of the weight of the stretched arm that it moves"""
     stiction: float = Field(default=1.2, ge=1, le=5)
     """how much higher friction is at rest"""
-    stribeck_speed: float = Field(default=0.02, gt=0)
+    stribeck_speed: AboveZero = 0.02
     """speed over which friction falls [rad/s, m/s]"""
     viscous: float = Field(default=0.01, ge=0, le=5)
     """friction at 1 rad/s, as a share like coulomb"""
-    presliding: float = Field(default=2e-5, gt=0)
+    presliding: AboveZero = 2e-5
     """way over which friction builds up [rad, m]"""
     load_side: float = Field(default=0.1, ge=0, le=1)
     """share of coulomb that sits behind the gear's spring, and winds it up"""
     gas_exponent: float = Field(default=1.3, ge=1, le=1.4)
     """polytropic exponent of a gas compensator in a fast stroke"""
-    gas_time: float = Field(default=60.0, gt=0)
+    gas_time: AboveZero = 60.0
     """time in which its heat leaves [s]"""
 
     @property

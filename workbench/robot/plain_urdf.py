@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .chain import Chain
+from .chain import Chain, MovingJoint
 from .meshes import Pictures, mesh_key
 from .urdf import MOVING, Urdf, number, origin_of, vector
 
@@ -46,7 +46,7 @@ def plain_text(urdf: Urdf, chain: Chain, pictures: Pictures | None = None, besid
         if link in moving:
             axis = vector(source.find("axis"), "xyz", place, (1.0, 0.0, 0.0))
             ET.SubElement(joint, "axis", xyz=_text(axis))
-            _add_limit(joint, source, place, moving[link].lower, moving[link].upper)
+            _add_limit(joint, moving[link])
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
@@ -90,10 +90,11 @@ def _add_inertial(body: ET.Element, urdf: Urdf, link: str) -> None:
     ET.SubElement(inertial, "inertia", {key: repr(v) for key, v in zip(MOMENTS, values, strict=True)})
 
 
-def _add_limit(joint: ET.Element, source: ET.Element, place: str, lower: float, upper: float) -> None:
-    said = source.find("limit")
-    keys = {key: repr(number(said, key, place, 0.0)) for key in ("effort", "velocity") if said is not None}
-    bounds = {"lower": repr(lower), "upper": repr(upper)} if np.isfinite(upper - lower) else {}
+def _add_limit(joint: ET.Element, moving: MovingJoint) -> None:
+    most = {key: getattr(moving, key) for key in ("effort", "velocity")}
+    keys = {key: repr(value) for key, value in most.items() if np.isfinite(value)}
+    bounds = {key: repr(getattr(moving, key)) for key in ("lower", "upper")}
+    bounds = bounds if np.isfinite(moving.upper - moving.lower) else {}
     if bounds or (keys and joint.get("type") == "continuous"):
         ET.SubElement(joint, "limit", {**bounds, **keys})
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ..files.faults import Fault, InputError
+from ..files.measure import AboveZero
 from ..files.toml import read_toml
 from .convention import Controller
 from .loop import Loop
@@ -16,7 +17,18 @@ from .uncertainty import Uncertainty
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
 STANDARD_GRAVITY = 9.80665  # m/s²
 
+SLOWEST, FASTEST = 1e-3, 1e6  # motor turns per joint turn, or rad per m
+
 Vector3 = tuple[float, float, float]
+
+
+def _gear(ratio: float) -> float:
+    if not SLOWEST <= abs(ratio) <= FASTEST:
+        raise ValueError(f"no gear has such a ratio: {SLOWEST:g} to {FASTEST:g}, either sign")
+    return ratio
+
+
+GearRatio = Annotated[float, AfterValidator(_gear)]
 
 
 class _Table(BaseModel):
@@ -28,15 +40,15 @@ class JointData(_Table):
 
     name: str
     """of the moving joint in the URDF"""
-    stiffness: float | None = Field(default=None, gt=0)
+    stiffness: AboveZero | None = None
     """axial, N·m/rad (N/m of a sliding joint); absent = rigid"""
-    gear_ratio: float | None = None
+    gear_ratio: GearRatio | None = None
     """motor turns per joint turn; absent = unknown"""
     rotor_inertia: float = Field(default=0.0, ge=0)
     """kg·m², on the motor's side"""
     damping: float = Field(default=0.0, ge=0)
     """N·m·s/rad across the elastic joint"""
-    tilt_stiffness: float | None = Field(default=None, gt=0)
+    tilt_stiffness: AboveZero | None = None
     """N·m/rad of the bearing, about the two axes across the joint"""
     repeatability: float | None = Field(default=None, ge=0)
     """rad or m, one sigma"""
@@ -61,17 +73,17 @@ class Compensator(_Table):
     """m, in that link's frame of the URDF"""
     arm_pivot: Vector3
     """m, in that link's frame of the URDF"""
-    piston_area: float | None = Field(default=None, gt=0)
+    piston_area: AboveZero | None = None
     """m² (gas)"""
-    precharge: float | None = Field(default=None, gt=0)
+    precharge: AboveZero | None = None
     """Pa absolute, at `reference` (gas)"""
-    gas_length: float | None = Field(default=None, gt=0)
+    gas_length: AboveZero | None = None
     """m, volume by area at `reference` (gas)"""
-    reference: float | None = Field(default=None, gt=0)
+    reference: AboveZero | None = None
     """m, distance of the pivots at which precharge and length hold (gas)"""
     exponent: float = Field(1.0, ge=1.0, le=1.4)
     """1 isothermal to 1.4 adiabatic (gas)"""
-    rate: float | None = Field(default=None, gt=0)
+    rate: AboveZero | None = None
     """N/m (spring)"""
     free_length: float | None = None
     """m (spring)"""
@@ -90,7 +102,7 @@ class LinkData(_Table):
 
     name: str
     """of the link in the URDF"""
-    bending_stiffness: float | None = Field(default=None, gt=0)
+    bending_stiffness: AboveZero | None = None
     """EI, N·m²"""
 
 

@@ -10,10 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..files.faults import Fault, InputError, read_text
+from ..files.measure import beyond
 
 WORLD = "world"  # by convention the URDF's name for the ground, and Drake's own
 MOVING = ("revolute", "continuous", "prismatic")
 LOOSE = ("floating", "planar")
+BEYOND = "is not finite or beyond all measure"
+NO_LIMIT = 1e6  # rad or m, rad/s or m/s, N·m or N: a farther limit holds nothing
 Vector3 = tuple[float, float, float]
 
 
@@ -133,6 +136,8 @@ def vector(element: ET.Element | None, key: str, place: str, default: Vector3 = 
         x, y, z = (float(word) for word in text.split())
     except ValueError:
         raise InputError(Fault(place, f"{key} = {text!r} is not three numbers", "mend the URDF")) from None
+    if any(map(beyond, (x, y, z))):
+        raise InputError(Fault(place, f"{key} = {text!r} {BEYOND}", "mend the URDF"))
     return x, y, z
 
 
@@ -142,11 +147,25 @@ def number(element: ET.Element | None, key: str, place: str, default: float) -> 
     if text is None:
         return default
     try:
-        if math.isfinite(value := float(text)):
-            return value
+        value = float(text)
     except ValueError:
-        pass
-    raise InputError(Fault(place, f"{key} = {text!r} is not a number", "mend the URDF"))
+        raise InputError(Fault(place, f"{key} = {text!r} is not a number", "mend the URDF")) from None
+    if beyond(value):
+        raise InputError(Fault(place, f"{key} = {text!r} {BEYOND}", "mend the URDF"))
+    return value
+
+
+def limit(element: ET.Element | None, key: str, place: str) -> float:
+    """A limit of a joint, infinite where it is so far that it is none: exporters write 1e+16 or the largest
+    number that there is. 0 without one. Raises `InputError`."""
+    text = None if element is None else element.get(key)
+    try:
+        value = float(text or 0.0)
+    except ValueError:
+        value = math.nan
+    if math.isnan(value):
+        raise InputError(Fault(place, f"{key} = {text!r} is not a number", "mend the URDF"))
+    return math.copysign(math.inf, value) if abs(value) > NO_LIMIT else value
 
 
 def _named(joint: ET.Element, end: str) -> str:

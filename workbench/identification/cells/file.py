@@ -14,7 +14,7 @@ from ...files.whole import put_all
 from ...robot.description import load_robot
 from ...robot.rigid_plant import arrays
 from ...robot.schema import toml_faults
-from ..model_file import model_text
+from ..model_file import model_files
 from .cell_model import CellModel
 from .grid import cells
 
@@ -40,8 +40,9 @@ def write_cells(folder: str | Path, model: CellModel) -> Path:
     folder, grid = Path(folder), model.cells
     names = [f"cell_{i + 1:03d}.toml" for i in range(len(grid))]
     made: dict[Path, bytes | str] = {
-        folder / name: model_text(folder / name, robot, arrays(robot).geometry, robot.effects)
+        path: text
         for name, robot in zip(names, model.robots, strict=True)
+        for path, text in model_files(folder / name, robot, arrays(robot).geometry, robot.effects).items()
     }
     table = {
         "schema": 1,

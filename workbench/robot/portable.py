@@ -1,0 +1,27 @@
+"""A robot's URDF that goes with a result, so that the folder can be moved."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+from ..files.faults import read_text
+from .packages import mesh_file
+
+FOLDER = "urdf"  # beside the file that names it
+
+
+def carried(urdf: Path, folder: Path) -> tuple[str, str]:
+    """The URDF's name and text as it stands in a folder that other files name it from.
+
+    Meshes stay where they are, named from there: they are for pictures alone, and a folder that was moved
+    away from them is shown with plain links. Raises `InputError` where the URDF cannot be read.
+    """
+    name = f"{FOLDER}/{urdf.name}"
+    root = ET.fromstring(read_text(urdf))
+    place = (folder / name).parent.resolve()
+    for mesh in root.iter("mesh"):
+        if (file := mesh_file(mesh.get("filename", ""), urdf.parent)) is not None:
+            mesh.set("filename", Path(os.path.relpath(file.resolve(), place)).as_posix())
+    return name, ET.tostring(root, encoding="unicode") + "\n"
