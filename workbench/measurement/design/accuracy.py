@@ -9,7 +9,7 @@ it in a new set-up.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,8 @@ from ...campaign import Campaign
 from ...diagnosis.result import FaultFound
 from ...effects.joint_compliance import JointCompliance
 from ...robot.kinematics import Array
-from .candidates import Factors, candidates, ordered, payload_counts, take
+from ..driving import Drive, Reach
+from .candidates import Factors, candidates, payload_counts, take
 from .fedorov import Search, criterion, exchange, information
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, prior_precision
 
@@ -32,7 +33,8 @@ class AccuracyPlan:
     """Records for accuracy, in the order to measure them, and the expected errors [mm]: one sigma, 3-D, of
     the model's prediction from noise alone. now_mm: from the campaign (None: there is none); random_mm: the
     median after as many random records; same: random records for the error of this plan (None: more than
-    `MOST_TRIED` times as many); faults: of the campaign's data."""
+    `MOST_TRIED` times as many); random: as many random records; faults: of the campaign's data; reach: the robot in its cell; drive: how they are
+    driven, random_s: [s] that driving random records takes for the same error."""
 
     records: Campaign
     noise: str
@@ -40,7 +42,23 @@ class AccuracyPlan:
     random_mm: float
     plan_mm: float
     same: int | None
+    random: Campaign
     faults: tuple[FaultFound, ...] = ()
+    reach: Reach | None = None
+    drive: Drive | None = None
+    random_s: float | None = None
+
+    @property
+    def gain(self) -> float | None:
+        """Information per hour over that of random records: their time for the same error by the plan's."""
+        if self.drive is None or self.random_s is None:
+            return None
+        return self.random_s / self.drive.total_s
+
+    def with_drive(self, drive: Drive, random: Drive) -> AccuracyPlan:
+        """In the order of a drive; random: that of as many random records."""
+        taken = None if self.same is None else random.total_s * self.same / len(self.random.poses)
+        return replace(self, records=drive.plan, drive=drive, random_s=taken)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -53,7 +71,30 @@ class AccuracyPlan:
             "random_mm": self.random_mm,
             "plan_mm": self.plan_mm,
             "random_poses_for_the_same": self.same,
+            "drive": None if self.drive is None else self.drive.to_json(),
+            "information_per_hour_over_random": self.gain,
         }
+
+    @property
+    def headline(self) -> str:
+        """In one sentence."""
+        time = "" if self.drive is None else f" in about {self.drive.total_s / 60:.0f} min"
+        error = f"the calibrated model errs by {self.plan_mm:.3f} mm after them"
+        return f"{len(self.records.poses)} poses{time}: {error}"
+
+    @property
+    def lines(self) -> list[str]:
+        """What it brings."""
+        now = [] if self.now_mm is None else [f"now {self.now_mm:.4f} mm"]
+        n = len(self.records.poses)
+        errors = [*now, f"after {n} random poses {self.random_mm:.4f} mm", f"after this plan {self.plan_mm:.4f} mm"]
+        lines = [
+            f"Expected error of the calibrated model, 3-D, one sigma, from noise alone ({self.noise}): "
+            f"{', '.join(errors)}."
+        ]
+        if self.gain is not None:
+            lines.append(f"Random poses take {self.gain:.1f} times as long for the same accuracy.")
+        return lines
 
     @property
     def text(self) -> str:
@@ -66,13 +107,17 @@ class AccuracyPlan:
             f"  after {n:4d} random poses {self.random_mm:8.4f} mm",
             f"  after this plan        {self.plan_mm:8.4f} mm; it takes {same} random poses for the same",
         ]
+        if self.drive is not None:
+            lines.append(self.drive.text)
+        if self.gain is not None:
+            lines.append(f"Random poses take {self.gain:.1f} times as long for the same accuracy.")
         return "\n".join(lines)
 
 
 def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> AccuracyPlan:
     """`count` records out of the candidates. Raises InputError where that cannot be."""
     rng = np.random.default_rng([search.seed, 21])
-    offered = candidates(prior, search.pool, Factors(), rng)
+    offered = candidates(prior, search.pool, Factors(), rng, search.draw)
     effects = _effects(prior)
     new, before = prior.of_records(offered, effects), prior.of_campaign(effects)
     typical = candidates(prior, TYPICAL, Factors(), rng)
@@ -87,12 +132,13 @@ def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> Accura
     chosen, plan_mm = exchange(rows, A0, count, prior=held, starts=search.starts, seed=search.seed)
     chance = _Chance(rows, A0, held, search.seed)
     return AccuracyPlan(
-        ordered(take(offered, chosen)),
+        take(offered, chosen),
         prior.noise,
         now_mm=None if before is None else criterion(rows[:0], A0, held),
         random_mm=chance.median(count),
         plan_mm=plan_mm,
         same=chance.records_for(plan_mm, count),
+        random=take(offered, np.random.default_rng([search.seed, 23]).permutation(len(rows))[:count]),
     )
 
 

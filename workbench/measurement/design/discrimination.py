@@ -16,7 +16,8 @@ from ...effects.base import Effect
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from .accuracy import DRAWS
-from .candidates import Factors, candidates, ordered, payload_counts, take
+from ..driving import Drive, Reach
+from .candidates import Factors, candidates, payload_counts, take
 from .causes import EXAMPLE, factors, keys, label, named_causes
 from .fedorov import Records, Search, check_count, information
 from .prior_information import PriorInformation
@@ -64,7 +65,8 @@ class DiscriminationPlan:
     hardest: both ways of the pair with the least λ after the plan; hopeless: pairs that all candidates
     together do not tell; unseen: effects that no pose shows beside geometry; needed: planned poses after
     which the hardest λ is `LEVELS.mostly`; separate_by: measurements of another kind that tell them apart;
-    faults: of the campaign's data.
+    random: as many random records; faults: of the campaign's data; reach: the robot in its cell; drive: how they are driven, random_s: [s]
+    that driving the random ones takes.
     """
 
     records: Campaign | None
@@ -75,7 +77,24 @@ class DiscriminationPlan:
     unseen: tuple[Effect, ...]
     needed: int | None
     separate_by: str
+    random: Campaign | None = None
     faults: tuple[FaultFound, ...] = ()
+    reach: Reach | None = None
+    drive: Drive | None = None
+    random_s: float | None = None
+
+    @property
+    def gain(self) -> float | None:
+        """λ per hour over that of random records."""
+        if self.drive is None or self.random_s is None:
+            return None
+        worst = min(self.hardest, key=lambda pair: pair.plan)
+        now = worst.now or 0.0
+        return (worst.plan - now) / self.drive.total_s / max((worst.random - now) / self.random_s, 1e-12)
+
+    def with_drive(self, drive: Drive, random: Drive) -> DiscriminationPlan:
+        """In the order of a drive; random: that of as many random records."""
+        return replace(self, records=drive.plan, drive=drive, random_s=random.total_s)
 
     @property
     def least(self) -> float:
@@ -95,7 +114,21 @@ class DiscriminationPlan:
             "unseen": [keys(effect) for effect in self.unseen],
             "poses_needed": self.needed,
             "separate_by": self.separate_by,
+            "drive": None if self.drive is None else self.drive.to_json(),
+            "information_per_hour_over_random": self.gain,
         }
+
+    @property
+    def headline(self) -> str:
+        """In one sentence."""
+        time = "" if self.drive is None else f" in about {self.drive.total_s / 60:.0f} min"
+        return f"{self.count} poses{time}: {self._meaning()}"
+
+    @property
+    def lines(self) -> list[str]:
+        """What it brings."""
+        drive = [] if self.drive is None else self.drive.text.split("\n")
+        return [line.strip() for line in self.text.split("\n") if line not in drive]
 
     @property
     def text(self) -> str:
@@ -114,6 +147,10 @@ class DiscriminationPlan:
             lines.append(self._meaning())
         if self.least < LEVELS.mostly or self.hopeless or self.unseen:
             lines.append(f"Another kind of measurement tells more: {self.separate_by}.")
+        if self.drive is not None:
+            lines.append(self.drive.text)
+        if self.gain is not None:
+            lines.append(f"In the same time it tells {self.gain:.1f} times as much as random poses (λ per hour).")
         return "\n".join(lines)
 
     def _sizes(self) -> str:
@@ -164,8 +201,9 @@ def plan_discrimination(prior: PriorInformation, text: str, count: int, search: 
         return found
     chosen = t_optimal(space, open_pairs, count, search)
     hardest = _hardest(space, open_pairs, chosen, search.seed)
-    records = ordered(take(offered, chosen))
-    return replace(found, records=records, hardest=hardest, needed=_needed(hardest, count))
+    records = take(offered, chosen)
+    some = np.random.default_rng([search.seed, 23]).permutation(len(space.rows))[:count]
+    return replace(found, records=records, random=take(offered, some), hardest=hardest, needed=_needed(hardest, count))
 
 
 def _offered(prior: PriorInformation, text: str, search: Search) -> tuple[Campaign, list[list[Effect]]]:
@@ -174,7 +212,7 @@ def _offered(prior: PriorInformation, text: str, search: Search) -> tuple[Campai
     causes = named_causes(text)
     everything = candidates(prior, 0, Factors(True, True, True), np.random.default_rng(search.seed))
     needed = factors(causes, replace(prior.problem, campaign=everything))
-    offered = candidates(prior, search.pool, needed, np.random.default_rng([search.seed, 21]))
+    offered = candidates(prior, search.pool, needed, np.random.default_rng([search.seed, 21]), search.draw)
     problem = replace(prior.problem, campaign=offered)
     found = [[e for e in cause.effects(problem) if prior.is_open(e)] for cause in causes]
     known = [cause.text for cause, left in zip(causes, found, strict=True) if not left]
