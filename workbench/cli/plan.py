@@ -42,6 +42,10 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--poses", type=int, default=30, metavar="N", help="how many records (30)")
     parser.add_argument(
+        "--minutes", type=above_zero("time"), metavar="M",
+        help="instead of --poses: what brings most in this time, loads and stops on the way chosen too",
+    )  # fmt: skip
+    parser.add_argument(
         "--tell",
         metavar="CAUSE,CAUSE",
         help="two causes or more as in --effect, without numbers: "
@@ -85,6 +89,7 @@ def run(arguments: argparse.Namespace) -> None:
         known=arguments.known,
         seed=arguments.seed,
         quick=arguments.quick,
+        minutes=arguments.minutes,
         cell=cell,
         dwell=arguments.dwell,
         progress=progress,

@@ -10,6 +10,7 @@ it in a new set-up.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,10 @@ from ...diagnosis.result import FaultFound
 from ...effects.joint_compliance import JointCompliance
 from ...robot.kinematics import Array
 from ..driving import Drive, Reach
+from ..driving.ways import Ways
+from .budget import Question, in_time, levels_of
 from .candidates import Factors, candidates, payload_counts, take
-from .fedorov import Search, criterion, exchange, information
+from .fedorov import Records, Search, criterion, exchange, information
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, prior_precision
 
 TYPICAL = 300  # poses whose mean squared error counts
@@ -47,6 +50,8 @@ class AccuracyPlan:
     reach: Reach | None = None
     drive: Drive | None = None
     random_s: float | None = None
+    over_poses: float | None = None
+    stops: int = 0
 
     @property
     def gain(self) -> float | None:
@@ -57,7 +62,8 @@ class AccuracyPlan:
 
     def with_drive(self, drive: Drive, random: Drive) -> AccuracyPlan:
         """In the order of a drive; random: that of as many random records."""
-        taken = None if self.same is None else random.total_s * self.same / len(self.random.poses)
+        each = (random.moving_s + random.standing_s) / len(self.random.poses)
+        taken = None if self.same is None else random.mounting_s + each * self.same
         return replace(self, records=drive.plan, drive=drive, random_s=taken)
 
     def to_json(self) -> dict[str, Any]:
@@ -73,6 +79,8 @@ class AccuracyPlan:
             "random_poses_for_the_same": self.same,
             "drive": None if self.drive is None else self.drive.to_json(),
             "information_per_hour_over_random": self.gain,
+            "information_per_hour_over_poses_alone": self.over_poses,
+            "stops_on_the_way": self.stops,
         }
 
     @property
@@ -114,31 +122,93 @@ class AccuracyPlan:
         return "\n".join(lines)
 
 
-def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> AccuracyPlan:
-    """`count` records out of the candidates. Raises InputError where that cannot be."""
+@dataclass(frozen=True, eq=False)
+class AccuracySpace(Question):
+    """Candidate records and what is asked, on common parameters. rows: (C, D, P) of the candidates; A0: (D0, P)
+    rows [mm] whose mean squared error counts; held: (P, P) prior and measured information."""
+
+    prior: PriorInformation
+    effects: ValuedEffects
+    names: tuple[str, ...]
+    offered: Campaign
+    rows: Array
+    A0: Array
+    held: Array
+    measured: bool
+    search: Search
+
+    @cached_property
+    def levels(self) -> Records:  # type: ignore[override]
+        return levels_of(self.offered)
+
+    def chosen(self, among: Records, count: int) -> Records:
+        """The records (count,) after which the error is least."""
+        found, _ = exchange(self.rows[among], self.A0, count, prior=self.held, starts=1, seed=self.search.seed)
+        return among[found]
+
+    def error(self, records: Campaign) -> float:
+        """Expected error [mm] after these records."""
+        return criterion(self.prior.of_records(records, self.effects).on(self.names), self.A0, self.held)
+
+    def worth(self, records: Campaign) -> float:
+        """1/e² [1/mm²], less what was there before."""
+        return self.error(records) ** -2 - (self.now or np.inf) ** -2
+
+    @cached_property
+    def now(self) -> float | None:
+        """Expected error [mm] from what was measured; None: nothing was."""
+        return criterion(self.rows[:0], self.A0, self.held) if self.measured else None
+
+
+def accuracy_space(prior: PriorInformation, search: Search) -> AccuracySpace:
+    """Candidates for accuracy. Raises InputError where there are none."""
     rng = np.random.default_rng([search.seed, 21])
     offered = candidates(prior, search.pool, Factors(), rng, search.draw)
     effects = _effects(prior)
     new, before = prior.of_records(offered, effects), prior.of_campaign(effects)
     typical = candidates(prior, TYPICAL, Factors(), rng)
     error = 1e3 * prior.of_predictions(typical, effects) / np.sqrt(len(typical.poses.q))  # mm
-    names = list(dict.fromkeys([*(before.names if before else ()), *new.names]))
-    rows = new.on(names)
+    names = tuple(dict.fromkeys([*(before.names if before else ()), *new.names]))
     # the same A0ᵀ A0 in few rows
     A0 = Sensitivity(new.names, np.asarray(np.linalg.qr(error, mode="r"))[None]).on(names)[0]
     held = np.diag(prior_precision(names))
     if before is not None:
         held += information(before.on(names))
-    chosen, plan_mm = exchange(rows, A0, count, prior=held, starts=search.starts, seed=search.seed)
-    chance = _Chance(rows, A0, held, search.seed)
+    return AccuracySpace(
+        prior, effects, names, offered, new.on(names), A0, held, before is not None, search
+    )
+
+
+def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> AccuracyPlan:
+    """`count` records out of the candidates. Raises InputError where that cannot be."""
+    space = accuracy_space(prior, search)
+    rows = space.rows
+    chosen, _ = exchange(rows, space.A0, count, prior=space.held, starts=search.starts, seed=search.seed)
+    return _plan(space, take(space.offered, chosen))
+
+
+def plan_accuracy_in_time(
+    prior: PriorInformation, seconds: float, search: Search, ways: Ways, dwell: float
+) -> AccuracyPlan:
+    """The records that bring most in a time. Raises InputError where that cannot be."""
+    space = accuracy_space(prior, search)
+    best, alone = in_time(space, ways, dwell, seconds)
+    made = _plan(space, best.drive.plan)
+    return replace(made, over_poses=best.rate / alone.rate, stops=best.stops)
+
+
+def _plan(space: AccuracySpace, records: Campaign) -> AccuracyPlan:
+    chance, count = _Chance(space.rows, space.A0, space.held, space.search.seed), len(records.poses)
+    error = space.error(records)
+    some = np.random.default_rng([space.search.seed, 23]).permutation(len(space.rows))[:count]
     return AccuracyPlan(
-        take(offered, chosen),
-        prior.noise,
-        now_mm=None if before is None else criterion(rows[:0], A0, held),
+        records,
+        space.prior.noise,
+        now_mm=space.now,
         random_mm=chance.median(count),
-        plan_mm=plan_mm,
-        same=chance.records_for(plan_mm, count),
-        random=take(offered, np.random.default_rng([search.seed, 23]).permutation(len(rows))[:count]),
+        plan_mm=error,
+        same=chance.records_for(error, count),
+        random=take(space.offered, some),
     )
 
 
@@ -168,8 +238,8 @@ class _Chance:
         return float(np.median(values))
 
     def records_for(self, wanted: float, count: int) -> int | None:
-        """Fewest records, `count` or more, with a median of `wanted`; None where that takes too many."""
-        low, high = count, count
+        """Fewest records with a median of `wanted`; None where that takes more than `MOST_TRIED` times `count`."""
+        low, high = 1, count
         while self.median(high) > wanted:
             if high >= MOST_TRIED * count:
                 return None

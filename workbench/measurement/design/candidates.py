@@ -20,11 +20,13 @@ SESSION = 7200.0  # s between the sessions of a plan
 
 @dataclass(frozen=True)
 class Factors:
-    """Factors of a plan besides pose and payload: the side of approach, cold or warm, early or late."""
+    """Factors of a plan besides pose and payload: the side of approach, cold or warm, early or late; pull: [N] of
+    a horizontal pull at the flange, along the base's y, that can be rigged (0: none)."""
 
     approach: bool = False
     warm: bool = False
     late: bool = False
+    pull: float = 0.0
 
     @property
     def sessions(self) -> list[tuple[float, float]]:
@@ -46,16 +48,21 @@ def candidates(
     be measured; None: any. Raises InputError where hardly any pose is possible."""
     payloads = len(prior.problem.campaign.payload_names)
     sessions = factors.sessions
-    several = payloads * len(sessions)
+    pulls = 2 if factors.pull else 1
+    several = payloads * len(sessions) * pulls
     positions = max(FEWEST, count // several)
     q = random_poses(prior.robot, positions, rng) if draw is None else draw(positions, rng)
-    payload, session = (grid.ravel() for grid in np.meshgrid(range(payloads), range(len(sessions))))
+    grids = np.meshgrid(range(payloads), range(len(sessions)), range(pulls))
+    payload, session, pulled = (grid.ravel() for grid in grids)
     records = prior.records(np.tile(q, (several, 1)), np.repeat(payload, len(q)))
     start, temperature = (
         np.repeat(np.array(column)[session], len(q)) for column in zip(*sessions, strict=True)
     )
+    wrench = np.zeros((len(records.poses), 6))
+    wrench[:, 1] = factors.pull * np.repeat(pulled, len(q))
     side = rng.choice([-1.0, 1.0], size=records.poses.q.shape)
     return records.with_poses(
+        wrench=wrench,
         side=side if factors.approach else None,
         time=start if factors.warm or factors.late else None,
         temperature=temperature if factors.warm else None,

@@ -32,12 +32,13 @@ PASSES = 50
 @dataclass(frozen=True)
 class Search:
     """How long to look: candidate records on offer (about), random starts of the exchange, and the seed; and of
-    which poses: draw (None: any within the limits)."""
+    which poses: draw (None: any within the limits), and with which pull [N] beside none."""
 
     pool: int
     starts: int
     seed: int
     draw: Draw | None = None
+    pull: float = 0.0
 
 
 def exchange(

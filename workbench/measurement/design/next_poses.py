@@ -13,12 +13,12 @@ from ...campaign.known import with_known
 from ...correction.programs.measuring import DWELL_S
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
-from ..driving import drive, reach
+from ..driving import Reach, drive, reach
 from ..driving.ways import Ways
-from .accuracy import AccuracyPlan, plan_accuracy
-from .discrimination import DiscriminationPlan, plan_discrimination
+from .accuracy import AccuracyPlan, plan_accuracy, plan_accuracy_in_time
+from .discrimination import DiscriminationPlan, plan_discrimination, plan_discrimination_in_time
 from .fedorov import Search
-from .prior_information import from_campaign, from_robot
+from .prior_information import PriorInformation, from_campaign, from_robot
 
 POOL, QUICK_POOL = 1200, 400  # candidate records,
 PER_POSE, QUICK_PER_POSE = 4, 2  # or so many for each that is chosen
@@ -36,6 +36,7 @@ def plan(
     known: Sequence[str] = (),
     seed: int = 0,
     quick: bool = False,
+    minutes: float | None = None,
     cell: CellData | None = None,
     dwell: float = DWELL_S,
     progress: Progress = lambda _: None,
@@ -45,7 +46,8 @@ def plan(
     source: a campaign, of which what it has shown already counts, or a robot that was not measured yet.
     poses: how many to choose. tell: causes, "A,B", each as in `--effect`. known: facts as `--known` takes
     them. seed: of the poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the
-    campaign says); dwell: [s] of a standstill. progress: is told each step in words. Raises `InputError` where
+    campaign says); minutes: in place of a number of poses the time that they may take, loads and stops on the way chosen with
+    them; dwell: [s] of a standstill. progress: is told each step in words. Raises `InputError` where
     there is no plan.
 
     >>> from workbench import load_robot, plan
@@ -57,6 +59,7 @@ def plan(
     """
     if poses < 1:
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
+    made: Plan
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
     if isinstance(source, Campaign):
         prior = from_campaign(with_known(source, known))
@@ -66,19 +69,43 @@ def plan(
     around = reach(
         prior.problem, prior.places, cell or campaign.cell, np.random.default_rng([seed, 24]), prior.shown
     )
-    if quick:
-        search = Search(max(QUICK_POOL, QUICK_PER_POSE * poses), QUICK_STARTS, seed, around.draw)
+    if minutes is not None:
+        poses = _likely(around, 60 * minutes, dwell)
+    pull = around.cell.driving.pull_N or 0.0
+    if quick or minutes is not None:  # in time, many plans are tried
+        search = Search(max(QUICK_POOL, QUICK_PER_POSE * poses), QUICK_STARTS, seed, around.draw, pull)
     else:
-        search = Search(max(POOL, PER_POSE * poses), STARTS, seed, around.draw)
+        search = Search(max(POOL, PER_POSE * poses), STARTS, seed, around.draw, pull)
+    ways = Ways(around)
+    if minutes is not None:
+        progress(f"choosing for {minutes:g} min of about {search.pool} possible records")
+        if tell is None:
+            made = plan_accuracy_in_time(prior, 60 * minutes, search, ways, dwell)
+        else:
+            made = plan_discrimination_in_time(prior, tell, 60 * minutes, search, ways, dwell)
+        return _driven(made, prior, around, ways, dwell, progress)
     progress(f"choosing {poses} of about {search.pool} possible records")
-    made: Plan
     if tell is not None:
         made = plan_discrimination(prior, tell, poses, search)
     else:
         made = plan_accuracy(prior, poses, search)
+    return _driven(made, prior, around, ways, dwell, progress)
+
+
+def _likely(around: Reach, seconds: float, dwell: float) -> int:
+    """How many poses a time may hold, about, were each as far from the next as nodes of the map are."""
+    nodes = around.map.nodes
+    way = around.time(nodes[:, None], nodes)
+    np.fill_diagonal(way, np.inf)
+    return max(1, int(seconds / (dwell + float(np.median(way.min(axis=1))))))
+
+
+def _driven(
+    made: Plan, prior: PriorInformation, around: Reach, ways: Ways, dwell: float, progress: Progress
+) -> Plan:
+    """The plan in the order in which it is driven."""
     made = replace(made, faults=prior.faults, reach=around)
     if made.records is None or made.random is None:
         return made
     progress("looking for the shortest way")
-    ways = Ways(around)
     return made.with_drive(drive(made.records, ways, dwell), drive(made.random, ways, dwell))

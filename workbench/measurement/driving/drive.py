@@ -33,11 +33,13 @@ class Block:
 class Drive:
     """What is driven, in order. M standstills, those of the plan and returns to the check pose.
 
-    records: (M) with their sides and planned times; check: (M,) which are returns; via: for each the poses
+    plan: (N) the plan's own records in the order of the drive, at the times that the plan said; records: (M)
+    those and the returns, with their sides and the times of the drive; check: (M,) which are returns; via: for each the poses
     (n,) on the way to it, before its approach; seconds: of motion, standstill and mounting, in all; detours: how
     many ways were gone round.
     """
 
+    plan: Campaign
     records: Campaign
     check: NDArray[np.bool_]
     via: tuple[tuple[Array, ...], ...]
@@ -50,11 +52,6 @@ class Drive:
     @property
     def total_s(self) -> float:
         return self.moving_s + self.standing_s + self.mounting_s
-
-    @property
-    def plan(self) -> Campaign:
-        """The plan's own records in the order of the drive."""
-        return self.records.some(np.flatnonzero(~self.check))
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -204,7 +201,9 @@ def _timed(
     returns = np.cumsum(check)
     ids = tuple(f"check_{returns[i]}" if check[i] else str(numbers[i]) for i in range(len(rows)))
     records = records.with_poses(ids=ids, payload=payload, wrench=wrench, time=np.array(times), temperature=warm)
+    own = plan.some(rows[~check])
     return Drive(
+        own.with_poses(ids=tuple(str(i + 1) for i in range(len(own.poses)))),
         replace(records, title=plan.title),
         check,
         tuple(via),
