@@ -26,11 +26,13 @@ class InstrumentData(_Section):
     xyz_mm: Vector3
     """its measuring head, in the robot's base frame"""
     acceptance_deg: Annotated[FiniteFloat, Field(gt=0, le=180)] = 30.0
-    """half the cone into which a reflector opens (of a 1.5 inch one about 30, of a probe as its maker says)"""
+    """half the cone into which a reflector opens (of a 1.5 inch one about 30, of a probe as its maker
+    says)"""
 
 
 class ObstacleData(_Section):
-    """`[[obstacles]]`: a box or the convex hull of a mesh that the robot must not touch, or that it carries."""
+    """`[[obstacles]]`: a box or the convex hull of a mesh that the robot must not touch, or that it
+    carries."""
 
     name: Annotated[str, Field(min_length=1)]
     """for messages"""
@@ -43,7 +45,8 @@ class ObstacleData(_Section):
     abc_deg: Vector3 = (0.0, 0.0, 0.0)
     """how it is turned: Rz(a) Ry(b) Rx(c)"""
     on: str = "base"
-    """base: it stands in the robot's base frame; flange or a link's name: it is mounted there, as a tool is"""
+    """base: it stands in the robot's base frame; flange or a link's name: it is mounted there, as a tool
+    is"""
 
     @model_validator(mode="after")
     def _one_shape(self) -> ObstacleData:
@@ -99,7 +102,8 @@ def read_cell(path: Path) -> CellData:
 
 
 def beside(cell: CellData, path: Path) -> CellData:
-    """The cell of the file `path`, with its meshes' files in full. Raises `InputError` where one is not there."""
+    """The cell of the file `path`, with its meshes' files in full. Raises `InputError` where one is not
+    there."""
     placed = tuple(
         one.model_copy(update={"mesh": str((path.parent / one.mesh).resolve())}) if one.mesh else one
         for one in cell.obstacles

@@ -27,10 +27,12 @@ if TYPE_CHECKING:
     from ..robot.description import Robot
 
 HINT = (
-    "Joints keep to 90 % of their limits. Look at the scene before you drive, and drive slowly the first time: "
-    "what is not in the URDF or in [[obstacles]] nobody has checked."
+    "Joints keep to 90 % of their limits. Look at the scene before you drive, and drive slowly the first "
+    "time: what is not in the URDF or in [[obstacles]] nobody has checked."
 )
-UNSEEN = "Say where the instrument stands ([instrument] in the campaign or in --cell) to have its view checked."
+UNSEEN = (
+    "Say where the instrument stands ([instrument] in the campaign or in --cell) to have its view checked."
+)
 
 
 def add(commands: Commands) -> None:
@@ -40,7 +42,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "source", metavar="CAMPAIGN.toml|ROBOT", help="what was measured already, or a robot's name or TOML"
     )
-    parser.add_argument("--poses", type=int, default=30, metavar="N", help="how many records (30)")
+    parser.add_argument("--poses", type=int, metavar="N", help="how many records (30)")
     parser.add_argument(
         "--minutes", type=above_zero("time"), metavar="M",
         help="instead of --poses: what brings most in this time, loads and stops on the way chosen too",
@@ -50,7 +52,8 @@ def add(commands: Commands) -> None:
         metavar="CAUSE,CAUSE",
         help="two causes or more as in --effect, without numbers: "
         "gear_ratio:joint=joint_2,link_mass:link=link_2; "
-        "what is left out (joint, link, payload, variant) is tried everywhere: gear_ratio,hose_torque",
+        "what is left out (joint, link, payload, variant) is tried everywhere: gear_ratio,hose_torque; or "
+        "the result.json of a diagnosis: all that it left open, in as few poses as settle it",
     )
     known_option(parser)
     parser.add_argument(
@@ -65,8 +68,9 @@ def add(commands: Commands) -> None:
         "--dwell", type=above_zero("time"), default=4.0, metavar="S", help="standstill at a pose (4)"
     )
     out_option(
-        parser, "folder for poses, campaign, page, scene and program; or a file for the poses or the program alone "
-        "(reports/plan)"
+        parser,
+        "folder for poses, campaign, page, scene and program; or a file for the poses or the program alone "
+        "(reports/plan)",
     )
     program_options(parser)
     seed_option(parser, "the poses that are on offer")
@@ -144,7 +148,9 @@ def _places(out: Path | None, format: str | None) -> tuple[Path, Path]:
     return poses, poses.parent
 
 
-def _write(source: Campaign | Robot, made: Plan, poses: Path, program: Path, arguments: argparse.Namespace) -> list[Path]:
+def _write(
+    source: Campaign | Robot, made: Plan, poses: Path, program: Path, arguments: argparse.Namespace
+) -> list[Path]:
     """The poses, beside them what goes into a folder, and the programs; nothing over other content silently.
     Raises InputError."""
     from ..correction.programs import find_format, write_program
@@ -156,7 +162,7 @@ def _write(source: Campaign | Robot, made: Plan, poses: Path, program: Path, arg
     assert made.drive is not None
     assert made.reach is not None
     keep, folder = not arguments.force, poses.parent
-    whole = poses.name == "poses.csv" and arguments.out is None or not (arguments.out or poses).suffix
+    whole = (poses.name == "poses.csv" and arguments.out is None) or not (arguments.out or poses).suffix
     tables = table_files(made.drive, made.reach, folder)
     if not whole:
         tables = {poses: tables[folder / "poses.csv"]}
@@ -167,7 +173,9 @@ def _write(source: Campaign | Robot, made: Plan, poses: Path, program: Path, arg
         alone = is_folder(program, chosen)
         share = made.reach.cell.driving.speed_share
         stem = "measure" if alone else program.stem
-        for name, one in programs(made.drive, chosen, arguments.dwell, share, stem, arguments.as_urdf).items():
+        for name, one in programs(
+            made.drive, chosen, arguments.dwell, share, stem, arguments.as_urdf
+        ).items():
             files += write_program(one, chosen, program if alone else program.with_stem(name), keep)
     if whole:
         progress("drawing the scene")
@@ -190,4 +198,3 @@ def _facts(source: Campaign | Robot, made: Plan, out: Path) -> dict[str, Any]:
         **made.to_json(),
         "file": None if made.records is None else str(out),
     }
-

@@ -63,8 +63,8 @@ class Collisions:
 def collisions(
     robot: Robot, arm: Arm, hulls: Sequence[Hull], floor: float | None, clearance: float, seen: Array
 ) -> Collisions:
-    """The checker of a robot with these hulls. floor: its height [m] in the base frame; clearance [m] that all
-    bodies keep; seen: (N, n) usual poses, which show what is built to touch."""
+    """The checker of a robot with these hulls. floor: its height [m] in the base frame; clearance [m] that
+    all bodies keep; seen: (N, n) usual poses, which show what is built to touch."""
     with quiet():
         builder = RobotDiagramBuilder(time_step=0.0)
         plant = builder.plant()
@@ -93,7 +93,9 @@ def _add(plant: MultibodyPlant, robot: Robot, arm: Arm, hulls: Sequence[Hull], f
     plant.AddModelInstance(AROUND)
     for hull in hulls:
         if hull.slot == STANDING:
-            _register(plant, _standing(plant, hull.name), hull.name, Convex(hull.vertices.T.copy(), hull.name))
+            _register(
+                plant, _standing(plant, hull.name), hull.name, Convex(hull.vertices.T.copy(), hull.name)
+            )
         else:
             body = plant.GetBodyByName(arm.links[hull.slot])
             corners = (hull.vertices @ arm.R_link[hull.slot]).T.copy()

@@ -1,4 +1,5 @@
-"""The bodies of a robot as convex hulls: of its collision shapes, or of what it looks like where it has none."""
+"""The bodies of a robot as convex hulls: of its collision shapes, or of what it looks like where it has
+none."""
 
 from __future__ import annotations
 
@@ -27,8 +28,9 @@ PLATE = 1e-3  # m: what is thinner is taken as thick as this
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """A convex body on the link behind a slot of the arm (0: base), or `STANDING`. vertices: (V, 3) [m] in the
-    frame L of that slot (`kinematics`), in the world of what stands; normals: (F, 3), offsets: (F,) [m]: inside is normals · x <= offsets."""
+    """A convex body on the link behind a slot of the arm (0: base), or `STANDING`. vertices: (V, 3) [m] in
+    the frame L of that slot (`kinematics`), in the world of what stands; normals: (F, 3), offsets: (F,) [m]:
+    inside is normals · x <= offsets."""
 
     name: str
     slot: int
@@ -134,12 +136,15 @@ def _primitive(shape: ET.Element, place: str) -> Array:
     angle = 2 * half * np.arange(ROUND)
     circle = radius / np.cos(half) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     if shape.tag == "cylinder":
-        return np.concatenate([np.column_stack([circle, np.full(ROUND, z)]) for z in (-length / 2, length / 2)])
+        return np.concatenate(
+            [np.column_stack([circle, np.full(ROUND, z)]) for z in (-length / 2, length / 2)]
+        )
     if shape.tag in ("sphere", "capsule"):
         latitude = np.linspace(-np.pi / 2, np.pi / 2, ROUND // 2 + 1)[:, None]
         size = radius / np.cos(half)
         flat = np.cos(latitude)[..., None] * circle / np.cos(half)
         high = np.broadcast_to(size * np.sin(latitude), flat.shape[:2])
         ball = np.concatenate([flat, high[..., None]], axis=2).reshape(-1, 3)
-        return np.concatenate([ball - [0, 0, length / 2], ball + [0, 0, length / 2]])
+        end = np.array([0.0, 0.0, length / 2])
+        return np.concatenate([ball - end, ball + end])
     return np.zeros((0, 3))

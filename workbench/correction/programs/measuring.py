@@ -35,9 +35,10 @@ def measuring_program(
 ) -> Program:
     """A program of joint targets for a robot's controller: to each of N poses by an approach point.
 
-    q: (N, n) the URDF's joints [rad, m]. dwell_s: standstill at a pose [s]; approach points have none. sides:
-    (N, n) sign of each joint's last motion (default: all arrive upwards), so that play and friction are the
-    same at every return. via: (N) poses (n,) on the way to each, passed without a standstill (default: none). load: what the flange carries. Raises `InputError` for joints out of range and for a
+    q: (N, n) the URDF's joints [rad, m]. dwell_s: standstill at a pose [s]; approach points have none.
+    sides: (N, n) sign of each joint's last motion (default: all arrive upwards), so that play and friction
+    are the same at every return. via: (N) poses (n,) on the way to each, passed without a standstill
+    (default: none). load: what the flange carries. Raises `InputError` for joints out of range and for a
     robot without `[controller]`.
     """
     q = np.asarray(q, dtype=float)

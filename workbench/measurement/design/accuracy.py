@@ -19,7 +19,8 @@ from ...campaign import Campaign
 from ...diagnosis.result import FaultFound
 from ...effects.joint_compliance import JointCompliance
 from ...robot.kinematics import Array
-from ..driving import Drive, Reach
+from ..driving.drive import Drive
+from ..driving.reach import Reach
 from ..driving.ways import Ways
 from .budget import Question, in_time, levels_of
 from .candidates import Factors, candidates, payload_counts, take
@@ -36,8 +37,9 @@ class AccuracyPlan:
     """Records for accuracy, in the order to measure them, and the expected errors [mm]: one sigma, 3-D, of
     the model's prediction from noise alone. now_mm: from the campaign (None: there is none); random_mm: the
     median after as many random records; same: random records for the error of this plan (None: more than
-    `MOST_TRIED` times as many); random: as many random records; faults: of the campaign's data; reach: the robot in its cell; drive: how they are
-    driven, random_s: [s] that driving random records takes for the same error."""
+    `MOST_TRIED` times as many); random: as many random records; faults: of the campaign's data; reach: the
+    robot in its cell; drive: how they are driven, random_s: [s] that driving random records takes for the
+    same error."""
 
     records: Campaign
     noise: str
@@ -64,7 +66,7 @@ class AccuracyPlan:
         """In the order of a drive; random: that of as many random records."""
         each = (random.moving_s + random.standing_s) / len(self.random.poses)
         taken = None if self.same is None else random.mounting_s + each * self.same
-        return replace(self, records=drive.plan, drive=drive, random_s=taken)
+        return replace(self, records=drive.own, drive=drive, random_s=taken)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -95,7 +97,11 @@ class AccuracyPlan:
         """What it brings."""
         now = [] if self.now_mm is None else [f"now {self.now_mm:.4f} mm"]
         n = len(self.records.poses)
-        errors = [*now, f"after {n} random poses {self.random_mm:.4f} mm", f"after this plan {self.plan_mm:.4f} mm"]
+        errors = [
+            *now,
+            f"after {n} random poses {self.random_mm:.4f} mm",
+            f"after this plan {self.plan_mm:.4f} mm",
+        ]
         lines = [
             f"Expected error of the calibrated model, 3-D, one sigma, from noise alone ({self.noise}): "
             f"{', '.join(errors)}."
@@ -124,8 +130,8 @@ class AccuracyPlan:
 
 @dataclass(frozen=True, eq=False)
 class AccuracySpace(Question):
-    """Candidate records and what is asked, on common parameters. rows: (C, D, P) of the candidates; A0: (D0, P)
-    rows [mm] whose mean squared error counts; held: (P, P) prior and measured information."""
+    """Candidate records and what is asked, on common parameters. rows: (C, D, P) of the candidates; A0: (D0,
+    P) rows [mm] whose mean squared error counts; held: (P, P) prior and measured information."""
 
     prior: PriorInformation
     effects: ValuedEffects
@@ -143,7 +149,9 @@ class AccuracySpace(Question):
 
     def chosen(self, among: Records, count: int) -> Records:
         """The records (count,) after which the error is least."""
-        found, _ = exchange(self.rows[among], self.A0, count, prior=self.held, starts=1, seed=self.search.seed)
+        found, _ = exchange(
+            self.rows[among], self.A0, count, prior=self.held, starts=1, seed=self.search.seed
+        )
         return among[found]
 
     def error(self, records: Campaign) -> float:
@@ -174,9 +182,7 @@ def accuracy_space(prior: PriorInformation, search: Search) -> AccuracySpace:
     held = np.diag(prior_precision(names))
     if before is not None:
         held += information(before.on(names))
-    return AccuracySpace(
-        prior, effects, names, offered, new.on(names), A0, held, before is not None, search
-    )
+    return AccuracySpace(prior, effects, names, offered, new.on(names), A0, held, before is not None, search)
 
 
 def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> AccuracyPlan:
@@ -238,7 +244,8 @@ class _Chance:
         return float(np.median(values))
 
     def records_for(self, wanted: float, count: int) -> int | None:
-        """Fewest records with a median of `wanted`; None where that takes more than `MOST_TRIED` times `count`."""
+        """Fewest records with a median of `wanted`; None where that takes more than `MOST_TRIED` times
+        `count`."""
         low, high = 1, count
         while self.median(high) > wanted:
             if high >= MOST_TRIED * count:

@@ -1,9 +1,10 @@
 """Poses, loads, pulls and stops on the way chosen together, for the most information in a time.
 
 Poses of an exchange lie far from each other, and a large arm spends most of the time on its way. So fewer of
-them are chosen, and the arm stops between them as well, where that is worth more per second; a load stays away
-where it is not worth mounting. What a plan is worth is 1/e², e the expected error after it (`accuracy`), or λ
-(`t_optimal`); what it costs is the time that driving it takes, worked out in full for every trial.
+them are chosen, and the arm stops between them as well, where that is worth more per second; a load stays
+away where it is not worth mounting. What a plan is worth is 1/e², e the expected error after it
+(`accuracy`), or λ (`t_optimal`); what it costs is the time that driving it takes, worked out in full for
+every trial.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...files.faults import Fault, InputError
-from ..driving import Drive, drive
+from ..driving.drive import Drive, drive
 from ..driving.ways import Ways
 
 STOPS = (0, 1, 2, 3)  # between two poses of the exchange, as they are tried
@@ -117,14 +118,16 @@ def _fitted(
 
 
 def _with_stops(plan: Campaign, ways: Ways, stops: int) -> Campaign:
-    """The records of a plan in the order of its drive, with stops on the way from each to the next of the same
-    load, where these can be measured."""
+    """The records of a plan in the order of its drive, with stops on the way from each to the next of the
+    same load, where these can be measured."""
     poses = plan.poses
     session = np.zeros(len(poses)) if poses.temperature is None else poses.temperature
     loads = np.column_stack([poses.payload, poses.wrench, session])
     start = np.flatnonzero((loads[1:] == loads[:-1]).all(axis=1))
     share = np.arange(1, stops + 1) / (stops + 1)
-    q = (poses.q[start, None] + share[:, None] * (poses.q[start + 1] - poses.q[start])[:, None]).reshape(-1, poses.q.shape[1])
+    q = (poses.q[start, None] + share[:, None] * (poses.q[start + 1] - poses.q[start])[:, None]).reshape(
+        -1, poses.q.shape[1]
+    )
     own = np.repeat(start, stops)
     good = ways.reach.good(q)
     rows = np.concatenate([np.arange(len(poses)), own[good]])
@@ -138,4 +141,3 @@ def levels_of(offered: Campaign) -> Rows:
     pulled = (offered.poses.wrench != 0).any(axis=1)
     table = np.column_stack([pulled, offered.poses.payload])
     return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
-

@@ -20,8 +20,8 @@ SESSION = 7200.0  # s between the sessions of a plan
 
 @dataclass(frozen=True)
 class Factors:
-    """Factors of a plan besides pose and payload: the side of approach, cold or warm, early or late; pull: [N] of
-    a horizontal pull at the flange, along the base's y, that can be rigged (0: none)."""
+    """Factors of a plan besides pose and payload: the side of approach, cold or warm, early or late; pull:
+    [N] of a horizontal pull at the flange, along the base's y, that can be rigged (0: none)."""
 
     approach: bool = False
     warm: bool = False
@@ -44,8 +44,8 @@ def candidates(
     rng: np.random.Generator,
     draw: Draw | None = None,
 ) -> Campaign:
-    """About `count` possible records: random poses with every load and in every session. draw: of poses that can
-    be measured; None: any. Raises InputError where hardly any pose is possible."""
+    """About `count` possible records: random poses with every load and in every session. draw: of poses that
+    can be measured; None: any. Raises InputError where hardly any pose is possible."""
     payloads = len(prior.problem.campaign.payload_names)
     sessions = factors.sessions
     pulls = 2 if factors.pull else 1

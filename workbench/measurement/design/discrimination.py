@@ -16,10 +16,11 @@ from ...effects import separation
 from ...effects.base import Effect
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
+from ..driving.drive import Drive
+from ..driving.reach import Reach
 from ..driving.ways import Ways
 from .accuracy import DRAWS
 from .budget import Question, in_time, levels_of
-from ..driving import Drive, Reach
 from .candidates import Factors, candidates, payload_counts, take
 from .causes import EXAMPLE, factors, keys, label, named_causes
 from .fedorov import Records, Search, check_count, information
@@ -68,8 +69,10 @@ class DiscriminationPlan:
     hardest: both ways of the pair with the least λ after the plan; hopeless: pairs that all candidates
     together do not tell; unseen: effects that no pose shows beside geometry; needed: planned poses after
     which the hardest λ is `LEVELS.mostly`; separate_by: measurements of another kind that tell them apart;
-    random: as many random records; faults: of the campaign's data; reach: the robot in its cell; drive: how they
-    are driven, random_s: [s] that driving the random ones takes; over_poses, stops: as of an `AccuracyPlan`.
+    random: as many random records; faults: of the campaign's data; reach: the robot in its cell; drive: how
+    they are driven, random_s: [s] that driving the random ones takes; over_poses, stops: as of an
+    `AccuracyPlan`; found: the causes have the size in which they were found, and each stands beside its
+    hardest rival.
     """
 
     records: Campaign | None
@@ -87,6 +90,7 @@ class DiscriminationPlan:
     random_s: float | None = None
     over_poses: float | None = None
     stops: int = 0
+    found: bool = False
 
     @property
     def gain(self) -> float | None:
@@ -99,7 +103,7 @@ class DiscriminationPlan:
 
     def with_drive(self, drive: Drive, random: Drive) -> DiscriminationPlan:
         """In the order of a drive; random: that of as many random records."""
-        return replace(self, records=drive.plan, drive=drive, random_s=random.total_s)
+        return replace(self, records=drive.own, drive=drive, random_s=random.total_s)
 
     @property
     def least(self) -> float:
@@ -144,7 +148,8 @@ class DiscriminationPlan:
         if self.hardest:
             alike, apart = f"below {LEVELS.least:g} alike", f"above {LEVELS.surely:g} apart"
             lines.append(f"λ, how far apart these causes are ({alike}, {apart}), if of")
-            lines.append(f"typical size ({self._sizes()}), with {self.noise}:")
+            size = "the size that was found" if self.found else f"typical size ({self._sizes()})"
+            lines.append(f"{size}, with {self.noise}:")
             for pair in self.hardest:
                 now = "" if pair.now is None else f"{pair.now:.3g} now, "
                 lines.append(
@@ -157,7 +162,9 @@ class DiscriminationPlan:
         if self.drive is not None:
             lines.append(self.drive.text)
         if self.gain is not None:
-            lines.append(f"In the same time it tells {self.gain:.1f} times as much as random poses (λ per hour).")
+            lines.append(
+                f"In the same time it tells {self.gain:.1f} times as much as random poses (λ per hour)."
+            )
         return "\n".join(lines)
 
     def _sizes(self) -> str:
@@ -212,8 +219,8 @@ class TellSpace(Question):
 
 
 def tell_space(prior: PriorInformation, text: str, search: Search) -> TellSpace:
-    """Candidates that tell the causes of `text` apart. Raises InputError where the text names no two causes, or
-    causes that these records cannot have."""
+    """Candidates that tell the causes of `text` apart. Raises InputError where the text names no two causes,
+    or causes that these records cannot have."""
     offered, causes = _offered(prior, text, search)
     effects = list(dict.fromkeys(effect for cause in causes for effect in cause))
     at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
@@ -227,8 +234,8 @@ def tell_space(prior: PriorInformation, text: str, search: Search) -> TellSpace:
     lost = {frozenset(pair) for pair, power in zip(pairs, reached, strict=True) if power < LEVELS.least}
     hopeless = tuple(pair for pair in pairs[::2] if frozenset(pair) in lost)
     open_pairs = tuple(pair for pair in pairs if frozenset(pair) not in lost)
-    advice = _advice(hopeless or pairs or [(unseen[0], e) for e in effects])
-    return TellSpace(prior, at_zero, offered, space, open_pairs, hopeless, tuple(unseen), advice, search)
+    words = advice(hopeless or pairs or [(unseen[0], e) for e in effects])
+    return TellSpace(prior, at_zero, offered, space, open_pairs, hopeless, tuple(unseen), words, search)
 
 
 def plan_discrimination(prior: PriorInformation, text: str, count: int, search: Search) -> DiscriminationPlan:
@@ -329,7 +336,7 @@ def _needed(hardest: Sequence[Discrimination], count: int) -> int | None:
     return int(np.ceil(needed)) if needed < MOST_MEASURED else None
 
 
-def _advice(pairs: Sequence[Pair]) -> str:
+def advice(pairs: Sequence[Pair]) -> str:
     """What the effects themselves say tells them apart."""
     said = list(filter(None, (separation(a.cause, b.cause) for a, b in pairs)))
     return (

@@ -31,8 +31,8 @@ PASSES = 50
 
 @dataclass(frozen=True)
 class Search:
-    """How long to look: candidate records on offer (about), random starts of the exchange, and the seed; and of
-    which poses: draw (None: any within the limits), and with which pull [N] beside none."""
+    """How long to look: candidate records on offer (about), random starts of the exchange, and the seed; and
+    of which poses: draw (None: any within the limits), and with which pull [N] beside none."""
 
     pool: int
     starts: int

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -13,13 +14,16 @@ from ...campaign.known import with_known
 from ...correction.programs.measuring import DWELL_S
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
-from ..driving import Reach, drive, reach
+from ..driving.drive import drive
+from ..driving.reach import Reach, reach
 from ..driving.ways import Ways
 from .accuracy import AccuracyPlan, plan_accuracy, plan_accuracy_in_time
 from .discrimination import DiscriminationPlan, plan_discrimination, plan_discrimination_in_time
 from .fedorov import Search
 from .prior_information import PriorInformation, from_campaign, from_robot
+from .settle import plan_settling
 
+POSES = 30
 POOL, QUICK_POOL = 1200, 400  # candidate records,
 PER_POSE, QUICK_PER_POSE = 4, 2  # or so many for each that is chosen
 STARTS, QUICK_STARTS = 3, 1  # of the exchange
@@ -30,7 +34,7 @@ Progress = Callable[[str], None]
 
 def plan(
     source: Campaign | Robot,
-    poses: int = 30,
+    poses: int | None = None,
     *,
     tell: str | None = None,
     known: Sequence[str] = (),
@@ -44,11 +48,12 @@ def plan(
     """The next poses to measure: for accuracy, or to tell rival causes apart.
 
     source: a campaign, of which what it has shown already counts, or a robot that was not measured yet.
-    poses: how many to choose. tell: causes, "A,B", each as in `--effect`. known: facts as `--known` takes
-    them. seed: of the poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the
-    campaign says); minutes: in place of a number of poses the time that they may take, loads and stops on the way chosen with
-    them; dwell: [s] of a standstill. progress: is told each step in words. Raises `InputError` where
-    there is no plan.
+    poses: how many to choose (30). tell: causes, "A,B", each as in `--effect`; or the path of a
+    `result.json`, all ties of which are to be settled, by as few poses as do it where none are said. known:
+    facts as `--known` takes them. seed: of the poses on offer; quick: fewer of them. cell: what stands
+    around the robot (default: what the campaign says); minutes: in place of a number of poses the time that
+    they may take, loads and stops on the way chosen with them; dwell: [s] of a standstill. progress: is told
+    each step in words. Raises `InputError` where there is no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -57,8 +62,9 @@ def plan(
     >>> chosen.plan_mm < chosen.random_mm  # expected error after them, and after as many random ones
     True
     """
-    if poses < 1:
+    if poses is not None and poses < 1:
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
+    count = poses or POSES
     made: Plan
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
     if isinstance(source, Campaign):
@@ -70,12 +76,12 @@ def plan(
         prior.problem, prior.places, cell or campaign.cell, np.random.default_rng([seed, 24]), prior.shown
     )
     if minutes is not None:
-        poses = _likely(around, 60 * minutes, dwell)
+        count = _likely(around, 60 * minutes, dwell)
     pull = around.cell.driving.pull_N or 0.0
     if quick or minutes is not None:  # in time, many plans are tried
-        search = Search(max(QUICK_POOL, QUICK_PER_POSE * poses), QUICK_STARTS, seed, around.draw, pull)
+        search = Search(max(QUICK_POOL, QUICK_PER_POSE * count), QUICK_STARTS, seed, around.draw, pull)
     else:
-        search = Search(max(POOL, PER_POSE * poses), STARTS, seed, around.draw, pull)
+        search = Search(max(POOL, PER_POSE * count), STARTS, seed, around.draw, pull)
     ways = Ways(around)
     if minutes is not None:
         progress(f"choosing for {minutes:g} min of about {search.pool} possible records")
@@ -84,11 +90,13 @@ def plan(
         else:
             made = plan_discrimination_in_time(prior, tell, 60 * minutes, search, ways, dwell)
         return _driven(made, prior, around, ways, dwell, progress)
-    progress(f"choosing {poses} of about {search.pool} possible records")
-    if tell is not None:
-        made = plan_discrimination(prior, tell, poses, search)
+    progress(f"choosing {count} of about {search.pool} possible records")
+    if tell is not None and tell.endswith(".json"):
+        made = plan_settling(prior, Path(tell), poses, search)
+    elif tell is not None:
+        made = plan_discrimination(prior, tell, count, search)
     else:
-        made = plan_accuracy(prior, poses, search)
+        made = plan_accuracy(prior, count, search)
     return _driven(made, prior, around, ways, dwell, progress)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -34,9 +35,9 @@ class Drive:
     """What is driven, in order. M standstills, those of the plan and returns to the check pose.
 
     plan: (N) the plan's own records in the order of the drive, at the times that the plan said; records: (M)
-    those and the returns, with their sides and the times of the drive; check: (M,) which are returns; via: for each the poses
-    (n,) on the way to it, before its approach; seconds: of motion, standstill and mounting, in all; detours: how
-    many ways were gone round.
+    those and the returns, with their sides and the times of the drive; check: (M,) which are returns; via:
+    for each the poses (n,) on the way to it, before its approach; seconds: of motion, standstill and
+    mounting, in all; detours: how many ways were gone round.
     """
 
     plan: Campaign
@@ -48,6 +49,11 @@ class Drive:
     standing_s: float
     mounting_s: float
     detours: int
+
+    @property
+    def own(self) -> Campaign:
+        """(N) the plan's own records at the times of the drive."""
+        return self.records.some(np.flatnonzero(~self.check))
 
     @property
     def total_s(self) -> float:
@@ -71,7 +77,9 @@ class Drive:
         parts += [f"{self.mounting_s / 60:.0f} min mounting"] if self.mounting_s else []
         lines = [f"About {self.total_s / 60:.0f} min: {', '.join(parts)}."]
         if self.check.any():
-            lines.append(f"It returns {int(self.check.sum())} times to a check pose, which shows warming up and drift.")
+            lines.append(
+                f"It returns {int(self.check.sum())} times to a check pose, which shows warming up and drift."
+            )
         if self.detours:
             lines.append(f"{self.detours} of {len(self.check)} ways go round what is in the way.")
         return "\n".join(lines)
@@ -135,7 +143,8 @@ def _check_pose(plan: Campaign, ways: Ways) -> int:
 
 
 def _block(plan: Campaign, ways: Ways, rows: NDArray[np.int64], check: int | None) -> list[tuple[int, bool]]:
-    """Stops of one load in the order of a short tour, with returns to the check pose at both ends and between."""
+    """Stops of one load in the order of a short tour, with returns to the check pose at both ends and
+    between."""
     places = rows if check is None else np.concatenate([[check], rows])
     q, sides = plan.poses.q[places], _sides(plan)[places]
     approach = ways.reach.approaches(q, sides)
@@ -176,10 +185,10 @@ def _timed(
     warm = None if records.poses.temperature is None else records.poses.temperature.copy()
     for block in blocks:
         inside = slice(block.start, block.stop)
-        own = int(rows[inside][~check[inside]][0])
-        payload[inside], wrench[inside], starts[inside] = block.payload, plan.poses.wrench[own], session[own]
+        one = int(rows[inside][~check[inside]][0])
+        payload[inside], wrench[inside], starts[inside] = block.payload, plan.poses.wrench[one], session[one]
         if warm is not None and plan.poses.temperature is not None:
-            warm[inside] = plan.poses.temperature[own]
+            warm[inside] = plan.poses.temperature[one]
     q, sides = records.poses.q, _sides(records)
     approach = ways.reach.approaches(q, sides)
     via: list[tuple[Array, ...]] = [()]
@@ -190,17 +199,21 @@ def _timed(
         pause = max(pause, starts[i] - clock) if starts[i] > starts[i - 1] else pause
         between = () if ways.clear(q[i - 1], approach[i]) else ways.round(q[i - 1], approach[i])
         if between is None:
-            what = f"no free way leads from pose {plan.poses.ids[rows[i - 1]]} to pose {plan.poses.ids[rows[i]]}"
+            what = (
+                f"no free way leads from pose {plan.poses.ids[rows[i - 1]]} to pose {plan.poses.ids[rows[i]]}"
+            )
             raise InputError(Fault(records.robot.name, what, "say another --seed, or a smaller clearance_mm"))
         via.append(tuple(between))
         leg = [q[i - 1], *between, approach[i], q[i]]
-        taken = sum(float(ways.time(a, b)) for a, b in zip(leg, leg[1:], strict=False))
+        taken = sum(float(ways.time(a, b)) for a, b in pairwise(leg))
         clock, moving, mounting = clock + pause + taken, moving + taken, mounting + pause
         times.append(clock)
     numbers = np.cumsum(~check)
     returns = np.cumsum(check)
     ids = tuple(f"check_{returns[i]}" if check[i] else str(numbers[i]) for i in range(len(rows)))
-    records = records.with_poses(ids=ids, payload=payload, wrench=wrench, time=np.array(times), temperature=warm)
+    records = records.with_poses(
+        ids=ids, payload=payload, wrench=wrench, time=np.array(times), temperature=warm
+    )
     own = plan.some(rows[~check])
     return Drive(
         own.with_poses(ids=tuple(str(i + 1) for i in range(len(own.poses)))),

@@ -1,4 +1,5 @@
-"""The files of a plan that is driven: poses, a campaign to fill in, programs that stand still at each pose."""
+"""The files of a plan that is driven: poses, a campaign to fill in, programs that stand still at each
+pose."""
 
 from __future__ import annotations
 
@@ -14,8 +15,8 @@ from .reach import Reach
 
 COMMENTS = (
     "A plan of `workbench plan`. Measure it, put what the instrument saw into points.csv (pose_id, target,",
-    "x_mm, y_mm, z_mm), and say `workbench diagnose campaign.toml`. In poses.csv the column t_s is planned: put",
-    "the times in at which it was measured, or take the column out.",
+    "x_mm, y_mm, z_mm), and say `workbench diagnose campaign.toml`. Column t_s of poses.csv is planned: put",
+    "the times in at which it was measured, or take it out.",
 )
 
 

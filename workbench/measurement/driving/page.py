@@ -21,8 +21,8 @@ FILES = {"scene.html": "3-D scene", "poses.csv": "Poses", "campaign.toml": "Camp
 
 @dataclass(frozen=True, eq=False)
 class PlanPage:
-    """What the page shows. title, headline: of the plan; worth: what it brings, a line each; gain: information
-    per hour over that of random poses, None where unknown; data: for `plan.json`."""
+    """What the page shows. title, headline: of the plan; worth: what it brings, a line each; gain:
+    information per hour over that of random poses, None where unknown; data: for `plan.json`."""
 
     title: str
     headline: str
@@ -89,10 +89,10 @@ def _checked(reach: Reach) -> list[str]:
     """What was looked at, what could not be."""
     driving, carried = reach.cell.driving, [one.name for one in reach.cell.obstacles]
     floor = "no floor" if driving.floor_mm is None else f"a floor at {driving.floor_mm:g} mm"
+    bodies = ", ".join([f"{len(reach.hulls)} convex hulls", floor, *carried])
     lines = [
-        f"Every pose, the approach to it and the straight joint motion between: {len(reach.hulls)} convex hulls, "
-        f"{floor}{', ' + ', '.join(carried) if carried else ''}; all keep {driving.clearance_mm:g} mm from each "
-        "other.",
+        f"Every pose, the approach to it and the straight joint motion to the next: {bodies}; all keep "
+        f"{driving.clearance_mm:g} mm from each other.",
     ]
     if reach.collisions.ignored:
         pairs = "; ".join(f"{a} and {b}" for a, b in reach.collisions.ignored)
@@ -102,14 +102,16 @@ def _checked(reach: Reach) -> list[str]:
     else:
         cone = np.degrees(reach.sight.cone)
         lines.append(
-            f"The instrument sees {', '.join(reach.sight.names)} at every pose: no body is in the way, and the ray "
-            f"comes in within {cone:.0f}° of where the reflector opens."
+            f"The instrument sees {', '.join(reach.sight.names)} at every pose: no body is in the way, and "
+            f"the ray comes in within {cone:.0f}° of where the reflector opens."
         )
         for name, way in reach.sight.proposals.items():
             x, y, z = way
-            lines.append(f"Mount {name} so that it opens towards ({x:g}, {y:g}, {z:g}) in the frame that carries it.")
+            lines.append(
+                f"Mount {name} so that it opens towards ({x:g}, {y:g}, {z:g}) in the frame that carries it."
+            )
     if not any(one.on != "base" for one in reach.cell.obstacles):
-        lines.append("Not checked: tool and payload. Give them as [[obstacles]] with on = \"flange\".")
+        lines.append('Not checked: tool and payload. Give them as [[obstacles]] with on = "flange".')
     lines.append("Not known here: cables, fences, people. Drive it slowly the first time.")
     return lines
 

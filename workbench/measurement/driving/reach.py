@@ -25,7 +25,10 @@ from ...robot.rotations import from_zyx
 from .roadmap import NODES, Roadmap, clear_ways, roadmap
 from .sight import Sight
 
-UNSTATED = {"revolute": np.pi / 2, "prismatic": 1.0}  # rad/s, m/s: full speed of a joint of which none is known
+UNSTATED = {
+    "revolute": np.pi / 2,
+    "prismatic": 1.0,
+}  # rad/s, m/s: full speed of a joint of which none is known
 START_STOP = 0.4  # s that a motion takes longer for starting and stopping
 USUAL = 300  # poses that show what is built to touch, and how poses hang together
 SWEPT = 20  # of them, in which joints are turned all the way
@@ -38,9 +41,9 @@ Draw = Callable[[int, np.random.Generator], Array]
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """A robot in its cell. hulls: all bodies, those standing around too; map: poses that hang together; confined:
-    (n,) joints that are kept within one turn; sight: None where no instrument is stated;
-    places: (T, 3) [m] of the targets, NaN unknown, behind slots `on`."""
+    """A robot in its cell. hulls: all bodies, those standing around too; map: poses that hang together;
+    confined: (n,) joints that are kept within one turn; sight: None where no instrument is stated; places:
+    (T, 3) [m] of the targets, NaN unknown, behind slots `on`."""
 
     robot: Robot
     arm: Arm
@@ -62,8 +65,8 @@ class Reach:
         return approaches(self.robot, q, side)
 
     def good(self, q: Array) -> NDArray[np.bool_]:
-        """(N,) which poses q (N, n) are seen, free with the ways to them from below and from above, and within
-        reach of the others."""
+        """(N,) which poses q (N, n) are seen, free with the ways to them from below and from above, and
+        within reach of the others."""
         out = np.ones(len(q), dtype=bool) if self.sight is None else self.sight.sees(q)
         for side in (0.0, 1.0, -1.0):
             kept = q[out]
@@ -91,7 +94,9 @@ class Reach:
             f"only {kept} of {drawn} random poses can be measured: {100 * free.mean():.0f} % are free of "
             f"collision, {100 * seen.mean():.1f} % are seen by the instrument"
         )
-        mend = "move [instrument], turn the reflectors (opens), or widen what clearance_mm and [[obstacles]] leave"
+        mend = (
+            "move [instrument], turn the reflectors (opens), or leave more room (clearance_mm, [[obstacles]])"
+        )
         return Fault(self.robot.name, what, mend)
 
 
@@ -102,8 +107,8 @@ def reach(
     rng: np.random.Generator,
     shown: NDArray[np.bool_] | None = None,
 ) -> Reach:
-    """The robot of a problem in its cell. places: (T, 3) [m] of its targets behind their slots; shown: (T,) those
-    that have to be seen (default: all). Raises `InputError`."""
+    """The robot of a problem in its cell. places: (T, 3) [m] of its targets behind their slots; shown: (T,)
+    those that have to be seen (default: all). Raises `InputError`."""
     robot, arm = problem.robot, problem.arm
     hulls = (*robot_hulls(robot, arm), *_obstacles(robot, arm, cell))
     driving = cell.driving
@@ -113,7 +118,9 @@ def reach(
     free = usual[bodies.free(usual)]
     if len(free) < FEWEST:
         what = f"{USUAL - len(free)} of {USUAL} random poses collide: {_touching(bodies, usual)}"
-        raise InputError(Fault(robot.name, what, "mend [[obstacles]], floor_mm and clearance_mm of [driving]"))
+        raise InputError(
+            Fault(robot.name, what, "mend [[obstacles]], floor_mm and clearance_mm of [driving]")
+        )
     confined = _confined(robot, bodies, free[:SWEPT])
     free = within_a_turn(robot, free, confined)
     nodes = roadmap(bodies, partial(_time, robot, cell), free[:NODES])
@@ -140,7 +147,9 @@ def _confined(robot: Robot, bodies: Collisions, q: Array) -> NDArray[np.bool_]:
 def within_a_turn(robot: Robot, q: Array, confined: NDArray[np.bool_]) -> Array:
     """Poses (N, n) that look the same, with the confined joints within half a turn of the middle of their
     range."""
-    middle = np.array([(j.lower + j.upper) / 2 if np.isfinite(j.upper - j.lower) else 0.0 for j in robot.joints])
+    middle = np.array(
+        [(j.lower + j.upper) / 2 if np.isfinite(j.upper - j.lower) else 0.0 for j in robot.joints]
+    )
     return np.where(confined, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q)
 
 
@@ -171,7 +180,7 @@ def _sight(
     """Of the instrument to the targets that move; a 6-D probe is one, in the middle of its points."""
     if cell.instrument is None:
         return None
-    wanted = np.isfinite(places).all(axis=1) & (shown if shown is not None else True)
+    wanted = np.isfinite(places).all(axis=1) & (np.ones(len(places), dtype=bool) if shown is None else shown)
     moving = [t for t, k in enumerate(problem.on) if k > 0 and wanted[t]]
     said = [problem.campaign.targets[t].opens for t in moving]
     opens = np.array([(np.nan,) * 3 if way is None else way for way in said]).reshape(-1, 3)
@@ -215,7 +224,7 @@ def _obstacles(robot: Robot, arm: Arm, cell: CellData) -> list[Hull]:
 
 def _points(one: ObstacleData) -> Array:
     if one.box_mm is not None:
-        return box_points(1e-3 * np.array(one.box_mm))
+        return box_points([1e-3 * edge for edge in one.box_mm])
     import tempfile
 
     assert one.mesh is not None

@@ -1,13 +1,14 @@
 """Free poses and the free ways between them: which poses hang together, and how to go round something.
 
-A probabilistic roadmap (Kavraki et al. 1996). An arm that turns further than once about a level axis may stand in
-poses that no way leads to without touching the floor: these are none to be measured in.
+A probabilistic roadmap (Kavraki et al. 1996). An arm that turns further than once about a level axis may
+stand in poses that no way leads to without touching the floor: these are none to be measured in.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,8 @@ Time = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class Roadmap:
-    """Nodes (V, n) that all hang together, and the time [s] of the free ways between them (V, V), inf where none
-    is known."""
+    """Nodes (V, n) that all hang together, and the time [s] of the free ways between them (V, V), inf where
+    none is known."""
 
     collisions: Collisions
     time: Time
@@ -44,8 +45,8 @@ class Roadmap:
         return out
 
     def path(self, start: Array, end: Array, clear: Callable[[Array, Array], bool]) -> list[Array] | None:
-        """Nodes (n,) on the shortest way from start to end; None where there is none. clear: looks closely at a
-        way."""
+        """Nodes (n,) on the shortest way from start to end; None where there is none. clear: looks closely
+        at a way."""
         V, nodes = len(self.nodes), np.concatenate([self.nodes, [start, end]])
         graph = np.full((V + 2, V + 2), np.inf)
         graph[:V, :V] = self.ways
@@ -60,7 +61,7 @@ class Roadmap:
             while way[-1] != V:
                 way.append(int(before[way[-1]]))
             way = way[::-1]
-            shut = [(a, b) for a, b in zip(way, way[1:], strict=False) if not clear(nodes[a], nodes[b])]
+            shut = [(a, b) for a, b in pairwise(way) if not clear(nodes[a], nodes[b])]
             if not shut:
                 return [nodes[k] for k in way[1:-1]]
             for a, b in shut:

@@ -1,4 +1,5 @@
-"""The scene of a plan: the robot drives it, some of its poses stand as ghosts, rays go from the instrument."""
+"""The scene of a plan: the robot drives it, some of its poses stand as ghosts, rays go from the
+instrument."""
 
 from __future__ import annotations
 
@@ -33,7 +34,9 @@ def scene(drive: Drive, reach: Reach) -> str:
             draw_robot(meshcat, robot, q[k], f"/ghosts/{k}")
         for hull in reach.hulls:
             if hull.slot == STANDING:
-                meshcat.SetObject(f"/obstacles/{hull.name}", Convex(hull.vertices.T.copy(), hull.name), Rgba(*OBSTACLE))
+                meshcat.SetObject(
+                    f"/obstacles/{hull.name}", Convex(hull.vertices.T.copy(), hull.name), Rgba(*OBSTACLE)
+                )
         data = _data(drive, reach, points, links)
         if data["eye"]:
             size = 0.03 * data["extent"]

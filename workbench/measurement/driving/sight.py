@@ -18,8 +18,8 @@ TRIED = 300  # directions among which the best for a reflector is looked for
 @dataclass(frozen=True, eq=False)
 class Sight:
     """An instrument and what it looks at. eye: (3,) [m] in the base frame; cone: half of it [rad]; places:
-    (T, 3) [m] behind slots `on`; opens: (T, 3) unit vectors there, NaN where a reflector has no direction yet;
-    names: (T) of the targets; chosen: (T) whether the direction is the plan's.
+    (T, 3) [m] behind slots `on`; opens: (T, 3) unit vectors there, NaN where a reflector has no direction
+    yet; names: (T) of the targets; chosen: (T) whether the direction is the plan's.
     """
 
     arm: Arm
@@ -59,11 +59,14 @@ class Sight:
         return clear
 
     def directions(self, q: Array) -> Array:
-        """(N, T, 3) unit vectors from each target to the instrument, in the frame behind the target's slot."""
+        """(N, T, 3) unit vectors from each target to the instrument, in the frame behind the target's
+        slot."""
         where = frames(self.arm, q)
         way = self.eye - where.points(self.places, self.on)
         way /= np.linalg.norm(way, axis=2, keepdims=True)
-        return np.stack([np.einsum("nji,nj->ni", where.R[k], way[:, t]) for t, k in enumerate(self.on)], axis=1)
+        return np.stack(
+            [np.einsum("nji,nj->ni", where.R[k], way[:, t]) for t, k in enumerate(self.on)], axis=1
+        )
 
     def sees(self, q: Array) -> NDArray[np.bool_]:
         """(N,) in which poses q: (N, n) all targets are seen, inside of the cones that have a direction."""

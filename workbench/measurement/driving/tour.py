@@ -45,8 +45,8 @@ def _nearest(time: Array) -> Order:
 
 
 def _turned(time: Array, order: Order) -> Order | None:
-    """The tour with that stretch i..j turned round by which it gets shortest; None where none does. Ways count
-    the same in both directions, or nearly: the sum over the stretch is taken as it is."""
+    """The tour with that stretch i..j turned round by which it gets shortest; None where none does. Ways
+    count the same in both directions, or nearly: the sum over the stretch is taken as it is."""
     T = time[np.ix_(order, order)]
     after = np.roll(np.arange(len(order)), -1)
     here = np.diagonal(T[:, after])  # from each place to the next

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,10 +25,11 @@ class Ways:
 
     def clear(self, *stops: Array) -> bool:
         """Whether the straight ways through these poses (n,) are free."""
-        return all(self.reach.collisions.clear_way(a, b) for a, b in zip(stops, stops[1:], strict=False))
+        return all(self.reach.collisions.clear_way(a, b) for a, b in pairwise(stops))
 
     def round(self, start: Array, end: Array) -> list[Array] | None:
-        """Poses (n,) between two by which the way is free: one, or nodes of the map; None where none is known."""
+        """Poses (n,) between two by which the way is free: one, or nodes of the map; None where none is
+        known."""
         nodes = self.reach.map.nodes
         both = self.time(start, nodes) + self.time(nodes, end)
         for k in np.argsort(both)[:TRIED]:
