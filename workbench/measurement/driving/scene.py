@@ -15,6 +15,7 @@ from .drive import Drive
 from .reach import Reach
 
 GHOSTS = 7
+NEARER, MARGIN = 1.25, 0.1  # of the scene's size: how far away the camera is, and what is left above
 STOP, WAY = 0.5, 0.7  # s on the screen: of a standstill, and of the way to it
 OBSTACLE = (0.55, 0.45, 0.35, 0.8)
 
@@ -39,10 +40,10 @@ def scene(drive: Drive, reach: Reach) -> str:
                 )
         data = _data(drive, reach, points, links)
         if data["eye"]:
-            size = 0.03 * data["extent"]
+            size = 0.02 * data["extent"]
             meshcat.SetObject("/instrument", Box(size, size, 2 * size), Rgba(0.1, 0.1, 0.12, 1))
             meshcat.SetTransform("/instrument", RigidTransform(np.array(data["eye"])))
-        look(meshcat, data["centre"], data["extent"], links[-1] - links[0])
+        look(meshcat, data["centre"], NEARER * data["extent"], links[-1] - links[0])
         html: str = meshcat.StaticHtml()
     return with_panel(html, "plan_overlay.html", data, f"{robot.title}: planned poses")
 
@@ -76,6 +77,7 @@ def _data(drive: Drive, reach: Reach, points: Array, links: Array) -> dict[str, 
     standing = [hull.vertices for hull in reach.hulls if hull.slot == STANDING]
     seen = np.concatenate([points.reshape(-1, 3), links, *([] if eye is None else [eye[None]]), *standing])
     low, high = seen.min(axis=0), seen.max(axis=0)
+    high[2] += MARGIN * float(np.linalg.norm(high - low))
     return {
         "points": pack(points.reshape(-1, 3)),
         "targets": points.shape[1],
