@@ -65,10 +65,10 @@ def test_pulls_are_on_offer_where_they_can_be_rigged():
 def ambiguous(folder: Path, relative: float) -> Path:
     cause = {
         "cause": "gear_ratio",
-        "joint": "joint_2",
+        "joint": "joint_1",
         "status": "ambiguous",
         "parameters": [{"name": "relative", "value": relative, "std": 1e-6, "unit": "1"}],
-        "rivals": [{"cause": "gear_eccentricity", "joint": "joint_2", "probability": 0.4}],
+        "rivals": [{"cause": "gear_eccentricity", "joint": "joint_1", "probability": 0.4}],
     }
     path = folder / "result.json"
     path.write_text(json.dumps({"schema": 1, "causes": [cause]}))
@@ -77,7 +77,7 @@ def ambiguous(folder: Path, relative: float) -> Path:
 
 @pytest.fixture(scope="module")
 def measured():
-    robot = load_robot("irb120")
+    robot = load_robot("cylindrical")
     q = random_poses(robot, 20, np.random.default_rng(4))
     return replace(simulate(planned(robot, q), Truth(sigma=3e-5), seed=4), noise_sigma=3e-5)
 

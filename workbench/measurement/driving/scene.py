@@ -15,7 +15,7 @@ from .drive import Drive
 from .reach import Reach
 
 GHOSTS = 7
-NEARER, MARGIN = 1.25, 0.1  # of the scene's size: how far away the camera is, and what is left above
+NEARER, MARGIN = 1.05, 0.1  # of the scene's size: how far away the camera is, and what is left above
 STOP, WAY = 0.5, 0.7  # s on the screen: of a standstill, and of the way to it
 OBSTACLE = (0.55, 0.45, 0.35, 0.8)
 
