@@ -5,14 +5,12 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from test_controller import MAKERS
 
 from workbench.campaign.file import pose_columns
-from workbench.campaign.planned import planned
 from workbench.cli.main import main
 from workbench.correction.programs import as_urdf, find_format, measured, measuring_program, read_program
 from workbench.files.faults import InputError
@@ -67,18 +65,13 @@ def test_what_cannot_be_measured() -> None:
     assert measuring_program(replace(robot, controller=Controller()), q, "rapid", as_urdf=True).notes
 
 
-def test_plan_writes_poses_and_program(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The planning itself, which takes long, is tested elsewhere."""
-    records = planned(load_robot("irb120"), planned_joints("irb120", 4))
-    made = SimpleNamespace(records=records, faults=(), text="4 poses", to_json=dict)
-    monkeypatch.setattr("workbench.measurement.design.plan", lambda *_, **__: made)
+def test_plan_writes_poses_and_program(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "day_1"
     call = ["plan", "irb120", "--poses", "4", "--quick", "--format", "rapid", "--dwell", "3"]
     assert main([*call, "--json", "--out", str(out)]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told["files"] == [str(out / "poses.csv"), str(out / "measure.mod")]
+    names = ["poses.csv", "campaign.toml", "measure.mod", "index.html", "scene.html", "plan.json"]
+    assert told["files"] == [str(out / name) for name in names]
     robot = load_robot("irb120")
     table = read_table(out / "poses.csv", Layout(), pose_columns(robot), "poses")
     q = np.stack([table.numbers[f"q{i}"] for i in range(1, 7)], axis=1)
@@ -89,5 +82,13 @@ def test_plan_writes_poses_and_program(
     assert main([*call, "--out", str(out)]) == 2
     assert "measure.mod: is there already, with other content" in capsys.readouterr().err
     assert (out / "measure.mod").read_text() == "mine"
-    assert main([*call, "--force", "--out", str(out)]) == 0
-    assert "MoveAbsJ" in (out / "measure.mod").read_text()
+
+
+def test_poses_on_the_way_are_passed() -> None:
+    robot, q = load_robot("irb120"), planned_joints("irb120", 4)
+    via = [(), (q[0] / 2,), (), (q[1] / 2, q[2] / 2)]
+    program = as_urdf(measuring_program(robot, q, "rapid", via=via), robot)
+    assert program.q is not None
+    assert program.dwell.tolist() == [0, 4, 0, 0, 4, 0, 4, 0, 0, 0, 4]
+    np.testing.assert_allclose(program.q[[2, 7, 8]], [q[0] / 2, q[1] / 2, q[2] / 2], atol=1e-9)
+    np.testing.assert_allclose(measured(program).q, q, atol=1e-9)

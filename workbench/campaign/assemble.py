@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..files.tables import Table, suggest
 from ..robot.description import Robot
 from ..robot.shown import urdf_notes
+from .cell import beside
 from .check import doubts
 from .data import Array, Campaign, IntArray, Target
 from .file import WRENCH_COLUMNS, CampaignFile
@@ -72,6 +73,7 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         noise_sigma=None if file.noise.sigma_mm is None else file.noise.sigma_mm * 1e-3,
         six_dof=file.noise.pose,
         warnings=tuple(warnings),
+        cell=beside(file.cell, path),
         known=file.known.model_copy(update={"scale": 1.0}),
         files=_hashes([path, poses.path, points.path, *([robot.path] if robot.path else []), robot.urdf]),
         poses=Poses(
@@ -147,7 +149,7 @@ def _targets(
             else (data.xyz_mm[0] * 1e-3, data.xyz_mm[1] * 1e-3, data.xyz_mm[2] * 1e-3)
         )
         on = {robot.flange: "flange", robot.base: "base"}.get(data.on, data.on)
-        targets.append(Target(name, xyz, on, data.fixed))
+        targets.append(Target(name, xyz, on, data.fixed, data.opens))
         if name not in present:
             warnings.append(f"{points.path}: target {name!r} was never measured, left out")
     for name in present:

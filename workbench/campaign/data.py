@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.description import Robot
+from .cell import CellData
 from .known import KnownData
 from .poses import Array, Column, IntArray, Poses
 
@@ -20,12 +21,14 @@ class Target:
     """What the instrument looks at. `xyz`: nominal place in the frame of `on`, None = unknown.
 
     `on` is "flange", "base" or the name of a link; `fixed`: the place is not re-fitted.
+    opens: direction into which its reflector opens, in that frame; None = not said.
     """
 
     name: str
     xyz: tuple[float, float, float] | None = None
     on: str = "flange"
     fixed: bool = False
+    opens: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +52,7 @@ class Campaign:
     six_dof           the targets of a pose are points of one 6-D measurement
     files             "<folder>/<file>" -> sha256
     known             facts of other sources, not yet looked up in the robot; its scale is in the points
+    cell              what stands around the robot, for plans
     """
 
     title: str
@@ -71,6 +75,7 @@ class Campaign:
     warnings: tuple[str, ...] = ()
     files: dict[str, str] = field(default_factory=dict)
     known: KnownData = field(default_factory=KnownData)
+    cell: CellData = field(default_factory=CellData)
 
     def __repr__(self) -> str:
         loads = f", payloads {', '.join(self.payload_names[1:])}" if len(self.payload_names) > 1 else ""

@@ -14,6 +14,7 @@ from ..files.tables import Column, ColumnPlace, Layout, suggest
 from ..files.toml import read_toml
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
+from .cell import CellData, DrivingData, InstrumentData, ObstacleData
 from .exports import EXPORTS
 from .known import FactData, KnownData, Name
 
@@ -62,6 +63,8 @@ class TargetData(_Section):
     """flange, base, or a link's name"""
     fixed: bool = False
     """the place is calibrated: nothing fits it"""
+    opens: Vector3 | None = None
+    """direction into which its reflector opens, in the frame of `on`; absent: a plan proposes one"""
 
 
 class NoiseData(_Section):
@@ -96,6 +99,17 @@ class CampaignFile(_Section):
     """always mounted"""
     payloads: dict[Name, LoadData] = {}
     """loads by their names in the poses"""
+    instrument: InstrumentData | None = None
+    """where it stands, for plans"""
+    obstacles: tuple[ObstacleData, ...] = ()
+    """what the robot must not touch, and what it carries, for plans"""
+    driving: DrivingData = DrivingData()
+    """how planned poses are driven to"""
+
+    @property
+    def cell(self) -> CellData:
+        """What a plan looks at."""
+        return CellData(instrument=self.instrument, obstacles=self.obstacles, driving=self.driving)
 
 
 def read_campaign_file(path: Path) -> CampaignFile:
@@ -109,6 +123,11 @@ def read_campaign_file(path: Path) -> CampaignFile:
         Fault(f"{path}: targets.{name}.fixed", "a fixed target needs its place", "give xyz_mm")
         for name, target in file.targets.items()
         if target.fixed and target.xyz_mm is None
+    ]
+    faults += [
+        Fault(f"{path}: targets.{name}.opens", "is no direction", "give a vector that is not zero")
+        for name, target in file.targets.items()
+        if target.opens is not None and not any(target.opens)
     ]
     for section in ("poses", "points"):
         layout: TableFile = getattr(file, section)
@@ -151,6 +170,9 @@ _SECTIONS: dict[str, type[BaseModel]] = {
     "known": KnownData,
     "tool": LoadData,
     "payloads": LoadData,
+    "instrument": InstrumentData,
+    "obstacles": ObstacleData,
+    "driving": DrivingData,
 }
 
 

@@ -79,6 +79,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         six_dof=first.six_dof,
         warnings=(*(line for campaign in campaigns for line in campaign.warnings), *warnings),
         files=_files(campaigns, labels),
+        cell=first.cell,
         known=reduce(KnownData.and_more, (campaign.known for campaign in campaigns)),
     )
 

@@ -14,6 +14,7 @@ from ..files.whole import put_all
 from ..robot.description import Robot
 from ..robot.find import list_robots
 from ..robot.portable import carried
+from .cell import CellData
 from .data import Array, Campaign
 from .file import WRENCH_COLUMNS, pose_columns
 from .known import KnownData
@@ -38,11 +39,16 @@ def write_campaign(
         {
             folder / "poses.csv": poses_text(campaign),
             folder / "points.csv": table_text(*_points(campaign, shots)),
-            path: toml_text(_campaign_table(folder, campaign), comments),
+            path: campaign_text(folder, campaign, comments),
             **_own_robot(folder, campaign.robot),
         }
     )
     return path
+
+
+def campaign_text(folder: Path, campaign: Campaign, comments: Sequence[str] = ()) -> str:
+    """The text of a `campaign.toml` in this folder; `comments` go on top."""
+    return toml_text(_campaign_table(folder, campaign), comments)
 
 
 def poses_text(campaign: Campaign) -> str:
@@ -65,6 +71,7 @@ def _campaign_table(folder: Path, campaign: Campaign) -> dict[str, Any]:
                 **({} if target.xyz is None else {"xyz_mm": _mm(target.xyz)}),
                 **({} if target.on == "flange" else {"on": target.on}),
                 **({"fixed": True} if target.fixed else {}),
+                **({} if target.opens is None else {"opens": [_rounded(v) for v in target.opens]}),
             }
             for target in campaign.targets
         },
@@ -73,6 +80,7 @@ def _campaign_table(folder: Path, campaign: Campaign) -> dict[str, Any]:
             **({"pose": True} if campaign.six_dof else {}),
         },
         "known": _known(campaign.known),
+        **_cell(folder, campaign.cell),
         "tool": _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0.0 else {},
         "payloads": {name: _load(mass, com) for name, mass, com in list(loads)[1:]},
     }
@@ -82,6 +90,15 @@ def _campaign_table(folder: Path, campaign: Campaign) -> dict[str, Any]:
 def _known(known: KnownData) -> dict[str, Any]:
     """Without what is as by default; the scale is in the points already."""
     return known.model_dump(mode="json", exclude_defaults=True, exclude={"scale"})
+
+
+def _cell(folder: Path, cell: CellData) -> dict[str, Any]:
+    """Without what is as by default; meshes by their paths from the folder."""
+    table: dict[str, Any] = cell.model_dump(mode="json", exclude_defaults=True)
+    for obstacle in table.get("obstacles", ()):
+        if "mesh" in obstacle:
+            obstacle["mesh"] = Path(os.path.relpath(obstacle["mesh"], folder.resolve())).as_posix()
+    return table
 
 
 def _load(mass: float, com: Iterable[float]) -> dict[str, Any]:

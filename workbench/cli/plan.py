@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..files.faults import Fault, InputError
 from .arguments import (
     Commands,
+    above_zero,
     json_option,
     known_option,
     load_all,
@@ -26,8 +27,11 @@ if TYPE_CHECKING:
     from ..robot.description import Robot
 
 HINT = (
-    "Joints keep to 90 % of their limits and the arm above the floor; collisions and the instrument's view "
-    "are for you to check."
+    "Joints keep to 90 % of their limits. Look at the scene before you drive, and drive slowly the first "
+    "time: what is not in the URDF or in [[obstacles]] nobody has checked."
+)
+UNSEEN = (
+    "Say where the instrument stands ([instrument] in the campaign or in --cell) to have its view checked."
 )
 
 
@@ -38,24 +42,35 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "source", metavar="CAMPAIGN.toml|ROBOT", help="what was measured already, or a robot's name or TOML"
     )
-    parser.add_argument("--poses", type=int, default=30, metavar="N", help="how many records (30)")
+    parser.add_argument("--poses", type=int, metavar="N", help="how many records (30)")
+    parser.add_argument(
+        "--minutes", type=above_zero("time"), metavar="M",
+        help="instead of --poses: what brings most in this time, loads and stops on the way chosen too",
+    )  # fmt: skip
     parser.add_argument(
         "--tell",
         metavar="CAUSE,CAUSE",
         help="two causes or more as in --effect, without numbers: "
         "gear_ratio:joint=joint_2,link_mass:link=link_2; "
-        "what is left out (joint, link, payload, variant) is tried everywhere: gear_ratio,hose_torque",
+        "what is left out (joint, link, payload, variant) is tried everywhere: gear_ratio,hose_torque; or "
+        "the result.json of a diagnosis: all that it left open, in as few poses as settle it",
     )
     known_option(parser)
+    parser.add_argument(
+        "--cell", type=Path, metavar="FILE",
+        help="TOML with [instrument], [[obstacles]] and [driving] (default: those of the campaign)",
+    )  # fmt: skip
     parser.add_argument(
         "--format", metavar="NAME",
         help="also a program that stands still at the poses: krl, rapid, val3, ls, urscript",
     )  # fmt: skip
     parser.add_argument(
-        "--dwell", type=float, default=4.0, metavar="S", help="standstill of that program at a pose (4)"
+        "--dwell", type=above_zero("time"), default=4.0, metavar="S", help="standstill at a pose (4)"
     )
     out_option(
-        parser, "file for the poses, or for the program with the poses beside it, or a folder (reports/plan)"
+        parser,
+        "folder for poses, campaign, page, scene and program; or a file for the poses or the program alone "
+        "(reports/plan)",
     )
     program_options(parser)
     seed_option(parser, "the poses that are on offer")
@@ -65,9 +80,11 @@ def add(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
+    from ..campaign.cell import read_cell
     from ..measurement.design import plan
 
     poses, program = _places(arguments.out, arguments.format)
+    cell = None if arguments.cell is None else read_cell(arguments.cell)
     source = read_source(arguments.source)
     made = plan(
         source,
@@ -76,21 +93,25 @@ def run(arguments: argparse.Namespace) -> None:
         known=arguments.known,
         seed=arguments.seed,
         quick=arguments.quick,
+        minutes=arguments.minutes,
+        cell=cell,
+        dwell=arguments.dwell,
         progress=progress,
     )
-    files: list[Path] = []
-    if made.records is not None:
-        files = write_poses(poses, made.records, not arguments.force)
-        if arguments.format:
-            files += write_programs(program, made.records, arguments)
+    files = [] if made.drive is None else _write(source, made, poses, program, arguments)
     if arguments.json:
         print(json.dumps(_facts(source, made, poses) | {"files": [str(file) for file in files]}))
         return
     for fault in made.faults:
         print(f"Data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done}).")
-    written = "Nothing was written." if made.records is None else f"{_written(made.records, poses)}\n{HINT}"
-    programs = "".join(f"\n{file}" for file in files[1:])
-    print(f"{made.text}\n{written}{programs}")
+    print(made.text)
+    if made.drive is None or made.reach is None:
+        print("Nothing was written.")
+        return
+    print(f"{len(made.drive.records.poses)} standstills written to {poses}.")
+    print(HINT if made.reach.sight is not None else f"{UNSEEN} {HINT}")
+    for file in files[1:]:
+        print(file)
 
 
 def read_source(text: str) -> Campaign | Robot:
@@ -127,40 +148,44 @@ def _places(out: Path | None, format: str | None) -> tuple[Path, Path]:
     return poses, poses.parent
 
 
-def write_poses(path: Path, records: Campaign, keep: bool) -> list[Path]:
-    """poses.csv as `write_campaign` writes it, whole or not at all. Raises InputError."""
-    from ..campaign.write import poses_text
-    from ..correction.programs.files import put_files
+def _write(
+    source: Campaign | Robot, made: Plan, poses: Path, program: Path, arguments: argparse.Namespace
+) -> list[Path]:
+    """The poses, beside them what goes into a folder, and the programs; nothing over other content silently.
+    Raises InputError."""
+    from ..correction.programs import find_format, write_program
+    from ..correction.programs.files import is_folder, put_files
+    from ..files.whole import put_all
+    from ..measurement.driving.files import programs, table_files
+    from ..measurement.driving.page import PlanPage, page_files
 
-    put_files({path: poses_text(records).encode()}, keep)
-    return [path]
-
-
-def write_programs(out: Path, records: Campaign, arguments: argparse.Namespace) -> list[Path]:
-    """A measuring program for each payload, in the order of the poses. Raises InputError."""
-    from ..correction.conditions import carried, conditions_of
-    from ..correction.programs import find_format, measuring_program, write_program
-    from ..correction.programs.files import is_folder
-
-    chosen, poses, files = find_format(arguments.format), records.poses, []
-    stem = "measure" if is_folder(out, chosen) else out.stem
-    for k, payload in enumerate(records.payload_names):
-        rows = poses.payload == k
-        if not rows.any():
-            continue
-        name = f"{stem}_{payload}" if payload else stem
-        place = out if is_folder(out, chosen) else out.with_stem(name)
-        program = measuring_program(
-            records.robot,
-            poses.q[rows],
-            chosen,
-            arguments.dwell,
-            sides=None if poses.side is None else poses.side[rows],
-            name=name,
-            load=carried(conditions_of(records, payload)),
-            as_urdf=arguments.as_urdf,
-        )
-        files += write_program(program, chosen, place, not arguments.force)
+    assert made.drive is not None
+    assert made.reach is not None
+    keep, folder = not arguments.force, poses.parent
+    whole = (poses.name == "poses.csv" and arguments.out is None) or not (arguments.out or poses).suffix
+    tables = table_files(made.drive, made.reach, folder)
+    if not whole:
+        tables = {poses: tables[folder / "poses.csv"]}
+    put_files(tables, keep)
+    files = list(tables)
+    if arguments.format:
+        chosen = find_format(arguments.format)
+        alone = is_folder(program, chosen)
+        share = made.reach.cell.driving.speed_share
+        stem = "measure" if alone else program.stem
+        for name, one in programs(
+            made.drive, chosen, arguments.dwell, share, stem, arguments.as_urdf
+        ).items():
+            files += write_program(one, chosen, program if alone else program.with_stem(name), keep)
+    if whole:
+        progress("drawing the scene")
+        page = PlanPage(
+            f"{made.reach.robot.title}: plan", made.headline, made.lines, made.gain, made.drive, made.reach,
+            _facts(source, made, poses),
+        )  # fmt: skip
+        pages = page_files(page)
+        put_all({folder / name: data for name, data in pages.items()})
+        files += [folder / name for name in pages]
     return files
 
 
@@ -173,16 +198,3 @@ def _facts(source: Campaign | Robot, made: Plan, out: Path) -> dict[str, Any]:
         **made.to_json(),
         "file": None if made.records is None else str(out),
     }
-
-
-def _written(records: Campaign, out: Path) -> str:
-    from ..measurement.design.candidates import payload_counts
-
-    loads = [
-        f"{count} with {name or 'no payload'}" for name, count in payload_counts(records).items() if count
-    ]
-    carried = f" ({', '.join(loads)})" if len(records.payload_names) > 1 else ""
-    steps = "" if records.poses.time is None else "session by session, "
-    steps += "load by load, " if len(loads) > 1 else ""
-    count = len(records.poses)
-    return f"{count} poses{carried} written to {out}: {steps}from each to the nearest that is left."

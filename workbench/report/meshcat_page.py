@@ -6,7 +6,6 @@ Drake's Meshcat draws the robot and writes the file; the panel is HTML with a sc
 from __future__ import annotations
 
 import base64
-import logging
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..robot.description import Robot
+from ..robot.drake_faults import quiet
 from ..robot.kinematics import Array
 from .legible import legible
 from .markup import render
@@ -28,13 +28,8 @@ def meshcat_alone() -> Iterator[Any]:
     """A Meshcat of its own, without a line on the console and without visitors from outside."""
     from pydrake.geometry import Meshcat, MeshcatParams
 
-    log = logging.getLogger("drake")
-    level = log.level
-    log.setLevel(logging.WARNING)
-    try:
+    with quiet():
         yield Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
-    finally:
-        log.setLevel(level)
 
 
 def draw_robot(meshcat: Any, robot: Robot, q: Array, prefix: str, time: Array | None = None) -> Array:

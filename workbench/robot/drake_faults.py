@@ -41,6 +41,18 @@ def drake_reads(robot: Robot) -> Iterator[None]:
         log.removeFilter(told)
 
 
+@contextmanager
+def quiet() -> Iterator[None]:
+    """While Drake would remark on what is usual here: warnings only."""
+    log = logging.getLogger("drake")
+    level = log.level
+    log.setLevel(logging.WARNING)
+    try:
+        yield
+    finally:
+        log.setLevel(level)
+
+
 class _Told(logging.Filter):
     """What Drake remarks, without its own source files."""
 

@@ -47,14 +47,16 @@ def mesh_key(mesh: ET.Element) -> Key:
     return mesh.get("filename", ""), mesh.get("scale", "1 1 1")
 
 
-def mesh_files(urdf: Urdf, chain: Chain, given: Given | None = None) -> list[tuple[Key, Path | None]]:
-    """The files of all meshes that may be shown, as often as they are; None where there is none.
+def mesh_files(
+    urdf: Urdf, chain: Chain, given: Given | None = None, kinds: Sequence[str] = ("visual", "collision")
+) -> list[tuple[Key, Path | None]]:
+    """The files of all meshes of the links, as often as they are; None where there is none.
 
-    Of a link with visuals these count; where they lack, its collision bodies as well.
+    Of a link with shapes of the first of `kinds` these count; where their files lack, the next as well.
     """
     out: list[tuple[Key, Path | None]] = []
     for link in urdf.below(chain.base):
-        for kind in ("visual", "collision"):
+        for kind in kinds:
             shapes = urdf.links[link].findall(f"{kind}/geometry/*")
             keys = [mesh_key(shape) for shape in shapes if shape.tag == "mesh"]
             found = [mesh_file(key[0], urdf.path.parent, given) for key in keys]

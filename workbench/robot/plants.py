@@ -28,14 +28,17 @@ Moving = Callable[[MultibodyPlant, int, Frame], Frame]
 
 
 def urdf_plant(
-    robot: Robot, plant: MultibodyPlant | None = None, more: Callable[[MultibodyPlant], None] | None = None
+    robot: Robot,
+    plant: MultibodyPlant | None = None,
+    more: Callable[[MultibodyPlant], None] | None = None,
+    bare: bool = False,
 ) -> MultibodyPlant:
     """The robot's URDF in Drake, base welded to the world, gravity as the TOML says; finalised.
 
-    plant: an empty one that is part of a diagram already; it gets what there is to be seen as well. more:
-    adds to it what the URDF does not have.
+    plant: an empty one that is part of a diagram already; it gets what there is to be seen as well,
+    unless `bare`. more: adds to it what the URDF does not have.
     """
-    text = bare_text(robot) if plant is None else shown_text(robot)
+    text = bare_text(robot) if bare or plant is None else shown_text(robot)
     plant = MultibodyPlant(0.0) if plant is None else plant
     with drake_reads(robot):
         Parser(plant).AddModelsFromString(text, "urdf")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +27,7 @@ def measuring_program(
     dwell_s: float = DWELL_S,
     *,
     sides: Array | None = None,
+    via: Sequence[Sequence[Array]] = (),
     name: str = "measure",
     load: LoadData | None = None,
     share: float = SHARE,
@@ -33,13 +35,14 @@ def measuring_program(
 ) -> Program:
     """A program of joint targets for a robot's controller: to each of N poses by an approach point.
 
-    q: (N, n) the URDF's joints [rad, m]. dwell_s: standstill at a pose [s]; approach points have none. sides:
-    (N, n) sign of each joint's last motion (default: all arrive upwards), so that play and friction are the
-    same at every return. load: what the flange carries. Raises `InputError` for joints out of range and for a
+    q: (N, n) the URDF's joints [rad, m]. dwell_s: standstill at a pose [s]; approach points have none.
+    sides: (N, n) sign of each joint's last motion (default: all arrive upwards), so that play and friction
+    are the same at every return. via: (N) poses (n,) on the way to each, passed without a standstill
+    (default: none). load: what the flange carries. Raises `InputError` for joints out of range and for a
     robot without `[controller]`.
     """
     q = np.asarray(q, dtype=float)
-    lower, upper = (np.array([getattr(j, side) for j in robot.joints]) for side in ("lower", "upper"))
+    lower, upper = _limits(robot)
     out = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
     if len(out):
         told = [Fault(f"pose {i + 1}: {robot.joints[j].name}", "is out of its range") for i, j in out]
@@ -48,23 +51,32 @@ def measuring_program(
         raise InputError(
             Fault("dwell", f"is {dwell_s} s", "give more than zero: the robot has to stand still")
         )
-    slides = np.array([joint.kind == "prismatic" for joint in robot.joints])
-    arrive = np.ones_like(q) if sides is None else np.asarray(sides, dtype=float)
-    before = np.clip(q - arrive * np.where(slides, APPROACH[1], APPROACH[0]), lower, upper)
+    before = approaches(robot, q, np.ones_like(q) if sides is None else np.asarray(sides, dtype=float))
+    ways = [(*over, a, b) for over, a, b in zip(via or [()] * len(q), before, q, strict=True)]
     program = Program(
         format.legal_name(name),
-        q=np.stack([before, q], axis=1).reshape(-1, q.shape[1]),
-        dwell=np.tile([0.0, dwell_s], len(q)),
+        q=np.array([stop for way in ways for stop in way]),
+        dwell=np.array([pause for way in ways for pause in [0.0] * (len(way) - 1) + [dwell_s]]),
         kind="joints",
-        sliding=tuple(bool(slide) for slide in slides),
+        sliding=tuple(joint.kind == "prismatic" for joint in robot.joints),
         share=share,
         load=load,
     )
     return as_shown(program, robot, as_urdf) if format.own_joints else program
 
 
+def approaches(robot: Robot, q: Array, sides: Array) -> Array:
+    """(N, n) where the arm comes to before poses q (N, n), of which sides (N, n) say the last motion."""
+    slides = np.array([joint.kind == "prismatic" for joint in robot.joints])
+    return np.clip(q - sides * np.where(slides, APPROACH[1], APPROACH[0]), *_limits(robot))
+
+
+def _limits(robot: Robot) -> tuple[Array, Array]:
+    return np.array([j.lower for j in robot.joints]), np.array([j.upper for j in robot.joints])
+
+
 def measured(program: Program) -> Program:
-    """The targets at which a measuring program stands still, without the approach points."""
+    """The targets at which a measuring program stands still, without what it passes on the way to them."""
     still = program.dwell > 0
     assert program.q is not None
     return replace(program, q=program.q[still], dwell=program.dwell[still], time=None)

@@ -9,7 +9,8 @@ it in a new set-up.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,12 @@ from ...campaign import Campaign
 from ...diagnosis.result import FaultFound
 from ...effects.joint_compliance import JointCompliance
 from ...robot.kinematics import Array
-from .candidates import Factors, candidates, ordered, payload_counts, take
-from .fedorov import Search, criterion, exchange, information
+from ..driving.drive import Drive
+from ..driving.reach import Reach
+from ..driving.ways import Ways
+from .budget import Question, in_time, levels_of
+from .candidates import Factors, candidates, payload_counts, take
+from .fedorov import Records, Search, criterion, exchange, information
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, prior_precision
 
 TYPICAL = 300  # poses whose mean squared error counts
@@ -32,7 +37,9 @@ class AccuracyPlan:
     """Records for accuracy, in the order to measure them, and the expected errors [mm]: one sigma, 3-D, of
     the model's prediction from noise alone. now_mm: from the campaign (None: there is none); random_mm: the
     median after as many random records; same: random records for the error of this plan (None: more than
-    `MOST_TRIED` times as many); faults: of the campaign's data."""
+    `MOST_TRIED` times as many); random: as many random records; faults: of the campaign's data; reach: the
+    robot in its cell; drive: how they are driven, random_s: [s] that driving random records takes for the
+    same error."""
 
     records: Campaign
     noise: str
@@ -40,7 +47,26 @@ class AccuracyPlan:
     random_mm: float
     plan_mm: float
     same: int | None
+    random: Campaign
     faults: tuple[FaultFound, ...] = ()
+    reach: Reach | None = None
+    drive: Drive | None = None
+    random_s: float | None = None
+    over_poses: float | None = None
+    stops: int = 0
+
+    @property
+    def gain(self) -> float | None:
+        """Information per hour over that of random records: their time for the same error by the plan's."""
+        if self.drive is None or self.random_s is None:
+            return None
+        return self.random_s / self.drive.total_s
+
+    def with_drive(self, drive: Drive, random: Drive) -> AccuracyPlan:
+        """In the order of a drive; random: that of as many random records."""
+        each = (random.moving_s + random.standing_s) / len(self.random.poses)
+        taken = None if self.same is None else random.mounting_s + each * self.same
+        return replace(self, records=drive.own, drive=drive, random_s=taken)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -53,7 +79,36 @@ class AccuracyPlan:
             "random_mm": self.random_mm,
             "plan_mm": self.plan_mm,
             "random_poses_for_the_same": self.same,
+            "drive": None if self.drive is None else self.drive.to_json(),
+            "information_per_hour_over_random": self.gain,
+            "information_per_hour_over_poses_alone": self.over_poses,
+            "stops_on_the_way": self.stops,
         }
+
+    @property
+    def headline(self) -> str:
+        """In one sentence."""
+        time = "" if self.drive is None else f" in about {self.drive.total_s / 60:.0f} min"
+        error = f"the calibrated model errs by {self.plan_mm:.3f} mm after them"
+        return f"{len(self.records.poses)} poses{time}: {error}"
+
+    @property
+    def lines(self) -> list[str]:
+        """What it brings."""
+        now = [] if self.now_mm is None else [f"now {self.now_mm:.4f} mm"]
+        n = len(self.records.poses)
+        errors = [
+            *now,
+            f"after {n} random poses {self.random_mm:.4f} mm",
+            f"after this plan {self.plan_mm:.4f} mm",
+        ]
+        lines = [
+            f"Expected error of the calibrated model, 3-D, one sigma, from noise alone ({self.noise}): "
+            f"{', '.join(errors)}."
+        ]
+        if self.gain is not None:
+            lines.append(f"Random poses take {self.gain:.1f} times as long for the same accuracy.")
+        return lines
 
     @property
     def text(self) -> str:
@@ -66,33 +121,100 @@ class AccuracyPlan:
             f"  after {n:4d} random poses {self.random_mm:8.4f} mm",
             f"  after this plan        {self.plan_mm:8.4f} mm; it takes {same} random poses for the same",
         ]
+        if self.drive is not None:
+            lines.append(self.drive.text)
+        if self.gain is not None:
+            lines.append(f"Random poses take {self.gain:.1f} times as long for the same accuracy.")
         return "\n".join(lines)
 
 
-def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> AccuracyPlan:
-    """`count` records out of the candidates. Raises InputError where that cannot be."""
+@dataclass(frozen=True, eq=False)
+class AccuracySpace(Question):
+    """Candidate records and what is asked, on common parameters. rows: (C, D, P) of the candidates; A0: (D0,
+    P) rows [mm] whose mean squared error counts; held: (P, P) prior and measured information."""
+
+    prior: PriorInformation
+    effects: ValuedEffects
+    names: tuple[str, ...]
+    offered: Campaign
+    rows: Array
+    A0: Array
+    held: Array
+    measured: bool
+    search: Search
+
+    @cached_property
+    def levels(self) -> Records:  # type: ignore[override]
+        return levels_of(self.offered)
+
+    def chosen(self, among: Records, count: int) -> Records:
+        """The records (count,) after which the error is least."""
+        found, _ = exchange(
+            self.rows[among], self.A0, count, prior=self.held, starts=1, seed=self.search.seed
+        )
+        return among[found]
+
+    def error(self, records: Campaign) -> float:
+        """Expected error [mm] after these records."""
+        return criterion(self.prior.of_records(records, self.effects).on(self.names), self.A0, self.held)
+
+    def worth(self, records: Campaign) -> float:
+        """1/e² [1/mm²], less what was there before."""
+        return self.error(records) ** -2 - (self.now or np.inf) ** -2
+
+    @cached_property
+    def now(self) -> float | None:
+        """Expected error [mm] from what was measured; None: nothing was."""
+        return criterion(self.rows[:0], self.A0, self.held) if self.measured else None
+
+
+def accuracy_space(prior: PriorInformation, search: Search) -> AccuracySpace:
+    """Candidates for accuracy. Raises InputError where there are none."""
     rng = np.random.default_rng([search.seed, 21])
-    offered = candidates(prior, search.pool, Factors(), rng)
+    offered = candidates(prior, search.pool, Factors(), rng, search.draw)
     effects = _effects(prior)
     new, before = prior.of_records(offered, effects), prior.of_campaign(effects)
     typical = candidates(prior, TYPICAL, Factors(), rng)
     error = 1e3 * prior.of_predictions(typical, effects) / np.sqrt(len(typical.poses.q))  # mm
-    names = list(dict.fromkeys([*(before.names if before else ()), *new.names]))
-    rows = new.on(names)
+    names = tuple(dict.fromkeys([*(before.names if before else ()), *new.names]))
     # the same A0ᵀ A0 in few rows
     A0 = Sensitivity(new.names, np.asarray(np.linalg.qr(error, mode="r"))[None]).on(names)[0]
     held = np.diag(prior_precision(names))
     if before is not None:
         held += information(before.on(names))
-    chosen, plan_mm = exchange(rows, A0, count, prior=held, starts=search.starts, seed=search.seed)
-    chance = _Chance(rows, A0, held, search.seed)
+    return AccuracySpace(prior, effects, names, offered, new.on(names), A0, held, before is not None, search)
+
+
+def plan_accuracy(prior: PriorInformation, count: int, search: Search) -> AccuracyPlan:
+    """`count` records out of the candidates. Raises InputError where that cannot be."""
+    space = accuracy_space(prior, search)
+    rows = space.rows
+    chosen, _ = exchange(rows, space.A0, count, prior=space.held, starts=search.starts, seed=search.seed)
+    return _plan(space, take(space.offered, chosen))
+
+
+def plan_accuracy_in_time(
+    prior: PriorInformation, seconds: float, search: Search, ways: Ways, dwell: float
+) -> AccuracyPlan:
+    """The records that bring most in a time. Raises InputError where that cannot be."""
+    space = accuracy_space(prior, search)
+    best, alone = in_time(space, ways, dwell, seconds)
+    made = _plan(space, best.drive.plan)
+    return replace(made, over_poses=best.rate / alone.rate, stops=best.stops)
+
+
+def _plan(space: AccuracySpace, records: Campaign) -> AccuracyPlan:
+    chance, count = _Chance(space.rows, space.A0, space.held, space.search.seed), len(records.poses)
+    error = space.error(records)
+    some = np.random.default_rng([space.search.seed, 23]).permutation(len(space.rows))[:count]
     return AccuracyPlan(
-        ordered(take(offered, chosen)),
-        prior.noise,
-        now_mm=None if before is None else criterion(rows[:0], A0, held),
+        records,
+        space.prior.noise,
+        now_mm=space.now,
         random_mm=chance.median(count),
-        plan_mm=plan_mm,
-        same=chance.records_for(plan_mm, count),
+        plan_mm=error,
+        same=chance.records_for(error, count),
+        random=take(space.offered, some),
     )
 
 
@@ -122,8 +244,9 @@ class _Chance:
         return float(np.median(values))
 
     def records_for(self, wanted: float, count: int) -> int | None:
-        """Fewest records, `count` or more, with a median of `wanted`; None where that takes too many."""
-        low, high = count, count
+        """Fewest records with a median of `wanted`; None where that takes more than `MOST_TRIED` times
+        `count`."""
+        low, high = 1, count
         while self.median(high) > wanted:
             if high >= MOST_TRIED * count:
                 return None

@@ -39,9 +39,8 @@ Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
 
 @dataclass(frozen=True)
 class Tie:
-    """A finding with the effects that it is, their sizes (in usual ones), and the effects that rival it."""
+    """An effect that was found, its size (p,) in usual ones, and the effects that rival it."""
 
-    finding: Finding
     effect: Effect
     size: Array
     rivals: tuple[Effect, ...]
@@ -49,7 +48,8 @@ class Tie:
 
 def what_decides(outcome: Outcome) -> Outcome:
     """The outcome, its strongest ambiguous findings with what would decide: commands with expected λ."""
-    ties = [tie for finding in outcome.diagnosis.causes if (tie := _tie(outcome, finding)) is not None][:MOST]
+    told = [(f, tie) for f in outcome.diagnosis.causes if (tie := _tie(outcome, f)) is not None][:MOST]
+    ties = [tie for _, tie in told]
     if not ties:
         return outcome
     prior = from_prepared(outcome.prepared)
@@ -59,7 +59,7 @@ def what_decides(outcome: Outcome) -> Outcome:
     measured = prior.of_campaign(valued)
     space = design_space(prior.of_records(offered, valued), measured)
     with_torque = _with_torque(prior, offered, valued, measured)
-    found = {id(tie.finding): _decisions(prior.problem, tie, space, with_torque) for tie in ties}
+    found = {id(f): _decisions(prior.problem, tie, space, with_torque) for f, tie in told}
     causes = tuple(replace(f, decide=found.get(id(f), ())) for f in outcome.diagnosis.causes)
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
 
@@ -77,7 +77,7 @@ def _tie(outcome: Outcome, finding: Finding) -> Tie | None:
     strongest = max(own, key=outcome.fit.wald)
     effect = outcome.fit.model.effects[strongest]
     typical = np.array([p.typical for p in effect.params])
-    return Tie(finding, effect, outcome.fit.state.values[strongest] / typical, rivals)
+    return Tie(effect, outcome.fit.state.values[strongest] / typical, rivals)
 
 
 def _offered(prior: PriorInformation, effects: Sequence[Effect]) -> Campaign:
@@ -148,12 +148,12 @@ def _left(left: Array, i: Columns, j: Columns, size: Array, held: float) -> floa
     return max(float(size @ unexplained @ size), 0.0)
 
 
-def _target(now: float) -> float:
+def settled_at(now: float) -> float:
     """λ that settles it: more than there is where a rival holds out against it."""
     return max(LEVELS.mostly, now + LEVELS.least)
 
 
-def _pairs(tie: Tie) -> list[Pair]:
+def pairs_of(tie: Tie) -> list[Pair]:
     return [way for rival in tie.rivals for way in ((tie.effect, rival), (rival, tie.effect))]
 
 
@@ -161,12 +161,12 @@ def _settled(space: DesignSpace, tie: Tie, now: float) -> tuple[int, float] | No
     """Poses that settle it, and λ after them; None where it takes more than `LARGEST`."""
     count = FIRST
     for _ in range(2):
-        chosen = t_optimal(space, _pairs(tie), count, Search(POOL, 1, 0))
+        chosen = t_optimal(space, pairs_of(tie), count, Search(POOL, 1, 0))
         after = least(space, space.measured(chosen), tie)
         gain = (after - now) / count
         if gain <= 0:
             return None
-        count = max(FEWEST, int(np.ceil((_target(now) - now) / gain)))
+        count = max(FEWEST, int(np.ceil((settled_at(now) - now) / gain)))
         if count > LARGEST:
             return None
     return count, now + gain * count
@@ -181,7 +181,7 @@ def _settled_by_torque(torques: Torques, tie: Tie, now: float) -> tuple[int, flo
             order = np.random.default_rng([23, draw]).permutation(POOL)
             space = torques(np.sort(order[:count]))
             reached.append(least(space, space.before + information(space.rows), tie))
-        if min(reached) >= _target(now):
+        if min(reached) >= settled_at(now):
             return count, min(reached)
     return None
 
@@ -210,13 +210,13 @@ def _spread(tie: Tie, effect: Effect, space: DesignSpace, now: float) -> tuple[f
     A reading of the cause holds its own size against none; one of the only rival takes it out of the way.
     """
     if effect is tie.effect:
-        return float(np.linalg.norm(tie.size) / np.sqrt(_target(now) - now)), _target(now)
+        return float(np.linalg.norm(tie.size) / np.sqrt(settled_at(now) - now)), settled_at(now)
     if {rival.key for rival in tie.rivals} == {effect.key}:
         i, j = (space.columns(e) - space.background for e in (tie.effect, effect))
         left = space.left(space.before)
         for spread in READINGS:
             after = _left(left, i, j, tie.size, spread**-2)
-            if after >= _target(now):
+            if after >= settled_at(now):
                 return float(spread), after
     return 0.0, 0.0
 

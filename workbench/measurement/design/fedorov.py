@@ -21,6 +21,7 @@ from ...robot.kinematics import Array
 
 Records = NDArray[np.int64]
 Cost = Callable[[Records], Array]
+Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (count, n)
 
 RIDGE = 1e-10  # information that stands in for none while a plan cannot identify everything yet
 UNSEEN = 1e-11  # information, of what all candidates together give, below which a direction is unseen
@@ -30,11 +31,14 @@ PASSES = 50
 
 @dataclass(frozen=True)
 class Search:
-    """How long to look: candidate records on offer (about), random starts of the exchange, and the seed."""
+    """How long to look: candidate records on offer (about), random starts of the exchange, and the seed; and
+    of which poses: draw (None: any within the limits), and with which pull [N] beside none."""
 
     pool: int
     starts: int
     seed: int
+    draw: Draw | None = None
+    pull: float = 0.0
 
 
 def exchange(

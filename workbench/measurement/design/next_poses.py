@@ -4,16 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
 
 from ...campaign import Campaign
+from ...campaign.cell import CellData
 from ...campaign.known import with_known
+from ...correction.programs.measuring import DWELL_S
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
-from .accuracy import AccuracyPlan, plan_accuracy
-from .discrimination import DiscriminationPlan, plan_discrimination
+from ..driving.drive import drive
+from ..driving.reach import Reach, reach
+from ..driving.ways import Ways
+from .accuracy import AccuracyPlan, plan_accuracy, plan_accuracy_in_time
+from .discrimination import DiscriminationPlan, plan_discrimination, plan_discrimination_in_time
 from .fedorov import Search
-from .prior_information import from_campaign, from_robot
+from .prior_information import PriorInformation, from_campaign, from_robot
+from .settle import plan_settling
 
+POSES = 30
 POOL, QUICK_POOL = 1200, 400  # candidate records,
 PER_POSE, QUICK_PER_POSE = 4, 2  # or so many for each that is chosen
 STARTS, QUICK_STARTS = 3, 1  # of the exchange
@@ -24,20 +34,26 @@ Progress = Callable[[str], None]
 
 def plan(
     source: Campaign | Robot,
-    poses: int = 30,
+    poses: int | None = None,
     *,
     tell: str | None = None,
     known: Sequence[str] = (),
     seed: int = 0,
     quick: bool = False,
+    minutes: float | None = None,
+    cell: CellData | None = None,
+    dwell: float = DWELL_S,
     progress: Progress = lambda _: None,
 ) -> Plan:
     """The next poses to measure: for accuracy, or to tell rival causes apart.
 
     source: a campaign, of which what it has shown already counts, or a robot that was not measured yet.
-    poses: how many to choose. tell: causes, "A,B", each as in `--effect`. known: facts as `--known` takes
-    them. seed: of the poses on offer; quick: fewer of them. progress: is told each step in words. Raises
-    `InputError` where there is no plan.
+    poses: how many to choose (30). tell: causes, "A,B", each as in `--effect`; or the path of a
+    `result.json`, all ties of which are to be settled, by as few poses as do it where none are said. known:
+    facts as `--known` takes them. seed: of the poses on offer; quick: fewer of them. cell: what stands
+    around the robot (default: what the campaign says); minutes: in place of a number of poses the time that
+    they may take, loads and stops on the way chosen with them; dwell: [s] of a standstill. progress: is told
+    each step in words. Raises `InputError` where there is no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -46,21 +62,58 @@ def plan(
     >>> chosen.plan_mm < chosen.random_mm  # expected error after them, and after as many random ones
     True
     """
-    if poses < 1:
+    if poses is not None and poses < 1:
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
+    count = poses or POSES
+    made: Plan
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
     if isinstance(source, Campaign):
         prior = from_campaign(with_known(source, known))
     else:
         prior = from_robot(source, known)
-    if quick:
-        search = Search(max(QUICK_POOL, QUICK_PER_POSE * poses), QUICK_STARTS, seed)
+    campaign = prior.problem.campaign
+    around = reach(
+        prior.problem, prior.places, cell or campaign.cell, np.random.default_rng([seed, 24]), prior.shown
+    )
+    if minutes is not None:
+        count = _likely(around, 60 * minutes, dwell)
+    pull = around.cell.driving.pull_N or 0.0
+    if quick or minutes is not None:  # in time, many plans are tried
+        search = Search(max(QUICK_POOL, QUICK_PER_POSE * count), QUICK_STARTS, seed, around.draw, pull)
     else:
-        search = Search(max(POOL, PER_POSE * poses), STARTS, seed)
-    progress(f"choosing {poses} of about {search.pool} possible records")
-    made: Plan
-    if tell is not None:
-        made = plan_discrimination(prior, tell, poses, search)
+        search = Search(max(POOL, PER_POSE * count), STARTS, seed, around.draw, pull)
+    ways = Ways(around)
+    if minutes is not None:
+        progress(f"choosing for {minutes:g} min of about {search.pool} possible records")
+        if tell is None:
+            made = plan_accuracy_in_time(prior, 60 * minutes, search, ways, dwell)
+        else:
+            made = plan_discrimination_in_time(prior, tell, 60 * minutes, search, ways, dwell)
+        return _driven(made, prior, around, ways, dwell, progress)
+    progress(f"choosing {count} of about {search.pool} possible records")
+    if tell is not None and tell.endswith(".json"):
+        made = plan_settling(prior, Path(tell), poses, search)
+    elif tell is not None:
+        made = plan_discrimination(prior, tell, count, search)
     else:
-        made = plan_accuracy(prior, poses, search)
-    return replace(made, faults=prior.faults)
+        made = plan_accuracy(prior, count, search)
+    return _driven(made, prior, around, ways, dwell, progress)
+
+
+def _likely(around: Reach, seconds: float, dwell: float) -> int:
+    """How many poses a time may hold, about, were each as far from the next as nodes of the map are."""
+    nodes = around.map.nodes
+    way = around.time(nodes[:, None], nodes)
+    np.fill_diagonal(way, np.inf)
+    return max(1, int(seconds / (dwell + float(np.median(way.min(axis=1))))))
+
+
+def _driven(
+    made: Plan, prior: PriorInformation, around: Reach, ways: Ways, dwell: float, progress: Progress
+) -> Plan:
+    """The plan in the order in which it is driven."""
+    made = replace(made, faults=prior.faults, reach=around)
+    if made.records is None or made.random is None:
+        return made
+    progress("looking for the shortest way")
+    return made.with_drive(drive(made.records, ways, dwell), drive(made.random, ways, dwell))

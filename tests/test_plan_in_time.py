@@ -1,0 +1,106 @@
+"""Plans for a time, and the smallest campaign that settles what a diagnosis left open."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench import Truth, load_robot, plan, planned, random_poses, simulate
+from workbench.campaign.cell import CellData, DrivingData
+from workbench.files.faults import InputError
+from workbench.measurement.design.candidates import Factors, candidates
+from workbench.measurement.design.prior_information import from_robot
+from workbench.robot.schema import LoadData
+
+HEAVY = {"heavy": LoadData(mass_kg=2.0)}
+SLOW = CellData(driving=DrivingData(speed_share=0.03))
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return replace(load_robot("cylindrical"), payloads=HEAVY)
+
+
+def test_a_plan_keeps_to_its_time():
+    """A slow robot stops on its way, and this is worth more than its best poses alone."""
+    made = plan(replace(load_robot("irb120"), payloads=HEAVY), minutes=6, cell=SLOW)
+    assert 5 < made.drive.total_s / 60 < 6.4
+    assert made.stops > 0
+    assert made.over_poses > 1.2
+    assert made.gain > 1.2
+    facts = made.to_json()
+    assert facts["stops_on_the_way"] == made.stops
+    assert facts["information_per_hour_over_random"] == made.gain
+
+
+def test_a_load_that_takes_too_long_to_mount_stays_away(loaded):
+    driving = DrivingData(load_change_min=300.0)
+    made = plan(loaded, minutes=8, cell=CellData(driving=driving))
+    assert len(made.drive.blocks) == 1
+    assert made.drive.mounting_s == 0
+
+
+def test_a_time_that_is_too_short_is_refused(loaded):
+    with pytest.raises(InputError, match="are too short for"):
+        plan(loaded, minutes=0.2, cell=SLOW)
+
+
+def test_pulls_are_on_offer_where_they_can_be_rigged():
+    prior = from_robot(load_robot("kr500"))
+    offered = candidates(prior, 80, Factors(pull=500.0), np.random.default_rng(0))
+    pulled = offered.poses.wrench[:, 1] == 500.0
+    assert pulled.mean() == 0.5
+    assert not np.delete(offered.poses.wrench, 1, axis=1).any()
+    pull = CellData(driving=DrivingData(pull_N=500.0))
+    told = "joint_compliance:joint=joint_1,gear_eccentricity:joint=joint_1"
+    made = plan(load_robot("kr500"), 10, tell=told, cell=pull, quick=True)
+    assert (made.records.poses.wrench[:, 1] == 500.0).any()
+    assert made.drive.mounting_s >= 300
+
+
+def ambiguous(folder: Path, relative: float) -> Path:
+    cause = {
+        "cause": "gear_ratio",
+        "joint": "joint_1",
+        "status": "ambiguous",
+        "parameters": [{"name": "relative", "value": relative, "std": 1e-6, "unit": "1"}],
+        "rivals": [{"cause": "gear_eccentricity", "joint": "joint_1", "probability": 0.4}],
+    }
+    path = folder / "result.json"
+    path.write_text(json.dumps({"schema": 1, "causes": [cause]}))
+    return path
+
+
+@pytest.fixture(scope="module")
+def measured():
+    robot = load_robot("cylindrical")
+    q = random_poses(robot, 20, np.random.default_rng(4))
+    return replace(simulate(planned(robot, q), Truth(sigma=3e-5), seed=4), noise_sigma=3e-5)
+
+
+def test_the_smallest_campaign_that_settles_a_result(tmp_path, measured):
+    small = plan(measured, tell=str(ambiguous(tmp_path, 3e-4)), quick=True)
+    assert small.least >= 40
+    assert small.needed == len(small.records.poses) < 60
+    assert "the size that was found" in small.text
+    large = plan(measured, tell=str(ambiguous(tmp_path, 3e-3)), quick=True)
+    assert large.least >= 40
+    assert len(large.records.poses) <= len(small.records.poses)
+    fewer = plan(measured, len(small.records.poses) // 2, tell=str(ambiguous(tmp_path, 3e-4)), quick=True)
+    assert fewer.least < small.least
+
+
+def test_a_result_that_leaves_nothing_open_is_refused(tmp_path, measured):
+    path = tmp_path / "result.json"
+    path.write_text(json.dumps({"schema": 1, "causes": []}))
+    with pytest.raises(InputError, match="leaves no cause ambiguous"):
+        plan(measured, tell=str(path), quick=True)
+    with pytest.raises(InputError, match="needs the campaign that was diagnosed"):
+        plan(measured.robot, tell=str(path), quick=True)
+    path.write_text("[]")
+    with pytest.raises(InputError, match=r"is no result.json of a diagnosis"):
+        plan(measured, tell=str(path), quick=True)

@@ -1,0 +1,143 @@
+"""Poses, loads, pulls and stops on the way chosen together, for the most information in a time.
+
+Poses of an exchange lie far from each other, and a large arm spends most of the time on its way. So fewer of
+them are chosen, and the arm stops between them as well, where that is worth more per second; a load stays
+away where it is not worth mounting. What a plan is worth is 1/e², e the expected error after it
+(`accuracy`), or λ (`t_optimal`); what it costs is the time that driving it takes, worked out in full for
+every trial.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...campaign import Campaign
+from ...files.faults import Fault, InputError
+from ..driving.drive import Drive, drive
+from ..driving.ways import Ways
+
+STOPS = (0, 1, 2, 3)  # between two poses of the exchange, as they are tried
+FEWEST = 6  # poses of the exchange
+TRIAL = 20  # poses of the exchange from which the time of one is taken
+NEAR, CLOSER = 0.05, 4  # how far from the time a plan may end, of it, and how often it is mended
+
+Rows = NDArray[np.int64]
+
+
+class Question(ABC):
+    """What a plan is for, over candidate records. levels: (C,) number of each candidate's load and pull."""
+
+    offered: Campaign
+    levels: Rows
+
+    @abstractmethod
+    def chosen(self, among: Rows, count: int) -> Rows:
+        """The best `count` records among these candidates."""
+
+    @abstractmethod
+    def worth(self, records: Campaign) -> float:
+        """Information of some records: it doubles with their number, nearly."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A plan that was tried: which levels, how many stops between two poses, how it is driven, its worth."""
+
+    levels: tuple[int, ...]
+    stops: int
+    drive: Drive
+    worth: float
+
+    @property
+    def rate(self) -> float:
+        """Information per second."""
+        return self.worth / self.drive.total_s
+
+
+def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tuple[Trial, Trial]:
+    """The plan of most information in a time, and the best of poses alone: with a single load, without stops.
+    Raises `InputError` where the time is too short."""
+    every = tuple(int(k) for k in np.unique(question.levels))
+
+    def trial(levels: tuple[int, ...], stops: int) -> Trial | None:
+        return _fitted(question, ways, dwell, seconds, levels, stops)
+
+    alone = trial(every[:1], 0)
+    if alone is None:
+        what = f"{seconds / 60:.0f} min are too short for {FEWEST} poses"
+        raise InputError(Fault("--minutes", what, "give more time, or a larger speed_share in [driving]"))
+    best = alone
+    for stops in STOPS:
+        tried = trial(best.levels, stops)
+        if tried is not None and tried.rate > best.rate:
+            best = tried
+        elif stops:
+            break
+    open_levels = [levels for levels in _sets(every) if levels != best.levels]
+    for levels in open_levels:
+        tried = trial(levels, best.stops)
+        if tried is not None and tried.rate > best.rate:
+            best = tried
+    return best, alone
+
+
+def _sets(every: tuple[int, ...]) -> list[tuple[int, ...]]:
+    """Sets of levels that are tried: each alone, the first with each other, and all."""
+    found = [(k,) for k in every] + [(every[0], k) for k in every[1:]] + [every]
+    return list(dict.fromkeys(found))
+
+
+def _fitted(
+    question: Question, ways: Ways, dwell: float, seconds: float, levels: tuple[int, ...], stops: int
+) -> Trial | None:
+    """As many records of these levels as fit into the time; None where hardly any does."""
+    among = np.flatnonzero(np.isin(question.levels, levels))
+    count, made = min(TRIAL, len(among)), None
+    for _ in range(CLOSER):
+        records = question.offered.some(question.chosen(among, count))
+        driven = drive(records, ways, dwell)
+        if stops:
+            driven = drive(_with_stops(driven.plan, ways, stops), ways, dwell)
+        if driven.total_s <= seconds * (1 + NEAR):
+            made = driven
+        if abs(driven.total_s - seconds) <= NEAR * seconds:
+            break
+        each = (driven.moving_s + driven.standing_s) / count
+        wanted = int((seconds - driven.mounting_s) / each)
+        if wanted < FEWEST:
+            break
+        wanted = min(wanted, len(among))
+        if wanted == count:
+            break
+        count = wanted
+    return None if made is None else Trial(levels, stops, made, question.worth(made.plan))
+
+
+def _with_stops(plan: Campaign, ways: Ways, stops: int) -> Campaign:
+    """The records of a plan in the order of its drive, with stops on the way from each to the next of the
+    same load, where these can be measured."""
+    poses = plan.poses
+    session = np.zeros(len(poses)) if poses.temperature is None else poses.temperature
+    loads = np.column_stack([poses.payload, poses.wrench, session])
+    start = np.flatnonzero((loads[1:] == loads[:-1]).all(axis=1))
+    share = np.arange(1, stops + 1) / (stops + 1)
+    q = (poses.q[start, None] + share[:, None] * (poses.q[start + 1] - poses.q[start])[:, None]).reshape(
+        -1, poses.q.shape[1]
+    )
+    own = np.repeat(start, stops)
+    good = ways.reach.good(q)
+    rows = np.concatenate([np.arange(len(poses)), own[good]])
+    return plan.some(rows).with_poses(
+        q=np.concatenate([poses.q, q[good]]), ids=tuple(str(i + 1) for i in range(len(rows)))
+    )
+
+
+def levels_of(offered: Campaign) -> Rows:
+    """(C,) number of each record's load and pull, without anything first."""
+    pulled = (offered.poses.wrench != 0).any(axis=1)
+    table = np.column_stack([pulled, offered.poses.payload])
+    return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)

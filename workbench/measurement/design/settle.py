@@ -1,0 +1,133 @@
+"""The smallest campaign that settles all that a diagnosis left ambiguous: every tie of a `result.json`.
+
+λ is that of `decide`: each cause in the size that was found, its rivals as large as imitate it best. Settled
+is what `decide.settled_at` says; what no record on offer settles is said, and left out.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...effects import catalogue
+from ...effects.base import UNKNOWN
+from ...effects.records import from_record
+from ...files.faults import Fault, InputError, read_text
+from ...robot.schema import EffectRecord
+from .candidates import candidates, take
+from .causes import varied
+from .decide import Tie, least, pairs_of, settled_at
+from .discrimination import MOST_MEASURED, Discrimination, DiscriminationPlan, advice
+from .fedorov import Records, Search, information
+from .prior_information import PriorInformation
+from .t_optimal import DesignSpace, design_space, t_optimal
+
+FIRST, FEWEST, LARGEST = 24, 6, 120  # poses: tried first, fewest, most
+CLOSER, MARGIN = 5, 1.05  # how often the number is mended, and by how much more than is thought to do it
+PLACES = ("joint", "other", "link", "payload", "order")
+
+
+def plan_settling(
+    prior: PriorInformation, path: Path, count: int | None, search: Search
+) -> DiscriminationPlan:
+    """The fewest records after which every tie of a `result.json` is settled, or `count`. Raises InputError
+    where the file has none."""
+    if prior.fit is None:
+        what = "needs the campaign that was diagnosed, not the robot alone"
+        raise InputError(Fault(f"--tell {path}", what, "workbench plan campaign.toml --tell result.json"))
+    ties = ties_of(path, prior.problem)
+    effects = list(dict.fromkeys(e for tie in ties for e in (tie.effect, *tie.rivals)))
+    valued = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
+    factors = replace(varied(effects), pull=search.pull)
+    rng = np.random.default_rng([search.seed, 21])
+    offered = candidates(prior, search.pool, factors, rng, search.draw)
+    space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
+    everything = space.before + information(space.rows)
+    now = [least(space, space.before, tie) for tie in ties]
+    can = [least(space, everything, tie) >= settled_at(n) for tie, n in zip(ties, now, strict=True)]
+    some = [(tie, n) for tie, n, resolved in zip(ties, now, can, strict=True) if resolved]
+    lost = tuple((t.effect, t.rivals[0]) for t, resolved in zip(ties, can, strict=True) if not resolved)
+    words = advice([(tie.effect, rival) for tie in ties for rival in tie.rivals])
+    made = DiscriminationPlan(None, 0, prior.noise, (), lost, (), None, words, found=True)
+    if not some:
+        return made
+    chosen, needed = _fewest(space, some, count, search)
+    order = np.random.default_rng([search.seed, 23]).permutation(len(space.rows))[: len(chosen)]
+    hardest = tuple(
+        Discrimination(
+            tie.effect,
+            tie.rivals[0],
+            n,
+            least(space, space.measured(order), tie),
+            least(space, space.measured(chosen), tie),
+        )
+        for tie, n in some
+    )
+    return replace(
+        made,
+        records=take(offered, chosen),
+        count=len(chosen),
+        hardest=hardest,
+        needed=needed,
+        random=take(offered, order),
+    )
+
+
+def _fewest(
+    space: DesignSpace, ties: Sequence[tuple[Tie, float]], count: int | None, search: Search
+) -> tuple[Records, int | None]:
+    """The records, and about how many settle all ties; None where nobody measures so many."""
+    pairs = list(dict.fromkeys(pair for tie, _ in ties for pair in pairs_of(tie)))
+    n, best, needed = count or FIRST, None, None
+    for _ in range(1 if count else CLOSER):
+        chosen = t_optimal(space, pairs, n, replace(search, starts=1))
+        shares = [
+            (least(space, space.measured(chosen), tie) - now) / (settled_at(now) - now) for tie, now in ties
+        ]
+        share = min(shares)
+        needed = int(np.ceil(n / share)) if share > n / MOST_MEASURED else None
+        if share >= 1 and (best is None or n < len(best)):
+            best = chosen
+        wanted = int(np.clip(np.ceil(MARGIN * n / max(share, 1e-6)), FEWEST, min(LARGEST, len(space.rows))))
+        if wanted == n or (best is not None and wanted >= len(best)):
+            break
+        n = wanted
+    return (chosen, needed) if best is None else (best, len(best))
+
+
+def ties_of(path: Path, problem: Problem) -> list[Tie]:
+    """What a `result.json` left ambiguous, with the rivals that have a name. Raises InputError."""
+    try:
+        causes = json.loads(read_text(path))["causes"]
+        found = [tie for one in causes if one["status"] != "named" and (tie := _tie(one, problem))]
+    except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
+        raise InputError(Fault(str(path), "is no result.json of a diagnosis", "name that of --out")) from None
+    if not found:
+        what = "leaves no cause ambiguous beside another that has a name"
+        raise InputError(
+            Fault(str(path), what, "there is nothing to settle; plan for accuracy without --tell")
+        )
+    return found
+
+
+def _tie(one: dict[str, Any], problem: Problem) -> Tie | None:
+    if one["cause"] == UNKNOWN:
+        return None
+    values = {p["name"]: float(p["value"]) for p in one["parameters"]}
+    where = {key: one[key] for key in PLACES if key in one}
+    effect, size = from_record(EffectRecord(cause=one["cause"], values=values, **where), problem)
+    keys = [(r["cause"], {key: r[key] for key in PLACES if key in r}) for r in one["rivals"]]
+    rivals = tuple(
+        rival
+        for cause, place in keys
+        if cause in catalogue()
+        for rival in catalogue()[cause].sites(problem)
+        if rival.where.keys() == place
+    )
+    return Tie(effect, size / np.array([p.typical for p in effect.params]), rivals) if rivals else None

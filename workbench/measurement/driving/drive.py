@@ -1,0 +1,235 @@
+"""From chosen records to a day of measuring: blocks of load, a short tour in each, check poses, a clock."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...campaign import Campaign
+from ...files.faults import Fault, InputError
+from ...robot.kinematics import Array, frames
+from .tour import shortest
+from .ways import Ways
+
+ROUNDS = 6  # tours that are tried before a colliding way is gone round
+FAR = 300.0  # s that a colliding way counts for in a tour: longer than any other
+
+
+@dataclass(frozen=True)
+class Block:
+    """Stops start..stop − 1, with one load and in one session; name: for files."""
+
+    name: str
+    payload: int
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """What is driven, in order. M standstills, those of the plan and returns to the check pose.
+
+    plan: (N) the plan's own records in the order of the drive, at the times that the plan said; records: (M)
+    those and the returns, with their sides and the times of the drive; check: (M,) which are returns; via:
+    for each the poses (n,) on the way to it, before its approach; seconds: of motion, standstill and
+    mounting, in all; detours: how many ways were gone round.
+    """
+
+    plan: Campaign
+    records: Campaign
+    check: NDArray[np.bool_]
+    via: tuple[tuple[Array, ...], ...]
+    blocks: tuple[Block, ...]
+    moving_s: float
+    standing_s: float
+    mounting_s: float
+    detours: int
+
+    @property
+    def own(self) -> Campaign:
+        """(N) the plan's own records at the times of the drive."""
+        return self.records.some(np.flatnonzero(~self.check))
+
+    @property
+    def total_s(self) -> float:
+        return self.moving_s + self.standing_s + self.mounting_s
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "minutes": self.total_s / 60,
+            "moving_minutes": self.moving_s / 60,
+            "standing_minutes": self.standing_s / 60,
+            "mounting_minutes": self.mounting_s / 60,
+            "check_poses": int(self.check.sum()),
+            "detours": self.detours,
+            "blocks": [{"name": b.name, "standstills": b.stop - b.start} for b in self.blocks],
+        }
+
+    @property
+    def text(self) -> str:
+        """How long it takes."""
+        parts = [f"{self.moving_s / 60:.0f} min moving", f"{self.standing_s / 60:.0f} min standing still"]
+        parts += [f"{self.mounting_s / 60:.0f} min mounting"] if self.mounting_s else []
+        lines = [f"About {self.total_s / 60:.0f} min: {', '.join(parts)}."]
+        if self.check.any():
+            lines.append(
+                f"It returns {int(self.check.sum())} times to a check pose, which shows warming up and drift."
+            )
+        if self.detours:
+            lines.append(f"{self.detours} of {len(self.check)} ways go round what is in the way.")
+        return "\n".join(lines)
+
+
+def drive(plan: Campaign, ways: Ways, dwell: float) -> Drive:
+    """The records of a plan as they are driven. dwell: [s] of a standstill. Raises `InputError` where a pose
+    cannot be reached."""
+    plan = _reachable(plan, ways)
+    check = _check_pose(plan, ways) if ways.reach.cell.driving.check_every else None
+    stops: list[tuple[int, bool]] = []  # number of the record, is it a return
+    blocks: list[Block] = []
+    names: dict[str, int] = {}
+    for rows in _blocks(plan):
+        payload = int(plan.poses.payload[rows[0]])
+        start = len(stops)
+        stops += _block(plan, ways, rows, check)
+        stem = plan.payload_names[payload]
+        names[stem] = names.get(stem, 0) + 1
+        again = f"_{names[stem]}" if names[stem] > 1 else ""
+        blocks.append(Block(f"{stem}{again}".strip("_"), payload, start, len(stops)))
+    return _timed(plan, ways, stops, blocks, dwell)
+
+
+def _blocks(plan: Campaign) -> list[NDArray[np.int64]]:
+    """Rows of each session and load and pull; loads of every second session in turned order, so that what is
+    mounted last stays on."""
+    session = np.zeros(len(plan.poses)) if plan.poses.time is None else plan.poses.time
+    out: list[NDArray[np.int64]] = []
+    for k, start in enumerate(np.unique(session)):
+        here = np.flatnonzero(session == start)
+        loads = np.column_stack([plan.poses.payload[here], plan.poses.wrench[here]])
+        _, which = np.unique(loads, axis=0, return_inverse=True)
+        groups = [here[which.ravel() == g] for g in range(which.max() + 1)]
+        out += groups if k % 2 == 0 else groups[::-1]
+    return out
+
+
+def _sides(plan: Campaign) -> Array:
+    return np.ones_like(plan.poses.q) if plan.poses.side is None else plan.poses.side
+
+
+def _reachable(plan: Campaign, ways: Ways) -> Campaign:
+    """The plan, every pose from a side from which it is free; from below where none was said."""
+    sides, q = _sides(plan).copy(), plan.poses.q
+    for i in range(len(q)):
+        for side in (sides[i], np.ones_like(q[i]), -np.ones_like(q[i])):
+            if ways.clear(ways.reach.approaches(q[i], side), q[i]):
+                sides[i] = side
+                break
+        else:
+            what = "cannot be reached from either side"
+            raise InputError(Fault(f"pose {plan.poses.ids[i]}", what, "say another --seed"))
+    return plan.with_poses(side=sides)
+
+
+def _check_pose(plan: Campaign, ways: Ways) -> int:
+    """The record that reaches out farthest: there most shows of links that grow and of a base that drifts."""
+    where = frames(ways.reach.arm, plan.poses.q)
+    return int(np.argmax(np.linalg.norm(where.p[-1] - where.p[1], axis=1)))
+
+
+def _block(plan: Campaign, ways: Ways, rows: NDArray[np.int64], check: int | None) -> list[tuple[int, bool]]:
+    """Stops of one load in the order of a short tour, with returns to the check pose at both ends and
+    between."""
+    places = rows if check is None else np.concatenate([[check], rows])
+    q, sides = plan.poses.q[places], _sides(plan)[places]
+    approach = ways.reach.approaches(q, sides)
+    time = ways.time(q[:, None], approach[None]) + ways.time(approach, q)
+    checked = np.zeros(time.shape, dtype=bool)
+    for _ in range(ROUNDS):
+        order = shortest(time)
+        legs = [(a, b) for a, b in zip(order, np.roll(order, -1), strict=True) if not checked[a, b]]
+        hit = [(a, b) for a, b in legs if not ways.clear(q[a], approach[b])]
+        for a, b in legs:
+            checked[a, b] = True
+        if not hit:
+            break
+        for a, b in hit:
+            time[a, b] += FAR
+    if check is None:
+        return [(int(places[i]), False) for i in order]
+    every = ways.reach.cell.driving.check_every
+    found = [(check, True)]
+    for n, i in enumerate(order[1:], 1):  # the tour begins at place 0
+        found.append((int(places[i]), False))
+        if n % every == 0 and len(order) - 1 - n >= every / 2:
+            found.append((check, True))
+    return [*found, (check, True)]
+
+
+def _timed(
+    plan: Campaign, ways: Ways, stops: Sequence[tuple[int, bool]], blocks: Sequence[Block], dwell: float
+) -> Drive:
+    """The stops with the ways to them and a clock."""
+    driving = ways.reach.cell.driving
+    rows = np.array([row for row, _ in stops])
+    check = np.array([back for _, back in stops])
+    records = plan.some(rows)
+    payload, wrench = records.poses.payload.copy(), records.poses.wrench.copy()
+    session = np.zeros(len(plan.poses)) if plan.poses.time is None else plan.poses.time
+    starts = np.zeros(len(rows))
+    warm = None if records.poses.temperature is None else records.poses.temperature.copy()
+    for block in blocks:
+        inside = slice(block.start, block.stop)
+        one = int(rows[inside][~check[inside]][0])
+        payload[inside], wrench[inside], starts[inside] = block.payload, plan.poses.wrench[one], session[one]
+        if warm is not None and plan.poses.temperature is not None:
+            warm[inside] = plan.poses.temperature[one]
+    q, sides = records.poses.q, _sides(records)
+    approach = ways.reach.approaches(q, sides)
+    via: list[tuple[Array, ...]] = [()]
+    clock, moving, mounting, times = 0.0, 0.0, 0.0, [0.0]
+    for i in range(1, len(rows)):
+        clock += dwell
+        pause = _mounting(payload[i - 1 : i + 1], wrench[i - 1 : i + 1], driving)
+        pause = max(pause, starts[i] - clock) if starts[i] > starts[i - 1] else pause
+        between = () if ways.clear(q[i - 1], approach[i]) else ways.round(q[i - 1], approach[i])
+        if between is None:
+            what = (
+                f"no free way leads from pose {plan.poses.ids[rows[i - 1]]} to pose {plan.poses.ids[rows[i]]}"
+            )
+            raise InputError(Fault(records.robot.name, what, "say another --seed, or a smaller clearance_mm"))
+        via.append(tuple(between))
+        leg = [q[i - 1], *between, approach[i], q[i]]
+        taken = sum(float(ways.time(a, b)) for a, b in pairwise(leg))
+        clock, moving, mounting = clock + pause + taken, moving + taken, mounting + pause
+        times.append(clock)
+    numbers = np.cumsum(~check)
+    returns = np.cumsum(check)
+    ids = tuple(f"check_{returns[i]}" if check[i] else str(numbers[i]) for i in range(len(rows)))
+    records = records.with_poses(
+        ids=ids, payload=payload, wrench=wrench, time=np.array(times), temperature=warm
+    )
+    own = plan.some(rows[~check])
+    return Drive(
+        own.with_poses(ids=tuple(str(i + 1) for i in range(len(own.poses)))),
+        replace(records, title=plan.title),
+        check,
+        tuple(via),
+        tuple(blocks),
+        moving,
+        dwell * len(rows),
+        mounting,
+        sum(bool(way) for way in via),
+    )
+
+
+def _mounting(payload: NDArray[np.int64], wrench: Array, driving: Any) -> float:
+    """[s] between two stops for another load or pull."""
+    load = driving.load_change_min if payload[0] != payload[1] else 0.0
+    pull = driving.pull_min if (wrench[0] != wrench[1]).any() else 0.0
+    return 60.0 * float(load + pull)

@@ -1,0 +1,50 @@
+"""The ways between poses: how long they take, whether they are free, and how to go round what is not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ...robot.kinematics import Array
+from .reach import Reach
+
+TRIED = 40  # detours by a single pose, the shortest
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Straight joint motions of one robot in its cell."""
+
+    reach: Reach
+
+    def time(self, start: Array, end: Array) -> Array:
+        """[s] from poses start (..., n) to end (..., n)."""
+        return self.reach.time(start, end)
+
+    def clear(self, *stops: Array) -> bool:
+        """Whether the straight ways through these poses (n,) are free."""
+        return all(self.reach.collisions.clear_way(a, b) for a, b in pairwise(stops))
+
+    def round(self, start: Array, end: Array) -> list[Array] | None:
+        """Poses (n,) between two by which the way is free: one, or nodes of the map; None where none is
+        known."""
+        nodes = self.reach.map.nodes
+        both = self.time(start, nodes) + self.time(nodes, end)
+        for k in np.argsort(both)[:TRIED]:
+            if self.clear(start, nodes[k], end):
+                return [nodes[k]]
+        found = self.reach.map.path(start, end, self.clear)
+        return None if found is None else self._shortened([start, *found, end])[1:-1]
+
+    def _shortened(self, path: list[Array]) -> list[Array]:
+        """The path without the poses that it can do without."""
+        out, here = [path[0]], 0
+        while here < len(path) - 1:
+            ahead = len(path) - 1
+            while ahead > here + 1 and not self.clear(path[here], path[ahead]):
+                ahead -= 1
+            out.append(path[ahead])
+            here = ahead
+        return out

@@ -1,0 +1,121 @@
+"""Does the arm run into itself, the floor, or what stands around it? Drake's SceneGraph on convex hulls."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.geometry import Box, Convex, Shape
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import RigidBody, SpatialInertia
+from pydrake.planning import RobotDiagramBuilder, SceneGraphCollisionChecker
+
+from .description import Robot
+from .drake_faults import quiet
+from .hulls import STANDING, Hull
+from .kinematics import Arm, Array
+from .plants import urdf_plant
+
+ALWAYS = 0.95  # share of all poses in which bodies that touch are built so
+STEP = 0.05  # rad (m) of all joints together between two looks on a way
+FLOOR, AROUND = "floor", "surroundings"
+WIDE, DEEP = 100.0, 2.0  # m, of the floor's box
+
+
+@dataclass(frozen=True, eq=False)
+class Collisions:
+    """A checker for one robot in its surroundings. order: (n,) where its joints stand in Drake's positions;
+    ignored: pairs of bodies that touch in the zero pose, or nearly always: they are built so."""
+
+    checker: SceneGraphCollisionChecker
+    order: NDArray[np.int64]
+    ignored: tuple[tuple[str, str], ...] = ()
+
+    def free(self, q: Array) -> NDArray[np.bool_]:
+        """(N,) in which poses q: (N, n) all bodies keep clear of each other."""
+        if not len(q):
+            return np.zeros(0, dtype=bool)
+        found = self.checker.CheckConfigsCollisionFree(list(self._drakes(q)), parallelize=False)
+        return np.array(found, dtype=bool)
+
+    def clear_way(self, start: Array, end: Array) -> bool:
+        """Whether the straight joint motion between two poses (n,) is free."""
+        a, b = self._drakes(np.array([start, end]))
+        return bool(self.checker.CheckEdgeCollisionFree(a, b))
+
+    def touching(self, q: Array) -> set[tuple[str, str]]:
+        """Names of the bodies that come too near to each other in a pose (n,)."""
+        plant = self.checker.plant()
+        near = self.checker.CalcRobotClearance(self._drakes(q[None])[0], 0.0)
+        pairs = zip(near.robot_indices(), near.other_indices(), near.distances(), strict=True)
+        return {_pair(plant.get_body(a), plant.get_body(b)) for a, b, distance in pairs if distance < 0}
+
+    def _drakes(self, q: Array) -> Array:
+        out = np.zeros_like(q)
+        out[:, self.order] = q
+        return out
+
+
+def collisions(
+    robot: Robot, arm: Arm, hulls: Sequence[Hull], floor: float | None, clearance: float, seen: Array
+) -> Collisions:
+    """The checker of a robot with these hulls. floor: its height [m] in the base frame; clearance [m] that
+    all bodies keep; seen: (N, n) usual poses, which show what is built to touch."""
+    with quiet():
+        builder = RobotDiagramBuilder(time_step=0.0)
+        plant = builder.plant()
+        urdf_plant(robot, plant, lambda grown: _add(grown, robot, arm, hulls, floor), bare=True)
+        own = plant.GetBodyByName(robot.base).model_instance()
+        checker = SceneGraphCollisionChecker(
+            model=builder.Build(),
+            robot_model_instances=[own],
+            edge_step_size=STEP,
+            env_collision_padding=clearance,
+            self_collision_padding=clearance,
+        )
+    plant = checker.plant()
+    order = np.array([plant.GetJointByName(name).position_start() for name in robot.joint_names])
+    found = Collisions(checker, order)
+    usual = Counter(pair for q in seen for pair in found.touching(q))
+    robots = {body.name() for body in (plant.get_body(index) for index in plant.GetBodyIndices(own))}
+    at_zero = {pair for pair in found.touching(np.zeros(arm.n)) if robots.issuperset(pair)}
+    built = at_zero | {pair for pair, count in usual.items() if count >= ALWAYS * len(seen)}
+    for a, b in built:
+        checker.SetCollisionFilteredBetween(plant.GetBodyByName(a), plant.GetBodyByName(b), True)
+    return Collisions(checker, order, tuple(sorted(built)))
+
+
+def _add(plant: MultibodyPlant, robot: Robot, arm: Arm, hulls: Sequence[Hull], floor: float | None) -> None:
+    plant.AddModelInstance(AROUND)
+    for hull in hulls:
+        if hull.slot == STANDING:
+            _register(
+                plant, _standing(plant, hull.name), hull.name, Convex(hull.vertices.T.copy(), hull.name)
+            )
+        else:
+            body = plant.GetBodyByName(arm.links[hull.slot])
+            corners = (hull.vertices @ arm.R_link[hull.slot]).T.copy()
+            _register(plant, body, hull.name, Convex(corners, hull.name))
+    if floor is not None:
+        _register(plant, _standing(plant, FLOOR), FLOOR, Box(WIDE, WIDE, DEEP), [0, 0, floor - DEEP / 2])
+
+
+def _standing(plant: MultibodyPlant, name: str) -> RigidBody:
+    body = plant.AddRigidBody(name, plant.GetModelInstanceByName(AROUND), SpatialInertia.Zero())
+    plant.WeldFrames(plant.world_frame(), body.body_frame())
+    return body
+
+
+def _register(
+    plant: MultibodyPlant, body: RigidBody, name: str, shape: Shape, place: Sequence[float] = (0, 0, 0)
+) -> None:
+    plant.RegisterCollisionGeometry(body, RigidTransform(np.array(place)), shape, name, CoulombFriction(0, 0))
+
+
+def _pair(a: RigidBody, b: RigidBody) -> tuple[str, str]:
+    first, second = sorted((str(a.name()), str(b.name())))
+    return first, second
