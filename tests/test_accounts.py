@@ -142,7 +142,8 @@ def test_tables_and_figure_say_what_was_judged(judged: Judged) -> None:
     odds = {row[0]: row for row in odds_table(judged).rows}
     assert odds["moved"][1] == "1"
     assert odds["near"][2].startswith("0.0 ±")
-    [[account, value, allowed, *_]] = needs_table(judged).rows
+    [[account, value, allowed, needed, _]] = needs_table(judged).rows
+    assert needed.startswith("0.")
     assert (account, value, allowed) == ("moved", "middle", "−3.00 … 3.00")
     assert "near" in odds_figure(judged).title
 

@@ -23,6 +23,7 @@ from .study_run import StudyRun
 from .tasks import run_tasks
 
 CHUNK = 50  # draws per task
+LEAST_DRAWS = 8  # of their weight, that a free value is read from
 MISSED = 0.05  # of its draws as far out as the print, or fewer: the account misses it
 
 
@@ -159,12 +160,15 @@ class Judged:
         return dict(zip(found, (shares / shares.sum()).tolist(), strict=True))
 
     def needed(self, account: str, value: str) -> tuple[float, float, float]:
-        """5, 50 and 95 % of a free value, once the print is seen: weighted draws, corrected by linear
-        regression for what their numbers miss the print by (Beaumont et al. 2002)."""
+        """5, 50 and 95 % of a free value, once the print is seen (NaN: no draw comes near).
+
+        Weighted draws, corrected by linear regression for what their numbers miss the print by (Beaumont et
+        al. 2002).
+        """
         prior = next(a for a in self.accounts if a.name == account).priors[value]
         weights = self.evidence[account].weights
         near = weights > 1e-12
-        if near.sum() < 10:
+        if not near.any() or 1 / (weights**2).sum() < LEAST_DRAWS:
             return (np.nan, np.nan, np.nan)
         target, sd = self.target
         root, made = np.sqrt(weights[near])[:, None], self.predicted[account][near]
