@@ -61,7 +61,7 @@ def test_a_random_pose_lies_within_the_strokes() -> None:
 def test_accounts_without_a_fault_give_table_1_back_without_noise() -> None:
     for account in accounts():
         values = {name: prior.at(0.7) for name, prior in account.priors.items()}
-        made = np.asarray(account.predict(values, np.random.default_rng(2))["without"]) / TABLE_1
+        made = np.asarray(account.predict(values, np.random.default_rng(2))["same"]) / TABLE_1
         sound = account.name not in ("fault", "damped")
         assert (np.abs(made - 1) < 1e-9).all() == sound
 

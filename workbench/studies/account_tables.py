@@ -51,7 +51,8 @@ def odds_table(judged: Judged) -> Table:
             *(f"… without {item.words}" for item in items))  # fmt: skip
     note = (
         "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
-        f"averaged over {_draws(judged)} draws of each account's free values: kernel density of the draws. "
+        f"averaged over each account's free values: kernel density of {_draws(judged)} draws that were "
+        "led towards the print in rounds (without an item: of those from the whole ranges). "
         "±: one standard deviation of its Monte-Carlo error, or what a kernel half as wide changes."
     )
     return Table("Odds of the accounts, from all that is printed", head, rows, note)
@@ -106,7 +107,7 @@ def odds_figure(judged: Judged, name: str = "odds") -> Figure:
 
 
 def _draws(judged: Judged) -> str:
-    return decimals(float(len(next(iter(judged.predicted.values())))), 0)
+    return decimals(float(len(next(iter(judged.first.values())).shares)), 0)
 
 
 def _words(judged: Judged, account: str) -> str:

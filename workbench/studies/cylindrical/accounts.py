@@ -38,7 +38,7 @@ ARM = {
 }
 ITEMS = (
     Item("table", "Table 2", TABLE_2, ROUNDING, "Table 2", ratio=True),
-    Item("without", "no noise: same coefficients", TABLE_1, SAME * TABLE_1, "Conclusions", ratio=True),
+    Item("same", "no noise: same coefficients", TABLE_1, SAME * TABLE_1, "Conclusions", ratio=True),
     Item("noise", "noise", SIGMA, NOISE_ROUNDING, "Measurements", ratio=True),
     Item("circle", "circle about 1 mm off", CIRCLE_ERROR, CIRCLE_ERROR_SD, "Compensation", ratio=True),
 )
@@ -99,7 +99,7 @@ def fitted(values: Values, rng: np.random.Generator, force: Force) -> dict[str, 
     start = np.full(3, values.get("start", 1e6))
     return {
         "table": least_squares(believed, moved + noise, damping, start),
-        "without": least_squares(believed, moved, damping, start),
+        "same": least_squares(believed, moved, damping, start),
         "noise": sigma,
         "circle": arm.circle_error(values["centre"] * (length + 0.25), values["mass"]),
     }
@@ -108,7 +108,4 @@ def fitted(values: Values, rng: np.random.Generator, force: Force) -> dict[str, 
 def moved_out(poses: Array, longer: float) -> Array:
     """The poses of the pool that lie nearest to these, farther out by `longer` [m]."""
     arm = pool()
-    x, y = arm.reach * np.cos(arm.angle), arm.reach * np.sin(arm.angle)
-    reach = arm.reach[poses] + longer
-    to_x, to_y = reach * np.cos(arm.angle[poses]), reach * np.sin(arm.angle[poses])
-    return np.asarray(((to_x[:, None] - x) ** 2 + (to_y[:, None] - y) ** 2).argmin(axis=1))
+    return arm.nearest(arm.reach[poses] + longer, arm.angle[poses])

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from workbench import Array, Target, load_pairs, load_robot, planned
 
@@ -42,15 +43,26 @@ class Pool:
         """(24,) poses nearest to the circle about (centre, 0) [m]."""
         turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
         x, y = centre + CIRCLE_RADIUS * np.cos(turn), CIRCLE_RADIUS * np.sin(turn)
-        at_x, at_y = self.reach * np.cos(self.angle), self.reach * np.sin(self.angle)
-        far = (x[:, None] - at_x) ** 2 + (y[:, None] - at_y) ** 2
-        return np.asarray(far.argmin(axis=1))
+        return self.nearest(np.hypot(x, y), np.arctan2(y, x))
+
+    def nearest(self, reach: Array, angle: Array) -> Array:
+        """(M,) poses nearest to places in the plane, reach and angle (M,) [m, rad]."""
+        return np.asarray(self.places.query(_plane(reach, angle))[1])
+
+    @cached_property
+    def places(self) -> cKDTree:
+        """Where the tool is, seen from above."""
+        return cKDTree(_plane(self.reach, self.angle))
 
     def circle_error(self, centre: float, mass: float, force: Array = FORCE) -> float:
         """[m] mean over the circle under the load, with links of this mass [kg] that hang on joint 2."""
         pull = force - np.array([0.0, 0.0, mass * GRAVITY])
         moved = self.rows(self.circle(centre), pull).sum(axis=2)
         return float(np.linalg.norm(moved, axis=1).mean())
+
+
+def _plane(reach: Array, angle: Array) -> Array:
+    return np.column_stack([reach * np.cos(angle), reach * np.sin(angle)])
 
 
 @cache
