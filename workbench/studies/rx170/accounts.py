@@ -90,8 +90,8 @@ def accounts() -> list[Account]:
 
 
 def runs(values: Values, rng: np.random.Generator) -> tuple[Array, Array, Array]:
-    """(3, N) [mm] heights over the base without correction, with that of stiffness, and with both; (N,) what the
-    other joints make of them; (N, 3) the plane's columns."""
+    """(3, N) [mm] heights over the base without correction, with that of stiffness, and with both; (N,) what
+    the other joints make of them; (N, 3) the plane's columns."""
     h = heights_at(min(PLACES, key=lambda x: abs(x - values["place"])))
 
     def geared(joint: str, amplitude: float) -> Array:
@@ -111,8 +111,8 @@ def runs(values: Values, rng: np.random.Generator) -> tuple[Array, Array, Array]
 
 
 def printed(values: Values, rng: np.random.Generator, zero: str) -> dict[str, Array | float]:
-    """Table II and what section III says of the sweep, with z = 0 at the base, at the others' mean, at each
-    run's mean, in its best plane, or anew in each run."""
+    """Table II and what section III says of the sweep. zero: the base, where the others sag to on average, each
+    run's mean, its best plane, or a height set anew in each run."""
     z, other, plane = runs(values, rng)
     if zero == "sag":
         z = z - other.mean()

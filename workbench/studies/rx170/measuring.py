@@ -69,8 +69,8 @@ def stiffness(robot: Robot, truth: Robot, joint: str, rounds: int, seed: int) ->
 
 
 def all_at_once(robot: Robot, truth: Robot, count: int, seed: int) -> tuple[Array, Array]:
-    """The paper's global method, eq. (1): forces from all sides at the flange, its motion under the tracker. All
-    six stiffnesses [N·m/rad] and their relative standard deviations, each (6,)."""
+    """The paper's global method, eq. (1): forces from all sides at the flange, its motion under the tracker.
+    All six stiffnesses [N·m/rad] and their relative standard deviations, each (6,)."""
     rng = np.random.default_rng([seed, 1])
     q = np.deg2rad(rng.uniform([-90, -50, 40, -180, -90, -180], [90, 50, 130, 180, 90, 180], size=(count, 6)))
     pull = rng.normal(size=(count, 3))

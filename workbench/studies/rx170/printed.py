@@ -17,10 +17,10 @@ SCATTER = 0.03
 """[1] Table II: no scatter is printed; three hundredths of each value are allowed for."""
 
 SWEEP_SPAN, SWEEP_SPAN_SD = 0.03, 0.015
-"""[°] section III.d: stiffness error "about many 1/100 of degree", end to end, read as three with half of it."""
+"""[°] section III.d: stiffness error "about many 1/100 of degree", read as three, give or take half."""
 
 GEAR_PEAK, GEAR_PEAK_SD = 0.005, 0.0025
-"""[°] section III.d: kinematic error "about many 1/1000 of degree", read as five with half of it."""
+"""[°] section III.d: kinematic error "about many 1/1000 of degree", read as five, give or take half."""
 
 SWEPT, POSES = (-50, 50), 2001
 """[°, 1] section III: ends of joint 2's sweep, and its poses, 0.05° apart."""

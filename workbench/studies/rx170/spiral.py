@@ -82,17 +82,13 @@ def spiral_at(speed: float, turns: int) -> Path:
 
 
 def spiral_numbers(spirals: Spirals, seed: int) -> Numbers:
-    """R_a and R_z of every command at both speeds [mm], with the largest factor to a printed one; mean and
-    span of what each cause alone does to z [mm]."""
+    """R_a and R_z of every command at both speeds [mm]; mean and span of what each cause alone does to z [mm]."""
     rng = np.random.default_rng([seed, 13])
     numbers: Numbers = {}
     for speed, run in {"slow": spirals.slow, "fast": spirals.fast}.items():
         for name, error in run.error.items():
             found = heights(run.wanted, error, spirals.zero, ALONG * rng.normal(size=len(error)))
             numbers |= {f"{key}_{name}_{speed}": value for key, value in found.items()}
-    pairs = [(r, *pair) for r in TABLE_2 for pair in zip(CORRECTIONS, TABLE_2[r], strict=False)]
-    ratios = [numbers[f"{r}_{name}_slow"] / printed for r, name, printed in pairs]
-    numbers["worst"] = float(np.exp(np.abs(np.log(ratios)).max()))
     for key, z in spirals.causes.items():
         numbers |= {f"{key}_mean": float(1e3 * z.mean()), f"{key}_pv": float(1e3 * np.ptp(z))}
     return numbers | {"lowered": -numbers["yield_others_mean"]}

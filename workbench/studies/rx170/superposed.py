@@ -27,8 +27,11 @@ GEARS = {
 
 @dataclass(frozen=True, eq=False)
 class Heights:
-    """Of N samples, in mm. plane: (N, 3) columns x, y, 1; yield_2, yield_others: (N,) with stiffness and masses
-    as the model has them; gear: joint → (N, 2) cosine and sine of UNIT."""
+    """Of N samples, in mm.
+
+    plane: (N, 3) columns x, y, 1; yield_2, yield_others: (N,) with stiffness and masses as the model has them;
+    gear: joint → (N, 2) cosine and sine of UNIT.
+    """
 
     plane: Array
     yield_2: Array
