@@ -40,7 +40,7 @@ def write_campaign(
             folder / "poses.csv": poses_text(campaign),
             folder / "points.csv": table_text(*_points(campaign, shots)),
             path: campaign_text(folder, campaign, comments),
-            **_own_robot(folder, campaign.robot),
+            **own_robot(folder, campaign.robot),
         }
     )
     return path
@@ -125,7 +125,7 @@ def _robot_name(folder: Path, robot: Robot) -> str:
     return path.relative_to(here).as_posix() if path.is_relative_to(here) else OWN
 
 
-def _own_robot(folder: Path, robot: Robot) -> dict[Path, str]:
+def own_robot(folder: Path, robot: Robot) -> dict[Path, str]:
     """The TOML and URDF of a robot that is neither the workbench's nor in the folder: they go with it."""
     if robot.path is None or _robot_name(folder, robot) != OWN:
         return {}

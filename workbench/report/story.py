@@ -22,8 +22,16 @@
     ## Assumed
     - what | value | why
 
+    ## References
+    - authors | title | where and when | DOI, or another number
+
+What may be said depends on what was found: `[if NAME] sentence [else] other sentence [end]`, anywhere, also
+in a heading or a cell ([else] may be left out), with NAME one of `claims`; `[if not NAME]` the other way
+round. `{share_NAME:%0}` is the share of draws it holds in. A paragraph that comes out empty is not there.
+
 Numbers come by name from the script, `{name:form}` with form: mm (a length in mm), % or %2 (a share in
-per cent, with so many decimals), .1 (decimals), 3 (significant digits), p (a probability).
+per cent, with so many decimals), .1 (decimals), 3 (significant digits), p (`p = 0.03`), P (a probability in
+per cent, never 0 or 100).
 """
 
 from __future__ import annotations
@@ -35,12 +43,14 @@ from pathlib import Path
 
 from ..robot.description import Robot
 from .drawing import Figure
-from .numbers import decimals, mm, p_value, percent, significant
+from .numbers import decimals, mm, p_value, percent, probability, significant
 from .scene import Shown
-from .study import BOX_TITLES, Box, Section, Study, Table, Tile
+from .study import BOX_TITLES, Box, Section, Stand, Study, Table, Tile
 
 Item = Table | Figure
+LISTS = ("Box", "Assumed", "References")
 ITEM = re.compile(r"\[\[(.+)\]\]")
+CHOICE = re.compile(r"\[if (not )?(\w+)\](.*?)(?:\[else\](.*?))?\[end\]", re.DOTALL)
 
 
 class _Number(float):
@@ -52,6 +62,8 @@ class _Number(float):
             return mm(value)
         if form == "p":
             return p_value(value)
+        if form == "P":
+            return probability(value)
         if form.startswith("%"):
             return percent(value, int(form[1:] or 1))
         if form.startswith("."):
@@ -80,19 +92,23 @@ def tell(
     shown: Shown,
     picture: str,
     files: Mapping[str, str] | None = None,
+    claims: Mapping[str, Stand] | None = None,
 ) -> Study:
     """The study that `story` (a Markdown file as above) tells with these numbers, tables and figures.
 
-    picture: the item that stands for the study in the list of studies. Raises ValueError where the story
-    asks for what is not there, or leaves out a table or figure that is.
+    picture: the item that stands for the study in the list of studies; claims: what the story may say (it has
+    to ask for each). Raises ValueError where the story asks for what is not there, or leaves out a table,
+    figure or claim that is.
     """
-    parts = _parts(story, _filled(story, numbers), items)
+    said = claims or {}
+    shares = {f"share_{name}": stand.share for name, stand in said.items()}
+    parts = _parts(story, _chosen(story, _filled(story, {**numbers, **shares}), said), items)
     first, *others = parts
     title, _, headline = first.title.partition(": ")
     source, *summary = first.words
     by_title = {part.title: part for part in others}
     box = {key: by_title[name] for key, name in BOX_TITLES.items()}
-    plain = [part for part in others if part not in box.values() and part.title not in ("Box", "Assumed")]
+    plain = [part for part in others if part not in box.values() and part.title not in LISTS]
     chosen = items[picture]
     if not isinstance(chosen, Figure):
         raise ValueError(f"{picture} is no figure")
@@ -106,12 +122,18 @@ def tell(
         tiles=[Tile(*(cells + [""] * (5 - len(cells)))) for cells in first.lines],
         sections=[Section(part.title, part.content) for part in plain],
         box=Box(**{key: " ".join(part.words) for key, part in box.items()}),
-        assumed=[(what, value, why) for what, value, why in by_title["Assumed"].lines],
+        assumed=[(what, value, why) for what, value, why in _lines(by_title, "Assumed")],
         numbers=numbers,
         shown=shown,
         picture=chosen,
         files=files or {},
+        claims=said,
+        references=[(who, title, where, doi) for who, title, where, doi in _lines(by_title, "References")],
     )
+
+
+def _lines(parts: Mapping[str, _Part], title: str) -> list[list[str]]:
+    return parts[title].lines if title in parts else []
 
 
 def _filled(story: Path, numbers: Mapping[str, float]) -> str:
@@ -122,10 +144,31 @@ def _filled(story: Path, numbers: Mapping[str, float]) -> str:
         raise ValueError(f"{story.name}: there is no number {error}") from None
 
 
+def _chosen(story: Path, text: str, claims: Mapping[str, Stand]) -> str:
+    """The text with what each claim allows to be said."""
+
+    def said(found: re.Match[str]) -> str:
+        if found[2] not in claims:
+            raise ValueError(f"{story.name}: there is no claim {found[2]!r}")
+        asked.add(found[2])
+        holds = claims[found[2]].stands is not bool(found[1])
+        return (found[3] if holds else found[4] or "").strip()
+
+    asked: set[str] = set()
+    text = CHOICE.sub(said, text)
+    if left := re.search(r"\[(if|else|end)\b[^]]*\]", text):
+        raise ValueError(
+            f"{story.name}: {left[0]} has no beginning or no end, or stands within another choice"
+        )
+    if missing := [name for name in claims if name not in asked]:
+        raise ValueError(f"{story.name} does not ask for {', '.join(missing)}")
+    return text
+
+
 def _parts(story: Path, text: str, items: Mapping[str, Item]) -> list[_Part]:
     """The story by its headings, of any level."""
     parts: list[_Part] = []
-    for block in re.split(r"\n\s*\n", text):
+    for block in filter(str.strip, re.split(r"\n\s*\n", text)):
         for piece in _pieces(block):
             if piece.startswith("#"):
                 parts.append(_Part(piece.lstrip("# ")))

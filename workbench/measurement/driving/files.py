@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...campaign import Campaign
-from ...campaign.write import campaign_text, poses_text
+from ...campaign.write import campaign_text, own_robot, poses_text
 from ...correction.conditions import carried, conditions_of
 from ...correction.programs import Format, Program, measuring_program
 from .drive import Drive
@@ -21,11 +21,12 @@ COMMENTS = (
 
 
 def table_files(drive: Drive, reach: Reach, folder: Path) -> dict[Path, bytes]:
-    """`poses.csv` and `campaign.toml` by their paths in the folder."""
+    """`poses.csv` and `campaign.toml` by their paths in the folder, with the robot where it is one's own."""
     records = replace(proposed(drive.records, reach), cell=reach.cell)
     return {
         folder / "poses.csv": poses_text(records).encode(),
         folder / "campaign.toml": campaign_text(folder, records, COMMENTS).encode(),
+        **{path: text.encode() for path, text in own_robot(folder, records.robot).items()},
     }
 
 
