@@ -45,6 +45,9 @@ GAIN = 0.4461
 CUTS = {"constant": (1, 1, 1), "2": (1, 2, 1), "16": (2, 4, 2), "128": (4, 8, 4)}
 """[1] section 5.2: cells along each side of the box, of 600, 300 and 150 mm."""
 
+SIZE = (1.2, 0.6, 0.6)
+"""[m] section 5.2: sides of the box, the long one first."""
+
 TILTS = (-10.0, 0.0, 10.0)
 """[°] section 5.2: rotations of the tool about its y at each point."""
 
