@@ -29,9 +29,9 @@ def soft_zone(values: Values, problem: Problem, wrench: Array) -> Array:
 
 
 def varying(values: Values, problem: Problem, wrench: Array) -> Array:
-    """Springs of joints 2, 3 and 5 whose stiffness varies with the joint's own angle: what the authors say."""
+    """Springs whose stiffness varies with the joint's own angle: what the authors say."""
     out = constant(values, problem, wrench)
-    for j in (2, 3, 5):
+    for j in range(1, 7):
         angle = values["turns"] * problem.q[:, j - 1] + values[f"phase{j}"]
         out[:, j, AXIAL] *= np.exp(-values[f"swing{j}"] * np.sin(angle))
     return out

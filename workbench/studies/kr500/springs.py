@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -47,8 +46,8 @@ def plain(equations: Normal, values: Values) -> Array:
 
 
 def damped(equations: Normal, values: Values) -> Array:
-    """(C, n) [rad/(N·m)] compliances from the least |d − A c|² + λ² |ln K/K₀|²: above zero, and at their start
-    where the data say nothing. λ: `damping`; K₀: `start1` ..."""
+    """(C, n) [rad/(N·m)] compliances from the least |d − A c|² + λ² |ln K/K₀|²: above zero, and at
+    their start where the data say nothing. λ: `damping`; K₀: `start1` ..."""
     N, b = equations
     start = 1 / np.array([values[f"start{j}"] for j in range(1, 7)])
     ridge = values["damping"] ** 2 * np.eye(6)
@@ -64,6 +63,3 @@ def damped(equations: Normal, values: Values) -> Array:
 def of_points(points: Array, box: Array, cut: tuple[int, int, int], found: Array) -> Array:
     """(M, n) the compliances found (C, n) of the cell that each point (M, 3) [m] lies in."""
     return np.asarray(found[cells(box, cut).of(points)])
-
-
-SOLVERS: Mapping[str, object] = {"plain": plain, "damped": damped}

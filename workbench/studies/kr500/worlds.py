@@ -36,18 +36,24 @@ from .printed import CUTS, MASS, SIZE, TILTS
 
 Values = Mapping[str, float]
 Law = Callable[[Values, Problem, Array], Array]  # values, problem, wrenches (N, S, 6) -> motions (N, S, 6)
+IN_BASE = np.eye(3)[None], np.zeros((1, 3))  # the paper measures in the base frame
 START = np.deg2rad([0, -90, 90, 0, 60, 0])  # near the first pose
 GRAVITY = 9.80665
+ALONG = 0.7  # of the prior: the long side along y
 WRIST = 0.29  # m, from the flange
 SHOULDER = 0.5, 1.045  # m, of joint 2 from axis 1 and above the floor
-REACH = 0.74, 2.27  # m, from the shoulder to the wrist: elbow nearly folded, arm nearly straight
+ARM, FOREARM, CRANK = 1.3, float(np.hypot(1.025, 0.055)), float(np.arctan2(0.055, 1.025))  # m, m, rad
+REACH = 0.73, 2.28  # m, from the shoulder to the wrist: elbow nearly folded, arm nearly straight
+STEEPEST = np.deg2rad(
+    [128.0, 14.0]
+)  # of upper arm and forearm above the level: joints 2 and 5 at their limits
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """One experiment: `grid`, the points of all cells with three rotations, and `check`, a random point in each of
-    the finest cells; all poses without load, then all with it. box: (2, 3) [m]; cuts: cells along its sides;
-    geometry: (S, 6) what the kinematics are truly off by."""
+    """One experiment: `grid`, the points of all cells with three rotations, and `check`, a random point
+    in each of the finest cells; all poses without load, then all with it. box: (2, 3) [m]; cuts: cells
+    along its sides; geometry: (S, 6) what the kinematics are truly off by."""
 
     values: Values
     box: Array
@@ -59,9 +65,9 @@ class World:
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Of M poses. moved: (M, 3) [m] what the load moves the SMR by; J: (M, 3, n) [m/rad] its Jacobian, nominal and
-    as calibrated; lever: the same of the point that the model takes the force to act at; R: (M, 3, 3) of the
-    flange; force: (3,) [N] of load and cables."""
+    """Of M poses. moved: (M, 3) [m] what the load moves the SMR by; J: (M, 3, n) [m/rad] its Jacobian,
+    nominal and as calibrated; lever: the same of the point that the model takes the force to act at; R:
+    (M, 3, 3) of the flange; force: (3,) [N] of load and cables."""
 
     moved: Array
     J: tuple[Array, Array]
@@ -71,14 +77,15 @@ class Poses:
     scatter: Array
 
     def read(self, values: Values, rng: np.random.Generator) -> Array:
-        """(M, 3) [m] what the tracker reads of `moved`: its noise, and the robot's scatter, of two standstills."""
+        """(M, 3) [m] what the tracker reads of `moved`: its noise, and the robot's scatter, of two
+        standstills."""
         joints = np.sqrt(2) * values["scatter"] * self.scatter * rng.normal(size=(len(self.moved), 6))
         noise = np.sqrt(2) * values["sigma"] * rng.normal(size=self.moved.shape)
         return self.moved + (self.J[1] @ joints[:, :, None])[:, :, 0] + noise
 
     def columns(self, values: Values, calibrated: bool, rng: np.random.Generator) -> Array:
-        """(M, 3, n) [m·N·m] what one unit of each joint's compliance moves the SMR by, equation (9), under the
-        force that the sensor reads: turned, scaled, off and with noise."""
+        """(M, 3, n) [m·N·m] what one unit of each joint's compliance moves the SMR by, equation (9),
+        under the force that the sensor reads: turned, scaled, off and with noise."""
         drift = np.array([values.get(f"drift_{axis}", 0.0) for axis in "xyz"])
         turned = self.R
         for axis in "xyz":
@@ -93,7 +100,7 @@ class Poses:
 def world(values: Values, rng: np.random.Generator) -> World:
     """The experiment with these values. Raises `InputError` where the robot cannot reach the box."""
     robot = charged(_robot(), values)
-    long_x = values["along"] >= 0.5
+    long_x = values["along"] >= ALONG
     turn = [0, 1, 2] if long_x else [1, 0, 2]
     half = np.array(SIZE)[turn] / 2
     centre = np.array([_ahead(values, half), values["y"], values["z"]])
@@ -130,8 +137,19 @@ def _ahead(values: Values, half: Array) -> float:
     for tilt in TILTS:
         wrist = np.array([0.0, values["y"], values["z"]]) + offsets - path_shapes.tilted(tilt) @ tool
         out = np.hypot(x[:, None] + wrist[:, 0], wrist[:, 1]) - SHOULDER[0]
-        far = np.hypot(out, wrist[:, 2] - SHOULDER[1])
-        possible &= ((far > REACH[0]) & (far < REACH[1]) & (out > 0)).all(axis=1)
+        high = wrist[:, 2] - SHOULDER[1]
+        far = np.clip(np.hypot(out, high), *REACH)
+        at_shoulder, at_wrist = (
+            np.arccos((one**2 + far**2 - other**2) / (2 * one * far))
+            for one, other in ((ARM, FOREARM), (FOREARM, ARM))
+        )
+        rise = np.arctan2(high, out)
+        possible &= (
+            (far == np.hypot(out, high))
+            & (out > 0.25)
+            & (rise + at_shoulder < STEEPEST[0])
+            & (rise - at_wrist + CRANK < STEEPEST[1])
+        ).all(axis=1)
     if not possible.any():
         raise InputError(Fault("box", "is out of reach wherever it lies", "another height or tool"))
     return float(np.quantile(x[possible], values["near"]))
@@ -158,8 +176,8 @@ def plan(robot: Robot, points: Array, tilts: tuple[float, ...], values: Values) 
 
 
 def posed(w: World, problem: Problem, law: Law, moment: bool) -> Poses:
-    """What happens in the poses of a world where the arm yields by `law`. moment: the model knows where the load
-    hangs; else it takes the force to act at the SMR, as equations (7) to (9) do."""
+    """What happens in the poses of a world where the arm yields by `law`. moment: the model knows where
+    the load hangs; else it takes the force to act at the SMR, as equations (7) to (9) do."""
     values, half = w.values, len(problem.q) // 2
     true = replace(problem, arm=problem.arm.with_geometry(w.geometry))
     motion = law(values, true, true.nominal_load.local)
@@ -178,8 +196,14 @@ def posed(w: World, problem: Problem, law: Law, moment: bool) -> Poses:
     )
 
 
+def both(w: World, law: Law, moment: bool) -> tuple[Poses, Poses]:
+    """What happens in the poses to identify the robot by, and in those to verify it by."""
+    return posed(w, w.grid, law, moment), posed(w, w.check, law, moment)
+
+
 def _moves(problem: Problem, place: Array, count: int) -> Array:
-    """(count, S, 6, 3) what the motions of all slots move a place (3,) [m] of the flange by, in the first poses."""
+    """(count, S, 6, 3) what the motions of all slots move a place (3,) [m] of the flange by, in the
+    first poses."""
     where = problem.rigid
     p = (where.p[-1] + where.R[-1] @ place)[:count]
     axes, out = where.axes[:count], np.empty((count, *where.axes.shape[1:]))
