@@ -39,6 +39,7 @@ def told(judged: Judged, draws: Draws, curve: Mapping[str, Draws]) -> dict[str, 
         "p_authors_most": max(authors),
         "behind_plain_models": log10[varies] - max(log10[name] for name in NO_GAIN),
         "gains_reproduced": float(sum(judged.standing(name, "gains").reproduced for name in NO_GAIN)),
+        "largest_constant": _largest(judged),
         "account_draws": float(len(judged.predicted["varying"])),
         "account_reached": float(np.isfinite(judged.predicted["varying"]).all(axis=1).mean()),
         **_calibration(judged),
@@ -49,6 +50,12 @@ def told(judged: Judged, draws: Draws, curve: Mapping[str, Draws]) -> dict[str, 
         "most_equal": max(float(draws.numbers[f"equal_{name}"].max()) for name in ROBOTS),
         **_named(curve),
     }
+
+
+def _largest(judged: Judged) -> float:
+    """Median of the largest error over the mean of constant stiffness, in the account of the same."""
+    at = judged.columns("largest").start + 1
+    return float(np.exp(np.nanmedian(judged.predicted["constant"][:, at])))
 
 
 def _calibration(judged: Judged) -> dict[str, float]:

@@ -34,7 +34,7 @@ ASSUMED: Mapping[str, Prior] = (
     | priors.BRACKET
 )
 KEPT = ("gain", "worse", "raw", "left", "step", "twice", "equal")
-SHOWN = 10  # assumptions in a tornado
+SHOWN = 8  # assumptions in a tornado
 
 
 def gained(values: Values, seed: int) -> dict[str, float]:
@@ -48,7 +48,7 @@ def gained(values: Values, seed: int) -> dict[str, float]:
         w = world(values, rng)
     except InputError:
         return dict.fromkeys(names, np.nan)
-    out = {}
+    out: dict[str, float] = {}
     for name, (_, law, moment) in ROBOTS.items():
         one = tried(w, both(w, law, moment), rng, "damped")
         errors = one.errors
@@ -89,9 +89,10 @@ def gains_figure(draws: Draws) -> Figure:
 
 
 def carried(draws: Draws, number: str, name: str, label: str, factor: float = 1.0) -> Figure:
-    """The tornado of a number, with the assumptions that carry most of it."""
+    """The tornado of a number of a robot with constant springs: the assumptions that carry most of it."""
     shares = draws.carries(number)
-    first = sorted(shares, key=lambda key: -shares[key])[:SHOWN]
+    acting = [key for key in shares if key in priors.CELL | priors.SPRINGS | priors.SOLVER]
+    first = sorted(acting, key=lambda key: -shares[key])[:SHOWN]
     some = replace(
         draws,
         priors={key: draws.priors[key] for key in first},

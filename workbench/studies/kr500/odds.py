@@ -3,11 +3,8 @@ side."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from workbench import Judged, Table, numbers
 
-from workbench import Judged, Table, needs_table, numbers
-
-from . import priors
 from .accounts import KINDS
 
 SHORT = {
@@ -23,11 +20,6 @@ SHORT = {
     "moment_bracket": "No moment, bracket",
     "moment_force": "No moment, misread",
 }
-WANTED = {  # account: the free values of interest
-    "moment": [f"{what}_{axis}" for what in ("smr", "mass") for axis in "xyz"] + ["z", "along", "damping"],
-    "moment_bracket": list(priors.BRACKET),
-    "varying": [key for key in priors.VARYING if not key.startswith("phase")],
-}  # fmt: skip
 
 
 def standings_table(judged: Judged, moment: bool) -> Table:
@@ -74,11 +66,10 @@ def odds_table(judged: Judged) -> Table:
     return Table("Odds of the accounts, from all that is printed", head, rows, note)
 
 
-def wanted_table(judged: Judged) -> Table:
-    """What some accounts have to choose."""
-    by_name = {account.name: account for account in judged.accounts}
-    some = [
-        replace(by_name[name], words=SHORT[name], priors={key: by_name[name].priors[key] for key in keys})
-        for name, keys in WANTED.items()
-    ]
-    return needs_table(replace(judged, accounts=some))
+def ranges_table(judged: Judged) -> Table:
+    """What is not printed, and the range that it is drawn from."""
+    every = {key: prior for account in judged.accounts for key, prior in account.priors.items()}
+    rows = [[prior.words, prior.range, prior.why] for prior in every.values()]
+    return Table(
+        "What the paper does not give, and the range it is drawn from", ("", "Range", "Why"), rows, "", ()
+    )

@@ -6,11 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from workbench import Array, Figure, InputError, Judged, Table, charts, numbers
 
 from . import in_drake
 from .accounts import KINDS, solver
+from .odds import SHORT
 from .printed import CUBICS, EQUATIONS, ERRORS, TABLE_1
 from .tried import Tried, tried
 from .worlds import World, both, world
@@ -42,9 +44,8 @@ class Best:
 
 def best(judged: Judged, name: str, seed: int) -> Best:
     """The draw of an account that comes nearest the print, with a box, points and noise of this seed."""
-    words, _, law, moment = KINDS[name]
-    weights = judged.evidence[name].weights
-    for draw in np.argsort(-weights, kind="stable"):
+    _, _, law, moment = KINDS[name]
+    for draw in nearest(judged, name):
         values = {key: float(column[draw]) for key, column in judged.values[name].items()}
         rng = np.random.default_rng([seed, 2])
         try:
@@ -55,8 +56,18 @@ def best(judged: Judged, name: str, seed: int) -> Best:
         moved = [in_drake.moved(w, problem, law) for problem in (w.grid, w.check)]
         grid, check = (replace(one, moved=m) for one, m in zip(first, moved, strict=True))
         off = max(float(np.abs(one.moved - m).max()) for one, m in zip(first, moved, strict=True))
-        return Best(words, w, tried(w, (grid, check), rng, solver(name)), moved[1], off)
+        return Best(SHORT[name], w, tried(w, (grid, check), rng, solver(name)), moved[1], off)
     raise ValueError(f"no draw of {name} reaches its box")
+
+
+def nearest(judged: Judged, name: str) -> NDArray[np.int64]:
+    """(D,) the draws of an account, nearest to the print first: in scales of the draws of all accounts, or
+    the print's own uncertainty where that is larger."""
+    every = np.vstack(list(judged.predicted.values()))
+    low, high = np.nanquantile(every, [0.16, 0.84], axis=0)
+    value, sd = judged.target
+    far = (judged.predicted[name] - value) / np.maximum((high - low) / 2, sd)
+    return np.argsort(np.nan_to_num((far**2).sum(axis=1), nan=np.inf), kind="stable")
 
 
 def points_figure(one: Best) -> Figure:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from workbench import Array, cells
 
@@ -12,11 +13,12 @@ from .printed import TILTS
 from .worlds import Values
 
 ROUNDS, STEP = 25, 1.0  # of the damped iteration; the most that ln K changes in one
+Index = NDArray[np.int64]
 Normal = tuple[Array, Array]  # (M, n, n) AᵀA and (M, n) Aᵀd of each pose
 
 
 @lru_cache(maxsize=16)
-def poses_of(cut: tuple[int, int, int], finest: tuple[int, int, int]) -> Array:
+def poses_of(cut: tuple[int, int, int], finest: tuple[int, int, int]) -> Index:
     """(cells, 27) numbers of the poses in the grid of the finest cells that each cell is measured in."""
     unit = [[0, 0, 0], [1, 1, 1]]
     every, grid = cells(unit, finest).samples, cells(unit, cut)
@@ -33,7 +35,7 @@ def normal(columns: Array, read: Array) -> Normal:
     return np.einsum("mij,mik->mjk", columns, columns), np.einsum("mij,mi->mj", columns, read)
 
 
-def summed(equations: Normal, poses: Array) -> Normal:
+def summed(equations: Normal, poses: Index) -> Normal:
     """Of each cell: (C, n, n) and (C, n)."""
     return equations[0][poses].sum(axis=1), equations[1][poses].sum(axis=1)
 

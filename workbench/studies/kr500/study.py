@@ -22,7 +22,6 @@ from workbench import (
     diagnose,
     draw_many,
     judge,
-    odds_figure,
     run_study,
     tell,
     write_campaign,
@@ -37,7 +36,7 @@ from .claims import CLAIMS, told
 from .printed import NUMBERS
 from .seen import identifiable
 
-AT_THEIR_BEST = ("moment", "moment_varying", "varying")
+AT_THEIR_BEST = ("moment_bracket", "varying", "constant")
 TRUTHS = ("constant", "soft", "varying", "structure", "bracket")  # robots that differ in how they yield
 
 STAGES = {"raw": "uncompensated", "constant": "constant stiffness", "128": "128 cells"}
@@ -69,8 +68,7 @@ def study(run: StudyRun) -> Study:
         "load known": odds.standings_table(judged, True),
         "moment left out": odds.standings_table(judged, False),
         "odds": odds.odds_table(judged),
-        "odds figure": odds_figure(judged),
-        "needs": odds.wanted_table(judged),
+        "ranges": odds.ranges_table(judged),
         "gains": gains.gains_figure(draws),
         "carried": gains.carried(
             draws, "gain_moment", "carried", "what 128 cells gain, moment left out, %", 100.0
