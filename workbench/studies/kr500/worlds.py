@@ -44,9 +44,7 @@ WRIST = 0.29  # m, from the flange
 SHOULDER = 0.5, 1.045  # m, of joint 2 from axis 1 and above the floor
 ARM, FOREARM, CRANK = 1.3, float(np.hypot(1.025, 0.055)), float(np.arctan2(0.055, 1.025))  # m, m, rad
 REACH = 0.73, 2.28  # m, from the shoulder to the wrist: elbow nearly folded, arm nearly straight
-STEEPEST = np.deg2rad(
-    [128.0, 14.0]
-)  # of upper arm and forearm above the level: joints 2 and 5 at their limits
+STEEPEST = np.deg2rad([127.0, 14.0])  # of upper arm and forearm above the level: joints 2 and 5
 
 
 @dataclass(frozen=True, eq=False)
