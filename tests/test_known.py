@@ -118,7 +118,7 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     # and that reading had been asked for
     (open_,) = (one for one in what_decides(before).diagnosis.causes if one.status == "ambiguous")
     offered = {one.kind: one for one in open_.decide}
-    assert "precharge_bar to ± 1 bar" in offered["reading"].words
+    assert "precharge_bar to ± 2 bar" in offered["reading"].words
     assert "--known" in offered["reading"].command
     assert offered["reading"].lambda_before < 1 < offered["reading"].lambda_after
     assert offered["other"].words in open_.separate_by

@@ -72,7 +72,7 @@ def _calibration(judged: Judged) -> dict[str, float]:
 
 
 def _share_twice(draws: Draws) -> float:
-    """Of all robots' draws: the largest errors of 1 and of 2 cells print alike, as 0.1434 and 0.1434."""
+    """Of all robots' draws: the largest errors of 1 and of 2 cells print alike."""
     digit = 0.5e-4 / ERRORS["constant"][1]
     return float(np.mean([draws.numbers[f"twice_{name}"] < digit for name in ROBOTS]))
 

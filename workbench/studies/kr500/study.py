@@ -46,7 +46,7 @@ def study(run: StudyRun) -> Study:
     """Accounts of the print judged, what cells gain in each, and what a diagnosis says of their robots."""
     folder, seed = run.folder, run.seed
     run.say("accounts: the paper's protocol, with all that it does not give drawn")
-    judged = judge(accounts(), items(), run.draws(100, 20), run, chunk=5)
+    judged = judge(accounts(), items(), run.draws(100, 24), run, chunk=5)
     run.say("what cells gain in robots that differ in one thing")
     draws = gains.reached(draw_many(gains.gained, gains.ASSUMED, run.draws(70, 12), run, "gains"))
     run.say("accounts at their best, in Drake")
