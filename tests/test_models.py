@@ -235,9 +235,9 @@ def test_gas_compensator_has_the_geometry_of_the_kr210(name):
     )
 
 
-@pytest.mark.parametrize(("name", "rated"), [("kr500", 0.0), ("kr120", 120.0)])
+@pytest.mark.parametrize(("name", "rated"), [("kr500", 500.0), ("kr120", 120.0)])
 def test_gas_compensator_lifts_the_leaning_arm(name, rated):
-    """Never more than the arm weighs; of the KR 120, whose charge is a measured one, with its rated load."""
+    """Never more than the arm weighs with its rated load; the charge is one measured on another robot."""
     plant, context = plant_of(name)
     data = load_robot(name).compensator
     for degrees in (-40, 0, 20):

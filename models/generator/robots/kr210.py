@@ -3,6 +3,7 @@
 from typing import Any
 
 GAUGED = {"precharge": 163e5, "gas_length": 0.547}  # Pa, m: nine pressures of a KR 300, isothermal
+GAUGED_AREA = 1.669e-3  # m²: piston of 55 mm, rod of 30 mm, of the same KR 300
 
 
 def gas_spring(

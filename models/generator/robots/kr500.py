@@ -5,7 +5,7 @@ from ..kinematics import Table, chain_of
 from ..looks.arms import Sizes
 from ..looks.heavy import heavy
 from ..looks.paints import ORANGE
-from .kr210 import gas_spring
+from .kr210 import GAUGED, GAUGED_AREA, gas_spring
 
 KINEMATICS = Table(
     "modified",
@@ -89,7 +89,7 @@ KR500 = Design(
         "damping": (1.9e3, 1.4e3, 0.6e3, 1.9e3, 1.4e3, 1.4e3),
         "repeatability": (4e-6, 4e-6, 4e-6, 12e-6, 12e-6, 12e-6),
     },
-    compensator=gas_spring(joint_2_ahead=0.5, piston_area=2.0e-3, precharge=100e5, gas_length=0.89),
+    compensator=gas_spring(joint_2_ahead=0.5, **GAUGED, piston_area=GAUGED_AREA),
     controller={
         "make": "KUKA",
         "names": ("A1", "A2", "A3", "A4", "A5", "A6"),
@@ -107,7 +107,7 @@ KR500 = Design(
         "rotor_inertia": "assumed",
         "repeatability": "assumed per joint so that the pose scatters within the data sheet's 0.08 mm",
         "compensator": "pivots: geometry of the KR 210 R2700, put at this robot's joint 2 (assumed); "
-        "charge, area and length: assumed, so that about half of the arm's weight is carried",
+        "charge, gas length and area: as gauged on a KR 300, a robot of this class (assumed to hold)",
         "controller": "A1, A4 and A6 count the other way than about z up and x forward: public URDFs of "
         "KUKA (ROS-Industrial)",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",

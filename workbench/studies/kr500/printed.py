@@ -45,6 +45,9 @@ GAIN = 0.4461
 CUTS = {"constant": (1, 1, 1), "2": (1, 2, 1), "16": (2, 4, 2), "128": (4, 8, 4)}
 """[1] section 5.2: cells along each side of the box, of 600, 300 and 150 mm."""
 
+SIZE = (1.2, 0.6, 0.6)
+"""[m] section 5.2: sides of the box, the long one first."""
+
 TILTS = (-10.0, 0.0, 10.0)
 """[°] section 5.2: rotations of the tool about its y at each point."""
 
@@ -57,15 +60,19 @@ def by_name() -> dict[str, float]:
     means = {f"printed_{key}_mm": values[0] for key, values in ERRORS.items()}
     largest = {f"printed_{key}_max_mm": values[1] for key, values in ERRORS.items() if len(values) > 1}
     k4, k5 = np.abs(EQUATIONS["(19)"] / EQUATIONS["(18)"] - 1)[3:5]
+    k1 = np.array([K[0] for K in EQUATIONS.values()])
     return {
         **means,
         **largest,
         "printed_gain": GAIN,
-        "printed_gain_2": 1 - means["printed_2_mm"] / means["printed_constant_mm"],
-        "printed_kinematics_mm": means["printed_theory_mm"] - means["printed_constant_mm"],
-        "printed_kinematics_k4": float(k4),
-        "printed_kinematics_k5": float(k5),
+        "printed_step_mm": means["printed_theory_mm"] - means["printed_constant_mm"],
+        "printed_step_k4": float(k4),
+        "printed_step_k5": float(k5),
+        "printed_k1_agree": float(np.log(k1).std(ddof=1)),
         "printed_k1_ratio": float(TABLE_1[:, 0].max() / TABLE_1[:, 0].min()),
+        "printed_largest_constant": ERRORS["constant"][1] / ERRORS["constant"][0],
+        "printed_largest_128": ERRORS["128"][1] / ERRORS["128"][0],
+        "printed_equal": float(sum(K[3] == K[5] for K in TABLE_1)),
     }
 
 
