@@ -132,7 +132,7 @@ def proof():
 def test_ripple_is_left_by_a_model_that_does_not_know_it():
     trials = proof().series[0].trials
     left, perfect = trials["corrected"].figures, trials["perfect"].figures
-    assert trials["geometry"].figures.rms_mm > 0.7  # it sags under the load, less what the gas carries
+    assert trials["geometry"].figures.rms_mm > 10 * left.rms_mm  # it sags under the load
     assert left.rms_mm > 0.03
     assert trials["corrected"].lines[0].cause == "joint_2, 800 per joint turn"
     assert proof().series[0].ratio_to_perfect == pytest.approx(left.rms_mm / perfect.rms_mm)
