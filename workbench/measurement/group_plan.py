@@ -73,7 +73,7 @@ def group_plan(
     pulls: list[Array] = []
     squares, random, hanging = 0.0, np.zeros(randoms), 0.0
     for angle, count in zip(angles, counts, strict=True):
-        q = random_poses(_held(robot, joint, angle, rig), candidates, rng, floor=0.4, clear=0.6)
+        q = random_poses(held(robot, joint, angle, rig), candidates, rng, floor=0.4, clear=0.6)
         down, aside = rig.rows(robot, q, np.zeros(3)), rig.rows(robot, q, rig.sideways)
         side = int(np.argmax((aside[:, :, 0] ** 2).sum(axis=1)))
         best, rho = exchange(down, A0, count - 1, prior=aside[side].T @ aside[side], starts=3, seed=seed)
@@ -89,7 +89,7 @@ def group_plan(
     return GroupPlan(plan, float(np.sqrt(squares)), np.sqrt(random), float(np.sqrt(hanging)))
 
 
-def _held(robot: Robot, name: str, angle: float, rig: Rig) -> Robot:
+def held(robot: Robot, name: str, angle: float, rig: Rig) -> Robot:
     """The robot with one joint held at an angle and the others within the rig's limits."""
     joints = []
     for joint in robot.joints:
