@@ -489,8 +489,9 @@ def test_options_stand_where_they_act():
     assert having["out"] == set(COMMANDS) - {"robots", "causes"}
     assert having["seed"] == having["out"] - {"init", "check", "export", "compare"}
     assert having["quick"] == {"demo", "plan", "verify", "study blind"} | STUDIES
-    assert having["workers"] == {"verify"} | BLIND
-    assert having["resume"] == having["draws"] == {"study blind"}
+    assert having["workers"] == {"verify"} | BLIND | STUDIES
+    assert having["resume"] == {"study blind"} | STUDIES
+    assert having["draws"] == {"study blind"}
 
 
 @pytest.mark.parametrize("name", sorted(set(COMMANDS) - {"robots", "causes"}))
@@ -505,7 +506,7 @@ def test_out_says_what_it_is_and_where_by_default(name):
     [
         ["diagnose", "campaign.toml", "--resume"],
         ["simulate", "kr500", "--random", "3", "--workers", "2"],
-        ["study", "kr500", "--resume"],
+        ["study", "case", "drift/0", "--resume"],
         ["study", "kr500", "--draws", "3"],
         ["study", "blind", "--quick", "--draws", "3"],
         ["verify", "path.csv", "--model", "model.toml", "--workers", "0"],
@@ -537,11 +538,11 @@ SCRIPT = '''"""A study of my own."""
 from workbench import Fault, InputError, run_study
 
 
-def study(folder, seed, quick, say):
-    say(f"{folder} {seed} {quick}")
-    if seed == 1:
+def study(run):
+    run.say(f"{run.folder} {run.seed} {run.quick} {run.workers} {run.resume}")
+    if run.seed == 1:
         raise KeyboardInterrupt
-    if seed == 2:
+    if run.seed == 2:
         raise InputError(Fault("my.toml", "is not there"))
     raise ArithmeticError("no")
 
@@ -554,10 +555,11 @@ run_study(study)
     ("given", "status", "said"),
     [
         (["--help"], 0, "A study of my own."),
-        (["--quick"], 1, "… reports/mine 0 True\nfailed: ArithmeticError: no"),
-        (["--seed", "1", "--out", "here"], 130, "… here 1 False\ninterrupted\n"),
+        (["--quick"], 1, "… reports/mine 0 True None False\nfailed: ArithmeticError: no"),
+        (["--seed", "1", "--out", "here", "--workers", "3"], 130, "… here 1 False 3 False\ninterrupted\n"),
         (["--seed", "2"], 2, "error: my.toml: is not there"),
-        (["--resume"], 2, "unrecognized arguments: --resume"),
+        (["--resume"], 1, "… reports/mine 0 False None True\n"),
+        (["--draws", "3"], 2, "unrecognized arguments: --draws"),
         (["--out", "taken"], 2, "is a file, not a folder"),
     ],
 )

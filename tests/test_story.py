@@ -10,10 +10,11 @@ import pytest
 from workbench.report.charts import Series, Trace, curves, histogram, plane, rows
 from workbench.report.scene import Shown
 from workbench.report.story import tell
-from workbench.report.study import Study, Table
+from workbench.report.study import Stand, Study, Table
 from workbench.report.study_page import index, write_study
 from workbench.robot.description import load_robot
 
+CLAIMED = "[if high]High.[else]Low: {error_mm:mm}.[end]\n[if not high]In {share_high:%0} of draws.[end]"
 STORY = """# A robot: It is {error_mm:mm} mm off
 A paper, 2020
 
@@ -39,7 +40,7 @@ And {p:p} after it.
 
 ## Box
 ### What the paper concludes
-This.
+CLAIMED
 ### What its numbers support
 That.
 ### What we would measure next
@@ -47,11 +48,11 @@ More.
 
 ## Assumed
 - length | 0.5 m | not given
-"""
+""".replace("CLAIMED", CLAIMED)
 NUMBERS = {"error_mm": 1.2345, "share": -0.22, "zero": 0.0, "count": 31.4, "stiffness": 1002082.0, "p": 1e-7}
 
 
-def told(folder: Path, text: str = STORY) -> Study:
+def told(folder: Path, text: str = STORY, high: float = 0.96) -> Study:
     (folder / "case").mkdir(exist_ok=True)
     (folder / "case" / "story.md").write_text(text, encoding="utf-8")
     line = Series([1.0, 2.0, 3.0], [0.5, 1.5, 2.5], [1.5, 2.5, 3.5])
@@ -60,7 +61,9 @@ def told(folder: Path, text: str = STORY) -> Study:
         "list": Table("A list", ("Name", "Value"), [["a", "1"]]),
     }
     shown = Shown(np.zeros(6), np.ones((3, 3)), {"before": np.full((3, 3), 1e-3), "after": np.zeros((3, 3))})
-    return tell(folder / "case" / "story.md", load_robot("kr500"), NUMBERS, items, shown, "curve")
+    claims = {"high": Stand("it is high", high, 50, True)}
+    story = folder / "case" / "story.md"
+    return tell(story, load_robot("kr500"), NUMBERS, items, shown, "curve", claims=claims)
 
 
 def test_words_get_their_numbers(tmp_path: Path) -> None:
@@ -79,13 +82,22 @@ def test_words_get_their_numbers(tmp_path: Path) -> None:
     assert (table.note, table.right) == ("A note.", (1,))
     assert after == "And p ≈ 10⁻⁷ after it."
     assert listed.title == "A list"
-    assert (study.box.concludes, study.box.next) == ("This.", "More.")
+    assert (study.box.concludes, study.box.next) == ("High.", "More.")
     assert study.assumed == [("length", "0.5 m", "not given")]
     assert curve is study.picture
     assert text == 'A paragraph <b> & "more".'
     said = study.text.splitlines()
     assert said[0] == "A robot: It is 1.23 mm off"
     assert said[-2:] == ["  Error   1.23 → 0 mm   (a note)", "  Alone   31 poses"]
+
+
+def test_a_sentence_whose_claim_fails_is_not_said(tmp_path: Path) -> None:
+    assert told(tmp_path, high=0.9).box.concludes == "High."
+    study = told(tmp_path, high=0.88)
+    assert study.box.concludes == "Low: 1.23. In 88 % of draws."
+    assert study.to_json()["claims"]["high"] == {
+        "words": "it is high", "share": 0.88, "draws": 50, "here": True, "stands": False,
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -95,6 +107,9 @@ def test_words_get_their_numbers(tmp_path: Path) -> None:
         ("[[list]]", "[[lost]]", "no table or figure 'lost'"),
         ("[[list]]", "", "leaves out list"),
         ("| 2 | | |", "| 2 | |", "not as many cells"),
+        ("First line", "[if sure]a[end]", "no claim 'sure'"),
+        (CLAIMED, "", "does not ask for high"),
+        ("[else]Low", "[if high]no[end]Low", "stands within another choice"),
     ],
 )
 def test_a_story_that_does_not_fit_is_refused(tmp_path: Path, old: str, new: str, said: str) -> None:

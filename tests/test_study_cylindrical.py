@@ -12,6 +12,7 @@ from workbench.cli.main import main
 from workbench.report.study import Study
 from workbench.studies.cylindrical import printed
 from workbench.studies.running import run_published
+from workbench.studies.study_run import StudyRun
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> Study:
-    (study,) = run_published(("cylindrical",), folder, 0, True, lambda _: None)
+    (study,) = run_published(("cylindrical",), StudyRun(folder, quick=True))
     return study
 
 
@@ -64,13 +65,18 @@ def test_a_study_by_name_gives_its_result_alone(
 ) -> None:
     asked = []
 
-    def ran(*given: object) -> list[Study]:
-        asked.append(given[:4])
+    def ran(names: tuple[str, ...], run: StudyRun) -> list[Study]:
+        asked.append((names, run.folder, run.seed, run.quick, run.workers, run.resume))
         return [found]
 
     monkeypatch.setattr("workbench.studies.running.run_published", ran)
-    assert main(["study", "cylindrical", "--quick", "--json", "--out", str(folder)]) == 0
-    assert asked == [(("cylindrical",), folder, 0, True)]
+    assert (
+        main(
+            ["study", "cylindrical", "--quick", "--json", "--workers", "1", "--resume", "--out", str(folder)]
+        )
+        == 0
+    )
+    assert asked == [(("cylindrical",), folder, 0, True, 1, True)]
     result = json.loads(capsys.readouterr().out)
     assert (result["study"], result["robot"], result["schema"]) == ("cylindrical", "cylindrical", 1)
     assert json.loads((folder / "result.json").read_text(encoding="utf-8")) == result

@@ -12,7 +12,8 @@ from workbench.report.study import Study
 from workbench.robot.description import load_robot
 from workbench.studies.kr120 import machines, printed
 from workbench.studies.kr120 import study as kr120
-from workbench.studies.running import run
+from workbench.studies.running import run_script
+from workbench.studies.study_run import StudyRun
 
 STIFFNESSES = ("k21", "k22", "k23", "k24", "k25", "k26")
 
@@ -24,7 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> Study:
-    return run(kr120.study, folder, 0, True, lambda _: None)
+    return run_script(kr120.study, StudyRun(folder, quick=True))
 
 
 def test_gas_spring_alone_leaves_joint_2_as_it_is(found: Study) -> None:

@@ -23,7 +23,8 @@ from workbench.studies.kr500.count import Trade, trade
 from workbench.studies.kr500.loads import exact, moved
 from workbench.studies.kr500.missing import left_over
 from workbench.studies.kr500.protocol import IN_BASE, plan
-from workbench.studies.running import run
+from workbench.studies.running import run_script
+from workbench.studies.study_run import StudyRun
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> Study:
-    return run(kr500.study, folder, 0, True, lambda _: None)
+    return run_script(kr500.study, StudyRun(folder, quick=True))
 
 
 def test_cells_make_a_robot_of_constant_stiffness_worse(found: Study) -> None:

@@ -12,7 +12,8 @@ from workbench.campaign import load_campaign
 from workbench.report.study import Study
 from workbench.studies.longlink import printed
 from workbench.studies.longlink import study as longlink
-from workbench.studies.running import run
+from workbench.studies.running import run_script
+from workbench.studies.study_run import StudyRun
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> Study:
-    return run(longlink.study, folder, 0, True, lambda _: None)
+    return run_script(longlink.study, StudyRun(folder, quick=True))
 
 
 def test_geometry_alone_makes_the_printed_error(found: Study) -> None:

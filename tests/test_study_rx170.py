@@ -11,8 +11,9 @@ import pytest
 from workbench.campaign import load_campaign
 from workbench.report.study import Study
 from workbench.robot.description import load_robot
-from workbench.studies.running import run
+from workbench.studies.running import run_script
 from workbench.studies.rx170 import study as rx170
+from workbench.studies.study_run import StudyRun
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> Study:
-    return run(rx170.study, folder, 0, True, lambda _: None)
+    return run_script(rx170.study, StudyRun(folder, quick=True))
 
 
 def test_every_stiffness_is_found_within_its_interval(found: Study) -> None:

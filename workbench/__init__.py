@@ -123,6 +123,21 @@ if TYPE_CHECKING:
     from .simulation.virtual_campaign import random_geometry as random_geometry
     from .simulation.virtual_campaign import simulate as simulate
     from .studies import as_package as as_package
+    from .studies.account_tables import accounts_table as accounts_table
+    from .studies.account_tables import needs_table as needs_table
+    from .studies.account_tables import odds_figure as odds_figure
+    from .studies.account_tables import odds_table as odds_table
+    from .studies.accounts import Account as Account
+    from .studies.accounts import Item as Item
+    from .studies.accounts import Judged as Judged
+    from .studies.accounts import judge as judge
+    from .studies.claims import Claim as Claim
+    from .studies.claims import checked as checked
+    from .studies.draws import Draws as Draws
+    from .studies.draws import draw_many as draw_many
+    from .studies.draws import tornado as tornado
+    from .studies.priors import Prior as Prior
+    from .studies.study_run import StudyRun as StudyRun
     from .studies.telling import by_joint as by_joint
 
     __version__: str
@@ -182,6 +197,12 @@ _MODULES = {
     "simulation.export": "Exported export",
     "simulation.virtual_campaign": "Truth random_geometry simulate",
     "studies": "as_package",
+    "studies.account_tables": "accounts_table needs_table odds_figure odds_table",
+    "studies.accounts": "Account Item Judged judge",
+    "studies.claims": "Claim checked",
+    "studies.draws": "Draws draw_many tornado",
+    "studies.priors": "Prior",
+    "studies.study_run": "StudyRun",
     "studies.telling": "by_joint",
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}

@@ -23,6 +23,7 @@ from .status import guarded, progress
 
 if TYPE_CHECKING:
     from ..studies.running import Script
+    from ..studies.study_run import StudyRun
 
 
 def add(commands: Commands) -> None:
@@ -41,6 +42,8 @@ def _script_options(parser: argparse.ArgumentParser, folder: str) -> None:
     out_option(parser, f"folder for the page, the report, the scene and the numbers ({folder})", folder)
     seed_option(parser, "all that is simulated")
     quick_option(parser, "fewer poses and draws; not the figures that the study is judged by")
+    workers_option(parser)
+    parser.add_argument("--resume", action="store_true", help="take the draws of a stopped run, and go on")
     json_option(parser)
 
 
@@ -72,13 +75,20 @@ def run(arguments: argparse.Namespace) -> None:
 
     everything, folder = arguments.name == "all", arguments.out
     check_folder(folder)
-    names = PUBLISHED if everything else (arguments.name,)
-    found = run_published(names, folder, arguments.seed, arguments.quick, progress)
+    found = run_published(PUBLISHED if everything else (arguments.name,), _asked(arguments))
     if arguments.json:
         results = [study.to_json() for study in found]
         print(json.dumps(results if everything else results[0]))
     else:
         print("\n\n".join(study.text for study in found), f"open {folder}/index.html", sep="\n\n")
+
+
+def _asked(arguments: argparse.Namespace) -> StudyRun:
+    from ..studies.study_run import StudyRun
+
+    return StudyRun(
+        arguments.out, arguments.seed, arguments.quick, arguments.workers, arguments.resume, progress
+    )
 
 
 def run_blind(arguments: argparse.Namespace) -> None:
@@ -106,7 +116,7 @@ def run_case(arguments: argparse.Namespace) -> None:
 
 
 def run_study(script: Script) -> NoReturn:
-    """A study's script as a program of its own: `python my_study.py [--quick] [--out DIR] [--seed N]`."""
+    """A study's script as a program of its own: `python my_study.py [--quick] [--out DIR] ...`."""
     module = sys.modules[script.__module__]
     parser = argparse.ArgumentParser(description=module.__doc__)
     _script_options(parser, f"reports/{Path(module.__file__ or 'study/study.py').resolve().parent.name}")
@@ -114,9 +124,9 @@ def run_study(script: Script) -> NoReturn:
     def action() -> None:
         given = parser.parse_args()
         check_folder(given.out)
-        from ..studies.running import run as run_script  # only now: a wrong call is answered at once
+        from ..studies.running import run_script  # only now: a wrong call is answered at once
 
-        found = run_script(script, given.out, given.seed, given.quick, progress)
+        found = run_script(script, _asked(given))
         print(json.dumps(found.to_json()) if given.json else found.text)
 
     sys.exit(guarded(action))

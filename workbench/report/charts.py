@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from textwrap import fill
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .drawing import AFTER, BEFORE, INK, MIDDLE, MODEL, NOISE, Array, Figure, dots, drawing, plain_log
+from .drawing import AFTER, BEFORE, INK, MIDDLE, MODEL, MUTED, NOISE, Array, Figure, dots, drawing, plain_log
 
 PRINTED, OURS = BEFORE, AFTER
 COLOURS = (AFTER, BEFORE, NOISE, MIDDLE, MODEL)
@@ -102,6 +103,38 @@ def histogram(
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=max(len(marks), 1))
     said = "; ".join(f"{key}: {value:.4g}" for key, value in marks.items())
     return Figure(name, title, f"{label}, {len(given)} cases. {said}", svg[0])
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A row of a tornado chart: its number at both ends of what it stands for, and a note beside it."""
+
+    name: str
+    low: float
+    high: float
+    note: str = ""
+
+
+def tornado(
+    name: str, title: str, bars: Sequence[Bar], middle: tuple[float, float, float], label: str
+) -> Figure:
+    """How far a number moves with each of several things, widest first; middle: its 5, 50 and 95 %."""
+    with drawing(name, 0.95 + 0.42 * max(len(bars), 1)) as (axes, svg):
+        at = np.arange(len(bars))
+        low, centre, high = middle
+        axes.axvspan(low, high, color=MIDDLE, alpha=0.15, lw=0, label="all draws, 5 to 95 %")
+        axes.axvline(centre, color=MODEL, lw=1.2, label="median")
+        for colour, words, ends in ((BEFORE, "lowest third", "low"), (AFTER, "highest third", "high")):
+            width = [getattr(bar, ends) - centre for bar in bars]
+            axes.barh(at, width, left=centre, height=0.55, color=colour, alpha=0.8, label=words)
+        for row, bar in enumerate(bars):
+            axes.annotate(bar.note, (1.01, row), xycoords=("axes fraction", "data"), va="center", color=MUTED)
+        axes.set(yticks=at, ylim=(len(bars) - 0.5, -0.6), xlabel=label)
+        axes.set_yticklabels([fill(bar.name, 44) for bar in bars], color=INK)
+        axes.grid(axis="y", visible=False)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
+    said = "; ".join(f"{bar.name}: {bar.low:.3g} to {bar.high:.3g}" for bar in bars)
+    return Figure(name, title, f"{label}, median {middle[1]:.3g}. {said}", svg[0])
 
 
 @dataclass(frozen=True)

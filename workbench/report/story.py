@@ -22,6 +22,10 @@
     ## Assumed
     - what | value | why
 
+What may be said depends on what was found: `[if NAME] sentence [else] other sentence [end]`, anywhere, also
+in a heading or a cell ([else] may be left out), with NAME one of `claims`; `[if not NAME]` the other way
+round. `{share_NAME:%0}` is the share of draws it holds in. A paragraph that comes out empty is not there.
+
 Numbers come by name from the script, `{name:form}` with form: mm (a length in mm), % or %2 (a share in
 per cent, with so many decimals), .1 (decimals), 3 (significant digits), p (a probability).
 """
@@ -37,10 +41,11 @@ from ..robot.description import Robot
 from .drawing import Figure
 from .numbers import decimals, mm, p_value, percent, significant
 from .scene import Shown
-from .study import BOX_TITLES, Box, Section, Study, Table, Tile
+from .study import BOX_TITLES, Box, Section, Stand, Study, Table, Tile
 
 Item = Table | Figure
 ITEM = re.compile(r"\[\[(.+)\]\]")
+CHOICE = re.compile(r"\[if (not )?(\w+)\](.*?)(?:\[else\](.*?))?\[end\]", re.DOTALL)
 
 
 class _Number(float):
@@ -80,13 +85,17 @@ def tell(
     shown: Shown,
     picture: str,
     files: Mapping[str, str] | None = None,
+    claims: Mapping[str, Stand] | None = None,
 ) -> Study:
     """The study that `story` (a Markdown file as above) tells with these numbers, tables and figures.
 
-    picture: the item that stands for the study in the list of studies. Raises ValueError where the story
-    asks for what is not there, or leaves out a table or figure that is.
+    picture: the item that stands for the study in the list of studies; claims: what the story may say (it has
+    to ask for each). Raises ValueError where the story asks for what is not there, or leaves out a table,
+    figure or claim that is.
     """
-    parts = _parts(story, _filled(story, numbers), items)
+    said = claims or {}
+    shares = {f"share_{name}": stand.share for name, stand in said.items()}
+    parts = _parts(story, _chosen(story, _filled(story, {**numbers, **shares}), said), items)
     first, *others = parts
     title, _, headline = first.title.partition(": ")
     source, *summary = first.words
@@ -111,6 +120,7 @@ def tell(
         shown=shown,
         picture=chosen,
         files=files or {},
+        claims=said,
     )
 
 
@@ -122,10 +132,31 @@ def _filled(story: Path, numbers: Mapping[str, float]) -> str:
         raise ValueError(f"{story.name}: there is no number {error}") from None
 
 
+def _chosen(story: Path, text: str, claims: Mapping[str, Stand]) -> str:
+    """The text with what each claim allows to be said."""
+
+    def said(found: re.Match[str]) -> str:
+        if found[2] not in claims:
+            raise ValueError(f"{story.name}: there is no claim {found[2]!r}")
+        asked.add(found[2])
+        holds = claims[found[2]].stands is not bool(found[1])
+        return (found[3] if holds else found[4] or "").strip()
+
+    asked: set[str] = set()
+    text = CHOICE.sub(said, text)
+    if left := re.search(r"\[(if|else|end)\b[^]]*\]", text):
+        raise ValueError(
+            f"{story.name}: {left[0]} has no beginning or no end, or stands within another choice"
+        )
+    if missing := [name for name in claims if name not in asked]:
+        raise ValueError(f"{story.name} does not ask for {', '.join(missing)}")
+    return text
+
+
 def _parts(story: Path, text: str, items: Mapping[str, Item]) -> list[_Part]:
     """The story by its headings, of any level."""
     parts: list[_Part] = []
-    for block in re.split(r"\n\s*\n", text):
+    for block in filter(str.strip, re.split(r"\n\s*\n", text)):
         for piece in _pieces(block):
             if piece.startswith("#"):
                 parts.append(_Part(piece.lstrip("# ")))

@@ -58,6 +58,25 @@ class Tile:
     note: str = ""
 
 
+LEAST = 0.9  # of the draws a sentence has to hold in
+
+
+@dataclass(frozen=True)
+class Stand:
+    """How a claim stands. words: the claim in short; share: of the draws it holds in (of the run itself,
+    without draws); draws: how many; here: whether it holds in the run that the page shows."""
+
+    words: str
+    share: float
+    draws: int
+    here: bool
+
+    @property
+    def stands(self) -> bool:
+        """May be said: it holds here, and in nine of ten draws."""
+        return self.here and self.share >= LEAST
+
+
 BOX_TITLES = {
     "concludes": "What the paper concludes",
     "supports": "What its numbers support",
@@ -82,7 +101,7 @@ class Study:
     summary: a short paragraph. assumed: (what, value, why) that the paper does not give, beyond what the
     robot's TOML marks. numbers: the headline figures by name, SI or with the unit in the name. picture:
     the figure that stands for it in the list of studies. files: name → link of what else the study wrote
-    into its folder.
+    into its folder. claims: what its sentences hang on.
     """
 
     name: str
@@ -99,6 +118,7 @@ class Study:
     shown: Shown
     picture: Figure
     files: Mapping[str, str] = field(default_factory=dict)
+    claims: Mapping[str, Stand] = field(default_factory=dict)
 
     @property
     def tables(self) -> list[Table]:
@@ -111,7 +131,7 @@ class Study:
         return [item for section in self.sections for item in section.content if isinstance(item, Figure)]
 
     def to_json(self) -> dict[str, Any]:
-        """Numbers, tables and box."""
+        """Numbers, tables, claims and box."""
         return {
             "schema": 1,
             "study": self.name,
@@ -123,6 +143,7 @@ class Study:
                 {"title": t.title, "head": list(t.head), "rows": [list(row) for row in t.rows]}
                 for t in self.tables
             ],
+            "claims": {key: {**vars(c), "stands": c.stands} for key, c in self.claims.items()},
             "box": vars(self.box),
         }
 

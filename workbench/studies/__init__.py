@@ -2,7 +2,7 @@
 
 A published study tells a paper again and asks what its numbers support. It is one folder:
 
-    study.py     the story in order: measure, fit, compare, question; it ends in `tell`
+    study.py     `study(run)`, the story in order: measure, fit, compare, question; it ends in `tell`
     story.md     its words; numbers, tables and figures come by name from the script
     printed.py   what the paper prints, each value with its unit and its place there; nowhere else
     *.py         chapters: what a step of the story takes beyond a screen
@@ -17,6 +17,18 @@ To begin one of your own, copy a folder to any place and change it:
    measurement (a plan that `simulate` measures in Drake, or `load_campaign` of your own files), the fit and
    the question. Everything comes from `from workbench import ...`; `tell` gets numbers, tables and figures.
 4. In `story.md` put your words. A name that is not there, or a table that is not used, is refused.
+
+What such a page says it has to earn:
+
+- `judge(accounts, items, draws, run)` holds several accounts of how the print came to be, the authors' own
+  among them, against all that is printed; `accounts_table`, `odds_table` and so on show it.
+- `draw_many(work, priors, draws, run)` draws the headline over seeds and over what had to be assumed;
+  `tornado` shows which assumption carries it, `.by_name()` gives a story medians and 5 to 95 %.
+- `checked(claims, numbers, draws)` says how often each sentence holds; `tell(..., claims=...)` has the story
+  say `[if NAME] this [else] that [end]`: a claim stands that holds in the run and in nine of ten draws.
+
+`run` (`StudyRun`) has folder, seed, quick, workers and resume; `run.draws(full, quick)` says how many draws.
+All run through `tasks.run_tasks`: what they call has to be a function of a module, or a `partial` of one.
 
 The chapters are imported from the folder they lie in (`from .printed import ...`), as in any package. Run as
 a script, `study.py` belongs to no package; the two lines with `as_package` make its folder one.

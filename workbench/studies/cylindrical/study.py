@@ -6,7 +6,6 @@ prints stiffnesses that are off by far more. Question: what noise, or what fault
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +21,7 @@ from workbench import (
     Robot,
     Shown,
     Study,
+    StudyRun,
     Target,
     Truth,
     as_package,
@@ -54,8 +54,9 @@ CIRCLE = path_shapes.circle(0.15, path_shapes.Run(path_shapes.work_frame([0.75, 
 ENLARGED = 60.0
 
 
-def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:
+def study(run: StudyRun) -> Study:
     """Identification, the question about its errors, and the circle."""
+    folder, seed, quick, progress = run.folder, run.seed, run.quick, run.say
     robot = load_robot("cylindrical")
     progress(f"measuring {POSES} poses before and after loading")
     plan = loaded_poses(robot, seed)

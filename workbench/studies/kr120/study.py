@@ -7,7 +7,7 @@ what else can, and which measurement decides?
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from workbench import (
     Problem,
     Rig,
     Study,
+    StudyRun,
     Table,
     Target,
     as_package,
@@ -79,8 +80,9 @@ FILES = {
 }
 
 
-def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:
+def study(run: StudyRun) -> Study:
     """Table I on simulated machines, the gas spring that it would need, and the measurement that decides."""
+    folder, seed, quick, progress = run.folder, run.seed, run.quick, run.say
     robot = stored(folder / "robot" / "kr120.toml", load_robot("kr120"))
     progress(f"choosing {CONFIGURATIONS} configurations in six groups")
     A0 = RIG.moved(robot, TEST_POSE, TEST_FORCE)

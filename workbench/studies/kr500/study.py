@@ -8,7 +8,7 @@ what do they gain when an effect of the load is missing, and can that effect be 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from workbench import (
     Figure,
     Shown,
     Study,
+    StudyRun,
     Table,
     Truth,
     as_package,
@@ -55,8 +56,9 @@ def soft_zone(wrench: Array) -> Array:
     return np.array([0, 0, 0, 0, 0, SOFT_YIELD * x / np.sqrt(1 + x**2)])
 
 
-def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:
+def study(run: StudyRun) -> Study:
     """Two true robots, (a) of constant stiffness, (b) with a soft zone; the paper's protocol on both."""
+    folder, seed, quick, progress = run.folder, run.seed, run.quick, run.say
     robot = load_robot("kr500")
     rng = np.random.default_rng([seed, 1])
     fine = cells(BOX, CUTS["128"])

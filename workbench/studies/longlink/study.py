@@ -7,13 +7,13 @@ after, needs flexibility, and which measurement would show it?
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from workbench import (
     Figure,
     Shown,
     Study,
+    StudyRun,
     Table,
     as_package,
     load_robot,
@@ -45,8 +45,9 @@ FILES = {
 }
 
 
-def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:
+def study(run: StudyRun) -> Study:
     """What the tables say, what bends, what leaves the printed error, calibration, what would show load."""
+    folder, seed, quick, progress = run.folder, run.seed, run.quick, run.say
     assumed = load_robot("longlink")
     progress("comparing the two printed tables")
     geometry = two_tables(seed, 20_000 if quick else 200_000)

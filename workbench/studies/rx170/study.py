@@ -8,7 +8,7 @@ height from peak to valley that both corrections leave?
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from workbench import (
@@ -17,6 +17,7 @@ from workbench import (
     Fit,
     Robot,
     Study,
+    StudyRun,
     Table,
     as_package,
     compensate_file,
@@ -42,8 +43,9 @@ from .printed import NUMBERS, POSES, SPIRAL_TURNS
 from .spiral import ELBOW_UP, draw_spirals, printed_numbers, spiral_numbers
 
 
-def study(folder: Path, seed: int, quick: bool, progress: Callable[[str], None]) -> Study:
+def study(run: StudyRun) -> Study:
     """Stiffness axis by axis, the sweep, what it separates, the spiral."""
+    folder, seed, quick, progress = run.folder, run.seed, run.quick, run.say
     robot = load_robot("rx170")
     truth, share = hidden(folder, robot, seed)
     progress("loading each joint by itself")

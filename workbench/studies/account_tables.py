@@ -1,0 +1,116 @@
+"""Accounts judged, as tables and figures: what each reproduces and misses, its odds, and what it needs."""
+
+from __future__ import annotations
+
+import math
+
+from ..report import charts
+from ..report.drawing import Figure
+from ..report.numbers import MISSING, decimals, percent, probability, significant
+from ..report.study import Table
+from .accounts import MISSED, Judged, Standing
+from .evidence import Evidence
+
+
+def accounts_table(judged: Judged) -> Table:
+    """Account × printed item."""
+    names = [item.name for item in judged.items]
+    head = ("Account", *(item.words for item in judged.items), "All together")
+    rows = [
+        [a.words, *(_stands(judged.standing(a.name, item)) for item in (*names, None))]
+        for a in judged.accounts
+    ]
+    places = "; ".join(f"{item.words}: {item.place}" for item in judged.items)
+    note = (
+        f"In brackets: the share of the account's {_draws(judged)} draws that lie as far from their middle "
+        f"as the print; at {percent(MISSED, 0)} or less it is missed, by so many of the draws' standard "
+        "deviations. "
+        f"Printed in: {places}."
+    )
+    return Table("What each account reproduces of what is printed, and what it misses", head, rows, note, ())
+
+
+def odds_table(judged: Judged) -> Table:
+    """Evidence and posterior odds under equal priors, and without each item."""
+    shares = judged.probabilities()
+    items = [i for i in judged.items if len(judged.items) > 1]
+    without = {item.name: judged.probabilities(item.name) for item in items}
+    best = max(e.log10 for e in judged.evidence.values())
+    rows = [
+        [
+            a.words,
+            str(len(a.priors)),
+            _odds(judged.evidence[a.name], best),
+            _share(shares[a.name]),
+            *(_share(without[item.name][a.name]) for item in items),
+        ]
+        for a in judged.accounts
+    ]
+    head = ("Account", "Free values", "log₁₀ odds to the best", "Probability",
+            *(f"… without {item.words}" for item in items))  # fmt: skip
+    note = (
+        "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
+        f"averaged over {_draws(judged)} draws of each account's free values: kernel density of the draws. "
+        "±: one standard deviation of its Monte-Carlo error, or what a kernel half as wide changes."
+    )
+    return Table("Odds of the accounts, from all that is printed", head, rows, note)
+
+
+def needs_table(judged: Judged) -> Table:
+    """Each free value: what was allowed, and what the print makes of it."""
+    rows = []
+    for account in judged.accounts:
+        for key, prior in account.priors.items():
+            low, middle, high = judged.needed(account.name, key)
+            found = [significant(x) if math.isfinite(x) else MISSING for x in (middle, low, high)]
+            rows.append(
+                [account.words, prior.words, prior.range, found[0], f"{found[1]} … {found[2]}", prior.why]
+            )
+    head = ("Account", "Free value", "Allowed", "Needed", "5 … 95 %", "Why this range")
+    note = "Needed: median of the draws, each weighted by how near it comes to the print."
+    return Table("What each account was free to choose, and what it has to choose", head, rows, note, (3,))
+
+
+def odds_figure(judged: Judged, name: str = "odds") -> Figure:
+    """Evidence of each account, relative to the best."""
+    best = max(e.log10 for e in judged.evidence.values())
+    logs = [max(e.log10 - best, -300.0) for e in judged.evidence.values()]
+    errors = [min(e.error, 300.0) for e in judged.evidence.values()]
+    series = {"odds": charts.Series(
+        logs, [a - 2 * e for a, e in zip(logs, errors, strict=True)],
+        [a + 2 * e for a, e in zip(logs, errors, strict=True)], charts.OURS,
+    )}  # fmt: skip
+    shares = judged.probabilities()
+    first = max(shares, key=lambda key: shares[key])
+    title = f"Of the accounts, “{_words(judged, first)}” carries {probability(shares[first])}"
+    names = [a.words for a in judged.accounts]
+    return charts.rows(
+        name, title, names, series, "log₁₀ of the odds to the best account, ± two standard deviations"
+    )
+
+
+def _draws(judged: Judged) -> str:
+    return decimals(float(len(next(iter(judged.predicted.values())))), 0)
+
+
+def _words(judged: Judged, account: str) -> str:
+    return next(a.words for a in judged.accounts if a.name == account)
+
+
+def _stands(found: Standing) -> str:
+    share = percent(found.share, 0 if found.share >= 0.01 else 1)
+    if found.reproduced:
+        return f"reproduces ({share})"
+    if not math.isfinite(found.distance):
+        return "prints nothing"
+    return f"misses by {decimals(found.distance, 1 if found.distance < 100 else 0)} σ ({share})"
+
+
+def _odds(found: Evidence, best: float) -> str:
+    if not math.isfinite(found.log10):
+        return "−∞"
+    return f"{decimals(found.log10 - best, 1)} ± {decimals(found.error, 1)}"
+
+
+def _share(value: float) -> str:
+    return probability(value) if math.isfinite(value) else MISSING

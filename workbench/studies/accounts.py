@@ -1,0 +1,258 @@
+"""Accounts of how printed numbers came to be, each judged by all that is printed.
+
+An account is a story that can be simulated: its free values are drawn from what may be assumed, and it says
+what the paper would have printed. `judge` draws each many times and asks how the print lies among its draws.
+All accounts are judged by the same items: what an account does not speak about it has to predict as well.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..robot.kinematics import Array
+from .evidence import Evidence, evidence, spread
+from .priors import Prior, drawn
+from .study_run import StudyRun
+from .tasks import run_tasks
+
+CHUNK = 50  # draws per task
+MISSED = 0.05  # of its draws as far out as the print, or fewer: the account misses it
+
+
+@dataclass(frozen=True)
+class Item:
+    """A printed number, or row of k numbers.
+
+    value: as printed; sd: of each, from its rounding and the scatter that the paper states (> 0), in the
+    value's unit; place: where it is printed; ratio: compared as logarithm (value > 0).
+    """
+
+    name: str
+    words: str
+    value: ArrayLike
+    sd: ArrayLike
+    place: str
+    ratio: bool = False
+
+    def __post_init__(self) -> None:
+        value, sd = np.atleast_1d(self.value), np.atleast_1d(self.sd)
+        if (sd <= 0).any() or (self.ratio and (value <= 0).any()):
+            raise ValueError(f"{self.name}: sd, and value where a ratio is compared, have to be above zero")
+
+    def compared(self, values: ArrayLike) -> Array:
+        """(k,) numbers as they are compared; what has no logarithm is NaN."""
+        given = np.atleast_1d(np.asarray(values, dtype=float))
+        if not self.ratio:
+            return given
+        return np.asarray(np.log(np.where(given > 0, given, np.nan)))
+
+    @property
+    def target(self) -> tuple[Array, Array]:
+        """(k,) the print and its standard deviations, as they are compared."""
+        value, sd = np.broadcast_arrays(np.atleast_1d(self.value), np.atleast_1d(self.sd))
+        return self.compared(value), np.asarray(sd / value if self.ratio else sd, dtype=float)
+
+
+Predict = Callable[[Mapping[str, float], np.random.Generator], Mapping[str, ArrayLike]]
+
+
+@dataclass(frozen=True)
+class Account:
+    """A story of how the print came to be.
+
+    priors: its free values; predict: their values and a random generator → item name → (k,) what would have
+    been printed (NaN: these values print nothing). It runs in other processes: a function of a module, or
+    a `partial` of one with things that can be pickled.
+    """
+
+    name: str
+    words: str
+    priors: Mapping[str, Prior]
+    predict: Predict
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How a print stands among the draws of an account. share: of the draws lie as far from their middle as
+    the print; distance: of the print from there in standard deviations (root mean square of its numbers)."""
+
+    share: float
+    distance: float
+
+    @property
+    def reproduced(self) -> bool:
+        return self.share > MISSED
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Accounts held against items.
+
+    values: account → free value → (D,); predicted: account → (D, K), all items side by side as compared.
+    """
+
+    accounts: Sequence[Account]
+    items: Sequence[Item]
+    values: Mapping[str, Mapping[str, Array]]
+    predicted: Mapping[str, Array]
+    seed: int
+
+    def columns(self, item: str) -> slice:
+        """Where an item's numbers stand in `predicted`."""
+        start = 0
+        for given in self.items:
+            size = len(given.target[0])
+            if given.name == item:
+                return slice(start, start + size)
+            start += size
+        raise KeyError(item)
+
+    @property
+    def target(self) -> tuple[Array, Array]:
+        """(K,) all that is printed, and its standard deviations."""
+        value, sd = zip(*(item.target for item in self.items), strict=True)
+        return np.concatenate(value), np.concatenate(sd)
+
+    def standing(self, account: str, item: str | None = None) -> Standing:
+        """Of an item, or of all together."""
+        at = slice(None) if item is None else self.columns(item)
+        made = self.predicted[account][:, at]
+        value, sd = (part[at] for part in self.target)
+        good = made[np.isfinite(made).all(axis=1)]
+        if len(good) < 10:
+            return Standing(0.0, np.inf)
+        found = spread(good)
+        shaken = good + sd * np.random.default_rng([self.seed, 7]).normal(size=good.shape)
+        far = float(found.distance(value, sd)[0])
+        share = float((found.distance(shaken, sd) >= far).sum()) / len(made)
+        return Standing(share, far)
+
+    def evidences(self, without: str | None = None) -> dict[str, Evidence]:
+        """Of each account, from all items or all but one."""
+        keep = np.ones(len(self.target[0]), dtype=bool)
+        if without is not None:
+            keep[self.columns(without)] = False
+        value, sd = (part[keep] for part in self.target)
+        return {
+            a.name: evidence(self.predicted[a.name][:, keep], value, sd, self.seed) for a in self.accounts
+        }
+
+    @cached_property
+    def evidence(self) -> dict[str, Evidence]:
+        """Of each account, from all items."""
+        return self.evidences()
+
+    def probabilities(self, without: str | None = None) -> dict[str, float]:
+        """Of each account, if all were as probable before the print was seen and there were no other."""
+        found = self.evidence if without is None else self.evidences(without)
+        logs = np.array([each.log10 for each in found.values()])
+        if not np.isfinite(logs).any():
+            return dict.fromkeys(found, np.nan)
+        shares = 10 ** (logs - logs.max())
+        return dict(zip(found, (shares / shares.sum()).tolist(), strict=True))
+
+    def needed(self, account: str, value: str) -> tuple[float, float, float]:
+        """5, 50 and 95 % of a free value, once the print is seen: weighted draws, corrected by linear
+        regression for what their numbers miss the print by (Beaumont et al. 2002)."""
+        prior = next(a for a in self.accounts if a.name == account).priors[value]
+        weights = self.evidence[account].weights
+        near = weights > 1e-12
+        if near.sum() < 10:
+            return (np.nan, np.nan, np.nan)
+        target, sd = self.target
+        root, made = np.sqrt(weights[near])[:, None], self.predicted[account][near]
+        missed = made + sd * np.random.default_rng([self.seed, 8]).normal(size=made.shape) - target
+        shares = np.array([prior.share(size) for size in self.values[account][value][near]])
+        slope = np.linalg.lstsq(root * np.column_stack([np.ones(len(missed)), missed]), root[:, 0] * shares)[
+            0
+        ]
+        shares = np.clip(shares - missed @ slope[1:], 0.0, 1.0)
+        order = np.argsort(shares)
+        kept = weights[near][order]
+        ends = np.interp([0.05, 0.5, 0.95], np.cumsum(kept) - kept / 2, shares[order])
+        low, middle, high = (prior.at(float(end)) for end in ends)
+        return low, middle, high
+
+    def numbers(self) -> dict[str, float]:
+        """For a story: p_ACCOUNT its probability, log10_ACCOUNT and log10_ACCOUNT_error its evidence,
+        share_ACCOUNT_ITEM and far_ACCOUNT_ITEM its standings (ITEM: all for all together), ACCOUNT_VALUE,
+        ACCOUNT_VALUE_low and ACCOUNT_VALUE_high what it needs."""
+        found = {f"p_{name}": p for name, p in self.probabilities().items()}
+        for account in self.accounts:
+            a = account.name
+            found |= {f"log10_{a}": self.evidence[a].log10, f"log10_{a}_error": self.evidence[a].error}
+            for item in (*(i.name for i in self.items), None):
+                stands = self.standing(a, item)
+                found |= {
+                    f"share_{a}_{item or 'all'}": stands.share,
+                    f"far_{a}_{item or 'all'}": stands.distance,
+                }
+            for value in account.priors:
+                low, middle, high = self.needed(a, value)
+                found |= {f"{a}_{value}": middle, f"{a}_{value}_low": low, f"{a}_{value}_high": high}
+        return found
+
+
+def judge(
+    accounts: Sequence[Account], items: Sequence[Item], draws: int, run: StudyRun, chunk: int = CHUNK
+) -> Judged:
+    """Each account drawn `draws` times and held against all items; resumable, on all cores.
+
+    chunk: draws per task. Raises RuntimeError where an account fails, with the end of its traceback.
+    """
+    starts = range(0, draws, chunk)
+    keys = [f"{account.name}/{start}" for account in accounts for start in starts]
+    facts = {
+        "seed": run.seed,
+        "draws": draws,
+        "chunk": chunk,
+        "items": {i.name: np.atleast_1d(i.value).tolist() for i in items},
+        "priors": {a.name: {k: repr(p) for k, p in a.priors.items()} for a in accounts},
+    }
+    work = partial(_drawn_chunk, {a.name: a for a in accounts}, tuple(items), run.seed, chunk, draws)
+    done = run_tasks(
+        work,
+        keys,
+        run.store("accounts"),
+        study=facts,
+        workers=run.workers,
+        resume=run.resume,
+        label="accounts",
+    )
+    values: dict[str, dict[str, Array]] = {}
+    predicted: dict[str, Array] = {}
+    for account in accounts:
+        parts = [done[f"{account.name}/{start}"] for start in starts]
+        if failed := next((part for part in parts if part.error), None):
+            raise RuntimeError(f"account {account.name}: {failed.error}")
+        values[account.name] = {
+            name: np.concatenate([part.result["values"][name] for part in parts]) for name in account.priors
+        }
+        rows = [row for part in parts for row in part.result["rows"]]
+        predicted[account.name] = np.array(rows, dtype=float)
+    return Judged(accounts, items, values, predicted, run.seed)
+
+
+def _drawn_chunk(
+    accounts: Mapping[str, Account], items: Sequence[Item], seed: int, chunk: int, draws: int, key: str
+) -> dict[str, Any]:
+    """One task: some draws of one account, with what is not finite as None for JSON."""
+    name, _, start = key.rpartition("/")
+    account, rows = accounts[name], []
+    values: dict[str, list[float]] = {value: [] for value in account.priors}
+    for at in range(int(start), min(int(start) + chunk, draws)):
+        rng = np.random.default_rng([seed, zlib.crc32(name.encode()), at])
+        free = drawn(account.priors, rng)
+        made = account.predict(free, rng)
+        row = np.concatenate([np.broadcast_to(i.compared(made[i.name]), i.target[0].shape) for i in items])
+        rows.append([float(x) if np.isfinite(x) else None for x in row])
+        for value, size in free.items():
+            values[value].append(size)
+    return {"values": values, "rows": rows}

@@ -1,0 +1,95 @@
+"""How probable printed numbers are among draws of an account: the density of the draws where the print lies.
+
+Each draw is a Gaussian bump: as wide as the print's own uncertainty, and a kernel beside it, h² of the draws'
+covariance with all draws taken towards their middle by √(1 − h²), so that their covariance stays (West 1993).
+With many draws of few numbers h is small and the density is that of approximate Bayesian computation; with
+few draws of many numbers h comes near 1 and it is a single Gaussian (a synthetic likelihood).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import logsumexp
+
+from ..robot.kinematics import Array
+
+CLIPPED = 4.0  # of the draws' scale: what lies farther out says no more about their covariance
+RESAMPLED = 200
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """log10: of the density at the print; error: one standard deviation of its Monte-Carlo error, or what
+    half the kernel changes, whichever is larger; weights: (D,) how much each draw carries, sum 1."""
+
+    log10: float
+    error: float
+    weights: Array
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Middle (K,) and covariance (K, K) of draws, not moved by what lies far out."""
+
+    middle: Array
+    covariance: Array
+
+    def distance(self, points: Array, sd: Array) -> Array:
+        """(N,) root of the mean of squares of what points (N, K) miss the middle by, in standard deviations
+        of the draws with the print's own uncertainty sd (K,) on top."""
+        lower = np.linalg.cholesky(self.covariance + np.diag(sd**2))
+        missed = np.linalg.solve(lower, (np.atleast_2d(points) - self.middle).T)
+        return np.asarray(np.sqrt((missed**2).mean(axis=0)))
+
+
+def spread(drawn: Array) -> Spread:
+    """Of draws (D, K), D ≥ 2: the median; the covariance of what is clipped to a few scales of 16 to 84 %."""
+    count, size = drawn.shape
+    low, middle, high = np.quantile(drawn, [0.16, 0.5, 0.84], axis=0)
+    scale = np.maximum((high - low) / 2, 1e-300)
+    clipped = np.clip((drawn - middle) / scale, -CLIPPED, CLIPPED)
+    covariance = np.atleast_2d(np.cov(clipped.T)) * np.outer(scale, scale)
+    if count < 10 * size:  # too few for a full covariance
+        share = size / (count + size)
+        covariance = (1 - share) * covariance + share * np.diag(np.diag(covariance))
+    return Spread(middle, covariance)
+
+
+def evidence(drawn: Array, value: Array, sd: Array, seed: int = 0) -> Evidence:
+    """Of a print value (K,) with uncertainty sd (K,) among draws (D, K). A draw that is not finite could not
+    have made the print; it counts as one that misses it."""
+    good = np.isfinite(drawn).all(axis=1)
+    weights = np.zeros(len(drawn))
+    if good.sum() < 10:
+        return Evidence(-np.inf, 0.0, weights)
+    each = _bumps(drawn[good], value, sd, 1.0)
+    narrow = _bumps(drawn[good], value, sd, 0.5)
+    whole = _log10_mean(each, len(drawn))
+    again = np.random.default_rng([seed, len(drawn)]).integers(len(drawn), size=(RESAMPLED, len(drawn)))
+    filled = np.full(len(drawn), -np.inf)
+    filled[good] = each
+    means = [_log10_mean(filled[take], len(drawn)) for take in again]
+    weights[good] = np.exp(each - logsumexp(each))
+    error = max(
+        float(np.std([m for m in means if np.isfinite(m)])), abs(_log10_mean(narrow, len(drawn)) - whole)
+    )
+    return Evidence(whole, error, weights)
+
+
+def _bumps(drawn: Array, value: Array, sd: Array, narrower: float) -> Array:
+    """(D,) log density of each draw's bump at the print."""
+    count, size = drawn.shape
+    width = narrower * min(1.0, (4 / (size + 2) / count) ** (1 / (size + 4)))
+    found = spread(drawn)
+    centres = found.middle + np.sqrt(1 - width**2) * (drawn - found.middle)
+    lower = np.linalg.cholesky(width**2 * found.covariance + np.diag(sd**2))
+    missed = np.linalg.solve(lower, (value - centres).T)
+    return np.asarray(
+        -0.5 * (missed**2).sum(axis=0) - np.log(np.diag(lower)).sum() - size / 2 * np.log(2 * np.pi)
+    )
+
+
+def _log10_mean(logs: Array, count: int) -> float:
+    return float((logsumexp(logs) - np.log(count)) / np.log(10))
