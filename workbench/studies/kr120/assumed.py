@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -16,10 +15,8 @@ log = partial(Prior, log=True)
 
 def common(pool: int) -> dict[str, Prior]:
     """What all accounts leave open; pool: how many plans."""
-    scale = log("", 0.6, 1.5, why="about Table I")
     return {
         "plan": Prior("plan of the pool", 0, pool, why="angles, counts, tool, hook and pulls are not printed"),
-        **{f"gear_{j}": replace(scale, words=f"compliance of joint {j} over Table I's") for j in range(1, 7)},
         "noise": log("noise per axis and reading", 10, 60, "µm", why="a tracker and a robot at rest"),
         "charge": Prior("charge of the gas over a KR 300's", 0.5, 1.5, why="not public"),
         "reading": Prior("“CI” is 1 σ (below ½) or 95 %", 0, 1, why="the paper does not say"),

@@ -1,7 +1,7 @@
 """Which measurement tells a soft gear of the KR 120 from a changed compensator, and how often?
 
-Each machine is diagnosed from pairs like the paper's, read as absolute poses; from poses under three loads,
-some of which reverse joint 2's torque; and from these with motor torque.
+Each machine is diagnosed from pairs like the paper's, read as absolute poses, and from poses under three loads
+with motor torque.
 """
 
 from __future__ import annotations
@@ -41,11 +41,10 @@ from .world import soft_zone
 GAS = catalogue()["gravity_compensator"](variant="charge")
 WAYS = {
     "pairs": "pairs, read as absolute poses",
-    "loads": "poses under three loads",
-    "torque": "… with motor torque",
+    "torque": "poses under three loads, with motor torque",
 }
 MACHINES = {"gas": "as modelled", "soft": "soft gear", "leak": "lost charge"}
-POSES = 24  # of each campaign; thrice under three loads
+POSES = 16  # of each campaign; thrice under three loads
 DRIVE_NOISE = 0.03  # share of a joint's largest torque
 TOOL = 25.0  # kg
 RIG = rig(TOOL, MARKER_PLACES[0][0], 200.0)
@@ -103,7 +102,7 @@ def one_of_each(values: Mapping[str, float], seed: int) -> dict[str, float]:
             found[f"mistaken_{name}_{way}"] = float(mistaken(name, said))
             right *= found[f"{name}_{way}"]
         found[f"apart_{way}"] = right
-    bare, _, full = problem_of(campaigns("loads", seed)).nominal_load.local[:, JOINT + 1, RZ].reshape(3, -1)
+    bare, _, full = problem_of(campaigns("torque", seed)).nominal_load.local[:, JOINT + 1, RZ].reshape(3, -1)
     return found | {"reversing": float((bare * full < 0).mean())}
 
 
@@ -136,7 +135,7 @@ def deciding_draws(count: int, run: StudyRun) -> Draws:
 
 def deciding_numbers(draws: Draws) -> dict[str, float]:
     """Shares of the draws in which each way tells each machine, and all three."""
-    share = {f"share_{name}": float(column.mean()) for name, column in draws.numbers.items() if name != "reversing"}
+    share = {f"told_{name}": float(column.mean()) for name, column in draws.numbers.items() if name != "reversing"}
     return share | {
         "deciding_draws": float(draws.count),
         "deciding_poses": float(POSES),
@@ -151,9 +150,9 @@ def deciding_table(draws: Draws) -> Table:
     rows = [
         [
             words,
-            *(numbers.percent(n[f"share_{name}_{way}"], 0) for name in MACHINES),
-            *(numbers.percent(n[f"share_mistaken_{name}_{way}"], 0) for name in ("soft", "leak")),
-            numbers.percent(n[f"share_apart_{way}"], 0),
+            *(numbers.percent(n[f"told_{name}_{way}"], 0) for name in MACHINES),
+            *(numbers.percent(n[f"told_mistaken_{name}_{way}"], 0) for name in ("soft", "leak")),
+            numbers.percent(n[f"told_apart_{way}"], 0),
         ]
         for way, words in WAYS.items()
     ]

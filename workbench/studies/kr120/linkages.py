@@ -68,8 +68,8 @@ def _fitted(triangle: Linkage, q: Array, rng: np.random.Generator) -> tuple[floa
     return float(stats.chi2.sf(spring.chi2, spring.dof)), float(np.abs(spring.force).max())
 
 
-def linkage_numbers(draws: Draws, any_order: float) -> dict[str, float]:
-    """For the story. any_order: χ² of the best of all orders on the robot's own linkage."""
+def linkage_numbers(draws: Draws) -> dict[str, float]:
+    """For the story."""
     made = np.isfinite(draws.numbers["fit_p"])
     p, force = draws.numbers["fit_p"][made], draws.numbers["fit_force"][made]
     low, middle, high = np.quantile(draws.numbers["change"], [0.05, 0.5, 0.95])
@@ -87,7 +87,6 @@ def linkage_numbers(draws: Draws, any_order: float) -> dict[str, float]:
         "linkage_fit_p_most": float(p.max()),
         "linkage_force_MN_p05": 1e-6 * float(np.quantile(force, 0.05)),
         "linkage_force_MN_mid": 1e-6 * float(np.median(force)),
-        "any_order_sum": any_order,
     }
 
 

@@ -23,7 +23,7 @@ from .printed import CONFIGURATIONS, LOAD, MARKERS_APART, MARKERS_BEFORE
 
 JOINT = 1  # joint 2, from 0
 ANGLES, LEAST, MOST = 6, 3, 7  # section IV: configurations at each of the angles
-POOL, QUICK_POOL = 36, 10  # plans
+POOL, QUICK_POOL = 36, 6  # plans
 CANDIDATES = 60  # configurations at each angle to choose from
 ACROSS, BEFORE = MARKERS_APART / 2, MARKERS_BEFORE
 MARKER_PLACES = (ACROSS, 0.0, BEFORE), (-ACROSS, 0.0, BEFORE), (0.0, ACROSS, BEFORE)  # m, on the flange

@@ -35,6 +35,9 @@ KR300_ANGLES = np.radians(np.arange(-120, -39, 10))
 KR300_PRESSURES = 1e5 * np.array([170, 167, 164, 162, 164, 170, 180, 190, 200])
 """[Pa] as gauged there."""
 
+KR300_TANKS, KR300_PISTON = 2 * 0.48e-3, float(np.pi / 4 * (0.055**2 - 0.030**2))
+"""[m³, m²] two tanks of 0.48 l, and the ring of a 55 mm piston about a 30 mm rod, from there."""
+
 NUMBERS = {
     "configurations": float(CONFIGURATIONS),
     "points": 6.0 * CONFIGURATIONS,
