@@ -1,4 +1,5 @@
-"""The KR 120 study: gas springs on any linkage, accounts of Table I, the plan, and the deciding measurement."""
+"""The KR 120 study: gas springs on any linkage, accounts of Table I, the plan, and the deciding
+measurement."""
 
 from __future__ import annotations
 
@@ -77,7 +78,8 @@ def test_plans_are_as_the_paper_says() -> None:
         plan = plans.plan(number)
         counts = np.bincount(plan.group)
         assert plan.count == printed.CONFIGURATIONS
-        assert (counts >= 3).all() and (counts <= 7).all()
+        assert (counts >= 3).all()
+        assert (counts <= 7).all()
         q2 = plan.problem.q[: plan.count, 1]
         assert q2 == pytest.approx(plan.angles[plan.group], abs=1e-6)
 

@@ -50,8 +50,8 @@ class Rig:
 @dataclass(frozen=True)
 class GroupPlan:
     """The pairs of all groups. rho0 [m]: eq. (18), summed over the groups; random: (R,) [m] the same of plans
-    drawn at random from the same candidates; hanging: rho0 without any pull from the side; any_force: rho0 where
-    the force of each configuration is chosen as well."""
+    drawn at random from the same candidates; hanging: rho0 without any pull from the side; any_force: rho0
+    where the force of each configuration is chosen as well."""
 
     campaign: Campaign
     rho0: float

@@ -16,7 +16,9 @@ log = partial(Prior, log=True)
 def common(pool: int) -> dict[str, Prior]:
     """What all accounts leave open; pool: how many plans."""
     return {
-        "plan": Prior("plan of the pool", 0, pool, why="angles, counts, tool, hook and pulls are not printed"),
+        "plan": Prior(
+            "plan of the pool", 0, pool, why="angles, counts, tool, hook and pulls are not printed"
+        ),
         "noise": log("noise per axis and reading", 10, 60, "µm", why="a tracker and a robot at rest"),
         "charge": Prior("charge of the gas over a KR 300's", 0.5, 1.5, why="not public"),
         "reading": Prior("“CI” is 1 σ (below ½) or 95 %", 0, 1, why="the paper does not say"),
@@ -41,12 +43,18 @@ OWN: dict[str, tuple[str, dict[str, Prior]]] = {
     ),
     "noise": (
         "constant, and readings scatter more than a tracker's",
-        {"scatter": log("scatter per axis and reading", 60, 600, "µm", why="markers put on again, an arm that creeps")},
+        {
+            "scatter": log(
+                "scatter per axis and reading", 60, 600, "µm", why="markers put on again, an arm that creeps"
+            )
+        },
     ),
     "soft": (
         "a soft gear in joint 2",
         {
-            "width": log("half width of the soft zone", 0.05, 1.0, "arcmin", why="data sheets allow 1 arcmin"),
+            "width": log(
+                "half width of the soft zone", 0.05, 1.0, "arcmin", why="data sheets allow 1 arcmin"
+            ),
             "torque": log("torque at which it carries", 100, 5000, "N·m", why="up to half the rated torque"),
         },
     ),
@@ -59,7 +67,11 @@ OWN: dict[str, tuple[str, dict[str, Prior]]] = {
     ),
     "yielding": (
         "bearings, links and floor yield",
-        {**BEARINGS, "foundation": log("tilt of the floor", 0.1, 10, "nrad/(N·m)", why="pedestals and floors"), **LINKS},
+        {
+            **BEARINGS,
+            "foundation": log("tilt of the floor", 0.1, 10, "nrad/(N·m)", why="pedestals and floors"),
+            **LINKS,
+        },
     ),
     "elsewhere": (
         "the load hangs elsewhere than told",

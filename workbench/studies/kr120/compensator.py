@@ -37,7 +37,12 @@ from .printed import KR300_ANGLES, KR300_PISTON, KR300_PRESSURES, KR300_TANKS
 
 GAS_LENGTH = gas_spring.GasLength(variant="gas_length")
 OTHER_CHARGE, OTHER_LENGTH = -0.08, 0.12  # of the model's: what is hidden in this machine
-WARMER, PER_KELVIN, FAST, LOST = 10.0, 1 / 293.15, 1.3, 0.1  # K, 1/K of an ideal gas at 20 °C, exponent, share
+WARMER, PER_KELVIN, FAST, LOST = (
+    10.0,
+    1 / 293.15,
+    1.3,
+    0.1,
+)  # K, 1/K of an ideal gas at 20 °C, exponent, share
 
 
 def charge_by_witness(
@@ -88,14 +93,17 @@ def gauged(triangle: gas_spring.Linkage) -> dict[str, float]:
 
 
 def changed_gas(problem: Problem, angles: Array, reach: float) -> Table:
-    """What other gas does: largest change of torque, shift of the stretched arm's flange, change of stiffness."""
+    """What other gas does: largest change of torque, shift of the stretched arm's flange, change of
+    stiffness."""
     law = problem.compensator
     assert law is not None
     triangle = gas_spring.linkage(problem.arm, law)
     gear = problem.robot.joints[JOINT].data.stiffness or np.inf
     faster = replace(law, data=law.data.model_copy(update={"exponent": FAST}))
     others = {
-        f"{WARMER:.0f} K warmer ({numbers.percent(PER_KELVIN, 2)} per K)": replace(law, charge=1 + WARMER * PER_KELVIN),
+        f"{WARMER:.0f} K warmer ({numbers.percent(PER_KELVIN, 2)} per K)": replace(
+            law, charge=1 + WARMER * PER_KELVIN
+        ),
         f"moved fast, exponent {FAST:.1f} in place of 1": faster,
         f"{numbers.percent(LOST, 0)} of the charge lost": replace(law, charge=1 - LOST),
     }
@@ -105,7 +113,14 @@ def changed_gas(problem: Problem, angles: Array, reach: float) -> Table:
         change = np.abs(gas_spring.bias(triangle, other, angles) - torque).max()
         stiffer = np.abs(gas_spring.added_stiffness(triangle, other, angles) - added).max() / gear
         shift = 1e3 * change / gear * reach
-        rows.append([words, numbers.significant(float(change), 2), numbers.mm(float(shift)), numbers.percent(float(stiffer), 2)])
+        rows.append(
+            [
+                words,
+                numbers.significant(float(change), 2),
+                numbers.mm(float(shift)),
+                numbers.percent(float(stiffer), 2),
+            ]
+        )
     head = ("Gas", "Torque on joint 2, N·m", "Flange of the stretched arm, mm", "Joint 2's stiffness")
     note = "Largest change over the angles, from the robot's own gas, at 20 °C and slowly moved."
     return Table("What warmth, fast moves and a leak change: the torque, not the stiffness", head, rows, note)

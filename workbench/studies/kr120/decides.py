@@ -1,7 +1,7 @@
 """Which measurement tells a soft gear of the KR 120 from a changed compensator, and how often?
 
-Each machine is diagnosed from pairs like the paper's, read as absolute poses, and from poses under three loads
-with motor torque.
+Each machine is diagnosed from pairs like the paper's, read as absolute poses, and from poses under three
+loads with motor torque.
 """
 
 from __future__ import annotations
@@ -50,7 +50,9 @@ TOOL = 25.0  # kg
 RIG = rig(TOOL, MARKER_PLACES[0][0], 200.0)
 PRIORS = {
     "width": Prior("half width of the soft zone", 0.2, 1.0, "arcmin", why="data sheets allow 1 arcmin"),
-    "torque": Prior("torque at which it carries", 200, 2000, "N·m", True, "up to a sixth of the rated torque"),
+    "torque": Prior(
+        "torque at which it carries", 200, 2000, "N·m", True, "up to a sixth of the rated torque"
+    ),
     "lost": Prior("lost share of the charge", 0.05, 0.25, why="a leak; 5 % is a cold morning"),
 }
 
@@ -91,7 +93,8 @@ def campaigns(way: str, seed: int) -> Campaign:
 
 
 def one_of_each(values: Mapping[str, float], seed: int) -> dict[str, float]:
-    """Every machine measured and diagnosed in every way: 1 where what is hidden, and nothing else, is said."""
+    """Every machine measured and diagnosed in every way: 1 where what is hidden, and nothing else, is
+    said."""
     found: dict[str, float] = {}
     for way in WAYS:
         plan, right = campaigns(way, seed), 1.0
@@ -107,15 +110,16 @@ def one_of_each(values: Mapping[str, float], seed: int) -> dict[str, float]:
 
 
 def told(hidden: str, outcome: Outcome) -> bool:
-    """Nothing in the machine as modelled; a fault of joint 2 and none of the compensator in the soft gear; the
-    compensator, and nothing of joint 2, in the leak. Rivals count as said."""
+    """Nothing in the machine as modelled; a fault of joint 2 and none of the compensator in the soft gear;
+    the compensator, and nothing of joint 2, in the leak. Rivals count as said."""
     said = named(outcome)
     gear, leak = any(joint == "joint_2" for _, joint in said), any(cause == GAS.cause for cause, _ in said)
     return {"gas": not said, "soft": gear and not leak, "leak": leak and not gear}[hidden]
 
 
 def mistaken(hidden: str, outcome: Outcome) -> bool:
-    """The compensator is blamed for the soft gear, or joint 2's gear for the leak, without the true one beside."""
+    """The compensator is blamed for the soft gear, or joint 2's gear for the leak, without the true one
+    beside."""
     said = named(outcome)
     gear, leak = any(joint == "joint_2" for _, joint in said), any(cause == GAS.cause for cause, _ in said)
     return {"gas": bool(said), "soft": leak and not gear, "leak": gear and not leak}[hidden]
@@ -135,7 +139,9 @@ def deciding_draws(count: int, run: StudyRun) -> Draws:
 
 def deciding_numbers(draws: Draws) -> dict[str, float]:
     """Shares of the draws in which each way tells each machine, and all three."""
-    share = {f"told_{name}": float(column.mean()) for name, column in draws.numbers.items() if name != "reversing"}
+    share = {
+        f"told_{name}": float(column.mean()) for name, column in draws.numbers.items() if name != "reversing"
+    }
     return share | {
         "deciding_draws": float(draws.count),
         "deciding_poses": float(POSES),
@@ -161,9 +167,10 @@ def deciding_table(draws: Draws) -> Table:
         "lost charge: joint 2 blamed alone", "all three right",
     )  # fmt: skip
     note = (
-        f"Share of {draws.count} draws of seed, soft gear and leak, {POSES} poses each. Right: nothing in the machine as "
-        "modelled; a fault of joint 2 and none of the compensator in the soft gear; the compensator and nothing of joint 2 "
+        f"Share of {draws.count} draws of seed, soft gear and leak, {POSES} poses each. Right: nothing in "
+        "the machine as "
+        "modelled; a fault of joint 2 and none of the compensator in the soft gear; the compensator and "
+        "nothing of joint 2 "
         "in the leak; rivals count as said."
     )
     return Table("How often each measurement tells a soft gear from a changed compensator", head, rows, note)
-

@@ -20,7 +20,6 @@ from workbench import (
     planned,
     problem_of,
 )
-
 from workbench.robot.compensator import ATMOSPHERE
 
 from .printed import HALF_1, TABLE_1
@@ -105,10 +104,12 @@ def stiffness_figure(problem: Problem, angles: Array, needed: FittedSpring) -> F
     alone, needs = 1 / k.mean() + added, 1 / needed.compliance
     series = {
         "gas spring alone": charts.Series(1e-6 * alone, colour=charts.MIDDLE),
-        "nearest gas spring of any strength, eq. (12)": charts.Series(1e-6 * needs, colour=charts.NOISE, style="--"),
+        "nearest gas spring of any strength, eq. (12)": charts.Series(
+            1e-6 * needs, colour=charts.NOISE, style="--"
+        ),
         "Table I": charts.Series(1e-6 / k, 1e-6 / (k + half), 1e-6 / (k - half), charts.PRINTED, "o"),
     }
-    title = "The robot's gas spring leaves joint 2's stiffness flat; the one that comes nearest to Table I misses it"
+    title = "The robot's gas spring leaves joint 2's stiffness flat; the one nearest to Table I misses it"
     x, y = "joint 2, ° (angles and order assumed)", "stiffness, MN·m/rad"
     return charts.curves("stiffness", title, np.degrees(angles), series, x, y, height=3.4)
 

@@ -1,4 +1,5 @@
-"""What gas springs on any plausible linkage do to joint 2's stiffness, and what fits Table I on each of them."""
+"""What gas springs on any plausible linkage do to joint 2's stiffness, and what fits Table I on each of
+them."""
 
 from __future__ import annotations
 
@@ -30,9 +31,9 @@ PRIORS = {
 
 
 def linkages(count: int, fits: int, seed: int) -> Draws:
-    """`count` linkages that the arm can hold: `change` [N·m/rad] of joint 2's stiffness over its six angles, and
-    its share of Table I's; of the first `fits`: p of the best gas spring of any strength by eq. (12), with CI as
-    one sigma, and the largest force [N] that it would need."""
+    """`count` linkages that the arm can hold: `change` [N·m/rad] of joint 2's stiffness over its six angles,
+    and its share of Table I's; of the first `fits`: p of the best gas spring of any strength by eq. (12),
+    with CI as one sigma, and the largest force [N] that it would need."""
     rng = np.random.default_rng([seed, 9])
     kept: list[dict[str, float]] = []
     found: list[tuple[float, ...]] = []
@@ -95,7 +96,8 @@ def linkage_figure(draws: Draws) -> Figure:
     change = 1e-3 * draws.numbers["change"]
     most, needed = numbers.significant(float(change.max()), 2), numbers.significant(1e-3 * CHANGE_1, 3)
     title = (
-        f"No linkage that {numbers.decimals(1e-3 * MOST_TORQUE, 0)} kN·m hold changes joint 2's stiffness by more "
+        f"No linkage that {numbers.decimals(1e-3 * MOST_TORQUE, 0)} kN·m hold changes joint 2's stiffness "
+        "by more "
         f"than {most} kN·m/rad; Table I needs {needed}"
     )
     marks = {"Table I": float(np.log10(CHANGE_1)), "median": float(np.log10(1e3 * np.median(change)))}

@@ -1,4 +1,5 @@
-"""What each kind of machine makes of joint 2's six compliances, and whether the pairs' own residual shows it."""
+"""What each kind of machine makes of joint 2's six compliances, and whether the pairs' own residual shows
+it."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from functools import partial
 import numpy as np
 from scipy import stats
 
-from workbench import Account, Draws, Figure, Judged, StudyRun, Table, charts, draw_many, numbers
+from workbench import Account, Array, Draws, Figure, Judged, StudyRun, Table, charts, draw_many, numbers
 
 from .plans import compliances, plan, robot
 from .printed import TABLE_1
@@ -21,12 +22,12 @@ LARGE = 0.15  # range of the six over their mean above which a machine is one th
 SEEN = 0.01  # p below which a residual is no noise
 
 
-def machine_draws(accounts: Sequence[Account], count: int, run: StudyRun) -> Draws:
-    """Each account once per draw: `range_`, `r_` (correlation of what it makes without noise with Table I's six, in the plan's order), `resid_` (p of the
-    residual that six compliances leave, with the noise known), and `rising`: +1 where the plan's angles rise, −1
-    where they fall, 0 in any other order."""
+def machine_draws(accounts: Sequence[Account], count: int, run: StudyRun, name: str = "machines") -> Draws:
+    """Each account once per draw: `range_`, `r_` (correlation of what it makes without noise with Table I's
+    six, in the plan's order), `resid_` (p of the residual that six compliances leave, with the noise known),
+    and `rising`: +1 where the plan's angles rise, −1 where they fall, 0 in any other order."""
     priors = {name: prior for account in accounts for name, prior in account.priors.items()}
-    return draw_many(partial(one_machine, [a.name for a in accounts]), priors, count, run, "machines")
+    return draw_many(partial(one_machine, [a.name for a in accounts]), priors, count, run, name)
 
 
 def one_machine(names: Sequence[str], values: Mapping[str, float], seed: int) -> dict[str, float]:
@@ -48,22 +49,37 @@ def one_machine(names: Sequence[str], values: Mapping[str, float], seed: int) ->
 def pattern_numbers(draws: Draws, names: Sequence[str]) -> dict[str, float]:
     """For the story: how large the six differ, how they run, and how often the residual shows it."""
     found = {"machine_draws": float(draws.count), "range_printed": RANGE_1, "large": LARGE}
-    order = draws.numbers["rising"]
     for name in names:
-        size, r, p = (draws.numbers[f"{what}_{name}"] for what in ("range", "r", "resid"))
+        size, p = draws.numbers[f"range_{name}"], draws.numbers[f"resid_{name}"]
         low, middle, high = np.quantile(size, [0.05, 0.5, 0.95])
         found |= {f"range_{name}_p05": low, f"range_{name}_mid": middle, f"range_{name}_p95": high}
         large = size > LARGE
         found[f"reaches_{name}"] = float((size >= RANGE_1).mean())
-        found[f"large_{name}"] = float(large.sum())
         found[f"seen_{name}"] = float((p < SEEN).mean())
         found[f"seen_large_{name}"] = float((p[large] < SEEN).mean()) if large.any() else np.nan
-        for words, sign in (("rising", 1), ("falling", -1), ("mixed", 0)):
-            at = (order == sign) & large
-            found[f"count_{name}_{words}"] = float(at.sum())
-            found[f"against_{name}_{words}"] = float((r[at] < 0).mean()) if at.any() else np.nan
-            found[f"r_{name}_{words}"] = float(np.median(r[at])) if at.any() else np.nan
-        found[f"alike_{name}"] = float((r > 0.8).mean())
+        found[f"alike_{name}"] = float((draws.numbers[f"r_{name}"] > 0.8).mean())
+    return found
+
+
+def large_ones(soft: Draws, sign: int) -> Array:
+    """(D,) which soft gears make the six differ much, on plans whose angles rise (+1) or fall (−1) as
+    printed."""
+    return np.asarray((soft.numbers["range_soft"] > LARGE) & (soft.numbers["rising"] == sign))
+
+
+def soft_numbers(soft: Draws) -> dict[str, float]:
+    """How the six of soft gears run, by the order of the angles."""
+    found = {
+        "soft_draws": float(soft.count),
+        "soft_reaches": float((soft.numbers["range_soft"] >= RANGE_1).mean()),
+    }
+    for words, sign in (("rising", 1), ("falling", -1)):
+        r = soft.numbers["r_soft"][large_ones(soft, sign)]
+        found |= {
+            f"soft_count_{words}": float(len(r)),
+            f"soft_against_{words}": float((r < 0).mean()) if len(r) else np.nan,
+        }
+        found[f"soft_r_{words}"] = float(np.median(r)) if len(r) else np.nan
     return found
 
 
@@ -75,16 +91,26 @@ def pattern_table(draws: Draws, accounts: Sequence[Account]) -> Table:
         k = a.name
         ends = f"{numbers.percent(n[f'range_{k}_p05'], 0)} … {numbers.percent(n[f'range_{k}_p95'], 0)}"
         shares = [n[f"{what}_{k}"] for what in ("reaches", "alike", "seen", "seen_large")]
-        rows.append([a.words, numbers.percent(n[f"range_{k}_mid"], 0), ends, *(numbers.percent(s, 0) for s in shares)])
+        rows.append(
+            [a.words, numbers.percent(n[f"range_{k}_mid"], 0), ends, *(numbers.percent(s, 0) for s in shares)]
+        )
     head = (
         "Account", "Range of the six, median", "5 … 95 %", f"{numbers.percent(RANGE_1, 0)} or more",
-        "Runs as Table I, r > 0.8", "Residual shows it", f"… where the six differ by {numbers.percent(LARGE, 0)}",
+        "Runs as Table I, r > 0.8", "Residual shows it",
+        f"… where the six differ by {numbers.percent(LARGE, 0)}",
     )  # fmt: skip
     note = (
-        f"{draws.count} machines of each account, with all free values drawn. Range: largest minus smallest over the mean. "
-        f"Residual: what six compliances leave of the pairs has p < {SEEN}, with the noise of a reading known."
+        f"{draws.count} machines of each account, with all free values drawn. Range: largest minus smallest "
+        "over the mean. "
+        f"Residual: what six compliances leave of the pairs has p < {SEEN}, with the noise of a reading "
+        "known."
     )
-    return Table("What each account makes of joint 2's six compliances, and whether the pairs show it", head, rows, note)
+    return Table(
+        "What each account makes of joint 2's six compliances, and whether the pairs show it",
+        head,
+        rows,
+        note,
+    )
 
 
 def pattern_figure(judged: Judged, names: Sequence[str]) -> Figure:
@@ -104,9 +130,9 @@ def pattern_figure(judged: Judged, names: Sequence[str]) -> Figure:
     return charts.curves("pattern", title, np.arange(1, 7), series, x, y, height=3.4)
 
 
-
 def blind_to_charge() -> float:
-    """Largest relative change of joint 2's six compliances when a seventh of the charge is lost, without noise."""
+    """Largest relative change of joint 2's six compliances when a seventh of the charge is lost, without
+    noise."""
     where, k = plan(0), compliances(robot())
     rng = np.random.default_rng(0)
     full, less = (estimated(where, World(k, charge=c, sigma=0.0), rng).k[SIX] for c in (1.0, 6 / 7))

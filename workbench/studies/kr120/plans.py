@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from workbench import Array, Problem, Rig, Robot, Target, load_pairs, load_robot, problem_of, random_poses
 from workbench.measurement.design import exchange
 from workbench.measurement.group_plan import held
-
 from workbench.robot.kinematics import Arm, frames
 from workbench.robot.rigid_plant import arrays
 
@@ -36,11 +36,12 @@ SIGMA = 3e-5  # m, of a reading, per axis: where one value is needed
 
 @dataclass(frozen=True, eq=False)
 class PairPlan:
-    """angles: (6,) [rad] in the order of print; group: (C,) which of them; problem: its 2C poses, C before and C
-    after loading; rows: (C, 9, 11) motion of the markers by the load per unit of each compliance of Table I."""
+    """angles: (6,) [rad] in the order of print; group: (C,) which of them; problem: its 2C poses, C before
+    and C after loading; rows: (C, 9, 11) motion of the markers by the load per unit of each compliance of
+    Table I."""
 
     angles: Array
-    group: Array
+    group: NDArray[np.int64]
     problem: Problem
     rows: Array
 
@@ -74,7 +75,9 @@ def plan(number: int) -> PairPlan:
     used = rig(rng.uniform(10.0, 40.0), hook, side)
     A0 = used.moved(robot(), TEST_POSE, TEST_FORCE)
     aside = 1 + int(rng.integers(2))  # configurations of each angle that are pulled from the side
-    upright = round(30.0 ** rng.random())  # of so many times the candidates, those whose tool points down most
+    upright = round(
+        30.0 ** rng.random()
+    )  # of so many times the candidates, those whose tool points down most
     q = np.concatenate([candidates(held(robot(), "joint_2", a, used), upright, rng) for a in angles])
     shape = ANGLES, CANDIDATES, 3 * len(TARGETS), len(robot().joints)
     down, pulled = (used.rows(robot(), q, pull).reshape(shape) for pull in (np.zeros(3), used.sideways))
@@ -85,7 +88,7 @@ def plan(number: int) -> PairPlan:
         best, _ = exchange(down[g], A0, count - aside, prior=prior, starts=1, seed=number)
         chosen += [*q[g * CANDIDATES + best], *q[g * CANDIDATES + sides]]
         pulls += [np.zeros(3)] * (count - aside) + [used.sideways] * aside
-    group = np.repeat(np.arange(ANGLES), counts)
+    group = np.repeat(np.arange(ANGLES, dtype=np.int64), counts)
     campaign = load_pairs.pairs(robot(), np.array(chosen), used.load, np.array(pulls), TARGETS, used.tool)
     rows = load_pairs.difference_rows(campaign) / compliances(robot())
     return PairPlan(angles, group, problem_of(campaign), eleven(rows, group))
@@ -109,15 +112,15 @@ def compliances(used: Robot) -> Array:
     return np.array([1 / (joint.data.stiffness or np.inf) for joint in used.joints])
 
 
-def drawn_counts(rng: np.random.Generator) -> Array:
+def drawn_counts(rng: np.random.Generator) -> NDArray[np.int64]:
     """(6,) configurations at each angle: from three to seven, 31 in all."""
-    counts = np.full(ANGLES, LEAST)
+    counts = np.full(ANGLES, LEAST, dtype=np.int64)
     while counts.sum() < CONFIGURATIONS:
         counts[rng.choice(np.flatnonzero(counts < MOST))] += 1
     return counts
 
 
-def eleven(rows: Array, group: Array) -> Array:
+def eleven(rows: Array, group: NDArray[np.int64]) -> Array:
     """(C, R, 11) rows by the compliances of Table I, from (C, R, 6) by those of the joints."""
     k2 = rows[:, :, JOINT, None] * (group[:, None, None] == np.arange(ANGLES))
     return np.concatenate([rows[:, :, :1], k2, rows[:, :, 2:]], axis=2)

@@ -1,5 +1,6 @@
 """What Klimchik, Pashkevich, Caro, Furet, “Calibration of Industrial Robots with Pneumatic Gravity
-Compensators” (AIM 2017), print, and where it stands there; and the pressures gauged on a robot of this class."""
+Compensators” (AIM 2017), print, and where it stands there; and the pressures gauged on a robot of this
+class."""
 
 from __future__ import annotations
 
@@ -30,7 +31,8 @@ MARKERS_APART, MARKERS_BEFORE = 0.46, 0.0755
 """[m] Fig. 2: markers apart from each other, and before the flange."""
 
 KR300_ANGLES = np.radians(np.arange(-120, -39, 10))
-"""[rad] joint 2 of a KR 300, at which its gas was gauged: Weigand, “Robot_Identification”, a public repository (MIT)."""
+"""[rad] joint 2 of a KR 300, at which its gas was gauged: Weigand, “Robot_Identification”, a public
+repository (MIT)."""
 
 KR300_PRESSURES = 1e5 * np.array([170, 167, 164, 162, 164, 170, 180, 190, 200])
 """[Pa] as gauged there."""

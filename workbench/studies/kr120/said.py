@@ -9,10 +9,11 @@ import numpy as np
 from workbench import Array, Claim, Draws, Judged, checked
 from workbench.report.study import Stand
 
-from .patterns import LARGE, RANGE_1, SEEN
+from .patterns import RANGE_1, SEEN, large_ones
 
 TENTH = 0.1
 ODDS = 100.0  # against an account, beyond its error, that exclude it
+FEWEST = 5  # draws
 LEFT = 0.05  # probability of an account that is still to be reckoned with
 
 LINKAGES = (
@@ -23,38 +24,48 @@ LINKAGES = (
     ),
 )
 FITS = (
-    Claim("no_spring_fits", "no gas spring of any strength fits Table I, p < 1 %", lambda n: n["fit_p"] < SEEN),
+    Claim(
+        "no_spring_fits", "no gas spring of any strength fits Table I, p < 1 %", lambda n: n["fit_p"] < SEEN
+    ),
 )
 MACHINES = (
     Claim("soft_short", "a soft gear makes less than Table I's range", lambda n: n["range_soft"] < RANGE_1),
     Claim("soft_seen", "the pairs' own residual shows a soft gear", lambda n: n["resid_soft"] < SEEN),
 )
 RISING = (
-    Claim("soft_against", "a soft gear runs against Table I where its angles rise", lambda n: n["r_soft"] < 0),
+    Claim(
+        "soft_against", "a soft gear runs against Table I where its angles rise", lambda n: n["r_soft"] < 0
+    ),
 )
 FALLING = (
     Claim("soft_with", "a soft gear runs with Table I where its angles fall", lambda n: n["r_soft"] > 0),
 )
 DECIDING = (
     Claim("pairs_decide", "pairs read as absolute poses tell all machines", lambda n: n["apart_pairs"] == 1),
-    Claim("torque_decides", "three loads with motor torque tell all machines", lambda n: n["apart_torque"] == 1),
+    Claim(
+        "torque_decides", "three loads with motor torque tell all machines", lambda n: n["apart_torque"] == 1
+    ),
 )
 
 
 def stands(
-    numbers: Mapping[str, float], judged: Judged, linkages: Draws, machines: Draws, deciding: Draws
+    numbers: Mapping[str, float],
+    judged: Judged,
+    linkages: Draws,
+    machines: Draws,
+    soft: Draws,
+    deciding: Draws,
 ) -> dict[str, Stand]:
     """All claims of the page."""
     fits = only(linkages, np.isfinite(linkages.numbers["fit_p"]))
-    order, soft = machines.numbers["rising"], machines.numbers["range_soft"] > LARGE
-    rising, falling = (only(machines, soft & (order == sign)) for sign in (1, -1))
+    rising, falling = (only(soft, large_ones(soft, sign)) for sign in (1, -1))
     each = (
         (LINKAGES, linkages), (FITS, fits), (MACHINES, machines), (RISING, rising), (FALLING, falling),
         (DECIDING, deciding),
     )  # fmt: skip
     found: dict[str, Stand] = {}
     for claims, draws in each:
-        if draws.count == 0:  # a quick run may have drawn none of these
+        if draws.count < FEWEST:  # too few of these to say anything
             found |= {claim.name: Stand(claim.words, 0.0, 0, False) for claim in claims}
             continue
         middle = {name: float(np.median(column)) for name, column in draws.numbers.items()}

@@ -23,6 +23,7 @@ Tell = Callable[[World, Values, PairPlan, np.random.Generator], World]
 SIX = slice(1, 7)
 LEVEL_ROUNDS, LEVEL_STEP = 2, (0.3, 3.0)
 
+
 def sizes(half: Array) -> Array:
     """(2,) of half widths (11,) as Table I lists them: the geometric mean of joint 2's, and joint 3's."""
     return np.array([np.exp(np.log(half[SIX]).mean()), half[7]])
@@ -30,10 +31,12 @@ def sizes(half: Array) -> Array:
 
 ITEMS = (
     Item("joint_2", "compliance of joint 2 at six angles", TABLE_1[SIX], ROUNDED_1, "Table I", ratio=True),
-    Item("intervals", "intervals of joints 2 and 3", sizes(HALF_1), ROUNDED_HALF_1, "Table I, CI", ratio=True),
+    Item(
+        "intervals", "intervals of joints 2 and 3", sizes(HALF_1), ROUNDED_HALF_1, "Table I, CI", ratio=True
+    ),
 )
-"""The compliances of the other joints are met by every account, by the choice of gears; their intervals hang on
-levers of the tool that are not printed."""
+"""The compliances of the other joints are met by every account, by the choice of gears; their intervals hang
+on levers of the tool that are not printed."""
 
 
 def machine(v: Values) -> World:
@@ -42,8 +45,8 @@ def machine(v: Values) -> World:
 
 
 def levelled(tell: Tell, v: Values, where: PairPlan, seed: int) -> World:
-    """The account's machine, with gears such that it would print, without noise, Table I's k1 and k3 to k6 and the
-    mean of its k2: how stiff the gears are says nothing for or against an account."""
+    """The account's machine, with gears such that it would print, without noise, Table I's k1 and k3 to k6
+    and the mean of its k2: how stiff the gears are says nothing for or against an account."""
     world = machine(v)
     printed = mean_of_six(TABLE_1)
     for _ in range(LEVEL_ROUNDS):

@@ -64,7 +64,14 @@ from .decides import (
     truths,
 )
 from .linkages import SIX, linkage_figure, linkage_numbers, linkages
-from .patterns import blind_to_charge, machine_draws, pattern_figure, pattern_numbers, pattern_table
+from .patterns import (
+    blind_to_charge,
+    machine_draws,
+    pattern_figure,
+    pattern_numbers,
+    pattern_table,
+    soft_numbers,
+)
 from .plans import POOL, QUICK_POOL, TEST_FORCE, TEST_POSE
 from .printed import CONFIGURATIONS, HALF_1, NUMBERS, TABLE_1
 from .said import ODDS, TENTH, stands
@@ -97,7 +104,8 @@ def study(run: StudyRun) -> Study:
     told = accounts(run.draws(POOL, QUICK_POOL))
     judged = judge(told, ITEMS, run.draws(600, 60), run)
     made = machine_draws(told, run.draws(160, 24), run)
-    numbers |= judged.numbers() | pattern_numbers(made, [a.name for a in told])
+    soft = machine_draws([a for a in told if a.name == "soft"], run.draws(800, 150), run, "soft")
+    numbers |= judged.numbers() | pattern_numbers(made, [a.name for a in told]) | soft_numbers(soft)
 
     run.say("identifying charge and gas length")
     usual = truths({name: prior.middle for name, prior in PRIORS.items()}, seed)
@@ -128,7 +136,7 @@ def study(run: StudyRun) -> Study:
         "deciding": deciding_table(decided),
     }
     numbers |= {"tenth": TENTH, "odds_out": ODDS, "pool": float(len(told))}
-    claims = stands(numbers, judged, drawn, made, decided)
+    claims = stands(numbers, judged, drawn, made, soft, decided)
     shown = shown_of(best.diagnosis, best.problem.q[0])
     return tell(Path(__file__).with_name("story.md"), robot, numbers, items, shown, "linkages", FILES, claims)
 

@@ -26,11 +26,11 @@ class World:
     """What a machine is like. C configurations, T markers, all as the paper believes where nothing is said.
 
     k: (6,) [rad/(N·m)]; law: of joint 2's torque [N·m] → turn [rad] and slope, beside k. group_k2: (6,) its
-    compliance by angle in place of k. charge: of the gas. friction: (6,) [N·m] of the gears, at rest on `side`
-    (C, 6) within ±1 of it. bearing: (3,) [rad/(N·m)] tilt of joints 1 to 3; foundation: the same of the floor;
-    bending: 1/EI of links 2 and 3 [1/(N·m²)]. hook (3,) [m], weight (share): where and how much the load is
-    beyond what is told. markers: (3, 3) [m] errors of their places; turn: (3,) [rad] of the instrument's frame.
-    drift: (6, 3) [m] between before and after, by angle.
+    compliance by angle in place of k. charge: of the gas. friction: (6,) [N·m] of the gears, at rest on
+    `side` (C, 6) within ±1 of it. bearing: (3,) [rad/(N·m)] tilt of joints 1 to 3; foundation: the same of
+    the floor; bending: 1/EI of links 2 and 3 [1/(N·m²)]. hook (3,) [m], weight (share): where and how much
+    the load is beyond what is told. markers: (3, 3) [m] errors of their places; turn: (3,) [rad] of the
+    instrument's frame. drift: (6, 3) [m] between before and after, by angle.
     """
 
     k: Array
@@ -90,7 +90,8 @@ def moved(plan: PairPlan, world: World) -> Array:
 
 
 def _stuck(plan: PairPlan, world: World) -> Array:
-    """(C, 6) [rad] by which friction holds the gears back after loading: a play operator of width `friction`."""
+    """(C, 6) [rad] by which friction holds the gears back after loading: a play operator of width
+    `friction`."""
     count, problem = plan.count, plan.problem
     local = problem.nominal_load.local.reshape(2 * count, -1)[:, problem.arm.axial]
     change = local[count:] - local[:count]

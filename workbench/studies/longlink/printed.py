@@ -29,6 +29,9 @@ TABLE_3 = UNIT * [
 BEFORE, AFTER = 25.42779, 1.78118
 """[mm] section V, below figure VII: mean error on the points that judge, before and after calibration."""
 
+ROUNDED = 0.01 / np.sqrt(12)
+"""[mm, °] standard deviation of the tables' rounding."""
+
 FITTED, JUDGED = 13, 12
 """[1] section V: points that are fitted, and that judge."""
 
@@ -39,6 +42,7 @@ def by_name() -> dict[str, float]:
     for which, table in {"ii": TABLE_2, "iii": TABLE_3}.items():
         for letter, column in zip(("theta", "alpha", "a", "d"), in_print(table).T, strict=True):
             named |= by_joint(f"{letter}_{which}", column)
+    named["alpha_off_1"] = named["alpha_iii_1"] - named["alpha_ii_1"]
     return {**named, "d_iii_23": named["d_iii_2"] + named["d_iii_3"]}
 
 
