@@ -130,12 +130,12 @@ if TYPE_CHECKING:
     from .studies.accounts import Account as Account
     from .studies.accounts import Item as Item
     from .studies.accounts import Judged as Judged
-    from .studies.accounts import judge as judge
     from .studies.claims import Claim as Claim
     from .studies.claims import checked as checked
     from .studies.draws import Draws as Draws
     from .studies.draws import draw_many as draw_many
     from .studies.draws import tornado as tornado
+    from .studies.judging import judge as judge
     from .studies.priors import Prior as Prior
     from .studies.study_run import StudyRun as StudyRun
     from .studies.telling import by_joint as by_joint
@@ -198,9 +198,10 @@ _MODULES = {
     "simulation.virtual_campaign": "Truth random_geometry simulate",
     "studies": "as_package",
     "studies.account_tables": "accounts_table needs_table odds_figure odds_table",
-    "studies.accounts": "Account Item Judged judge",
+    "studies.accounts": "Account Item Judged",
     "studies.claims": "Claim checked",
     "studies.draws": "Draws draw_many tornado",
+    "studies.judging": "judge",
     "studies.priors": "Prior",
     "studies.study_run": "StudyRun",
     "studies.telling": "by_joint",

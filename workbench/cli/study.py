@@ -34,6 +34,7 @@ def add(commands: Commands) -> None:
     _script_options(studies.add_parser("all", help="all of these, and a list of them"), "reports")
     for name in (*PUBLISHED, "all"):
         studies.choices[name].set_defaults(run=run)
+    _add_archive(studies)
     _add_blind(studies)
     _add_case(studies)
 
@@ -45,6 +46,18 @@ def _script_options(parser: argparse.ArgumentParser, folder: str) -> None:
     workers_option(parser)
     parser.add_argument("--resume", action="store_true", help="take the draws of a stopped run, and go on")
     json_option(parser)
+
+
+def _add_archive(studies: Commands) -> None:
+    what = "a study's campaigns as a zip, the truth sealed apart, for others to diagnose blind"
+    parser = studies.add_parser("archive", help=what)
+    parser.add_argument("study", choices=PUBLISHED, metavar="NAME", help="a published study that was run")
+    parser.add_argument(
+        "--results", type=Path, metavar="DIR", help="where it wrote its results (default: reports/NAME)"
+    )
+    out_option(parser, "file for the zip (default: beside the results, NAME.zip)")
+    json_option(parser)
+    parser.set_defaults(run=run_archive)
 
 
 def _add_blind(studies: Commands) -> None:
@@ -89,6 +102,14 @@ def _asked(arguments: argparse.Namespace) -> StudyRun:
     return StudyRun(
         arguments.out, arguments.seed, arguments.quick, arguments.workers, arguments.resume, progress
     )
+
+
+def run_archive(arguments: argparse.Namespace) -> None:
+    from ..studies.archive import archive
+
+    folder = arguments.results or Path("reports") / arguments.study
+    out = archive(folder, arguments.out or folder.parent / f"{arguments.study}.zip")
+    print(json.dumps({"archive": str(out)}) if arguments.json else f"wrote {out}")
 
 
 def run_blind(arguments: argparse.Namespace) -> None:

@@ -22,12 +22,16 @@
     ## Assumed
     - what | value | why
 
+    ## References
+    - authors | title | where and when | DOI, or another number
+
 What may be said depends on what was found: `[if NAME] sentence [else] other sentence [end]`, anywhere, also
 in a heading or a cell ([else] may be left out), with NAME one of `claims`; `[if not NAME]` the other way
 round. `{share_NAME:%0}` is the share of draws it holds in. A paragraph that comes out empty is not there.
 
 Numbers come by name from the script, `{name:form}` with form: mm (a length in mm), % or %2 (a share in
-per cent, with so many decimals), .1 (decimals), 3 (significant digits), p (a probability).
+per cent, with so many decimals), .1 (decimals), 3 (significant digits), p (`p = 0.03`), P (a probability in
+per cent, never 0 or 100).
 """
 
 from __future__ import annotations
@@ -39,11 +43,12 @@ from pathlib import Path
 
 from ..robot.description import Robot
 from .drawing import Figure
-from .numbers import decimals, mm, p_value, percent, significant
+from .numbers import decimals, mm, p_value, percent, probability, significant
 from .scene import Shown
 from .study import BOX_TITLES, Box, Section, Stand, Study, Table, Tile
 
 Item = Table | Figure
+LISTS = ("Box", "Assumed", "References")
 ITEM = re.compile(r"\[\[(.+)\]\]")
 CHOICE = re.compile(r"\[if (not )?(\w+)\](.*?)(?:\[else\](.*?))?\[end\]", re.DOTALL)
 
@@ -57,6 +62,8 @@ class _Number(float):
             return mm(value)
         if form == "p":
             return p_value(value)
+        if form == "P":
+            return probability(value)
         if form.startswith("%"):
             return percent(value, int(form[1:] or 1))
         if form.startswith("."):
@@ -101,7 +108,7 @@ def tell(
     source, *summary = first.words
     by_title = {part.title: part for part in others}
     box = {key: by_title[name] for key, name in BOX_TITLES.items()}
-    plain = [part for part in others if part not in box.values() and part.title not in ("Box", "Assumed")]
+    plain = [part for part in others if part not in box.values() and part.title not in LISTS]
     chosen = items[picture]
     if not isinstance(chosen, Figure):
         raise ValueError(f"{picture} is no figure")
@@ -115,13 +122,18 @@ def tell(
         tiles=[Tile(*(cells + [""] * (5 - len(cells)))) for cells in first.lines],
         sections=[Section(part.title, part.content) for part in plain],
         box=Box(**{key: " ".join(part.words) for key, part in box.items()}),
-        assumed=[(what, value, why) for what, value, why in by_title["Assumed"].lines],
+        assumed=[(what, value, why) for what, value, why in _lines(by_title, "Assumed")],
         numbers=numbers,
         shown=shown,
         picture=chosen,
         files=files or {},
         claims=said,
+        references=[(who, title, where, doi) for who, title, where, doi in _lines(by_title, "References")],
     )
+
+
+def _lines(parts: Mapping[str, _Part], title: str) -> list[list[str]]:
+    return parts[title].lines if title in parts else []
 
 
 def _filled(story: Path, numbers: Mapping[str, float]) -> str:

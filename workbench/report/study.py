@@ -8,6 +8,7 @@ numbers beside the printed ones, and a box with what its numbers support. Its sc
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from textwrap import wrap
@@ -102,6 +103,7 @@ class Study:
     robot's TOML marks. numbers: the headline figures by name, SI or with the unit in the name. picture:
     the figure that stands for it in the list of studies. files: name → link of what else the study wrote
     into its folder. claims: what its sentences hang on.
+    references: (authors, title, where and when, DOI or number). sealed: campaign → what was hidden in it.
     """
 
     name: str
@@ -119,6 +121,8 @@ class Study:
     picture: Figure
     files: Mapping[str, str] = field(default_factory=dict)
     claims: Mapping[str, Stand] = field(default_factory=dict)
+    references: Sequence[tuple[str, str, str, str]] = ()
+    sealed: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def tables(self) -> list[Table]:
@@ -131,14 +135,14 @@ class Study:
         return [item for section in self.sections for item in section.content if isinstance(item, Figure)]
 
     def to_json(self) -> dict[str, Any]:
-        """Numbers, tables, claims and box."""
+        """Numbers (those that are finite), tables, claims and box."""
         return {
             "schema": 1,
             "study": self.name,
             "robot": self.robot.name,
             "source": self.source,
             "headline": self.headline,
-            "numbers": {key: float(value) for key, value in self.numbers.items()},
+            "numbers": {key: float(v) for key, v in self.numbers.items() if math.isfinite(v)},
             "tables": [
                 {"title": t.title, "head": list(t.head), "rows": [list(row) for row in t.rows]}
                 for t in self.tables

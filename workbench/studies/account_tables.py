@@ -10,6 +10,7 @@ from ..report.numbers import MISSING, decimals, percent, probability, significan
 from ..report.study import Table
 from .accounts import MISSED, Judged, Standing
 from .evidence import Evidence
+from .priors import Prior
 
 
 def accounts_table(judged: Judged) -> Table:
@@ -50,25 +51,41 @@ def odds_table(judged: Judged) -> Table:
             *(f"… without {item.words}" for item in items))  # fmt: skip
     note = (
         "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
-        f"averaged over {_draws(judged)} draws of each account's free values: kernel density of the draws. "
+        f"averaged over each account's free values: kernel density of {_draws(judged)} draws that were "
+        "led towards the print in rounds (without an item: of those from the whole ranges). "
         "±: one standard deviation of its Monte-Carlo error, or what a kernel half as wide changes."
     )
     return Table("Odds of the accounts, from all that is printed", head, rows, note)
 
 
 def needs_table(judged: Judged) -> Table:
-    """Each free value: what was allowed, and what the print makes of it."""
+    """Each free value of an account's own: what was allowed, and what the print makes of it."""
+    common = shared(judged)
     rows = []
     for account in judged.accounts:
         for key, prior in account.priors.items():
-            low, middle, high = judged.needed(account.name, key)
-            found = [significant(x) if math.isfinite(x) else MISSING for x in (middle, low, high)]
-            rows.append(
-                [account.words, prior.words, prior.range, found[0], f"{found[1]} … {found[2]}", prior.why]
-            )
-    head = ("Account", "Free value", "Allowed", "Needed", "5 … 95 %", "Why this range")
-    note = "Needed: median of the draws, each weighted by how near it comes to the print."
-    return Table("What each account was free to choose, and what it has to choose", head, rows, note, (3,))
+            if key not in common:
+                found = [
+                    significant(x) if math.isfinite(x) else MISSING for x in judged.needed(account.name, key)
+                ]
+                needed = f"{found[1]} ({found[0]} … {found[2]})"
+                rows.append([account.words, prior.words, prior.range, needed, prior.why])
+    head = ("Account", "Free value", "Allowed", "Needed (5 … 95 %)", "Why this range")
+    also = "; ".join(f"{prior.words}, {prior.range}" for prior in common.values())
+    note = "Needed: median of the draws, weighted by how near they come to the print; –: none comes near."
+    return Table(
+        "What each account was free to choose, and what it has to choose",
+        head,
+        rows,
+        note + (f" Free in all accounts: {also}." if also else ""),
+        (),
+    )
+
+
+def shared(judged: Judged) -> dict[str, Prior]:
+    """Free values that all accounts have alike."""
+    first, *others = judged.accounts
+    return {k: p for k, p in first.priors.items() if all(a.priors.get(k) == p for a in others)}
 
 
 def odds_figure(judged: Judged, name: str = "odds") -> Figure:
@@ -90,7 +107,7 @@ def odds_figure(judged: Judged, name: str = "odds") -> Figure:
 
 
 def _draws(judged: Judged) -> str:
-    return decimals(float(len(next(iter(judged.predicted.values())))), 0)
+    return decimals(float(len(next(iter(judged.first.values())).shares)), 0)
 
 
 def _words(judged: Judged, account: str) -> str:

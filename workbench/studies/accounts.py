@@ -7,22 +7,19 @@ All accounts are judged by the same items: what an account does not speak about 
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import logsumexp
 
 from ..robot.kinematics import Array
 from .evidence import Evidence, evidence, spread
-from .priors import Prior, drawn
-from .study_run import StudyRun
-from .tasks import run_tasks
+from .priors import Prior
 
-CHUNK = 50  # draws per task
+LEAST_DRAWS = 8  # of their weight, that a free value is read from
 MISSED = 0.05  # of its draws as far out as the print, or fewer: the account misses it
 
 
@@ -92,16 +89,26 @@ class Standing:
 
 
 @dataclass(frozen=True)
-class Judged:
-    """Accounts held against items.
+class Round:
+    """Draws of an account.
 
-    values: account → free value → (D,); predicted: account → (D, K), all items side by side as compared.
+    shares: (D, P) free values as shares of their ranges; predicted: (D, K) all items side by side, as
+    compared; prior: (D,) logarithm of the prior over the density that each was drawn from.
     """
+
+    shares: Array
+    predicted: Array
+    prior: Array
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Accounts held against items. first: account → draws from its priors; last: those near the print."""
 
     accounts: Sequence[Account]
     items: Sequence[Item]
-    values: Mapping[str, Mapping[str, Array]]
-    predicted: Mapping[str, Array]
+    first: Mapping[str, Round]
+    last: Mapping[str, Round]
     seed: int
 
     def columns(self, item: str) -> slice:
@@ -123,7 +130,7 @@ class Judged:
     def standing(self, account: str, item: str | None = None) -> Standing:
         """Of an item, or of all together."""
         at = slice(None) if item is None else self.columns(item)
-        made = self.predicted[account][:, at]
+        made = self.first[account].predicted[:, at]
         value, sd = (part[at] for part in self.target)
         good = made[np.isfinite(made).all(axis=1)]
         if len(good) < 10:
@@ -135,13 +142,14 @@ class Judged:
         return Standing(share, far)
 
     def evidences(self, without: str | None = None) -> dict[str, Evidence]:
-        """Of each account, from all items or all but one."""
+        """Of each account, from all items or all but one (then from its first draws)."""
         keep = np.ones(len(self.target[0]), dtype=bool)
         if without is not None:
             keep[self.columns(without)] = False
         value, sd = (part[keep] for part in self.target)
+        rounds = self.last if without is None else self.first
         return {
-            a.name: evidence(self.predicted[a.name][:, keep], value, sd, self.seed) for a in self.accounts
+            name: evidence(r.predicted[:, keep], value, sd, r.prior, self.seed) for name, r in rounds.items()
         }
 
     @cached_property
@@ -159,35 +167,43 @@ class Judged:
         return dict(zip(found, (shares / shares.sum()).tolist(), strict=True))
 
     def needed(self, account: str, value: str) -> tuple[float, float, float]:
-        """5, 50 and 95 % of a free value, once the print is seen: weighted draws, corrected by linear
-        regression for what their numbers miss the print by (Beaumont et al. 2002)."""
-        prior = next(a for a in self.accounts if a.name == account).priors[value]
-        weights = self.evidence[account].weights
-        near = weights > 1e-12
-        if near.sum() < 10:
+        """5, 50 and 95 % of a free value, once the print is seen (NaN: no draw comes near).
+
+        Weighted draws, corrected by linear regression for what their numbers miss the print by (Beaumont et
+        al. 2002).
+        """
+        priors = next(a for a in self.accounts if a.name == account).priors
+        logs, near = self.evidence[account].logs, self.last[account]
+        good = np.isfinite(logs)
+        if not good.any():
+            return (np.nan, np.nan, np.nan)
+        weights = np.exp(logs[good] - logsumexp(logs[good]))
+        if 1 / (weights**2).sum() < LEAST_DRAWS:
             return (np.nan, np.nan, np.nan)
         target, sd = self.target
-        root, made = np.sqrt(weights[near])[:, None], self.predicted[account][near]
+        root, made = np.sqrt(weights)[:, None], near.predicted[good]
         missed = made + sd * np.random.default_rng([self.seed, 8]).normal(size=made.shape) - target
-        shares = np.array([prior.share(size) for size in self.values[account][value][near]])
-        slope = np.linalg.lstsq(root * np.column_stack([np.ones(len(missed)), missed]), root[:, 0] * shares)[
-            0
-        ]
+        shares = near.shares[good, list(priors).index(value)]
+        rows = np.column_stack([np.ones(len(missed)), missed])
+        slope = np.linalg.lstsq(root * rows, root[:, 0] * shares)[0]
         shares = np.clip(shares - missed @ slope[1:], 0.0, 1.0)
         order = np.argsort(shares)
-        kept = weights[near][order]
+        kept = weights[order]
         ends = np.interp([0.05, 0.5, 0.95], np.cumsum(kept) - kept / 2, shares[order])
-        low, middle, high = (prior.at(float(end)) for end in ends)
+        low, middle, high = (priors[value].at(float(end)) for end in ends)
         return low, middle, high
 
     def numbers(self) -> dict[str, float]:
-        """For a story: p_ACCOUNT its probability, log10_ACCOUNT and log10_ACCOUNT_error its evidence,
-        share_ACCOUNT_ITEM and far_ACCOUNT_ITEM its standings (ITEM: all for all together), ACCOUNT_VALUE,
-        ACCOUNT_VALUE_low and ACCOUNT_VALUE_high what it needs."""
+        """For a story: p_ACCOUNT its probability, p_ACCOUNT_without_ITEM; log10_ACCOUNT and
+        log10_ACCOUNT_error its evidence; share_ACCOUNT_ITEM and far_ACCOUNT_ITEM its standings (ITEM: all for
+        all together); ACCOUNT_VALUE, ACCOUNT_VALUE_low and ACCOUNT_VALUE_high what it needs."""
         found = {f"p_{name}": p for name, p in self.probabilities().items()}
+        alone = len(self.items) == 1
+        without = {} if alone else {i.name: self.probabilities(i.name) for i in self.items}
         for account in self.accounts:
             a = account.name
             found |= {f"log10_{a}": self.evidence[a].log10, f"log10_{a}_error": self.evidence[a].error}
+            found |= {f"p_{a}_without_{item}": shares[a] for item, shares in without.items()}
             for item in (*(i.name for i in self.items), None):
                 stands = self.standing(a, item)
                 found |= {
@@ -198,61 +214,3 @@ class Judged:
                 low, middle, high = self.needed(a, value)
                 found |= {f"{a}_{value}": middle, f"{a}_{value}_low": low, f"{a}_{value}_high": high}
         return found
-
-
-def judge(
-    accounts: Sequence[Account], items: Sequence[Item], draws: int, run: StudyRun, chunk: int = CHUNK
-) -> Judged:
-    """Each account drawn `draws` times and held against all items; resumable, on all cores.
-
-    chunk: draws per task. Raises RuntimeError where an account fails, with the end of its traceback.
-    """
-    starts = range(0, draws, chunk)
-    keys = [f"{account.name}/{start}" for account in accounts for start in starts]
-    facts = {
-        "seed": run.seed,
-        "draws": draws,
-        "chunk": chunk,
-        "items": {i.name: np.atleast_1d(i.value).tolist() for i in items},
-        "priors": {a.name: {k: repr(p) for k, p in a.priors.items()} for a in accounts},
-    }
-    work = partial(_drawn_chunk, {a.name: a for a in accounts}, tuple(items), run.seed, chunk, draws)
-    done = run_tasks(
-        work,
-        keys,
-        run.store("accounts"),
-        study=facts,
-        workers=run.workers,
-        resume=run.resume,
-        label="accounts",
-    )
-    values: dict[str, dict[str, Array]] = {}
-    predicted: dict[str, Array] = {}
-    for account in accounts:
-        parts = [done[f"{account.name}/{start}"] for start in starts]
-        if failed := next((part for part in parts if part.error), None):
-            raise RuntimeError(f"account {account.name}: {failed.error}")
-        values[account.name] = {
-            name: np.concatenate([part.result["values"][name] for part in parts]) for name in account.priors
-        }
-        rows = [row for part in parts for row in part.result["rows"]]
-        predicted[account.name] = np.array(rows, dtype=float)
-    return Judged(accounts, items, values, predicted, run.seed)
-
-
-def _drawn_chunk(
-    accounts: Mapping[str, Account], items: Sequence[Item], seed: int, chunk: int, draws: int, key: str
-) -> dict[str, Any]:
-    """One task: some draws of one account, with what is not finite as None for JSON."""
-    name, _, start = key.rpartition("/")
-    account, rows = accounts[name], []
-    values: dict[str, list[float]] = {value: [] for value in account.priors}
-    for at in range(int(start), min(int(start) + chunk, draws)):
-        rng = np.random.default_rng([seed, zlib.crc32(name.encode()), at])
-        free = drawn(account.priors, rng)
-        made = account.predict(free, rng)
-        row = np.concatenate([np.broadcast_to(i.compared(made[i.name]), i.target[0].shape) for i in items])
-        rows.append([float(x) if np.isfinite(x) else None for x in row])
-        for value, size in free.items():
-            values[value].append(size)
-    return {"values": values, "rows": rows}

@@ -22,11 +22,11 @@ RESAMPLED = 200
 @dataclass(frozen=True)
 class Evidence:
     """log10: of the density at the print; error: one standard deviation of its Monte-Carlo error, or what
-    half the kernel changes, whichever is larger; weights: (D,) how much each draw carries, sum 1."""
+    half the kernel changes, whichever is larger; logs: (D,) natural logarithm of what each draw carries."""
 
     log10: float
     error: float
-    weights: Array
+    logs: Array
 
 
 @dataclass(frozen=True)
@@ -57,25 +57,23 @@ def spread(drawn: Array) -> Spread:
     return Spread(middle, covariance)
 
 
-def evidence(drawn: Array, value: Array, sd: Array, seed: int = 0) -> Evidence:
+def evidence(drawn: Array, value: Array, sd: Array, prior: Array | None = None, seed: int = 0) -> Evidence:
     """Of a print value (K,) with uncertainty sd (K,) among draws (D, K). A draw that is not finite could not
-    have made the print; it counts as one that misses it."""
+    have made the print; it counts as one that misses it. prior: (D,) logarithm of the prior over the density
+    that each was drawn from; None: drawn from the prior."""
     good = np.isfinite(drawn).all(axis=1)
-    weights = np.zeros(len(drawn))
+    logs = np.full(len(drawn), -np.inf)
     if good.sum() < 10:
-        return Evidence(-np.inf, 0.0, weights)
-    each = _bumps(drawn[good], value, sd, 1.0)
-    narrow = _bumps(drawn[good], value, sd, 0.5)
-    whole = _log10_mean(each, len(drawn))
+        return Evidence(-np.inf, 0.0, logs)
+    carried = np.zeros(len(drawn)) if prior is None else prior
+    logs[good] = carried[good] + _bumps(drawn[good], value, sd, 1.0)
+    whole = _log10_mean(logs)
+    narrow = _log10_mean(carried[good] + _bumps(drawn[good], value, sd, 0.5)) + np.log10(good.mean())
     again = np.random.default_rng([seed, len(drawn)]).integers(len(drawn), size=(RESAMPLED, len(drawn)))
-    filled = np.full(len(drawn), -np.inf)
-    filled[good] = each
-    means = [_log10_mean(filled[take], len(drawn)) for take in again]
-    weights[good] = np.exp(each - logsumexp(each))
-    error = max(
-        float(np.std([m for m in means if np.isfinite(m)])), abs(_log10_mean(narrow, len(drawn)) - whole)
+    means = [_log10_mean(logs[take]) for take in again]
+    return Evidence(
+        whole, max(float(np.std([m for m in means if np.isfinite(m)])), abs(narrow - whole)), logs
     )
-    return Evidence(whole, error, weights)
 
 
 def _bumps(drawn: Array, value: Array, sd: Array, narrower: float) -> Array:
@@ -91,5 +89,5 @@ def _bumps(drawn: Array, value: Array, sd: Array, narrower: float) -> Array:
     )
 
 
-def _log10_mean(logs: Array, count: int) -> float:
-    return float((logsumexp(logs) - np.log(count)) / np.log(10))
+def _log10_mean(logs: Array) -> float:
+    return float((logsumexp(logs) - np.log(len(logs))) / np.log(10))

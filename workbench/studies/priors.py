@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-
-import numpy as np
 
 from ..report.numbers import decimals, join, significant
 
@@ -34,12 +31,6 @@ class Prior:
             return float(self.low * (self.high / self.low) ** share)
         return float(self.low + (self.high - self.low) * share)
 
-    def share(self, value: float) -> float:
-        """The share of the range that lies below a value."""
-        if self.log:
-            return float(np.log(value / self.low) / np.log(self.high / self.low))
-        return float((value - self.low) / (self.high - self.low))
-
     @property
     def middle(self) -> float:
         """The median."""
@@ -50,11 +41,6 @@ class Prior:
         """The range in words."""
         ends = f"{_short(self.low)} … {_short(self.high)}"
         return join(ends, self.unit) + (", uniform in its logarithm" if self.log else "")
-
-
-def drawn(priors: Mapping[str, Prior], rng: np.random.Generator) -> dict[str, float]:
-    """A value of each."""
-    return {name: prior.at(float(rng.random())) for name, prior in priors.items()}
 
 
 def _short(value: float) -> str:

@@ -12,8 +12,20 @@ TABLE_1 = np.array([1e6, 2e6, 0.5e6])
 TABLE_2 = np.array([7.8e5, 20.9e5, 5.2e5])
 """[N·m/rad, N/m, N/m] Table 2: the stiffnesses that it identified."""
 
+ROUNDING = np.full(3, 0.1e5 / np.sqrt(12))
+"""[N·m/rad, N/m, N/m] Table 2: what its two or three digits leave open."""
+
+SAME = 0.01
+"""[1] Conclusions, section before the last: without noise "same coefficients"; read as to a hundredth."""
+
+CIRCLE_ERROR, CIRCLE_ERROR_SD = 1e-3, 0.25e-3
+"""[m] Compensation, before figure 5: "about 1 millimeter"; read as within a quarter."""
+
 SIGMA = 1e-5
 """[m] Measurements, before equation (5): noise of a deflection."""
+
+NOISE_ROUNDING = 0.3e-5
+"""[m] Measurements, before equation (5): what the one digit of the noise leaves open."""
 
 POSES = 50
 """[1] after equation (8): number of experiments."""

@@ -40,6 +40,7 @@ def stiffness_numbers(local: Sequence[LocalStiffness], share: Array) -> dict[str
         **by_joint("high", high / 1e6),
         **by_joint("off", value / true - 1),
         **by_joint("std", std),
+        **by_joint("half", 1.96 * std),
         **by_joint("torque", torque),
         **by_joint("turn", 1e3 * turn),
     }

@@ -6,7 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench import Campaign, LocalStiffness, Robot, Target, Truth, axis_by_axis, simulate, sweep
+from workbench import (
+    Array,
+    Campaign,
+    LocalStiffness,
+    Robot,
+    Target,
+    Truth,
+    axis_by_axis,
+    catalogue,
+    load_pairs,
+    simulate,
+    sweep,
+)
 
 from .printed import SWEPT
 
@@ -28,6 +40,9 @@ TARGET_PLACES = {  # m, of tracker targets on the links
     "link_1": ((0.3, -0.2, 0.1), (-0.3, 0.15, 0.1), (0.0, -0.35, 0.2)),
     "link_2": ((0.1, -0.2, 0.8), (-0.1, -0.2, 0.6), (0.0, -0.3, 0.9)),
 }
+# Of the global method: N at a place on the flange [m], and the tracker's targets there
+GLOBAL_FORCE, GLOBAL_LEVER = 500.0, (0.1, 0.1, 0.1)
+FLANGE_PLACES = ((0.15, 0.0, 0.05), (-0.1, 0.12, 0.05), (-0.1, -0.12, 0.15))
 # Which joint is swept between which angles, the others where [deg], a target on its link [m]. The paper
 # sweeps joint 2; the two others that lift the tool are swept for the row that corrects everything.
 SWEEPS = {
@@ -51,6 +66,21 @@ def stiffness(robot: Robot, truth: Robot, joint: str, rounds: int, seed: int) ->
         instrument=(np.eye(3)[None], np.zeros((1, 3))) if level else None,
     )
     return axis_by_axis.identify(replace(seen, robot=robot), joint, levelled=level)
+
+
+def all_at_once(robot: Robot, truth: Robot, count: int, seed: int) -> tuple[Array, Array]:
+    """The paper's global method, eq. (1): forces from all sides at the flange, its motion under the tracker.
+    All six stiffnesses [N·m/rad] and their relative standard deviations, each (6,)."""
+    rng = np.random.default_rng([seed, 1])
+    q = np.deg2rad(rng.uniform([-90, -50, 40, -180, -90, -180], [90, 50, 130, 180, 90, 180], size=(count, 6)))
+    pull = rng.normal(size=(count, 3))
+    pull *= GLOBAL_FORCE / np.linalg.norm(pull, axis=1)[:, None]
+    targets = [Target(f"F{i}", xyz) for i, xyz in enumerate(FLANGE_PLACES)]
+    plan = load_pairs.pairs(truth, q, (0.0, GLOBAL_LEVER), pull, targets, (0.0, (0.0, 0.0, 0.0)))
+    seen = load_pairs.measure_pairs(plan, Truth(sigma=TRACKER), seed, (np.eye(3), np.zeros(3)))
+    sites = catalogue()["joint_compliance"].sites
+    k, std = load_pairs.compliances(load_pairs.fit_pairs(replace(seen, robot=robot), sites, TRACKER))
+    return 1 / k, std / k
 
 
 def measured(truth: Robot, believed: Robot, joint: str, count: int, seed: int) -> Campaign:

@@ -13,6 +13,15 @@ TABLE_1 = 1e6 * np.array([0.204, 0.85, 0.57, 0.49, 0.12, 0.005])
 TABLE_2 = {"ra": (0.2032, 0.0459, 0.0312), "rz": (0.2882, 0.2097, 0.1502)}
 """[mm] Table II: R_a and R_z without correction, with that of stiffness, and with that of the gear too."""
 
+SCATTER = 0.03
+"""[1] Table II: no scatter is printed; three hundredths of each value are allowed for."""
+
+SWEEP_SPAN, SWEEP_SPAN_SD = 0.03, 0.015
+"""[°] section III.d: stiffness error "about many 1/100 of degree", read as three, give or take half."""
+
+GEAR_PEAK, GEAR_PEAK_SD = 0.005, 0.0025
+"""[°] section III.d: kinematic error "about many 1/1000 of degree", read as five, give or take half."""
+
 SWEPT, POSES = (-50, 50), 2001
 """[°, 1] section III: ends of joint 2's sweep, and its poses, 0.05° apart."""
 

@@ -18,6 +18,7 @@ from .causes import one_cause_each, standing_error
 from .draw import Drawn, draw_corrected
 from .heights import heights, least_mean
 from .printed import ACCELERATION, HEIGHT, SPEED, SPIRAL, TABLE_1, TABLE_2
+from .superposed import BASE_TO_JOINT_2, ELBOW_UP
 
 Numbers = dict[str, float]
 CORRECTIONS = {
@@ -29,8 +30,7 @@ CORRECTIONS = {
 }
 SLOW, FAST = SPEED, 0.3  # m/s; at the printed acceleration, and at ten times that
 # not in the paper
-PLANE = 0.75 + HEIGHT  # m over the floor: the maker counts Z from the height of joint 2
-ELBOW_UP = np.array([0.0, 0.4, 1.8, 0.0, 0.95, 0.0])
+PLANE = BASE_TO_JOINT_2 + HEIGHT  # m over the floor
 ALONG = 1e-5  # m, noise of the tracker per reading along the path
 
 
@@ -57,11 +57,16 @@ class Spirals:
 
 
 def draw_spirals(
-    truth: Robot, robot: Robot, beliefs: Mapping[str, Robot], turns: int, progress: Callable[[str], None]
+    truth: Robot,
+    robot: Robot,
+    beliefs: Mapping[str, Robot],
+    turns: int,
+    workers: int,
+    progress: Callable[[str], None],
 ) -> Spirals:
     """The spiral at both speeds, uncorrected and corrected by each belief; what each cause makes of it."""
     slow, fast = (spiral_at(speed, turns) for speed in (SLOW, FAST))
-    drawn = draw_corrected(truth, robot, [slow, fast], beliefs, ELBOW_UP, workers=2, progress=progress)
+    drawn = draw_corrected(truth, robot, [slow, fast], beliefs, ELBOW_UP, workers=workers, progress=progress)
     single = one_cause_each(truth, "joint_2")
     causes = {key: standing_error(one, slow, ELBOW_UP)[:, 2] for key, one in single.items()}
     return Spirals(
@@ -77,17 +82,13 @@ def spiral_at(speed: float, turns: int) -> Path:
 
 
 def spiral_numbers(spirals: Spirals, seed: int) -> Numbers:
-    """R_a and R_z of every command at both speeds [mm], with the largest factor to a printed one; mean and
-    span of what each cause alone does to z [mm]."""
+    """R_a and R_z of every command at both speeds [mm]; mean and span of what each cause alone does to z [mm]."""
     rng = np.random.default_rng([seed, 13])
     numbers: Numbers = {}
     for speed, run in {"slow": spirals.slow, "fast": spirals.fast}.items():
         for name, error in run.error.items():
             found = heights(run.wanted, error, spirals.zero, ALONG * rng.normal(size=len(error)))
             numbers |= {f"{key}_{name}_{speed}": value for key, value in found.items()}
-    pairs = [(r, *pair) for r in TABLE_2 for pair in zip(CORRECTIONS, TABLE_2[r], strict=False)]
-    ratios = [numbers[f"{r}_{name}_slow"] / printed for r, name, printed in pairs]
-    numbers["worst"] = float(np.exp(np.abs(np.log(ratios)).max()))
     for key, z in spirals.causes.items():
         numbers |= {f"{key}_mean": float(1e3 * z.mean()), f"{key}_pv": float(1e3 * np.ptp(z))}
     return numbers | {"lowered": -numbers["yield_others_mean"]}

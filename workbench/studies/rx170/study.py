@@ -9,6 +9,8 @@ height from peak to valley that both corrections leave?
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from os import cpu_count
 from pathlib import Path
 
 from workbench import (
@@ -19,9 +21,16 @@ from workbench import (
     Study,
     StudyRun,
     Table,
+    accounts_table,
     as_package,
+    by_joint,
+    checked,
     compensate_file,
+    judge,
     load_robot,
+    needs_table,
+    odds_figure,
+    odds_table,
     record,
     restated,
     run_study,
@@ -29,6 +38,7 @@ from workbench import (
     stored,
     sweep,
     tell,
+    tornado,
     write_campaign,
     write_path,
 )
@@ -37,19 +47,25 @@ if not __package__:  # run as a script: the chapters lie beside it
     __package__ = as_package(__file__)
 
 from . import figures
+from .accounts import CLAIMS, ITEMS, accounts, draws
 from .hidden import hidden
-from .measuring import LOCAL, SWEEPS, measured, stiffness
-from .printed import NUMBERS, POSES, SPIRAL_TURNS
-from .spiral import ELBOW_UP, draw_spirals, printed_numbers, spiral_numbers
+from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness
+from .printed import NUMBERS, POSES, SPIRAL_TURNS, TABLE_1
+from .spiral import draw_spirals, printed_numbers, spiral_numbers
+from .superposed import ELBOW_UP
 
 
 def study(run: StudyRun) -> Study:
     """Stiffness axis by axis, the sweep, what it separates, the spiral."""
     folder, seed, quick, progress = run.folder, run.seed, run.quick, run.say
     robot = load_robot("rx170")
+    progress("judging six accounts of Table II")
+    judged = judge(accounts(), ITEMS, run.draws(1500, 300), run, chunk=150)
+    drawn = draws(run)
     truth, share = hidden(folder, robot, seed)
     progress("loading each joint by itself")
     local = [stiffness(robot, truth, name, 2 if quick else 6, seed) for name in LOCAL]
+    together, spread = all_at_once(robot, truth, 12 if quick else 30, seed)
     known = robot
     for found in local:
         known = restated(known, [found.joint], stiffness=found.value)
@@ -67,7 +83,8 @@ def study(run: StudyRun) -> Study:
 
     progress("drawing the spiral in closed loop")
     turns = 1 if quick else SPIRAL_TURNS
-    spirals = draw_spirals(truth, robot, models(folder, known, truth, gears), turns, progress)
+    believed = models(folder, known, truth, gears)
+    spirals = draw_spirals(truth, robot, believed, turns, run.workers or cpu_count() or 1, progress)
     write_path(folder / "spiral.csv", spirals.path)
     compensate_file(folder / "spiral.csv", folder / "model.toml", "val3", folder, start=ELBOW_UP)
 
@@ -78,8 +95,20 @@ def study(run: StudyRun) -> Study:
         **figures.sweep_numbers(apart),
         **spiral_numbers(spirals, seed),
         **printed_numbers(robot, spirals),
+        **by_joint("g", together / 1e6),
+        **by_joint("g", together / (share * TABLE_1) - 1, "_off"),
+        **by_joint("g", 1.96 * spread, "_half"),
+        **drawn.by_name(),
+        **judged.numbers(),
     }
+    numbers["ra_gain"] = numbers["ra_both_slow"] / numbers["ra_none_slow"]
+    numbers["rz_gain"] = numbers["rz_both_slow"] / numbers["rz_none_slow"]
     items: dict[str, Table | Figure] = {
+        "accounts": accounts_table(judged),
+        "odds": odds_table(judged),
+        "oddsfigure": odds_figure(judged),
+        "needs": needs_table(judged),
+        "tornado": tornado(drawn, "ra_base", "tornado", "Ra of the last run, counted from the base, mm"),
         "stiffness": figures.stiffness_figure(local, share),
         **figures.sweep_figures(apart, "joint 2"),
         "orders": figures.line_table(apart, "joint 2"),
@@ -94,7 +123,19 @@ def study(run: StudyRun) -> Study:
         "All joints": "model_all.toml",
         "Spiral, VAL3": "spiral.pjx",
     }
-    return tell(Path(__file__).with_name("story.md"), robot, numbers, items, spirals.shown, "heights", files)
+    stands = checked(CLAIMS, numbers, drawn)
+    story = Path(__file__).with_name("story.md")
+    told = tell(story, robot, numbers, items, spirals.shown, "oddsfigure", files, stands)
+    return replace(told, sealed={"campaign/campaign.toml": {"effects": as_told(truth, "joint_2")}})
+
+
+def as_told(truth: Robot, joint: str) -> list[str]:
+    """What a joint really does, a line each."""
+    return [
+        f"{effect.cause} {effect.order or ''} {effect.values}"
+        for effect in truth.effects
+        if effect.joint == joint
+    ]
 
 
 def models(folder: Path, known: Robot, truth: Robot, gears: Mapping[str, Fit]) -> dict[str, Robot]:
