@@ -46,6 +46,17 @@ class Rig:
         plan = pairs(robot, q[None], self.load, force[None], self.targets, self.tool)
         return difference_rows(plan)[0, :3]
 
+    def held(self, robot: Robot, name: str, angle: float) -> Robot:
+        """The robot with one joint held at an angle [rad] and the others within the limits."""
+        joints = []
+        for joint in robot.joints:
+            most = self.limits.get(joint.name, np.inf)
+            lower, upper = max(joint.lower, -most), min(joint.upper, most)
+            if joint.name == name:
+                lower, upper = angle - 1e-9, angle + 1e-9
+            joints.append(replace(joint, lower=lower, upper=upper))
+        return replace(robot, joints=tuple(joints))
+
 
 @dataclass(frozen=True)
 class GroupPlan:
@@ -79,7 +90,7 @@ def group_plan(
     squares, random, hanging, free = 0.0, np.zeros(randoms), 0.0, 0.0
     forces = rig.load[0] * GRAVITY * np.vstack([np.eye(3), -np.eye(3)])
     for angle, count in zip(angles, counts, strict=True):
-        q = random_poses(held(robot, joint, angle, rig), candidates, rng, floor=0.4, clear=0.6)
+        q = random_poses(rig.held(robot, joint, angle), candidates, rng, floor=0.4, clear=0.6)
         down, aside = rig.rows(robot, q, np.zeros(3)), rig.rows(robot, q, rig.sideways)
         side = int(np.argmax((aside[:, :, 0] ** 2).sum(axis=1)))
         best, rho = exchange(down, A0, count - 1, prior=aside[side].T @ aside[side], starts=3, seed=seed)
@@ -97,15 +108,3 @@ def group_plan(
     roots = (float(np.sqrt(total)) for total in (squares, hanging, free))
     rho0, without, any_force = roots
     return GroupPlan(plan, rho0, np.sqrt(random), without, any_force)
-
-
-def held(robot: Robot, name: str, angle: float, rig: Rig) -> Robot:
-    """The robot with one joint held at an angle and the others within the rig's limits."""
-    joints = []
-    for joint in robot.joints:
-        most = rig.limits.get(joint.name, np.inf)
-        lower, upper = max(joint.lower, -most), min(joint.upper, most)
-        if joint.name == name:
-            lower, upper = angle - 1e-9, angle + 1e-9
-        joints.append(replace(joint, lower=lower, upper=upper))
-    return replace(robot, joints=tuple(joints))

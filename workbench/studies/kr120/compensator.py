@@ -25,11 +25,11 @@ from workbench import (
     identify_charge,
     numbers,
     planned,
+    pressure,
     problem_of,
     random_poses,
     simulate,
 )
-from workbench.identification.gravity_compensator import pressure
 
 from .decides import GAS
 from .plans import CLEAR, FLOOR, JOINT

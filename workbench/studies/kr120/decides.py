@@ -31,12 +31,11 @@ from workbench import (
     random_poses,
     simulate,
 )
-from workbench.robot.kinematics import RZ
 
 from .assumed import ARCMIN
 from .plans import CLEAR, FLOOR, JOINT, MARKER_PLACES, SIGMA, rig, robot
 from .printed import LOAD
-from .world import soft_zone
+from .world import RZ, soft_zone
 
 GAS = catalogue()["gravity_compensator"](variant="charge")
 WAYS = {

@@ -20,9 +20,8 @@ from workbench import (
     planned,
     problem_of,
 )
-from workbench.robot.compensator import ATMOSPHERE
 
-from .printed import HALF_1, TABLE_1
+from .printed import ATMOSPHERE, HALF_1, TABLE_1
 
 
 def plan_numbers(plan: GroupPlan) -> dict[str, float]:

@@ -6,12 +6,10 @@ from __future__ import annotations
 import numpy as np
 from scipy import stats
 
-from workbench import Array, Draws, Figure, Prior, charts, fit_spring, numbers
-from workbench.identification.gravity_compensator.gas_spring import Linkage
-from workbench.robot.compensator import ATMOSPHERE
+from workbench import Array, Draws, Figure, Prior, charts, fit_spring, gas_spring, numbers
 
 from .plans import ANGLES
-from .printed import HALF_1, TABLE_1
+from .printed import ATMOSPHERE, HALF_1, TABLE_1
 
 SIX = slice(1, 7)
 MOST_TORQUE = 20e3  # N·m: above what a drive of this class and a gravity torque of 10 kN·m can balance
@@ -39,7 +37,7 @@ def linkages(count: int, fits: int, seed: int) -> Draws:
     found: list[tuple[float, ...]] = []
     while len(kept) < count:
         v = {name: prior.at(float(rng.random())) for name, prior in PRIORS.items()}
-        triangle = Linkage(v["a"], v["L"], float(np.radians(v["alpha"])))
+        triangle = gas_spring.Linkage(v["a"], v["L"], float(np.radians(v["alpha"])))
         q = np.radians(np.linspace(v["low"], v["high"], ANGLES))
         torque, added = _spring(triangle, v, q)
         if np.abs(torque).max() > MOST_TORQUE:
@@ -52,7 +50,7 @@ def linkages(count: int, fits: int, seed: int) -> Draws:
     return Draws(PRIORS, {name: np.array([v[name] for v in kept]) for name in PRIORS}, columns)
 
 
-def _spring(triangle: Linkage, v: dict[str, float], q: Array) -> tuple[Array, Array]:
+def _spring(triangle: gas_spring.Linkage, v: dict[str, float], q: Array) -> tuple[Array, Array]:
     """Torque [N·m] and added stiffness [N·m/rad] at angles q, eqs. (5) to (7) with an exponent."""
     s, slope, bend = triangle.stretch(q)
     ds, n, area = s - s.min(), v["exponent"], 1e-4 * v["area"]
@@ -62,7 +60,7 @@ def _spring(triangle: Linkage, v: dict[str, float], q: Array) -> tuple[Array, Ar
     return -force * slope, n * gas / (length - ds) * slope**2 + force * bend
 
 
-def _fitted(triangle: Linkage, q: Array, rng: np.random.Generator) -> tuple[float, float]:
+def _fitted(triangle: gas_spring.Linkage, q: Array, rng: np.random.Generator) -> tuple[float, float]:
     """p and largest force of eq. (12) with the angles in a rising, a falling or any order."""
     at = (q, q[::-1], rng.permutation(q))[int(rng.integers(3))]
     spring = fit_spring(triangle, 1e-3, at, TABLE_1[SIX], HALF_1[SIX])

@@ -120,7 +120,7 @@ def pattern_figure(judged: Judged, names: Sequence[str]) -> Figure:
     series = {"Table I": charts.Series(printed, colour=charts.PRINTED, style="o-")}
     words = {a.name: a.words for a in judged.accounts}
     for name, colour in zip(names, (charts.OURS, charts.MIDDLE, charts.NOISE), strict=False):
-        made = judged.predicted[name][:, at]
+        made = judged.first[name].predicted[:, at]
         made = made[np.isfinite(made).all(axis=1)]
         over = np.exp(made - made.mean(axis=1, keepdims=True))
         low, middle, high = np.quantile(over, [0.05, 0.5, 0.95], axis=0)

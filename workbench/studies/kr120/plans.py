@@ -13,17 +13,25 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench import Array, Problem, Rig, Robot, Target, load_pairs, load_robot, problem_of, random_poses
-from workbench.measurement.design import exchange
-from workbench.measurement.group_plan import held
-from workbench.robot.kinematics import Arm, frames
-from workbench.robot.rigid_plant import arrays
+from workbench import (
+    Array,
+    Problem,
+    Rig,
+    Robot,
+    Target,
+    exchange,
+    load_pairs,
+    load_robot,
+    planned,
+    problem_of,
+    random_poses,
+)
 
 from .printed import CONFIGURATIONS, LOAD, MARKERS_APART, MARKERS_BEFORE
 
 JOINT = 1  # joint 2, from 0
 ANGLES, LEAST, MOST = 6, 3, 7  # section IV: configurations at each of the angles
-POOL, QUICK_POOL = 36, 6  # plans
+POOL, QUICK_POOL = 12, 3  # plans
 CANDIDATES = 60  # configurations at each angle to choose from
 ACROSS, BEFORE = MARKERS_APART / 2, MARKERS_BEFORE
 MARKER_PLACES = (ACROSS, 0.0, BEFORE), (-ACROSS, 0.0, BEFORE), (0.0, ACROSS, BEFORE)  # m, on the flange
@@ -78,7 +86,7 @@ def plan(number: int) -> PairPlan:
     upright = round(
         30.0 ** rng.random()
     )  # of so many times the candidates, those whose tool points down most
-    q = np.concatenate([candidates(held(robot(), "joint_2", a, used), upright, rng) for a in angles])
+    q = np.concatenate([candidates(used.held(robot(), "joint_2", a), upright, rng) for a in angles])
     shape = ANGLES, CANDIDATES, 3 * len(TARGETS), len(robot().joints)
     down, pulled = (used.rows(robot(), q, pull).reshape(shape) for pull in (np.zeros(3), used.sideways))
     chosen, pulls = [], []
@@ -97,14 +105,8 @@ def plan(number: int) -> PairPlan:
 def candidates(used: Robot, times: int, rng: np.random.Generator) -> Array:
     """(CANDIDATES, 6) [rad] of `times` as many random poses those whose tool points down most."""
     q = random_poses(used, times * CANDIDATES, rng, floor=FLOOR, clear=CLEAR)
-    axis = frames(arm(), q).R[-1][:, 2, 2]  # z of the flange along z of the base
+    axis = problem_of(planned(used, q)).rigid.R[-1][:, 2, 2]  # z of the flange along z of the base
     return q[np.argsort(axis)[:CANDIDATES]]
-
-
-@cache
-def arm() -> Arm:
-    """The robot's arrays."""
-    return arrays(robot())
 
 
 def compliances(used: Robot) -> Array:

@@ -27,6 +27,9 @@ CONFIGURATIONS = 31
 LOAD = 120.0
 """[kg] section IV: the load."""
 
+ATMOSPHERE = 1.01e5
+"""[Pa] section II: P0."""
+
 MARKERS_APART, MARKERS_BEFORE = 0.46, 0.0755
 """[m] Fig. 2: markers apart from each other, and before the flange."""
 

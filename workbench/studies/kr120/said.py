@@ -6,15 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench import Array, Claim, Draws, Judged, checked
-from workbench.report.study import Stand
+from workbench import Array, Claim, Draws, Judged, Stand, checked
 
 from .patterns import RANGE_1, SEEN, large_ones
 
 TENTH = 0.1
 ODDS = 100.0  # against an account, beyond its error, that exclude it
 FEWEST = 5  # draws
-LEFT = 0.05  # probability of an account that is still to be reckoned with
 
 LINKAGES = (
     Claim(
@@ -75,20 +73,26 @@ def stands(
 
 def of_odds(judged: Judged) -> tuple[Claim, ...]:
     """Claims that hang on the odds of this run."""
-    best = max(e.log10 for e in judged.evidence.values())
-
-    def out(name: str) -> bool:
-        found = judged.evidence[name]
-        return bool(best - found.log10 > np.log10(ODDS) + found.error)
-
-    left = [a.name for a in judged.accounts if judged.probabilities()[a.name] > LEFT]
-    named = max(p for name, p in judged.probabilities().items() if name != "nameless")
+    names = [a.name for a in judged.accounts]
+    named = [name for name in names if name != "nameless"]
+    left = [name for name in names if not excluded(judged, name)]
     return (
-        Claim("gas_out", "odds of 100 to 1 against a gas spring that the arm can hold", lambda _: out("gas")),
-        Claim("several_left", "more than one account is left", lambda _: len(left) > 1),
-        Claim("yardstick", "no named account beats a scatter without a name tenfold",
-              lambda _: named < 10 * judged.probabilities()["nameless"]),
+        Claim("gas_out", "odds of 100 to 1 against a gas spring that the arm can hold",
+              lambda _: excluded(judged, "gas")),
+        Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
+              lambda _: len(left) > 1),
+        Claim("yardstick", "no named account excludes a scatter without a name",
+              lambda _: not any(excluded(judged, "nameless", by=name) for name in named)),
     )  # fmt: skip
+
+
+def excluded(judged: Judged, name: str, by: str | None = None) -> bool:
+    """Whether the odds are above `ODDS` against an account, beyond the Monte-Carlo errors of both, by
+    the best account or the one named."""
+    evidence = judged.evidence
+    other = max(evidence.values(), key=lambda e: e.log10) if by is None else evidence[by]
+    error = float(np.hypot(other.error, evidence[name].error))
+    return bool(other.log10 - evidence[name].log10 > np.log10(ODDS) + error)
 
 
 def only(draws: Draws, at: Array) -> Draws:

@@ -21,7 +21,7 @@ from .world import World, estimated, soft_zone
 Values = Mapping[str, float]
 Tell = Callable[[World, Values, PairPlan, np.random.Generator], World]
 SIX = slice(1, 7)
-LEVEL_ROUNDS, LEVEL_STEP = 2, (0.3, 3.0)
+LEVEL_STEP = 0.3, 3.0  # of a gear's compliance
 
 
 def sizes(half: Array) -> Array:
@@ -49,10 +49,9 @@ def levelled(tell: Tell, v: Values, where: PairPlan, seed: int) -> World:
     and the mean of its k2: how stiff the gears are says nothing for or against an account."""
     world = machine(v)
     printed = mean_of_six(TABLE_1)
-    for _ in range(LEVEL_ROUNDS):
-        told = replace(tell(world, v, where, np.random.default_rng(seed)), sigma=0.0)
-        found = mean_of_six(estimated(where, told, np.random.default_rng(0)).k)
-        world = replace(world, k=world.k * np.clip(printed / found, *LEVEL_STEP))
+    told = replace(tell(world, v, where, np.random.default_rng(seed)), sigma=0.0)
+    found = mean_of_six(estimated(where, told, np.random.default_rng(0)).k)
+    world = replace(world, k=world.k * np.clip(printed / found, *LEVEL_STEP))
     return tell(world, v, where, np.random.default_rng(seed))
 
 

@@ -7,14 +7,12 @@ what else can, and which measurement decides?
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from workbench import (
-    Account,
     Array,
     Draws,
     Figure,
@@ -51,7 +49,6 @@ if not __package__:  # run as a script: the chapters lie beside it
     __package__ = as_package(__file__)
 
 from . import figures
-from .assumed import OWN
 from .compensator import changed_gas, charge_by_witness, gauged
 from .decides import (
     DRIVE_NOISE,
@@ -86,6 +83,8 @@ FILES = {"Robot": "robot/kr120.toml", "Campaign, soft gear": "campaign/campaign.
 def study(run: StudyRun) -> Study:
     """The gas spring on any linkage, accounts of Table I, and the measurement that decides."""
     folder, seed = run.folder, run.seed
+    if run.quick and run.workers is None:  # what is drawn is less than starting processes for it
+        run = replace(run, workers=1)
     robot = stored(folder / "robot" / "kr120.toml", load_robot("kr120"))
     run.say("gas springs on linkages drawn at random")
     stretched = figures.stretched(ANGLES)
@@ -102,9 +101,9 @@ def study(run: StudyRun) -> Study:
 
     run.say("holding each account against Table I")
     told = accounts(run.draws(POOL, QUICK_POOL))
-    judged = judge(told, ITEMS, run.draws(600, 60), run)
-    made = machine_draws(told, run.draws(160, 24), run)
-    soft = machine_draws([a for a in told if a.name == "soft"], run.draws(800, 150), run, "soft")
+    judged = judge(told, ITEMS, run.draws(300, 30), run, chunk=run.draws(75, 30))
+    made = machine_draws(told, run.draws(100, 24), run)
+    soft = machine_draws([a for a in told if a.name == "soft"], run.draws(600, 100), run, "soft")
     numbers |= judged.numbers() | pattern_numbers(made, [a.name for a in told]) | soft_numbers(soft)
 
     run.say("identifying charge and gas length")
@@ -129,7 +128,7 @@ def study(run: StudyRun) -> Study:
         "accounts": accounts_table(judged),
         "odds_table": odds_table(judged),
         "odds": odds_figure(judged),
-        "needs": needs_table(replace(judged, accounts=own_values(judged.accounts))),
+        "needs": needs_table(judged),
         "pattern": pattern_figure(judged, SHOWN),
         "patterns": pattern_table(made, told),
         "bias": figures.bias_figure(robot, stretched),
@@ -162,11 +161,6 @@ def needed_springs(problem: Problem) -> dict[str, FittedSpring]:
         "one_sigma": with_sigma(half),
         "any_order": fit_any_order(own_linkage(problem), area, ANGLES, k, half),
     }
-
-
-def own_values(told: Sequence[Account]) -> list[Account]:
-    """The accounts with what each is free to choose beyond what all leave open."""
-    return [replace(account, priors=OWN[account.name][1]) for account in told]
 
 
 def linkage_tornado(drawn: Draws) -> Figure:

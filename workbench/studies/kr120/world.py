@@ -10,15 +10,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from workbench import Array
-from workbench.robot.beam import bending_compliance
-from workbench.robot.equilibrium import equilibrium
-from workbench.robot.kinematics import RX, RY, RZ
-from workbench.robot.yielding import Law, Yielding
+from workbench import Array, Yielding, bending_compliance, equilibrium
 
 from .plans import ANGLES, JOINT, PairPlan, compliances, robot
 
-COLUMN_SLOT = 1  # joint 1's bearing
+RX, RY, RZ = 3, 4, 5  # of a slot's six components
+Law = Callable[[Array], tuple[Array, Array]]
 
 
 @dataclass(frozen=True, eq=False)

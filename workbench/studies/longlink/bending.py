@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from workbench import Array, Robot, by_joint, deflection_budget, planned, problem_of
-from workbench.identification.deflection import Budget
 
 from .arm import ARM
 from .figures import Chapter, budget_figure
@@ -34,7 +35,7 @@ def what_bends(robot: Robot, seed: int, count: int) -> Chapter:
         "bending_eq21_mm": float(printed.max()),
         "sag_mm": float(mean_mm(own.whole)),
         "link_7_um": 1e6 * last_link(robot),
-        **{f"sag_share_{int(100 * share)}_mm": shared(own, share) for share in BEARING_SHARES},
+        **{f"sag_share_{int(100 * share)}_mm": shared(own.parts, share) for share in BEARING_SHARES},
     }
     return Chapter(numbers, {"budget": budget_figure(size_loaded, float(mean_mm(loaded.whole)))})
 
@@ -47,10 +48,9 @@ def last_link(robot: Robot) -> float:
     return float(arm.mass[7] * np.linalg.norm(arm.gravity) * length**3 / (8 * stiffness))
 
 
-def shared(budget: Budget, share: float) -> float:
+def shared(parts: Mapping[str, Array], share: float) -> float:
     """Mean motion [mm] of the tip where the reducer takes this share d₁/(d₁ + d₂) of the overturning, eqs.
     (14), (15)."""
-    parts = budget.parts
     moved = parts["torsion"] + share * parts["overturning"] + parts["link"]
     return float(mean_mm(moved.sum(axis=1)))
 

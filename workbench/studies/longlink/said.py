@@ -6,14 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench import Claim, Draws, Judged, checked
-from workbench.report.study import Stand
+from workbench import Claim, Draws, Judged, Stand, checked
 
 from .circular import NO_SAG
 from .printed import BEFORE
 from .stories import OWN
 
-LEFT = 0.05  # probability of an account that is still to be reckoned with
+ODDS = 100.0  # to the best account, beyond their errors, that exclude an account
 
 ARMS = (
     Claim("circular", "of an arm that only sags, the fitted table makes four fifths or more of the error",
@@ -42,8 +41,18 @@ def stands(numbers: Mapping[str, float], judged: Judged, arms: Draws, hidden: Dr
 
 def of_odds(judged: Judged) -> tuple[Claim, ...]:
     """Claims that hang on the odds of this run."""
-    left = [name for name in OWN if judged.probabilities()[name] > LEFT]
-    return (Claim("several_left", "more than one account is left", lambda _: len(left) > 1),)
+    left = [name for name in OWN if not excluded(judged, name)]
+    return (
+        Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
+              lambda _: len(left) > 1),
+    )  # fmt: skip
+
+
+def excluded(judged: Judged, name: str) -> bool:
+    """Whether the odds to the best account are above `ODDS` against one, beyond the Monte-Carlo errors
+    of both."""
+    best, own = max(judged.evidence.values(), key=lambda e: e.log10), judged.evidence[name]
+    return bool(best.log10 - own.log10 > np.log10(ODDS) + np.hypot(best.error, own.error))
 
 
 def of_run() -> tuple[Claim, ...]:
