@@ -166,7 +166,12 @@ def needed_springs(problem: Problem) -> dict[str, FittedSpring]:
 def linkage_tornado(drawn: Draws) -> Figure:
     """Which assumption carries the change of stiffness."""
     return tornado(
-        drawn, "change", "carries", "change of joint 2's stiffness over the six angles, kN·m/rad", 1e-3
+        drawn,
+        "change",
+        "carries",
+        "change of joint 2's stiffness over the six angles, kN·m/rad",
+        1e-3,
+        "Which assumption carries the change of joint 2's stiffness",
     )
 
 

@@ -29,9 +29,6 @@ TABLE_3 = UNIT * [
 BEFORE, AFTER = 25.42779, 1.78118
 """[mm] section V, below figure VII: mean error on the points that judge, before and after calibration."""
 
-ROUNDED = 0.01 / np.sqrt(12)
-"""[mm, °] standard deviation of the tables' rounding."""
-
 FITTED, JUDGED = 13, 12
 """[1] section V: points that are fitted, and that judge."""
 

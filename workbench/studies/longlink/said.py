@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench import Claim, Draws, Judged, Stand, checked
 
-from .circular import NO_SAG
+from .circular import HALF_ALPHA
 from .printed import BEFORE
 from .stories import OWN
 
@@ -17,8 +17,8 @@ ODDS = 100.0  # to the best account, beyond their errors, that exclude an accoun
 ARMS = (
     Claim("circular", "of an arm that only sags, the fitted table makes four fifths or more of the error",
           lambda n: n["share_sag"] > 0.8),
-    Claim("alpha_tells", "no sag makes a tenth of a degree of twist α₁",
-          lambda n: abs(n["alpha_1_sag"]) < NO_SAG),
+    Claim("alpha_tells", "no sag makes half of the printed twist α₁",
+          lambda n: max(abs(n["alpha_1_sag"]), abs(n["alpha_1_free"])) < HALF_ALPHA),
 )  # fmt: skip
 HIDDEN = (
     Claim(
