@@ -170,7 +170,8 @@ def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
     assert len(written.poses.q) == 50
     stiffness = [joint.data.stiffness for joint in written.robot.joints]
     assert stiffness[1] == pytest.approx(2e5 / found.numbers["share"])
-    assert set(json.loads((folder / "result.json").read_text())["numbers"]) == set(found.numbers)
+    written_numbers = json.loads((folder / "result.json").read_text())["numbers"]
+    assert set(written_numbers) == {name for name, value in found.numbers.items() if np.isfinite(value)}
 
 
 def test_sag_of_the_pool_is_the_deflection() -> None:

@@ -105,14 +105,14 @@ def arms_table(draws: Draws) -> Table:
         "z: both",
     )
     note = (
-        "Before, table, after: mean error of an arm of Table II that only sags, what its fitted table moves the "
-        "tip by, and what is left, mm; III, stiff: the table of an arm of Table III that does not yield, mm. "
+        "Before, table, after: mean error of an arm of Table II that only sags, what its fitted table moves "
+        "the tip by, and what is left, mm; III, stiff: the table of an arm of Table III that does not yield, mm. "
         f"Medians over draws of compliance, bearings and noise; {FITTED} points fitted, {JUDGED} judge. z: "
         "share of draws in which the mean |z| of the errors before is the largest of the three; both: Table "
         "III's arm that yields."
     )
     return Table(
-        "An arm that only sags, calibrated rigidly: its tables tell of geometry that it does not have",
+        "An arm that only sags: its tables tell of geometry that it does not have",
         head,
         rows,
         note,
