@@ -17,6 +17,7 @@ from workbench import (
     Draws,
     Figure,
     FittedSpring,
+    Judged,
     Problem,
     Study,
     StudyRun,
@@ -30,7 +31,6 @@ from workbench import (
     group_plan,
     judge,
     load_robot,
-    needs_table,
     odds_figure,
     odds_table,
     planned,
@@ -49,6 +49,7 @@ if not __package__:  # run as a script: the chapters lie beside it
     __package__ = as_package(__file__)
 
 from . import figures
+from .assumed import OWN, common
 from .compensator import changed_gas, charge_by_witness, gauged
 from .decides import (
     DRIVE_NOISE,
@@ -128,7 +129,7 @@ def study(run: StudyRun) -> Study:
         "accounts": accounts_table(judged),
         "odds_table": odds_table(judged),
         "odds": odds_figure(judged),
-        "needs": needs_table(judged),
+        "needs": allowed_table(judged),
         "pattern": pattern_figure(judged, SHOWN),
         "patterns": pattern_table(made, told),
         "bias": figures.bias_figure(robot, stretched),
@@ -161,6 +162,18 @@ def needed_springs(problem: Problem) -> dict[str, FittedSpring]:
         "one_sigma": with_sigma(half),
         "any_order": fit_any_order(own_linkage(problem), area, ANGLES, k, half),
     }
+
+
+def allowed_table(judged: Judged) -> Table:
+    """What each account is free to choose beyond what all leave open, and what all leave open."""
+    rows = [
+        [account.words, prior.words, prior.range, prior.why]
+        for account in judged.accounts
+        for prior in OWN[account.name][1].values()
+    ]
+    rows += [["all of them", prior.words, prior.range, prior.why] for prior in common(POOL).values()]
+    head = ("Account", "Free value", "Allowed", "Why this range")
+    return Table("What each account was free to choose", head, rows, numbers=())
 
 
 def linkage_tornado(drawn: Draws) -> Figure:

@@ -106,7 +106,8 @@ def arms_table(draws: Draws) -> Table:
     )
     note = (
         "Before, table, after: mean error of an arm of Table II that only sags, what its fitted table moves "
-        "the tip by, and what is left, mm; III, stiff: the table of an arm of Table III that does not yield, mm. "
+        "the tip by, and what is left, mm; III, stiff: the table of an arm of Table III that does not yield, "
+        "mm. "
         f"Medians over draws of compliance, bearings and noise; {FITTED} points fitted, {JUDGED} judge. z: "
         "share of draws in which the mean |z| of the errors before is the largest of the three; both: Table "
         "III's arm that yields."
