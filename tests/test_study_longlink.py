@@ -130,7 +130,6 @@ def test_every_account_is_judged_by_all_that_is_printed(found: Study) -> None:
     n = found.numbers
     assert sum(n[f"p_{name}"] for name in stories.OWN) == pytest.approx(1.0)
     assert n["p_sag"] < 0.01
-    assert 0.03 < n["share"] < 3
 
 
 def test_circle_points_hold_the_truth(found: Study) -> None:

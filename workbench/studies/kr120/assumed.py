@@ -33,16 +33,16 @@ BEARINGS = {
 LINKS = {f"bending_{j}": log(f"1/EI of link {j}", 5, 100, "10⁻⁹/(N·m²)", why="cast links") for j in (2, 3)}
 
 OWN: dict[str, tuple[str, dict[str, Prior]]] = {
-    "gas": ("the authors': a gas spring that the arm can hold", {}),
+    "gas": ("authors: gas spring that the arm holds", {}),
     "strong": (
-        "the authors', with a gas spring of any strength",
+        "authors: gas spring of any strength",
         {
             "strength": log("strength over a KR 300's", 1, 500, why="what eq. (12) is free to find"),
             "length": log("gas length over its stroke", 1.05, 10, why="what eq. (12) is free to find"),
         },
     ),
     "noise": (
-        "constant, and readings scatter more than a tracker's",
+        "constant; readings scatter more",
         {
             "scatter": log(
                 "scatter per axis and reading", 60, 600, "µm", why="markers put on again, an arm that creeps"
@@ -88,11 +88,11 @@ OWN: dict[str, tuple[str, dict[str, Prior]]] = {
         },
     ),
     "sessions": (
-        "creep between before and after, one session per angle",
+        "creep, one session per angle",
         {"creep": log("creep per axis", 10, 400, "µm", why="floor, tripod and gears under load")},
     ),
     "nameless": (
-        "joint 2 differs from angle to angle, for no named reason",
+        "differs by angle, for no named reason",
         {"spread": log("scatter of its logarithm", 0.01, 0.5, why="no account: a yardstick")},
     ),
 }

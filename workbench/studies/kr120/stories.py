@@ -34,10 +34,8 @@ STATED = np.hypot(ROUNDED_1, HALF_1)
 account."""
 
 ITEMS = (
-    Item("joint_2", "compliance of joint 2 at six angles", TABLE_1[SIX], STATED[SIX], "Table I", ratio=True),
-    Item(
-        "intervals", "intervals of joints 2 and 3", sizes(HALF_1), ROUNDED_HALF_1, "Table I, CI", ratio=True
-    ),
+    Item("joint_2", "the six k2", TABLE_1[SIX], STATED[SIX], "Table I", ratio=True),
+    Item("intervals", "intervals", sizes(HALF_1), ROUNDED_HALF_1, "Table I, CI", ratio=True),
 )
 """The compliances of the other joints are met by every account, by the choice of gears; their intervals hang
 on levers of the tool that are not printed."""

@@ -40,13 +40,13 @@ PRINTED = sizes(TABLE_3 - TABLE_2)
 ITEMS = tuple(
     Item(name, words, value, TOLERANCE * np.asarray(value), place, ratio=True)
     for name, words, value, place in (
-        ("before", "mean error before", BEFORE, "section V"),
-        ("after", "mean error after", AFTER, "section V"),
+        ("before", "before", BEFORE, "section V"),
+        ("after", "after", AFTER, "section V"),
         ("alpha_1", "|α₁|", PRINTED["alpha_1"], "Tables II, III"),
-        ("twists", "other twists, RMS", PRINTED["twists"], "Tables II, III"),
-        ("lengths", "lengths, RMS", PRINTED["lengths"], "Tables II, III"),
-        ("zeros", "zeros, RMS", PRINTED["zeros"], "Tables II, III"),
-        ("offsets", "offsets, RMS", PRINTED["offsets"], "Tables II, III"),
+        ("twists", "twists", PRINTED["twists"], "Tables II, III"),
+        ("lengths", "lengths", PRINTED["lengths"], "Tables II, III"),
+        ("zeros", "zeros", PRINTED["zeros"], "Tables II, III"),
+        ("offsets", "offsets", PRINTED["offsets"], "Tables II, III"),
     )
 )
 
@@ -74,7 +74,7 @@ YIELDING = {
 }
 OWN: dict[str, tuple[str, dict[str, Prior]]] = {
     "compensated": (
-        "the authors': geometry, and joints that yield, compensated",
+        "authors: joints yield, compensated",
         {
             **GEOMETRY,
             **YIELDING,
@@ -82,16 +82,16 @@ OWN: dict[str, tuple[str, dict[str, Prior]]] = {
         },
     ),
     "links": (
-        "the authors': geometry, and links that bend, not compensated",
+        "authors: links bend",
         {**GEOMETRY, "links": log("bending over Table I's", 1, 3000, why="Table I is implausibly stiff")},
     ),
-    "yielding": ("geometry, and joints that yield, not compensated", {**GEOMETRY, **YIELDING}),
+    "yielding": ("joints yield, not compensated", {**GEOMETRY, **YIELDING}),
     "ratios": (
-        "geometry, and ratios off",
+        "ratios off",
         {**GEOMETRY, "ratio": log("error of a ratio", 1e-5, 3e-3, why="from three points")},
     ),
     "circles": (
-        "geometry, and poor circles",
+        "poor circles",
         {
             **GEOMETRY,
             "circle_twist": log("error of twists from circles", 0.01, 0.2, "°", why="three points, and sag"),
@@ -99,11 +99,11 @@ OWN: dict[str, tuple[str, dict[str, Prior]]] = {
         },
     ),
     "noisy": (
-        "geometry, and noisy points",
+        "noisy points",
         {**GEOMETRY, "noise": log("noise per axis", 0.1, 3, "mm", why="an arm that swings")},
     ),
     "sag": (
-        "sag alone, no error of geometry",
+        "sag alone",
         {**YIELDING, "compliance": log("compliance of joints over what is assumed", 0.1, 10, why="no data")},
     ),
 }  # fmt: skip

@@ -10,11 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from workbench import (
     Figure,
-    Judged,
     Shown,
     Study,
     StudyRun,
@@ -71,7 +68,7 @@ def study(run: StudyRun) -> Study:
 
     run.say("holding each account against what is printed")
     judged = judge(accounts(), ITEMS, run.draws(1500, 300), run, chunk=run.draws(250, 150))
-    share = needed_share(judged)
+    share = YIELDING["compliance"].middle
 
     run.say(f"turning one joint at a time, then identifying d and θ from {FITTED} points")
     robot = stored(folder / "robot.toml", with_compliance(assumed, share))
@@ -129,13 +126,6 @@ def study(run: StudyRun) -> Study:
     judging = data.judged.points[:, 0] - STATION[1][0]
     shown = Shown(data.judged.poses.q[0], judging, {"as designed": before, "calibrated": after}, noise=SIGMA)
     return tell(Path(__file__).with_name("story.md"), robot, numbers, items, shown, "carries", FILES, claims)
-
-
-def needed_share(judged: Judged) -> float:
-    """Of the assumed compliance, that joints which nobody compensates need for the print; where no draw
-    comes near the print, the middle of what was allowed."""
-    middle = judged.needed("yielding", "compliance")[1]
-    return middle if np.isfinite(middle) else YIELDING["compliance"].middle
 
 
 if __name__ == "__main__":
