@@ -27,6 +27,7 @@ from workbench import (
     odds_table,
     tornado,
 )
+from workbench.studies.evidence import evidence
 
 PRINTED = np.array([0.5, -0.3])
 SD = 0.1
@@ -115,10 +116,10 @@ def row(_: Mapping[str, float], rng: np.random.Generator) -> dict[str, object]:
 def test_processes_and_a_stopped_run_change_nothing(tmp_path: Path) -> None:
     run = StudyRun(tmp_path, seed=1, workers=1)
     alone = judge([NEAR, MOVED], [PAIR, SUM], 40, run, chunk=20)
-    two = judge([NEAR], [PAIR, SUM], 40, replace(run, workers=2), chunk=20)
     again = judge(
         [broken("near"), broken("moved", MOVED)], [PAIR, SUM], 40, replace(run, resume=True), chunk=20
     )
+    two = judge([NEAR], [PAIR, SUM], 40, replace(run, workers=2), chunk=20)
     np.testing.assert_array_equal(alone.last["near"].predicted, two.last["near"].predicted)
     np.testing.assert_array_equal(alone.last["moved"].predicted, again.last["moved"].predicted)
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
@@ -198,3 +199,23 @@ def test_a_logarithmic_prior_has_its_middle_between() -> None:
     prior = Prior("mass", 1.0, 100.0, "kg", log=True)
     assert prior.middle == pytest.approx(10.0)
     assert prior.range == "1.00 … 100 kg, uniform in its logarithm"
+
+
+def test_draws_are_led_to_a_print_far_from_their_middle(tmp_path: Path) -> None:
+    """A scale that has to be large, against a print that says it is small: known by integration."""
+    items = [Item("size", "size", 1.5, 0.1, "here"), Item("scale", "scale", 0.2, 0.06, "there", ratio=True)]
+    account = Account("scaled", "scaled", {"scale": Prior("scale", 0.1, 100.0, log=True)}, scaled)
+    judged = judge([account], items, 1000, StudyRun(tmp_path, workers=1), chunk=1000)
+    found = judged.evidence["scaled"]
+    logs = np.linspace(np.log(0.1), np.log(100.0), 20001)
+    each = stats.norm.pdf(1.5, 0, np.hypot(np.exp(logs), 0.1)) * stats.norm.pdf(np.log(0.2), logs, 0.3)
+    by_hand = np.log10(np.trapezoid(each, logs) / np.log(1000))
+    assert found.log10 == pytest.approx(by_hand, abs=2 * found.error)
+    assert found.error < 2
+    value, sd = judged.target
+    before = evidence(judged.first["scaled"].predicted, value, sd).log10
+    assert abs(found.log10 - by_hand) < abs(before - by_hand) - 1  # what the rounds are for
+
+
+def scaled(values: Mapping[str, float], rng: np.random.Generator) -> dict[str, object]:
+    return {"size": values["scale"] * rng.normal(), "scale": values["scale"]}

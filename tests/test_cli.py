@@ -487,7 +487,7 @@ def test_options_stand_where_they_act():
             having.setdefault(option, set()).add(name)
     assert having["json"] == set(COMMANDS)
     assert having["out"] == set(COMMANDS) - {"robots", "causes"}
-    assert having["seed"] == having["out"] - {"init", "check", "export", "compare"}
+    assert having["seed"] == having["out"] - {"init", "check", "export", "compare", "study archive"}
     assert having["quick"] == {"demo", "plan", "verify", "study blind"} | STUDIES
     assert having["workers"] == {"verify"} | BLIND | STUDIES
     assert having["resume"] == {"study blind"} | STUDIES

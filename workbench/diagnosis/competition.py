@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..campaign.poses import Poses
 from ..effects import line as gear_line
 from ..effects.base import UNKNOWN, Effect
 from ..effects.unnamed import products, unnamed
@@ -20,8 +19,10 @@ from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
+from .replication import replicated
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
+from .screen import effective_dof
 from .sets import Chosen, Competition, Member, Shares
 from .stages import Group, rms_mm
 
@@ -36,8 +37,8 @@ LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 @dataclass(frozen=True, eq=False)
 class Selection:
     """The likeliest set, strongest member first. fit: with its effects; shares: per member, the
-    probability of each component in its place, None: of nothing. unrepeated: members that one half of the
-    poses takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
+    probability of each component in its place, None: of nothing. unrepeated: members that one part of the
+    data takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
     joints beyond the noise; faint: causes that bring too little to be named beside what has no name."""
 
     fit: Fit
@@ -90,8 +91,8 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     members, shares = [members[i] for i in sure], [shares[i] for i in sure]
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
     misfit = misfit or any(components[m.component].nameless for m in members)
-    if misfit and positions(geometry) >= 2 * POSES_PER_JOINT * geometry.model.problem.arm.n:
-        shares = _in_both_halves(at, components, members, shares, noise_dof)
+    if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
+        shares = replicated(at, components, members, shares, noise_dof)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     shown = [
         share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
@@ -103,29 +104,6 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     return Selection(
         final, tuple(components), tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter
     )
-
-
-def _in_both_halves(
-    at: Fit,
-    components: Sequence[Component],
-    members: Sequence[Member],
-    shares: list[Shares],
-    noise_dof: float,
-) -> list[Shares]:
-    """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of the
-    halves of the poses (in the order of measurement), averaged, for members of which these say less."""
-    out = [dict(share) for share in shares]
-    halves = [
-        Competition(reduce(at, components, noise_dof, poses), components).shares(members)
-        for poses in _halves(at.model.problem.campaign.poses)
-    ]
-    for i, (member, *both) in enumerate(zip(members, *halves, strict=True)):
-        if components[member.component].nameless:
-            continue  # no name is at stake
-        mean = {k: sum(half.get(k, 0.0) for half in both) / 2 for k in both[0] | both[1]}
-        if mean[member.component] < out[i][member.component]:
-            out[i] = mean
-    return out
 
 
 def _refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
@@ -173,17 +151,6 @@ def _chi2_with(result: Fit, i: int, other: Effect) -> float:
     return float(r @ r - g @ np.linalg.solve(normal, g))
 
 
-def _halves(poses: Poses) -> tuple[Index, Index]:
-    """The earlier and the later half of the poses of every set-up and payload."""
-    early, late = list[Index](), list[Index]()
-    groups = np.unique(np.column_stack([poses.setup, poses.payload]), axis=0, return_inverse=True)[1].ravel()
-    for group in range(int(groups.max()) + 1):
-        own = np.flatnonzero(groups == group)
-        early.append(own[: len(own) // 2])
-        late.append(own[len(own) // 2 :])
-    return np.sort(np.concatenate(early)), np.sort(np.concatenate(late))
-
-
 def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
     """Functions of two other joints, for the joints that scatter most."""
     extra = at.noise.joint**2 - base.joint**2
@@ -197,9 +164,11 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
     predicts best what it did not see.
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
-    must stand out of it. So does a noise that nobody knows.
+    must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
+    more than that, is what it leaves: else the data would be believed in what no member can say.
     """
     base, lines, tried = geometry.noise, list[Line](), list[_Round]()
+    stated = base
     at = _fitted(geometry, [], base)
     for _ in range(ROUNDS):
         lines = _with_lines(at, lines)
@@ -218,11 +187,19 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
         found = _fitted(at, effects, base)
         tried.append(_Round(found, competition, members, rms_mm(heldout(found))))
+        if noise_known:
+            base = stated.times(max(1.0, base.usual / stated.usual * _misfit(found, noise_dof)))
+            found = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
         same = len(tried) > 1 and set(effects) == set(tried[-2].found.model.effects)
         at = found
         if (same and alike(noise, at.noise)) or _no_better([one.heldout_mm for one in tried]):
             break
     return min(tried, key=lambda one: one.heldout_mm)
+
+
+def _misfit(found: Fit, noise_dof: float) -> float:
+    """What a fit leaves, over its noise: as far as this is known with so many degrees of freedom."""
+    return float(np.sqrt((noise_dof + found.chi2) / (noise_dof + effective_dof(found))))
 
 
 def _no_better(errors: Sequence[float]) -> bool:

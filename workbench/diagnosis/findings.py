@@ -178,6 +178,7 @@ def _nameless(selection: Selection, left: Remainder, rms_mm: float, worth_mm: fl
 
     worth_mm: what all of them together bring on held-out poses."""
     found = []
+    part = "set-up" if len(selection.fit.model.problem.campaign.setup_names) > 1 else "half of the poses"
     for member, share in zip(selection.members, selection.shares, strict=True):
         component = selection.components[member.component]
         if component.nameless and share[None] < PRIORS.absent:
@@ -187,8 +188,9 @@ def _nameless(selection: Selection, left: Remainder, rms_mm: float, worth_mm: fl
             found.append(_unknown(selection.fit, function, share[member.component], worth))
     for member in selection.unrepeated:
         label = selection.components[member.component].label
-        structure = f"looks like {label} in one half of the poses and not in the other"
-        found.append(_plain(structure, f"What is left {structure}.", NOWHERE, selection.worth_mm(member)))
+        worth = selection.worth_mm(member)
+        structure = f"looks like {label} in one {part} and not in another ({worth:.4f} mm)"
+        found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
     if not found:
         return [_scatter(selection, left, rms_mm)] if left.scatter else []
     return [_as_one(sorted(found, key=lambda finding: -finding.gain_mm), max(worth_mm, 0.0))]

@@ -10,18 +10,20 @@ class Priors:
     """cause: probability that a campaign shows some effect of one cause (shared by its places). line: the
     same of a gear line of unknown order. free: of a function without a name, by what it is a function of.
     unstated: of a yield for which the model has no number, at each place. scales: sizes of an effect in
-    usual sizes, with half-Cauchy weights 1/(1 + s²) per s. noise_dof: how well a stated noise is known (its
+    usual sizes, with half-Cauchy weights 1/(1 + s²) per s; largest: beyond which nothing passes for a
+    cause. noise_dof: how well a stated noise is known (its
     sigma to 4 %). wrong_sign: probability that a number that physics holds to one sign has the other.
     named: probability from which a cause is named; listed: share of the probability that the cause and its
     rivals must cover, faintest_rival: probability below which a rival is not
-    worth a word; absent: probability of nothing there from which a cause is not reported. yields:
-    usual motion of a yield [rad] at the campaign's largest load."""
+    worth a word; absent: probability of nothing there from which a cause is not reported. joint_yields,
+    tilt_yields: usual motion of a yield [rad] at the campaign's largest load."""
 
     cause: float = 0.03
     line: float = 0.02
     free: float = 0.01
     unstated: float = 0.5
     scales: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
+    largest: float = 10.0
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
     named: float = 0.95

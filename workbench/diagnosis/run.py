@@ -24,7 +24,7 @@ from .result import Diagnosis, NotTestable
 from .stages import rms_mm, without
 
 Given = Campaign | str | Path
-FAINT = 0.1  # of the noise: a gain that decides nothing
+FAINT = 0.1  # of the noise, or of what is left per axis: a gain that decides nothing
 
 
 @dataclass(frozen=True)
@@ -106,14 +106,19 @@ def _worth_it(selection: Selection, seed: int) -> Selection:
         if gains[worst] > 0:
             break
         rest = [effect for i, effect in enumerate(kept.fit.model.effects) if i != worst]
-        kept = replace(kept, fit=refit(kept.fit, rest))
+        fit = refit(kept.fit, rest)
+        if rms_mm(heldout(fit, seed=seed)) > rms_mm(heldout(kept.fit, seed=seed)):
+            break  # it holds others in place
+        kept = replace(kept, fit=fit)
     result, nameless = kept.fit, kept.nameless
     if not nameless:
         return kept
-    least = FAINT * 1e3 * result.noise.usual
+    left = rms_mm(heldout(result, seed=seed)) / np.sqrt(3)
+    least = FAINT * max(1e3 * result.noise.usual, left)
     alone = without(result, nameless, seed)
     gains_mm = {e.key: without(result, [*nameless, *own], seed) - alone for e, own in kept.groups}
-    return replace(kept, faint=frozenset(key for key, gain in gains_mm.items() if gain < least))
+    together = without(result, range(len(result.model.effects)), seed) - alone
+    return replace(kept, faint=frozenset(k for k, gain in gains_mm.items() if min(gain, together) < least))
 
 
 def _gains(selection: Selection, seed: int) -> list[float]:

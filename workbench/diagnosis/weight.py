@@ -16,6 +16,7 @@ from .reduced import Reduced
 
 SCALES = np.array(PRIORS.scales)
 WEIGHTS = np.log(SCALES / (1 + SCALES**2)) - logsumexp(np.log(SCALES / (1 + SCALES**2)))
+TOO_LARGE = PRIORS.largest < SCALES
 Blocks = Callable[[NDArray[np.int64]], tuple[Array, Array]]
 
 
@@ -49,16 +50,18 @@ class Forms:
 
     def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
         self.reduced, self.components = reduced, components
-        groups: dict[int, list[tuple[int, int, slice, bool]]] = {}
+        groups: dict[int, list[tuple[int, int, slice, bool, bool]]] = {}
         for k, component in enumerate(components):
             for f, (form, part) in enumerate(zip(component.forms, reduced.parts[k], strict=True)):
-                groups.setdefault(part.stop - part.start, []).append((k, f, part, form.one_sided))
+                row = (k, f, part, form.one_sided, not component.nameless)
+                groups.setdefault(part.stop - part.start, []).append(row)
         self.groups = [
             (
-                np.array([k for k, _, _, _ in rows]),
-                np.array([f for _, f, _, _ in rows]),
-                np.array([np.arange(part.start, part.stop) for _, _, part, _ in rows]),
-                np.array([one for _, _, _, one in rows]),
+                np.array([row[0] for row in rows]),
+                np.array([row[1] for row in rows]),
+                np.array([np.arange(row[2].start, row[2].stop) for row in rows]),
+                np.array([row[3] for row in rows]),
+                np.array([row[4] for row in rows]),
             )
             for rows in groups.values()
         ]
@@ -67,19 +70,21 @@ class Forms:
         """Weights of the components `allowed`. left_of: S (F, p, p) and u (F, p) that a set leaves of blocks
         of columns (F, p); explained: what the set took off χ²."""
         tables: dict[int, list[tuple[int, Array]]] = {}
-        for owner, form, index, one_sided in self.groups:
+        for owner, form, index, one_sided, named in self.groups:
             here = np.flatnonzero(allowed[owner])
             if not len(here):
                 continue
             table = self._table(*left_of(index[here]), explained, one_sided[here])
+            table[np.ix_(named[here], TOO_LARGE)] = -np.inf
             for row, k, f in zip(table, owner[here], form[here], strict=True):
                 tables.setdefault(int(k), []).append((int(f), row))
         out = {}
         for k, rows in tables.items():
             values = np.array([row for _, row in rows])
             best = np.unravel_index(int(np.argmax(values)), values.shape)
-            total = float(logsumexp(values)) - np.log(len(rows)) + self.components[k].log_odds
-            out[k] = Weight(total, rows[int(best[0])][0], float(SCALES[best[1]]))
+            most = float(values[best])
+            total = most + np.log(np.exp(values - most).sum() / len(rows)) + self.components[k].log_odds
+            out[k] = Weight(float(total), rows[int(best[0])][0], float(SCALES[best[1]]))
         return out
 
     def _table(self, S: Array, u: Array, explained: float, one_sided: NDArray[np.bool_]) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -15,12 +16,15 @@ from scipy.linalg import solve_triangular
 from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..robot.kinematics import Array
-from .gauss_newton import full_step, quick_step
+from .gauss_newton import Normal, full_step
 from .model import Linearisation, Model, State
 from .noise import Covariance, required_noise
 from .parameters import Columns, columns
 from .registration import register
 from .rows import Equations, equations, fitted_numbers, jacobian, moved, whitening
+
+LEAST_DAMPING = 1e-8  # of the scaled normal equations' diagonal
+SLOWER = 4.0  # times more damping after a step that was worse; twice as much again after the next
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,13 @@ class Fit:
     def __repr__(self) -> str:
         names = ", ".join(effect.cause for effect in self.model.effects) or "geometry alone"
         return f"Fit with {names}: {len(self.columns.names)} numbers, {self.iterations} iterations"
+
+    @cached_property
+    def motions(self) -> Array:
+        """(N, R, P) Jacobian before whitening."""
+        rows = self.whitener.shape[2]
+        unit = np.broadcast_to(np.eye(rows), (len(self.whitener), rows, rows))
+        return jacobian(self.model, self.line, self.columns, self.state, unit)
 
     @property
     def covariance(self) -> Array:
@@ -142,26 +153,38 @@ def fit(
     line = model.linearise(start)
     W = whitening(problem, line, noise)
     at = equations(model, line, cols, start, W)
-    damping, converged = 0.0, False
+    normal, damping, growth, calm = _normal(model, cols, at, W), 0.0, SLOWER, False
     for iteration in range(max_iterations):
-        J = jacobian(model, at.line, cols, at.state, W)
-        step, length = quick_step(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior, damping)
-        converged = length < tolerance and damping == 0.0
+        step = normal.step(damping)
+        converged = calm or (step.length < tolerance and damping == 0.0)
         if converged or iteration == max_iterations - 1:
             break
-        new = _stepped(model, cols, at, W, step)
-        if new is None or new.cost > at.cost * (1 + 1e-6) + 1e-3:
-            damping = max(10 * damping, 1e-2)
+        new = _stepped(model, cols, at, W, step.change)
+        if new is None or new.cost > at.cost * (1 + 1e-9) + 1e-6:
+            damping = max(growth * damping, LEAST_DAMPING)
+            growth *= SLOWER
             if damping > 1e8:
                 raise ArithmeticError("the fit does not converge")
             continue
-        at, damping = new, damping / 100 if damping > 1e-7 else 0.0
+        # Nielsen 1999: by how well the step was foretold
+        gained = at.cost - new.cost
+        damping *= max(1 / 3, 1 - (2 * gained / max(step.gain, 1e-300) - 1) ** 3)
+        damping = damping if damping > LEAST_DAMPING / 10 else 0.0
+        growth, at = SLOWER, new
+        calm = damping > 0.0 and gained < tolerance
         if iteration < 2:  # the points' motion by the joints, in the noise, hardly changes any more
             W = whitening(problem, at.line, noise)
-            at = equations(model, at.line, cols, at.state, W)
+            at, calm = equations(model, at.line, cols, at.state, W), False
+        normal = _normal(model, cols, at, W)
+    J = normal.J.reshape(*at.r.shape, -1)
     upper = full_step(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior, 0.0)[1]
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
     return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, iteration + 1, converged)
+
+
+def _normal(model: Model, cols: Columns, at: Equations, W: Array) -> Normal:
+    J = jacobian(model, at.line, cols, at.state, W)
+    return Normal.of(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior)
 
 
 def _stepped(model: Model, cols: Columns, at: Equations, W: Array, step: Array) -> Equations | None:

@@ -2,26 +2,52 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular
 
 from ..robot.kinematics import Array
 
 
-def quick_step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tuple[Array, float]:
-    """Step and its length in standard deviations, by the normal equations (scaled, then Cholesky);
-    by QR where these are too nearly singular."""
-    A = (J.T @ J) * np.outer(prior, prior)
-    A[np.diag_indices_from(A)] += 1.0
-    g = (J.T @ r) * prior - offset
-    scale = 1 / np.sqrt(np.diag(A))
-    M = A * np.outer(scale, scale)
-    M[np.diag_indices_from(M)] *= 1 + damping
-    try:
-        step = scale * cho_solve(cho_factor(M, check_finite=False), scale * g)
-    except np.linalg.LinAlgError:
-        step = full_step(J, r, offset, prior, damping)[0] / prior
-    return step * prior, float(np.sqrt(max(float(step @ A @ step), 0.0)))
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """Normal equations of data rows J (R, P), r (R,) and priors, in units of the priors and scaled."""
+
+    J: Array
+    r: Array
+    offset: Array
+    prior: Array
+    A: Array
+    g: Array
+
+    @classmethod
+    def of(cls, J: Array, r: Array, offset: Array, prior: Array) -> Normal:
+        A = (J.T @ J) * np.outer(prior, prior)
+        A[np.diag_indices_from(A)] += 1.0
+        return cls(J, r, offset, prior, A, (J.T @ r) * prior - offset)
+
+    def step(self, damping: float) -> Step:
+        """By Cholesky; by QR where the equations are too nearly singular."""
+        scale = 1 / np.sqrt(np.diag(self.A))
+        M = self.A * np.outer(scale, scale)
+        M[np.diag_indices_from(M)] *= 1 + damping
+        try:
+            step = scale * cho_solve(cho_factor(M, check_finite=False), scale * self.g)
+        except np.linalg.LinAlgError:
+            step = full_step(self.J, self.r, self.offset, self.prior, damping)[0] / self.prior
+        square = max(float(step @ self.A @ step), 0.0)
+        return Step(step * self.prior, float(np.sqrt(square)), 2 * float(step @ self.g) - square)
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """change: (P,) of the fitted numbers; length: in standard deviations; gain: what it takes off the cost to
+    first order."""
+
+    change: Array
+    length: float
+    gain: float
 
 
 def full_step(J: Array, r: Array, offset: Array, prior: Array, damping: float) -> tuple[Array, Array]:

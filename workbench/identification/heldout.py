@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from ..robot.kinematics import Array
 from .fit import Fit
-from .rows import jacobian
 
 
 def folds_of(positions: NDArray[np.int64], folds: int, seed: int) -> NDArray[np.int64]:
@@ -28,7 +27,7 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] 
     """
     problem, cols = result.model.problem, result.columns
     fold = folds_of(problem.positions, folds, seed)
-    plain = motions(result)
+    plain = result.motions
     kept = np.ones(len(cols.names), bool)
     gone = np.zeros(len(cols.names))
     for i in without:
@@ -56,10 +55,3 @@ def without_rows(A: Array, own: Array) -> Array:
     left = A - own.T @ own
     left[np.diag_indices_from(left)] += 1e-12 * np.diag(A)
     return np.asarray(left)
-
-
-def motions(result: Fit) -> Array:
-    """(N, R, P) Jacobian before whitening."""
-    rows = result.whitener.shape[2]
-    unit = np.broadcast_to(np.eye(rows), (len(result.whitener), rows, rows))
-    return jacobian(result.model, result.line, result.columns, result.state, unit)

@@ -40,6 +40,10 @@ class Covariance:
         """The instrument's sigma per axis [m], over all points (root mean square)."""
         return float(np.sqrt(np.mean(self.sigma**2)))
 
+    def times(self, factor: float) -> Covariance:
+        """The noise of points and joints larger by a factor."""
+        return replace(self, sigma=factor * self.sigma, joint=factor * self.joint)
+
     def without(self, poses: NDArray[np.bool_]) -> Covariance:
         """Leaves out the poses marked True."""
         return replace(self, weight=np.where(poses, 0.0, self.weight))

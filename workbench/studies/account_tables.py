@@ -53,7 +53,8 @@ def odds_table(judged: Judged) -> Table:
         "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
         f"averaged over each account's free values: kernel density of {_draws(judged)} draws that were "
         "led towards the print in rounds (without an item: of those from the whole ranges). "
-        "±: one standard deviation of its Monte-Carlo error, or what a kernel half as wide changes."
+        "Far below the best they are orders of magnitude only. ±: one standard deviation of its Monte-Carlo "
+        "error, or what a kernel half as wide changes."
     )
     return Table("Odds of the accounts, from all that is printed", head, rows, note)
 

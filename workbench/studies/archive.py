@@ -65,7 +65,7 @@ def archive(folder: Path, out: Path) -> Path:
 def _campaign(path: Path) -> dict[str, bytes]:
     """A campaign's files and its robot's, by their places in the archive."""
     robot, name = load_campaign(path).robot, path.parent.name
-    stated = robot.path or robot.urdf.with_suffix(".toml")
+    stated = (robot.path or robot.urdf.with_suffix(".toml")).resolve()
     place = f"robots/{stated.parent.name}"
     return {
         **{f"{name}/{table}": (path.parent / table).read_bytes() for table in ("poses.csv", "points.csv")},

@@ -3,7 +3,8 @@
 Each draw is a Gaussian bump: as wide as the print's own uncertainty, and a kernel beside it, h² of the draws'
 covariance with all draws taken towards their middle by √(1 − h²), so that their covariance stays (West 1993).
 With many draws of few numbers h is small and the density is that of approximate Bayesian computation; with
-few draws of many numbers h comes near 1 and it is a single Gaussian (a synthetic likelihood).
+few draws of many numbers h comes near 1 and it is a single Gaussian (a synthetic likelihood). Where the print
+lies far outside all draws the density is an order of magnitude only, as its error then says.
 """
 
 from __future__ import annotations

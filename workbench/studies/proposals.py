@@ -15,6 +15,7 @@ from scipy.special import logsumexp, ndtr, ndtri
 from ..robot.kinematics import Array
 
 WHOLE = 0.1  # of the draws come from the whole range
+LEAST_WEIGHT = 1e-9  # of a draw that a kernel is put about
 LEAST_ALIVE = 30.0  # draws that share the weight, at least
 WIDTH = 0.7  # of a kernel, over the spread of what it is made of
 
@@ -41,7 +42,7 @@ class Proposal:
         z = (shares[:, None] - self.centres) / self.width
         inside = ndtr((1 - self.centres) / self.width) - ndtr(-self.centres / self.width)
         kernels = -0.5 * (z**2 + np.log(2 * np.pi)).sum(axis=2) - np.log(self.width * inside).sum(axis=1)
-        mixed = logsumexp(kernels, axis=1, b=self.weights)
+        mixed = logsumexp(kernels + np.log(self.weights), axis=1)
         return np.asarray(np.logaddexp(np.log(WHOLE), np.log(1 - WHOLE) + mixed))
 
 
@@ -57,7 +58,8 @@ def proposal(shares: Array, logs: Array) -> Proposal:
     weights = np.exp(low * logs - logsumexp(low * logs))
     middle = weights @ shares
     width = WIDTH * np.sqrt(weights @ (shares - middle) ** 2)
-    return Proposal(shares, weights, np.maximum(width, 1e-4))
+    counts = weights > LEAST_WEIGHT
+    return Proposal(shares[counts], weights[counts] / weights[counts].sum(), np.maximum(width, 1e-4))
 
 
 def _alive(logs: Array) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...robot.kinematics import Array
 from ..fit import Fit
-from ..heldout import folds_of, motions, without_rows
+from ..heldout import folds_of, without_rows
 
 FOLDS = 10
 END = 0.15  # share of the positions that lie at an end of a joint's range
@@ -37,7 +37,7 @@ class Leaver:
 
     def __init__(self, fit: Fit, points: NDArray[np.bool_]) -> None:
         self.fit, self.points = fit, points
-        self.plain = motions(fit) * fit.columns.prior
+        self.plain = fit.motions * fit.columns.prior
         self.J = fit.J * fit.columns.prior
         self.A = fit.upper.T @ fit.upper
         self.seen, self.scatter = _noise(fit)

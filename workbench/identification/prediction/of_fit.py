@@ -15,7 +15,6 @@ from ...robot.kinematics import Array
 from ...robot.rotations import skew, vectors
 from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
 from ..fit import Fit, fit, start_state
-from ..heldout import motions
 from ..model import Model
 from ..noise import Covariance, stated_noise
 from ..parameters import body_motion
@@ -134,7 +133,7 @@ def _with_passing(result: Fit, gauge: _Gauge, half: Array) -> Array:
     if not passing:
         return half
     rows = (3 * np.array(gauge.chosen)[:, None] + np.arange(3)).ravel()
-    moved = motions(result)[result.model.problem.campaign.poses.setup == k][:, rows]
+    moved = result.motions[result.model.problem.campaign.poses.setup == k][:, rows]
     moved = moved.reshape(-1, len(half))
     own = [np.arange(part.start, part.stop) for setup, _, part in cols.targets if setup == k]
     placing = np.concatenate([np.arange(6 * k, 6 * k + 6), *own])

@@ -65,7 +65,6 @@ def study(run: StudyRun) -> Study:
     points = fine.draw(rng)
     grid, check = plan(robot, fine.samples), plan(robot, points, (0.0,))
     geometry = random_geometry(problem_of(check).arm, rng)
-
     case, models, predicted = {}, {}, {}
     for name, yields in {"a": {}, "b": {2: soft_zone}}.items():
         progress(f"({name}) measuring the points of all cells, three rotations, with and without 50 kg")

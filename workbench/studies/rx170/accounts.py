@@ -81,7 +81,7 @@ def accounts() -> list[Account]:
     return [
         Account("own", "joint 2 alone errs, z from the base", ARM, partial(printed, zero="base")),
         Account("base", "all joints err, z from the base", both, partial(printed, zero="base")),
-        Account("sagging", "all joints err, z from where the others sag to", both, partial(printed, zero="sag")),
+        Account("sagging", "all joints err, z from the others' sag", both, partial(printed, zero="sag")),
         Account("mean", "all joints err, z from each run's mean", both, partial(printed, zero="mean")),
         Account("level", "all joints err, plane levelled in each run", both, partial(printed, zero="level")),
         Account("anew", "all joints err, zero set anew in each run", {**both, "offset": offset},
@@ -111,8 +111,8 @@ def runs(values: Values, rng: np.random.Generator) -> tuple[Array, Array, Array]
 
 
 def printed(values: Values, rng: np.random.Generator, zero: str) -> dict[str, Array | float]:
-    """Table II and what section III says of the sweep. zero: the base, where the others sag to on average, each
-    run's mean, its best plane, or a height set anew in each run."""
+    """Table II and what section III says of the sweep. zero: the base, where the others sag to on
+    average, each run's mean, its best plane, or a height set anew in each run."""
     z, other, plane = runs(values, rng)
     if zero == "sag":
         z = z - other.mean()
@@ -136,7 +136,7 @@ def draws(run: StudyRun) -> Draws:
 
 
 def one(values: Values, seed: int) -> dict[str, float]:
-    """One draw: Ra [mm] of the last run from three zeros, its Rz as it is and levelled, and what both gain."""
+    """One draw: Ra [mm] of the last run from three zeros, its Rz as it is and levelled, what both gain."""
     rng = np.random.default_rng(seed)
     z, other, plane = runs(values, rng)
     last = z[2]

@@ -82,7 +82,7 @@ def spiral_at(speed: float, turns: int) -> Path:
 
 
 def spiral_numbers(spirals: Spirals, seed: int) -> Numbers:
-    """R_a and R_z of every command at both speeds [mm]; mean and span of what each cause alone does to z [mm]."""
+    """R_a and R_z of every command at both speeds [mm]; mean and span of what each cause does to z [mm]."""
     rng = np.random.default_rng([seed, 13])
     numbers: Numbers = {}
     for speed, run in {"slow": spirals.slow, "fast": spirals.fast}.items():

@@ -15,8 +15,10 @@ from pathlib import Path
 
 from workbench import (
     Campaign,
+    Draws,
     Figure,
     Fit,
+    Judged,
     Robot,
     Study,
     StudyRun,
@@ -53,6 +55,14 @@ from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness
 from .printed import NUMBERS, POSES, SPIRAL_TURNS, TABLE_1
 from .spiral import draw_spirals, printed_numbers, spiral_numbers
 from .superposed import ELBOW_UP
+
+FILES = {
+    "Sweep": "campaign/campaign.toml",
+    "Stiffness model": "model_stiffness.toml",
+    "Gear model": "model.toml",
+    "All joints": "model_all.toml",
+    "Spiral, VAL3": "spiral.pjx",
+}
 
 
 def study(run: StudyRun) -> Study:
@@ -103,12 +113,7 @@ def study(run: StudyRun) -> Study:
     }
     numbers["ra_gain"] = numbers["ra_both_slow"] / numbers["ra_none_slow"]
     numbers["rz_gain"] = numbers["rz_both_slow"] / numbers["rz_none_slow"]
-    items: dict[str, Table | Figure] = {
-        "accounts": accounts_table(judged),
-        "odds": odds_table(judged),
-        "oddsfigure": odds_figure(judged),
-        "needs": needs_table(judged),
-        "tornado": tornado(drawn, "ra_base", "tornado", "Ra of the last run, counted from the base, mm"),
+    items = shown(judged, drawn) | {
         "stiffness": figures.stiffness_figure(local, share),
         **figures.sweep_figures(apart, "joint 2"),
         "orders": figures.line_table(apart, "joint 2"),
@@ -116,17 +121,21 @@ def study(run: StudyRun) -> Study:
         "fast": figures.along_figure("fast", spirals, numbers),
         "heights": figures.ra_rz_figure(numbers),
     }
-    files = {
-        "Sweep": "campaign/campaign.toml",
-        "Stiffness model": "model_stiffness.toml",
-        "Gear model": "model.toml",
-        "All joints": "model_all.toml",
-        "Spiral, VAL3": "spiral.pjx",
-    }
     stands = checked(CLAIMS, numbers, drawn)
     story = Path(__file__).with_name("story.md")
-    told = tell(story, robot, numbers, items, spirals.shown, "oddsfigure", files, stands)
+    told = tell(story, robot, numbers, items, spirals.shown, "oddsfigure", FILES, stands)
     return replace(told, sealed={"campaign/campaign.toml": {"effects": as_told(truth, "joint_2")}})
+
+
+def shown(judged: Judged, drawn: Draws) -> dict[str, Table | Figure]:
+    """The accounts of Table II, and what carries the height that is left."""
+    return {
+        "accounts": accounts_table(judged),
+        "odds": odds_table(judged),
+        "oddsfigure": odds_figure(judged),
+        "needs": needs_table(judged),
+        "tornado": tornado(drawn, "ra_base", "tornado", "Ra of the last run, counted from the base, mm"),
+    }
 
 
 def as_told(truth: Robot, joint: str) -> list[str]:

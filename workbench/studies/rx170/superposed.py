@@ -29,8 +29,8 @@ GEARS = {
 class Heights:
     """Of N samples, in mm.
 
-    plane: (N, 3) columns x, y, 1; yield_2, yield_others: (N,) with stiffness and masses as the model has them;
-    gear: joint → (N, 2) cosine and sine of UNIT.
+    plane: (N, 3) columns x, y, 1; yield_2, yield_others: (N,) with the model's stiffness and masses; gear:
+    joint → (N, 2) cosine and sine of UNIT.
     """
 
     plane: Array
