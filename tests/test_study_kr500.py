@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from workbench.campaign import load_campaign
 from workbench.files.faults import InputError
 from workbench.identification.cells import cells
 from workbench.report.study import Study
+from workbench.robot.description import load_robot
+from workbench.studies.archive import archive
 from workbench.studies.kr500 import accounts, gains, in_drake, laws, named, printed, springs
 from workbench.studies.kr500 import study as kr500
 from workbench.studies.kr500.seen import identifiable
@@ -159,8 +162,28 @@ def test_page(found: Study, folder: Path) -> None:
     assert found.numbers["drake_um"] < 10
 
 
+def test_the_campaign_tells_the_robot_as_it_was_diagnosed(found: Study, folder: Path, tmp_path: Path) -> None:
+    """Springs and gas are told, the soft zone and the kinematics are not; the archive keeps it so."""
+    with zipfile.ZipFile(archive(folder, tmp_path / "kr500.zip")) as packed:
+        packed.extractall(tmp_path)
+    (hidden,) = found.sealed.values()
+    robot = load_campaign(tmp_path / "campaign/campaign.toml").robot
+    assert [joint.data.stiffness for joint in robot.joints] != [
+        j.data.stiffness for j in load_robot("kr500").joints
+    ]
+    assert not [effect for effect in robot.effects if effect.cause == "lost_motion"]
+    assert hidden["soft_zone"]["joint"] in robot.joint_names
+    assert np.abs(hidden["kinematics"]).max() > 1e-4
+    told = (tmp_path / "campaign/campaign.toml").read_text() + (tmp_path / "README.md").read_text()
+    assert "soft" not in told
+
+
 def test_what_is_said_follows_the_claims(found: Study) -> None:
-    said = found.headline.startswith("The load’s moment")
-    assert said is found.claims["moment"].stands
+    said = "that stiffness varies is not shown" in found.headline
+    assert said is found.claims["not_shown"].stands
+    n = found.numbers
+    assert n["p_authors_low"] <= n["p_authors_high"]
+    close = abs(n["odds_constant"]) < 2 * n["error_constant"]
+    assert ("ranking is not decided" in " ".join(str(part) for part in found.sections)) is close
     verdicts = next(table for table in found.tables if "diagnosis" in table.title)
     assert verdicts.rows[0][2] == "nothing missing"  # constant stiffness, load as it is

@@ -3,9 +3,13 @@ side."""
 
 from __future__ import annotations
 
-from workbench import Judged, Table, numbers
+import numpy as np
+
+from workbench import Array, Judged, Table, numbers
 
 from .accounts import KINDS
+
+SHAKEN = 4000
 
 SHORT = {
     "plain": "Constant, plain",
@@ -45,25 +49,48 @@ def standings_table(judged: Judged, moment: bool) -> Table:
 
 
 def odds_table(judged: Judged) -> Table:
-    """Evidence and probability of each account, and how they move when one item is left out."""
-    whole = judged.probabilities()
-    without = [judged.probabilities(item.name) for item in judged.items]
+    """Evidence and probability of each account, and how far its Monte-Carlo error moves it."""
+    whole, shaken = judged.probabilities(), shaken_probabilities(judged)
     best = max(one.log10 for one in judged.evidence.values())
     rows = []
-    for name, (words, *_) in KINDS.items():
-        one, moved = judged.evidence[name], [p[name] for p in without]
+    for account in judged.accounts:
+        name, one = account.name, judged.evidence[account.name]
+        low, high = np.quantile(shaken[name], [0.05, 0.95])
         odds = f"{numbers.decimals(one.log10 - best, 1)} ± {numbers.decimals(one.error, 1)}"
-        ends = f"{numbers.probability(min(moved))} … {numbers.probability(max(moved))}"
-        free = len(next(a for a in judged.accounts if a.name == name).priors)
-        rows.append([words, str(free), odds, numbers.probability(whole[name]), ends])
-    head = ("Account", "Free values", "log₁₀ odds to the best", "Probability", "… without any one item")
+        rows.append(
+            [
+                account.words,
+                str(len(account.priors)),
+                odds if np.isfinite(one.log10) else "too few draws reach",
+                numbers.probability(whole[name]),
+                f"{numbers.probability(low)} … {numbers.probability(high)}",
+            ]
+        )
+    head = (
+        "Account",
+        "Free values",
+        "log₁₀ odds to the best",
+        "Probability",
+        "… within the errors, 5 to 95 %",
+    )
     note = (
         "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
-        f"averaged over {len(judged.predicted['plain'])} draws of each account’s free values. ±: one "
-        "standard deviation of its Monte-Carlo error, or what a kernel half as wide changes: of accounts far "
-        "behind it says only that they are far."
+        f"averaged over each account’s free values, from {len(judged.last['plain'].shares)} draws in the "
+        "last of three rounds that are led towards the print. ±: one standard deviation of its Monte-Carlo "
+        "error, or what a kernel half as wide changes: of accounts far behind it says only that they are "
+        "far. Within the errors: all log₁₀ odds shaken by their ± at once."
     )
     return Table("Odds of the accounts, from all that is printed", head, rows, note)
+
+
+def shaken_probabilities(judged: Judged) -> dict[str, Array]:
+    """(SHAKEN,) probabilities of each account, with the logarithm of every evidence moved by its error,
+    normally."""
+    found = judged.evidence.values()
+    rng = np.random.default_rng([judged.seed, 9])
+    moved = np.array([one.log10 + one.error * rng.normal(size=SHAKEN) for one in found])
+    shares = 10 ** (moved - moved.max(axis=0))
+    return dict(zip(judged.evidence, shares / shares.sum(axis=0), strict=True))
 
 
 def ranges_table(judged: Judged) -> Table:
