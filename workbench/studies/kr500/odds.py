@@ -5,11 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench import Array, Judged, Table, numbers
+from workbench import Judged, Table, numbers
 
 from .accounts import KINDS
-
-SHAKEN = 4000
 
 SHORT = {
     "plain": "Constant, plain",
@@ -49,48 +47,30 @@ def standings_table(judged: Judged, moment: bool) -> Table:
 
 
 def odds_table(judged: Judged) -> Table:
-    """Evidence and probability of each account, and how far its Monte-Carlo error moves it."""
-    whole, shaken = judged.probabilities(), shaken_probabilities(judged)
-    best = max(one.log10 for one in judged.evidence.values())
+    """Evidence of each account, and whether its error leaves the order to the best decided."""
+    best = max(judged.evidence, key=lambda name: judged.evidence[name].log10)
     rows = []
     for account in judged.accounts:
-        name, one = account.name, judged.evidence[account.name]
-        low, high = np.quantile(shaken[name], [0.05, 0.95])
-        odds = f"{numbers.decimals(one.log10 - best, 1)} ± {numbers.decimals(one.error, 1)}"
-        rows.append(
-            [
-                account.words,
-                str(len(account.priors)),
-                odds if np.isfinite(one.log10) else "too few draws reach",
-                numbers.probability(whole[name]),
-                f"{numbers.probability(low)} … {numbers.probability(high)}",
-            ]
-        )
-    head = (
-        "Account",
-        "Free values",
-        "log₁₀ odds to the best",
-        "Probability",
-        "… within the errors, 5 to 95 %",
-    )
+        behind, error = ratio(judged, account.name, best)
+        order = "behind" if -behind > 2 * error else "not decided"
+        own = judged.evidence[account.name].error
+        odds = f"{numbers.decimals(behind, 1)} ± {numbers.decimals(own, 1)}" if np.isfinite(behind) else "–"
+        words = "highest" if account.name == best else order
+        rows.append([account.words, str(len(account.priors)), odds, words])
+    head = ("Account", "Free values", "log₁₀ odds to the highest", "Order")
     note = (
         "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
         f"averaged over each account’s free values, from {len(judged.last['plain'].shares)} draws in the "
         "last of three rounds that are led towards the print. ±: one standard deviation of its Monte-Carlo "
-        "error, or what a kernel half as wide changes: of accounts far behind it says only that they are "
-        "far. Within the errors: all log₁₀ odds shaken by their ± at once."
+        "error, or what a kernel half as wide changes. Not decided: both lie within twice their error."
     )
     return Table("Odds of the accounts, from all that is printed", head, rows, note)
 
 
-def shaken_probabilities(judged: Judged) -> dict[str, Array]:
-    """(SHAKEN,) probabilities of each account, with the logarithm of every evidence moved by its error,
-    normally."""
-    found = judged.evidence.values()
-    rng = np.random.default_rng([judged.seed, 9])
-    moved = np.array([one.log10 + one.error * rng.normal(size=SHAKEN) for one in found])
-    shares = 10 ** (moved - moved.max(axis=0))
-    return dict(zip(judged.evidence, shares / shares.sum(axis=0), strict=True))
+def ratio(judged: Judged, account: str, other: str) -> tuple[float, float]:
+    """log₁₀ odds of an account over another, and its error."""
+    one, two = judged.evidence[account], judged.evidence[other]
+    return one.log10 - two.log10, float(np.hypot(one.error, two.error))
 
 
 def ranges_table(judged: Judged) -> Table:
