@@ -115,6 +115,9 @@ def test_statics_are_the_arms(name, robot):
     turned = where.R[-1][0].T @ done.tool[-1, :3, :3]
     assert np.abs(off).max() < 1e-6
     assert np.abs(turned - np.eye(3)).max() < 1e-6
+    for slot, X in enumerate(done.links[-1]):  # what the scene shows of base and links
+        assert np.abs(X[:3, 3] - where.p[slot][0]).max() < 1e-6
+        assert np.abs(X[:3, :3] - where.R[slot][0] @ arm.R_link[slot]).max() < 1e-6
 
 
 RIPPLE = GearKinematicError(Where(joint="joint_2", order=800.0)), [5e-5, 2e-5]

@@ -18,7 +18,7 @@ from ...robot.loop import Loop
 from .limits import OnLimit
 from .proof import SPEEDS, verify
 from .runs import FeedForward
-from .verification import COMMAND_NAMES, Verification, step_said, sweep_said
+from .verification import COMMAND_NAMES, Verification, perfect_said, step_said, sweep_said
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +56,8 @@ class Verified:
             lines.append(
                 f"  the joints' repeatability makes {mm(found.repeatability_mm)} mm at the tool (RP)"
             )
-        ratio = found.slow.ratio_to_perfect
-        if ratio is not None:
-            lines.append(f"  {ratio:.2f} times what a perfect model would reach")
+        if perfect := perfect_said(found.slow):
+            lines.append(f"  {perfect}")
         if found.sweep is not None:
             lines.append(f"  {sweep_said(found.sweep)}")
         lines += [f"  note: {note}" for note in found.notes]
