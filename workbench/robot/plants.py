@@ -1,8 +1,9 @@
 """Drake plants of a robot: every plant of the workbench is built here.
 
-`urdf_plant` is the URDF as Drake reads it: the rigid twin (what is to be seen of it is `picture`). `arm_plant` has the same links,
-with the same names, frames and masses, from the arrays that were taken from that plant; between each slot
-and its link it lets the caller put what moves there (`plant_parts`): a joint, a motor and a spring, screws.
+`urdf_plant` is the URDF as Drake reads it: the rigid twin. `arm_plant` has the same links, with the same
+names, frames and masses, from the arrays that were taken from that plant; between each slot and its link it
+lets the caller put what moves there (`plant_parts`): a joint, a motor and a spring, screws. `picture` shows
+the links of either.
 So corrected lengths, changed masses and whatever yields come into one chain, and nothing is said twice.
 """
 

@@ -67,7 +67,8 @@ def _tile(series: Series, repeatability_mm: float | None) -> Tile:
     (rms, largest), (rms_after, largest_after) = (
         (mm(figures.rms_mm), mm(figures.max_mm)) for figures in (before, after)
     )
-    said = f"{largest} → {largest_after} mm" if largest != largest_after else f"{largest} mm, before and after"
+    same = largest == largest_after
+    said = f"{largest} mm, before and after" if same else f"{largest} → {largest_after} mm"
     return Tile(
         f"RMS error at {speed_text(series.speed)}" + (", before and after" if rms == rms_after else ""),
         rms if rms != rms_after else "",

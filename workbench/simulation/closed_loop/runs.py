@@ -63,8 +63,8 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Poses of the tool (N, 4, 4) and of base and links (N, L, 4, 4), joints (N, n) of the rigid twin, servo
-    errors (N, n), at times (N,) [s].
+    """Poses of the tool (N, 4, 4) and of base and links (N, L, 4, 4), joints (N, n), servo errors (N, n), at
+    times (N,) [s].
 
     step: [s] of the integration; change: how far half of it moves the tool at most [m] (NaN: not tried)."""
 

@@ -1,4 +1,5 @@
-"""The scene: the simulated arm runs the path, its links where they were; desired and real tool paths as tubes, their errors enlarged."""
+"""The scene: the simulated arm runs the path, its links where they were; tool paths as tubes, their errors
+enlarged."""
 
 from __future__ import annotations
 

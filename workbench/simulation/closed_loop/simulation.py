@@ -30,7 +30,7 @@ STILL = 1e-9  # rad, m: frames that move less along a path stay
 @dataclass(frozen=True, eq=False)
 class Run:
     """What happened. states: (M, 2·nq) at `times` (M,) [s]; tool: (N, 4, 4) poses at the path's samples;
-    links: (N, L, 4, 4) those of base and links; q: (N, n) joints of the rigid twin that look like the arm then (motor and gear together);
+    links: (N, L, 4, 4) those of base and links; q: (N, n) joints as they are then (motor and gear together);
     motor: (N, n) motors' error to their command [rad, m, on the joint's side]; torque: (T, n) of the drives,
     a row per drive period. wall: [s] of processor time that it took."""
 
@@ -182,7 +182,8 @@ def _along(truth: Mechanics, motion: Motion, times: Array) -> Along:
 def _seen(
     dynamics: Dynamics, motion: Motion, times: Array, states: Array, tool: Array | None
 ) -> tuple[Array, Array, Array, Array]:
-    """Poses of the tool (N, 4, 4) and of base and links (N, L, 4, 4), joints of the rigid twin (N, n) and the motors' errors (N, n) at the samples."""
+    """Poses of the tool (N, 4, 4) and of base and links (N, L, 4, 4), joints (N, n) and the motors' errors
+    (N, n) at the samples."""
     built: Machine = dynamics.machine
     plant, context = dynamics.plant, dynamics.context
     half = states.shape[1] // 2

@@ -205,7 +205,7 @@ def sweep_said(sweep: Sweep) -> str:
         return f"the static correction holds up to {sweep.speeds[-1]:.3g} m/s"
     k = int(np.searchsorted(sweep.speeds, end))
     left, led = (mm(float(sweep.rms_mm[name][k])) for name in ("corrected", "elastic"))
-    lead = f"and {led} mm with elastic feed-forward" if led != left else "with elastic feed-forward or without"
+    lead = "with elastic feed-forward or without" if led == left else f"{led} mm with elastic feed-forward"
     return (
         f"from {end:.3g} m/s on the static correction leaves twice what it leaves at "
         f"{sweep.speeds[0]:.2g} m/s: {left} mm there, {lead}"
