@@ -53,10 +53,19 @@ def _along(series: Series, number: int) -> Figure:
     return Figure(
         f"along{number}",
         f"At {speed_text(series.speed)} the RMS error {mm_change(before.rms_mm, after.rms_mm)}, "
-        f"the largest {mm_change(before.max_mm, after.max_mm)}",
+        f"the largest {mm_change(before.max_mm, after.max_mm)}{_led(series)}",
         f"Error of the tool along the path at {speed_text(series.speed)}, for each command",
         svg[0],
     )
+
+
+def _led(series: Series) -> str:
+    """What drives that lead leave, where that shows."""
+    reached, best = (mm(series.trials[name].figures.rms_mm) for name in ("corrected", series.best))
+    if best == reached:
+        return ""
+    what = "elastic feed-forward" if series.best == "elastic" else "predicted servo lag"
+    return f"; with {what} {best} mm RMS are left"
 
 
 def _heights(found: Verification) -> Figure:
