@@ -50,7 +50,8 @@ class Verified:
             lines.append(f"  {step_said(series)}")
         for r in found.repeats:
             rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"
-            what = f"{COMMAND_NAMES[r.name]}, {r.count} runs at {r.speed:.3g} m/s"
+            runs = "one run" if r.count == 1 else f"{r.count} runs"
+            what = f"{COMMAND_NAMES[r.name]}, {runs} at {r.speed:.3g} m/s"
             lines.append(f"  {what}: AT {mm(r.at_mm)} mm, RT {rt}")
         if found.repeatability_mm is not None:
             lines.append(
