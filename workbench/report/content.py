@@ -14,6 +14,7 @@ from typing import Any
 from scipy.stats import maxwell
 
 from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
+from ..effects.base import UNKNOWN
 from ..effects.place import Parameter
 from . import figures
 from .drawing import Figure
@@ -21,6 +22,7 @@ from .equation import typeset
 from .legible import legible
 from .limits import detectable, not_testable, place, unidentifiable
 from .numbers import MISSING, decimals, mm, p_value, probability, quantity, words
+from .reliability import published
 
 Content = dict[str, Any]
 
@@ -81,6 +83,7 @@ def gather(diagnosis: Diagnosis) -> Material:
     """Everything that the report shows, drawn once."""
     diagnosis = legible(diagnosis)
     drawn = [figures.stages(diagnosis), figures.histogram(diagnosis), figures.campaign(diagnosis)]
+    drawn += [published()] if any(cause.cause != UNKNOWN for cause in diagnosis.causes) else []
     drawn += [figures.evidence(finding, number) for number, finding in enumerate(diagnosis.causes)]
     return Material(
         content(diagnosis),
