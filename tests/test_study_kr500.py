@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> Study:
-    return run_script(kr500.study, StudyRun(folder, quick=True))
+    return run_script(kr500.study, StudyRun(folder, quick=True, workers=1))
 
 
 def some_values(seed: int, **given: float) -> Values:
