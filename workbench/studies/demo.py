@@ -112,7 +112,7 @@ def demo(folder: Path, seed: int, progress: Progress, quick: bool = False) -> Su
     poses, rig = prepared(seed, 60 if quick else 100)
     campaign = _measured(folder / "campaign", rig, poses, 0)
     first = what_decides(diagnose(campaign, None, progress, seed))
-    measured_then, outcome = _settled(folder / "follow-up", rig, campaign, first, seed, progress)
+    measured_then, command, outcome = _settled(folder / "follow-up", rig, campaign, first, seed, progress)
     progress("correcting a circle and running it on the simulated robot in closed loop")
     proof = _prove(folder / "path", outcome, rig, seed, quick, progress)
     slow = proof.found.slow.trials
@@ -121,13 +121,13 @@ def demo(folder: Path, seed: int, progress: Progress, quick: bool = False) -> Su
         f"In closed loop the simulated robot draws a circle {numbers.mm(before)} mm off as it is, and "
         f"{numbers.mm(after)} mm off with the commands that this model corrects (RMS)."
     )
-    revealed = _revealed(rig.truth, first.diagnosis, outcome.diagnosis, measured_then)
+    revealed = _revealed(rig.truth, first.diagnosis, outcome.diagnosis, (measured_then, command))
     proven = replace(outcome.diagnosis, proof=(words, "path/verify.html"), revealed=revealed)
     outcome = replace(outcome, diagnosis=proven)
     progress("writing the page, the report and the scene")
     write_outcome(first, folder / "first")
     write_outcome(outcome, folder)
-    return Summary(first, outcome, measured_then, proof, folder)
+    return Summary(first, outcome, f"{measured_then} {command}".strip(), proof, folder)
 
 
 def prepared(seed: int, poses: int) -> tuple[Campaign, Rig]:
@@ -164,27 +164,25 @@ def _measured(folder: Path, rig: Rig, plan: Campaign, day: int) -> Campaign:
 
 def _settled(
     folder: Path, rig: Rig, campaign: Campaign, first: Outcome, seed: int, progress: Progress
-) -> tuple[str, Outcome]:
-    """The follow-up that a diagnosis offers, in words, and what both campaigns say together; the diagnosis as
-    it is where it offers none."""
+) -> tuple[str, str, Outcome]:
+    """The follow-up that a diagnosis offers, in words and as a command, and what both campaigns say together;
+    the diagnosis as it is where it offers none."""
     ways = [way for one in first.diagnosis.causes for way in one.decide if way.command and way.poses]
     if not ways:
-        return "No more poses were asked for.", first
+        return "No more poses were asked for.", "", first
     way = ways[0]
     progress(f"to decide: {way.words}")
     made = follow_up(campaign, way, seed=seed, quick=True, progress=progress)
     if made.drive is None:
-        return f"{way.words}: no such poses can be driven.", first
+        return "The poses that were asked for cannot be driven.", "", first
     second = _measured(folder, rig, made.drive.records, 1)
     outcome = diagnose([campaign, second], None, progress, seed)
     minutes = made.drive.total_s / 60
-    said = (
-        f"{len(made.drive.own.poses)} poses more, chosen to tell apart what was left open ({minutes:.0f} min)"
-    )
-    return f"{said}: {way.command}", what_decides(outcome)
+    said = f"Then {len(made.drive.own.poses)} poses more were planned and measured, {minutes:.0f} min:"
+    return said, way.command or "", what_decides(outcome)
 
 
-def _revealed(truth: Truth, first: Diagnosis, then: Diagnosis, follow_up: str) -> Revealed:
+def _revealed(truth: Truth, first: Diagnosis, then: Diagnosis, follow_up: tuple[str, str]) -> Revealed:
     """What was hidden, beside what each diagnosis said of it; and what they named that was not there."""
     hidden: dict[tuple[str, Where], list[str]] = {}
     for effect, values in truth.effects:
@@ -193,7 +191,7 @@ def _revealed(truth: Truth, first: Diagnosis, then: Diagnosis, follow_up: str) -
     for key in dict.fromkeys(_key(one) for one in (*first.causes, *then.causes)):
         if key not in hidden:
             rows.append(("Nothing of this", _said(first, key), _said(then, key)))
-    return Revealed(follow_up, "first/index.html", tuple(rows))
+    return Revealed(*follow_up, "first/index.html", tuple(rows))
 
 
 def _said(diagnosis: Diagnosis, key: tuple[str, Where]) -> str:

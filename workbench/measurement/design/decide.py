@@ -36,6 +36,7 @@ CLOSER, MARGIN = 4, 1.1  # how often the number is mended, and by how much more 
 SMALLEST = 0.1  # usual sizes, of a rival that hardly imitates
 DRAWS = 3  # of random poses with torques
 FEWEST_TORQUES = 12  # poses from which a joint's offset, scale and friction are taken out of its torques
+TORQUE_TERMS = 3  # a joint's offset, scale and friction
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
 Columns = NDArray[np.int64]
@@ -219,13 +220,15 @@ def _settled(space: DesignSpace, tie: Tie, now: float) -> tuple[int, float] | No
 
 def _settled_by_torque(torques: Torques, tie: Tie, now: float) -> tuple[int, float] | None:
     """Random poses with drive torques that settle it, and λ after them, the least of some draws; what is
-    common to a joint's torques is taken out of those poses alone."""
+    common to a joint's torques is taken out of those poses alone. The noise of the torques is what the stated
+    robot leaves of them, the cause itself in it: n poses tell no more than a λ of n − 3."""
     for count in (FEWEST_TORQUES, FIRST, LARGEST):
         reached = []
         for draw in range(DRAWS):
             order = np.random.default_rng([23, draw]).permutation(POOL)
             space = torques(np.sort(order[:count]))
-            reached.append(least(space, space.before + information(space.rows), tie))
+            gain = least(space, space.before + information(space.rows), tie) - now
+            reached.append(now + gain / (1 + gain / (count - TORQUE_TERMS)))
         if min(reached) >= settled_at(now):
             return count, min(reached)
     return None

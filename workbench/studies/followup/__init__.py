@@ -1,5 +1,6 @@
 """Whether a follow-up settles what a diagnosis left open: faults of the blind study's drawing that come out
-ambiguous, the poses that `what_decides` offers, measured in Drake, both campaigns diagnosed together."""
+ambiguous in a first campaign without payload, the poses that `what_decides` offers, measured in Drake, both
+campaigns diagnosed together."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""One case: a fault of the blind study's, diagnosed; where it stays open, the follow-up that is offered,
-measured in Drake, and both campaigns diagnosed together."""
+"""One case: a fault of the blind study's, diagnosed from a first campaign, the unloaded poses that a morning
+gives; where it stays open, the follow-up that is offered, measured in Drake, and both diagnosed together."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 from zlib import crc32
+
+import numpy as np
 
 from ...campaign import Campaign
 from ...diagnosis.result import Decision, Finding
@@ -21,6 +23,7 @@ from ..blind.cases import Case, draw_case, true_robot
 from ..blind.score import facts, key_of, label_of
 from ..blind.sight import Key, planned_for
 
+FIRST = 24  # poses of a first campaign
 MOST = 30  # poses of a follow-up
 
 Record = dict[str, Any]
@@ -39,13 +42,19 @@ def run_case(key: str, seed: int) -> Record:
     """What the first campaign of a key left open, what was offered for it, and what came of that."""
     with TemporaryDirectory() as folder:
         case = draw_case(key, seed, Path(folder))
-        before = what_decides(diagnose(case.campaign))
+        first = _first(case.campaign)
+        before = what_decides(diagnose(first))
         record = {**facts(case), "before": _said(before), "open": bool(_open(before)), "offered": None}
         offer = offered(before)
         if offer is None:
             decisions = [d.kind for f in _open(before) for d in f.decide]
             return {**record, "other_ways": list(dict.fromkeys(decisions))}
-        return {**record, **_followed(case, before, offer, crc32(key.encode()))}
+        return {**record, **_followed(case, first, before, offer, crc32(key.encode()))}
+
+
+def _first(campaign: Campaign) -> Campaign:
+    """The first `FIRST` of its poses without a payload."""
+    return campaign.some(np.flatnonzero(campaign.poses.payload == 0)[:FIRST])
 
 
 def _open(outcome: Outcome) -> list[Finding]:
@@ -62,10 +71,10 @@ def offered(outcome: Outcome) -> Offer | None:
     return None
 
 
-def _followed(case: Case, before: Outcome, offer: Offer, seed: int) -> Record:
+def _followed(case: Case, first: Campaign, before: Outcome, offer: Offer, seed: int) -> Record:
     """What came of an offer."""
     decision = offer.decision
-    made = follow_up(case.campaign, decision, seed=seed, quick=True)
+    made = follow_up(first, decision, seed=seed, quick=True)
     record: Record = {
         "offered": {
             "kind": decision.kind,
@@ -80,7 +89,7 @@ def _followed(case: Case, before: Outcome, offer: Offer, seed: int) -> Record:
     if made.drive is None:
         return {**record, "came_of_it": "open", "after": [made.text.split("\n")[0]], "lambda_reached": None}
     measured = _measured(case, made.drive.records, seed, decision.kind == "drive_torque")
-    after = diagnose([case.campaign, measured])
+    after = diagnose([first, measured])
     keys = {offer.tie.effect.key, *(rival.key for rival in offer.tie.rivals)}
     return {
         **record,
