@@ -209,7 +209,8 @@ class PoseErrors:
 @dataclass(frozen=True)
 class Revealed:
     """What a simulation had hidden, and what was said of it. follow_up: what was measured after the first
-    campaign, command: that planned it, first: the page of what that had said; rows: hidden, said first, said then."""
+    campaign, command: that planned it, first: the page of what that had said; rows: hidden, said
+    first, said then."""
 
     follow_up: str
     command: str
