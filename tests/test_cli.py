@@ -490,8 +490,8 @@ def test_options_stand_where_they_act():
     assert having["seed"] == having["out"] - {"init", "check", "export", "compare", "study archive"}
     assert having["quick"] == {"demo", "plan", "verify", "study blind"} | STUDIES
     assert having["workers"] == {"verify"} | BLIND | STUDIES
-    assert having["resume"] == {"study blind"} | STUDIES
-    assert having["draws"] == {"study blind"}
+    assert having["resume"] == {"study blind", "study followup"} | STUDIES
+    assert having["draws"] == {"study blind", "study followup"}
 
 
 @pytest.mark.parametrize("name", sorted(set(COMMANDS) - {"robots", "causes"}))

@@ -94,6 +94,20 @@ def test_the_smallest_campaign_that_settles_a_result(tmp_path, measured):
     assert fewer.least < small.least
 
 
+def test_a_cause_is_told_in_the_size_that_was_found(tmp_path, measured):
+    """As the commands of a diagnosis say it: the same plan as for its result.json."""
+    found = json.loads(ambiguous(tmp_path, 3e-4).read_text())["causes"][0]
+    said = ",".join(f"{p['name']}={p['value']}" for p in found["parameters"])
+    first = f"{found['cause']}:joint={found['joint']},{said}"
+    others = [f"{r['cause']}:joint={r['joint']}" for r in found["rivals"]]
+    made = plan(measured, tell=",".join([first, *others]), quick=True)
+    same = plan(measured, tell=str(tmp_path / "result.json"), quick=True)
+    assert made.least == pytest.approx(same.least, rel=1e-6)
+    assert made.count == same.count
+    with pytest.raises(InputError, match="names one cause, not two"):
+        plan(measured, tell=first, quick=True)
+
+
 def test_a_result_that_leaves_nothing_open_is_refused(tmp_path, measured):
     path = tmp_path / "result.json"
     path.write_text(json.dumps({"schema": 1, "causes": []}))

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from .diagnosis.changes import compare as compare
     from .diagnosis.changes.result import Comparison as Comparison
     from .diagnosis.result import Diagnosis as Diagnosis
+    from .diagnosis.result import Finding as Finding
+    from .diagnosis.result import Revealed as Revealed
     from .diagnosis.run import Outcome as Outcome
     from .diagnosis.run import diagnose as diagnose
     from .effects import catalogue as catalogue
@@ -86,6 +88,7 @@ if TYPE_CHECKING:
     from .measurement.circle_points import sweeps as sweeps
     from .measurement.circle_points import turning_ratio as turning_ratio
     from .measurement.design import exchange as exchange
+    from .measurement.design import follow_up as follow_up
     from .measurement.design import plan as plan
     from .measurement.design import what_decides as what_decides
     from .measurement.group_plan import GroupPlan as GroupPlan
@@ -158,7 +161,7 @@ _MODULES = {
     "correction.paths": "Path load_path write_path",
     "diagnosis.changes": "compare",
     "diagnosis.changes.result": "Comparison",
-    "diagnosis.result": "Diagnosis",
+    "diagnosis.result": "Diagnosis Finding Revealed",
     "diagnosis.run": "Outcome diagnose",
     "effects": "catalogue",
     "effects.base": "Effect",
@@ -180,7 +183,7 @@ _MODULES = {
     "measurement": "axis_by_axis load_pairs sweep zeros_and_offsets",
     "measurement.axis_by_axis": "LocalStiffness",
     "measurement.circle_points": "Axes axes_of fit_circle link_between sweeps turning_ratio",
-    "measurement.design": "exchange plan what_decides",
+    "measurement.design": "exchange follow_up plan what_decides",
     "measurement.group_plan": "GroupPlan Rig group_plan",
     "measurement.separation": "Separation separate",
     "measurement.zeros_and_offsets": "SimulatedArm",

@@ -50,10 +50,10 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--tell",
         metavar="CAUSE,CAUSE",
-        help="two causes or more as in --effect, without numbers: "
-        "gear_ratio:joint=joint_2,link_mass:link=link_2; "
-        "what is left out (joint, link, payload, variant) is tried everywhere: gear_ratio,hose_torque; or "
-        "the result.json of a diagnosis: all that it left open, in as few poses as settle it",
+        help="two causes or more as in --effect: gear_ratio:joint=joint_2,link_mass:link=link_2, the first "
+        "with its size where it was found; what is left out (joint, link, payload) is tried everywhere: "
+        "gear_ratio,hose_torque; or the result.json of a diagnosis: all that it left open. What was found is "
+        "settled in as few poses as do it",
     )
     known_option(parser)
     parser.add_argument(

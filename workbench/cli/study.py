@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def add(commands: Commands) -> None:
-    parser = commands.add_parser("study", help="the published studies, and our own error rates (blind)")
+    parser = commands.add_parser("study", help="the published studies, and our own error rates")
     studies = parser.add_subparsers(dest="name", required=True, metavar="NAME")
     for name in PUBLISHED:
         _script_options(studies.add_parser(name, help="a published study"), f"reports/{name}")
@@ -37,6 +37,7 @@ def add(commands: Commands) -> None:
     _add_archive(studies)
     _add_blind(studies)
     _add_case(studies)
+    _add_followup(studies)
 
 
 def _script_options(parser: argparse.ArgumentParser, folder: str) -> None:
@@ -83,6 +84,18 @@ def _add_case(studies: Commands) -> None:
     parser.set_defaults(run=run_case)
 
 
+def _add_followup(studies: Commands) -> None:
+    what = "faults that stay open, the follow-up that is offered, and what both campaigns say together"
+    parser = studies.add_parser("followup", help=what)
+    parser.add_argument("--draws", type=positive, default=5, metavar="N", help="draws per cause (5)")
+    out_option(parser, "folder for the page, the rates and every case (reports/followup)", "reports/followup")
+    seed_option(parser, "all cases")
+    workers_option(parser)
+    parser.add_argument("--resume", action="store_true", help="go on where a stopped run ended")
+    json_option(parser)
+    parser.set_defaults(run=run_followup)
+
+
 def run(arguments: argparse.Namespace) -> None:
     from ..studies.running import run_published
 
@@ -124,6 +137,14 @@ def run_blind(arguments: argparse.Namespace) -> None:
         arguments.resume,
         arguments.quick,
     )
+    print(json.dumps(result.to_json()) if arguments.json else result.text)
+
+
+def run_followup(arguments: argparse.Namespace) -> None:
+    from ..studies.followup import followup
+
+    check_folder(arguments.out)
+    result = followup(arguments.out, arguments.draws, arguments.seed, arguments.workers, arguments.resume)
     print(json.dumps(result.to_json()) if arguments.json else result.text)
 
 

@@ -207,10 +207,22 @@ class PoseErrors:
 
 
 @dataclass(frozen=True)
+class Revealed:
+    """What a simulation had hidden, and what was said of it. follow_up: what was measured after the first
+    campaign, command: that planned it, first: the page of what that had said; rows: hidden, said
+    first, said then."""
+
+    follow_up: str
+    command: str
+    first: str
+    rows: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """Everything that a diagnosis found. ceiling_mm: RMS error of held-out poses that any smooth model
     reaches. proof: what a closed-loop run of the model showed, and the page that
-    shows it."""
+    shows it. revealed: what a simulation had hidden."""
 
     robot: str
     robot_title: str
@@ -239,6 +251,7 @@ class Diagnosis:
     joints: tuple[str, ...] = ()
     q: Array | None = None
     proof: tuple[str, str] | None = None
+    revealed: Revealed | None = None
     version: str = ""
     inputs: Mapping[str, str] = field(default_factory=dict)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from scipy.stats import maxwell
@@ -60,6 +60,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "verdict": _verdict(diagnosis),
         "summary": _summary(diagnosis),
         "proof": list(diagnosis.proof) if diagnosis.proof else None,
+        "revealed": asdict(diagnosis.revealed) if diagnosis.revealed else None,
         "tiles": _tiles(diagnosis),
         "test": _test(diagnosis),
         "stages": _stages(diagnosis),

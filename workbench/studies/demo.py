@@ -1,8 +1,11 @@
-"""The whole loop on a simulated KR 500: measure, diagnose, extend the model, correct a path, prove it.
+"""The whole loop on a simulated KR 500: measure, diagnose, settle what stays open by the follow-up that is
+offered, extend the model, correct a path, prove it.
 
 Hidden in the robot: a harmonic-drive error in joint 4 (with a second harmonic), a gas compensator that has
-lost a tenth of its charge, backlash in joint 5, and an ordinary robot's errors of geometry. The campaign is
-what a laser tracker and the drives would see of Drake's loaded robot; nothing else reaches the diagnosis.
+lost a tenth of its charge, a joint 3 that yields 15 % more than the model says, backlash in joint 5, and an
+ordinary robot's errors of geometry. The campaigns are what a laser tracker would see of Drake's loaded robot;
+nothing else reaches the diagnosis. In the first the robot carries its tool alone, and what yields where stays
+open.
 """
 
 from __future__ import annotations
@@ -17,11 +20,16 @@ import numpy as np
 from workbench import (
     Array,
     Campaign,
+    Diagnosis,
+    Finding,
     Outcome,
+    Revealed,
     Truth,
     Verified,
+    Where,
     compensate_file,
     diagnose,
+    follow_up,
     load_campaign,
     load_robot,
     loaded,
@@ -38,6 +46,7 @@ from workbench import (
     short_verdict,
     simulate,
     verify_file,
+    what_decides,
     write_campaign,
     write_fit,
     write_model,
@@ -51,6 +60,7 @@ HIDDEN = (
     "gear_kinematic_error:joint=joint_4,order={order},amplitude=2.2e-4,phase=0.6",
     "gear_kinematic_error:joint=joint_4,order={double},amplitude=4.4e-5,phase=1.1",
     "gravity_compensator:variant=charge,relative=-0.10",
+    "joint_compliance:joint=joint_3,relative=0.15",
     "backlash:joint=joint_5,half_width=6e-5",
 )
 PAYLOADS = {"heavy": (250.0, (0.0, 0.0, 0.15))}
@@ -58,56 +68,80 @@ TOOL = (60.0, (0.0, 0.0, 0.08))
 
 
 @dataclass(frozen=True)
-class Summary:
-    """What the demo found and where it lies."""
+class Rig:
+    """What is measured, without anyone knowing. truth: of the robot; frame: R (1, 3, 3), t (1, 3) [m] of the
+    base in the instrument's frame; seed: of the noise."""
 
+    truth: Truth
+    frame: tuple[Array, Array]
+    seed: int
+
+    def measure(self, plan: Campaign, day: int) -> Campaign:
+        """The plan's poses, as the tracker saw them that day."""
+        return simulate(plan, self.truth, seed=self.seed + 1000 * day, instrument=self.frame)
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What the demo found and where it lies. first: what the first campaign left open; measured_then:
+    the follow-up that it offered."""
+
+    first: Outcome
     outcome: Outcome
+    measured_then: str
     proof: Verified
     folder: Path
 
     @property
     def text(self) -> str:
         verdict = short_verdict(self.outcome.diagnosis, self.folder)
-        return f"{verdict}\n\n{self.proof.text}\n\nopen {self.folder}/index.html"
+        before = f"First campaign: {self.first.diagnosis.headline}\n{self.measured_then}"
+        return f"{before}\n\n{verdict}\n\n{self.proof.text}\n\nopen {self.folder}/index.html"
 
     def to_json(self) -> dict[str, Any]:
-        return {"diagnosis": self.outcome.diagnosis.to_json(), "proof": self.proof.to_json()}
+        return {
+            "first": self.first.diagnosis.to_json(),
+            "diagnosis": self.outcome.diagnosis.to_json(),
+            "proof": self.proof.to_json(),
+        }
 
 
 def demo(folder: Path, seed: int, progress: Progress, quick: bool = False) -> Summary:
     """Runs the demo and writes everything under `folder`."""
-    progress("measuring a KR 500 in Drake: two loads, three targets, 30 µm noise")
-    campaign, truth, frame = measured(seed, 60 if quick else 150)
-    path = write_campaign(folder / "campaign", campaign, comments=["simulated in Drake"])
-    outcome = diagnose(load_campaign(path), None, progress, seed)
+    progress("measuring a KR 500 in Drake: its tool alone, three targets, 30 µm noise")
+    poses, rig = prepared(seed, 60 if quick else 100)
+    campaign = _measured(folder / "campaign", rig, poses, 0)
+    first = what_decides(diagnose(campaign, None, progress, seed))
+    measured_then, command, outcome = _settled(folder / "follow-up", rig, campaign, first, seed, progress)
     progress("correcting a circle and running it on the simulated robot in closed loop")
-    proof = _prove(folder / "path", outcome, truth, frame, seed, quick, progress)
+    proof = _prove(folder / "path", outcome, rig, seed, quick, progress)
     slow = proof.found.slow.trials
     before, after = slow["uncorrected"].figures.rms_mm, slow["corrected"].figures.rms_mm
     words = (
         f"In closed loop the simulated robot draws a circle {numbers.mm(before)} mm off as it is, and "
         f"{numbers.mm(after)} mm off with the commands that this model corrects (RMS)."
     )
-    proven = replace(outcome.diagnosis, proof=(words, "path/verify.html"))
+    revealed = _revealed(rig.truth, first.diagnosis, outcome.diagnosis, (measured_then, command))
+    proven = replace(outcome.diagnosis, proof=(words, "path/verify.html"), revealed=revealed)
     outcome = replace(outcome, diagnosis=proven)
     progress("writing the page, the report and the scene")
+    write_outcome(first, folder / "first")
     write_outcome(outcome, folder)
-    return Summary(outcome, proof, folder)
+    return Summary(first, outcome, f"{measured_then} {command}".strip(), proof, folder)
 
 
-def measured(seed: int, poses: int) -> tuple[Campaign, Truth, tuple[Array, Array]]:
-    """The demo's campaign, the truth behind it, and the true instrument frame R (1, 3, 3), t (1, 3)."""
+def prepared(seed: int, poses: int) -> tuple[Campaign, Rig]:
+    """The poses of the first campaign, and the robot with what is hidden in it."""
     rng = np.random.default_rng([seed, 500])
     robot = load_robot("kr500")
-    q = np.tile(random_poses(robot, poses, rng, share=0.8), (2, 1))
+    q = random_poses(robot, poses, rng, share=0.8)
     plan = planned(
         robot,
         q,
         payloads=PAYLOADS,
-        payload=[""] * poses + ["heavy"] * poses,
         tool=TOOL,
         direction=rng.choice([-1.0, 1.0], size=q.shape),
-        title="KR 500, laser tracker, two loads",
+        title="KR 500, laser tracker",
     )
     # the tool plate was measured beforehand: the targets' places are known
     plan = replace(plan, targets=tuple(replace(target, fixed=True) for target in plan.targets))
@@ -119,14 +153,75 @@ def measured(seed: int, poses: int) -> tuple[Campaign, Truth, tuple[Array, Array
         sigma=3e-5,
     )
     frame = rotation_about("z", 2.2)[None], np.array([[3.2, -1.4, -0.6]])
-    return simulate(plan, truth, seed=seed, instrument=frame, torque_sigma=0.03), truth, frame
+    return plan, Rig(truth, frame, seed)
+
+
+def _measured(folder: Path, rig: Rig, plan: Campaign, day: int) -> Campaign:
+    """The campaign of a plan, written and read again as anyone's."""
+    path = write_campaign(folder, rig.measure(plan, day), comments=["simulated in Drake"])
+    return load_campaign(path)
+
+
+def _settled(
+    folder: Path, rig: Rig, campaign: Campaign, first: Outcome, seed: int, progress: Progress
+) -> tuple[str, str, Outcome]:
+    """The follow-up that a diagnosis offers, in words and as a command, and what both campaigns say together;
+    the diagnosis as it is where it offers none."""
+    ways = [way for one in first.diagnosis.causes for way in one.decide if way.command and way.poses]
+    if not ways:
+        return "No more poses were asked for.", "", first
+    way = ways[0]
+    progress(f"to decide: {way.words}")
+    made = follow_up(campaign, way, seed=seed, quick=True, progress=progress)
+    if made.drive is None:
+        return "The poses that were asked for cannot be driven.", "", first
+    second = _measured(folder, rig, made.drive.records, 1)
+    outcome = diagnose([campaign, second], None, progress, seed)
+    minutes = made.drive.total_s / 60
+    said = f"Then {len(made.drive.own.poses)} poses more were planned and measured, {minutes:.0f} min:"
+    return said, way.command or "", what_decides(outcome)
+
+
+def _revealed(truth: Truth, first: Diagnosis, then: Diagnosis, follow_up: tuple[str, str]) -> Revealed:
+    """What was hidden, beside what each diagnosis said of it; and what they named that was not there."""
+    hidden: dict[tuple[str, Where], list[str]] = {}
+    for effect, values in truth.effects:
+        hidden.setdefault((effect.cause, _place(effect.where)), []).append(effect.sentence(values))
+    rows = [(" ".join(lines), _said(first, key), _said(then, key)) for key, lines in hidden.items()]
+    for key in dict.fromkeys(_key(one) for one in (*first.causes, *then.causes)):
+        if key not in hidden:
+            rows.append(("Nothing of this", _said(first, key), _said(then, key)))
+    return Revealed(*follow_up, "first/index.html", tuple(rows))
+
+
+def _said(diagnosis: Diagnosis, key: tuple[str, Where]) -> str:
+    """What a diagnosis said of a cause: its finding, or between what it is open."""
+    for finding in diagnosis.causes:
+        both = [_key(finding), *((rival.cause, _place(rival.where)) for rival in finding.rivals)]
+        if key == both[0] and finding.status == "named":
+            return finding.sentence
+        if key in both:
+            return f"Open: {', or '.join(_words(cause, where) for cause, where in dict.fromkeys(both))}."
+    return "–"
+
+
+def _key(finding: Finding) -> tuple[str, Where]:
+    return finding.cause, _place(finding.where)
+
+
+def _place(where: Where) -> Where:
+    """The place, at any order."""
+    return replace(where, order=None)
+
+
+def _words(cause: str, where: Where) -> str:
+    return f"{numbers.words(cause)} in {where}" if str(where) else numbers.words(cause)
 
 
 def _prove(
     folder: Path,
     outcome: Outcome,
-    truth: Truth,
-    frame: tuple[Array, Array],
+    rig: Rig,
     seed: int,
     quick: bool,
     progress: Progress,
@@ -134,7 +229,7 @@ def _prove(
     """Corrects a circle by the diagnosed model and runs it on the true robot."""
     folder.mkdir(parents=True, exist_ok=True)
     write_fit(folder / "model.toml", outcome.fit)
-    _write_truth(folder / "truth.toml", outcome, truth, frame)
+    _write_truth(folder / "truth.toml", outcome, rig)
     frame_of_work = path_shapes.work_frame([1.9, 0.3, 1.1])
     run = path_shapes.Run(frame_of_work, speed=0.05, acceleration=0.5, period=0.01)
     shape = path_shapes.circle(0.03 if quick else 0.06, run)
@@ -153,15 +248,15 @@ def _prove(
     )
 
 
-def _write_truth(path: Path, outcome: Outcome, truth: Truth, frame: tuple[Array, Array]) -> None:
+def _write_truth(path: Path, outcome: Outcome, rig: Rig) -> None:
     """The true robot, standing where the tracker found the base to be.
 
     A tracker sees where the robot is, not where its base's drawing is: what the fit put into the frame
     instead of the first joint is the same robot in other coordinates.
     """
     problem, state = outcome.problem, outcome.fit.state
+    truth, (R, t), back = rig.truth, rig.frame, state.R[0].T
     assert truth.geometry is not None
-    back, (R, t) = state.R[0].T, frame
     geometry = moved_base(problem.arm, truth.geometry, back @ R[0], back @ (t[0] - state.t[0]))
     records = [record(effect, values) for effect, values in truth.effects]
     write_model(path, loaded(problem.robot, problem.campaign), geometry, records)

@@ -4,6 +4,6 @@ from .accuracy import AccuracyPlan
 from .decide import what_decides
 from .discrimination import DiscriminationPlan
 from .fedorov import criterion, exchange
-from .next_poses import plan
+from .next_poses import follow_up, plan
 
-__all__ = ["AccuracyPlan", "DiscriminationPlan", "criterion", "exchange", "plan", "what_decides"]
+__all__ = ["AccuracyPlan", "DiscriminationPlan", "criterion", "exchange", "follow_up", "plan", "what_decides"]

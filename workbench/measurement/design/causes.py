@@ -46,15 +46,26 @@ class NamedCause:
         return self.sites(problem) or [parse_effect(self.text, problem)[0]]
 
 
-def named_causes(text: str) -> tuple[NamedCause, ...]:
-    """The causes of `--tell`, two or more: a part without a colon that is key=value belongs to the cause
-    before it. Raises InputError."""
+def split_causes(text: str) -> list[str]:
+    """The causes of `--tell`: a part without a colon that is key=value belongs to the cause before it."""
     found: list[str] = []
     for part in (part.strip() for part in text.split(",")):
         if found and "=" in part and ":" not in part:
             found[-1] += f"{',' if ':' in found[-1] else ':'}{part}"
         elif part:
             found.append(part)
+    return found
+
+
+def has_size(cause: str) -> bool:
+    """Whether a cause of `--tell` has numbers, as `--effect` takes them."""
+    pairs = (part.partition("=") for part in cause.partition(":")[2].split(",") if part)
+    return any(key not in KEYS for key, _, _ in pairs)
+
+
+def named_causes(text: str) -> tuple[NamedCause, ...]:
+    """The causes of `--tell`, two or more. Raises InputError."""
+    found = split_causes(text)
     if len(found) < 2:
         raise InputError(Fault("--tell", f"{text!r} names {len(found)} causes, not two", EXAMPLE))
     faults = [fault for item in found for fault in _faults(item)]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from shlex import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,9 @@ from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome
 from ...effects import catalogue, separation
 from ...effects.base import UNKNOWN, Effect
+from ...effects.records import effect_text
 from ...robot.kinematics import Array
+from ..driving.reach import reach
 from .candidates import candidates
 from .causes import varied
 from .discrimination import LEVELS
@@ -29,8 +32,11 @@ from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 MOST = 3  # ambiguous findings that are worked out, the strongest
 POOL = 120  # candidate records
 FIRST, FEWEST, LARGEST = 24, 6, 60  # poses of a follow-up: tried first, fewest, most
+CLOSER, MARGIN = 4, 1.1  # how often the number is mended, and by how much more than is thought to do it
+SMALLEST = 0.1  # usual sizes, of a rival that hardly imitates
 DRAWS = 3  # of random poses with torques
 FEWEST_TORQUES = 12  # poses from which a joint's offset, scale and friction are taken out of its torques
+TORQUE_TERMS = 3  # a joint's offset, scale and friction
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
 Columns = NDArray[np.int64]
@@ -48,14 +54,13 @@ class Tie:
 
 def what_decides(outcome: Outcome) -> Outcome:
     """The outcome, its strongest ambiguous findings with what would decide: commands with expected λ."""
-    told = [(f, tie) for f in outcome.diagnosis.causes if (tie := _tie(outcome, f)) is not None][:MOST]
+    told = [(f, tie) for f in outcome.diagnosis.causes if (tie := tie_of(outcome, f)) is not None][:MOST]
     ties = [tie for _, tie in told]
     if not ties:
         return outcome
     prior = from_prepared(outcome.prepared)
-    effects = list(dict.fromkeys(e for tie in ties for e in (tie.effect, *tie.rivals)))
-    valued = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
-    offered = _offered(prior, effects)
+    valued = _valued(ties)
+    offered = _offered(prior, [effect for effect, _ in valued])
     measured = prior.of_campaign(valued)
     space = design_space(prior.of_records(offered, valued), measured)
     with_torque = _with_torque(prior, offered, valued, measured)
@@ -64,7 +69,7 @@ def what_decides(outcome: Outcome) -> Outcome:
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
 
 
-def _tie(outcome: Outcome, finding: Finding) -> Tie | None:
+def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
     """The finding as effects; None where it is named, or no rival has a name."""
     if finding.status == "named" or finding.cause == UNKNOWN:
         return None
@@ -81,7 +86,13 @@ def _tie(outcome: Outcome, finding: Finding) -> Tie | None:
 
 
 def _offered(prior: PriorInformation, effects: Sequence[Effect]) -> Campaign:
-    return candidates(prior, POOL, varied(effects), np.random.default_rng(21))
+    """Records that can be driven, as `plan` offers them."""
+    around = reach(
+        prior.problem, prior.places, prior.problem.campaign.cell, np.random.default_rng([0, 24]), prior.shown
+    )
+    pull = around.cell.driving.pull_N or 0.0
+    factors = replace(varied(effects), pull=pull)
+    return candidates(prior, POOL, factors, np.random.default_rng(21), around.draw)
 
 
 def _with_torque(
@@ -103,27 +114,56 @@ def _decisions(
     problem: Problem, tie: Tie, space: DesignSpace, with_torque: Torques | None
 ) -> tuple[Decision, ...]:
     """Poses; the torques beside them where poses alone are too many; readings; else what the causes say."""
-    path = problem.campaign.path
+    path = quote(str(problem.campaign.path))
     now = least(space, space.before, tie)
-    tell = ",".join([_text(tie.effect), *dict.fromkeys(_text(rival) for rival in tie.rivals)])
+    tell = ",".join([_found(tie), *dict.fromkeys(_text(rival) for rival in tie.rivals)])
     found = []
     poses = _settled(space, tie, now)
     if poses is not None:
         count, after = poses
         words = f"{count} more poses, chosen for it"
-        command = f"workbench plan {path} --tell {tell} --poses {count} --out follow-up"
+        command = f"workbench plan {path} --tell {quote(tell)} --poses {count} --out follow-up"
         found.append(Decision("poses", words, command, count, now, after))
     if with_torque is not None and (torque := _settled_by_torque(with_torque, tie, now)) is not None:
         count, after = torque
         if poses is None or count < poses[0]:
             words = f"the torques of the drives (columns tau1 ...) at {count} more poses"
-            found.append(Decision("drive_torque", words, None, count, now, after))
+            command = f"workbench plan {path} --poses {count} --out follow-up"
+            found.append(Decision("drive_torque", words, command, count, now, after))
     found += _readings(problem, tie, space, now)
     if poses is None:
         said = (separation(tie.effect.cause, rival.cause) for rival in tie.rivals)
         words_of = dict.fromkeys(filter(None, said))
         found += [Decision("other", words, None, None, now, None) for words in words_of]
     return tuple(found)
+
+
+def told_apart(outcome: Outcome, tie: Tie, before: Outcome) -> float:
+    """λ of a tie in all that an outcome was made of; before: the outcome that left it."""
+    valued = _valued((tie,))
+    both, first = (from_prepared(one.prepared).of_campaign(valued) for one in (outcome, before))
+    assert both is not None
+    space = design_space(both, first)
+    return least(space, information(space.rows), tie)
+
+
+def _valued(ties: Sequence[Tie]) -> ValuedEffects:
+    """The effects of ties, at zero."""
+    effects = dict.fromkeys(e for tie in ties for e in (tie.effect, *tie.rivals))
+    return tuple((effect, np.zeros(len(effect.params))) for effect in effects)
+
+
+def as_found(space: DesignSpace, ties: Sequence[Tie]) -> DesignSpace:
+    """The space with each cause in the size that was found, and each rival as large as imitates it best, in
+    place of their usual sizes: what is hardest in it is what is hardest to settle."""
+    scale, before = np.ones(len(space.names)), space.left(space.before)
+    for tie in ties:
+        for rival in tie.rivals:
+            i, j = (space.columns(effect) for effect in (tie.effect, rival))
+            imitation = _imitation(before, i - space.background, j - space.background, tie.size)
+            scale[i] = np.maximum(np.abs(tie.size) * np.sqrt(len(i)), SMALLEST)
+            scale[j] = np.maximum(np.abs(imitation) * np.sqrt(len(j)), SMALLEST)
+    return replace(space, rows=space.rows * scale, before=space.before * np.outer(scale, scale))
 
 
 def least(space: DesignSpace, data: Array, tie: Tie) -> float:
@@ -135,9 +175,14 @@ def least(space: DesignSpace, data: Array, tie: Tie) -> float:
 
 def _both(space: DesignSpace, before: Array, after: Array, tie: Tie, rival: Effect) -> tuple[float, float]:
     i, j = (space.columns(effect) - space.background for effect in (tie.effect, rival))
-    S = before[np.ix_(j, j)] + WIDE**-2 * np.eye(len(j))
-    imitation = np.asarray(np.linalg.solve(S, before[np.ix_(j, i)] @ tie.size), dtype=np.float64)
+    imitation = _imitation(before, i, j, tie.size)
     return _left(after, i, j, tie.size, WIDE**-2), _left(after, j, i, imitation, WIDE**-2)
+
+
+def _imitation(left: Array, i: Columns, j: Columns, size: Array) -> Array:
+    """The size of columns j that imitates columns i best."""
+    S = left[np.ix_(j, j)] + WIDE**-2 * np.eye(len(j))
+    return np.asarray(np.linalg.solve(S, left[np.ix_(j, i)] @ size), dtype=np.float64)
 
 
 def _left(left: Array, i: Columns, j: Columns, size: Array, held: float) -> float:
@@ -159,28 +204,31 @@ def pairs_of(tie: Tie) -> list[Pair]:
 
 def _settled(space: DesignSpace, tie: Tie, now: float) -> tuple[int, float] | None:
     """Poses that settle it, and λ after them; None where it takes more than `LARGEST`."""
-    count = FIRST
-    for _ in range(2):
-        chosen = t_optimal(space, pairs_of(tie), count, Search(POOL, 1, 0))
+    count, found, steering = FIRST, None, as_found(space, (tie,))
+    for _ in range(CLOSER):
+        chosen = t_optimal(steering, pairs_of(tie), count, Search(POOL, 1, 0))
         after = least(space, space.measured(chosen), tie)
-        gain = (after - now) / count
-        if gain <= 0:
-            return None
-        count = max(FEWEST, int(np.ceil((settled_at(now) - now) / gain)))
-        if count > LARGEST:
-            return None
-    return count, now + gain * count
+        share = (after - now) / (settled_at(now) - now)
+        if share >= 1:
+            found = (count, after)
+        wanted = int(np.clip(np.ceil(MARGIN * count / max(share, 1e-6)), FEWEST, LARGEST))
+        if wanted == count or (found is not None and wanted >= found[0]):
+            break
+        count = wanted
+    return found
 
 
 def _settled_by_torque(torques: Torques, tie: Tie, now: float) -> tuple[int, float] | None:
     """Random poses with drive torques that settle it, and λ after them, the least of some draws; what is
-    common to a joint's torques is taken out of those poses alone."""
+    common to a joint's torques is taken out of those poses alone. The noise of the torques is what the stated
+    robot leaves of them, the cause itself in it: n poses tell no more than a λ of n − 3."""
     for count in (FEWEST_TORQUES, FIRST, LARGEST):
         reached = []
         for draw in range(DRAWS):
             order = np.random.default_rng([23, draw]).permutation(POOL)
             space = torques(np.sort(order[:count]))
-            reached.append(least(space, space.before + information(space.rows), tie))
+            gain = least(space, space.before + information(space.rows), tie) - now
+            reached.append(now + gain / (1 + gain / (count - TORQUE_TERMS)))
         if min(reached) >= settled_at(now):
             return count, min(reached)
     return None
@@ -233,6 +281,12 @@ def _slope(problem: Problem, effect: Effect, name: str) -> float:
             break
         at = at - here / slope if at - here / slope > 0 else 2 * at
     return abs(slope)
+
+
+def _found(tie: Tie) -> str:
+    """The cause with the size that was found, as `--tell` and `--effect` take it."""
+    values = tie.size * np.array([p.typical for p in tie.effect.params])
+    return effect_text(tie.effect, np.array([float(f"{value:.3g}") for value in values]))
 
 
 def _text(effect: Effect) -> str:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ...campaign import Campaign
 from ...campaign.cell import CellData
 from ...campaign.known import with_known
 from ...correction.programs.measuring import DWELL_S
+from ...diagnosis.result import Decision
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ..driving.drive import drive
@@ -21,7 +22,7 @@ from .accuracy import AccuracyPlan, plan_accuracy, plan_accuracy_in_time
 from .discrimination import DiscriminationPlan, plan_discrimination, plan_discrimination_in_time
 from .fedorov import Search
 from .prior_information import PriorInformation, from_campaign, from_robot
-from .settle import plan_settling
+from .settle import is_found, plan_settling
 
 POSES = 30
 POOL, QUICK_POOL = 1200, 400  # candidate records,
@@ -48,12 +49,13 @@ def plan(
     """The next poses to measure: for accuracy, or to tell rival causes apart.
 
     source: a campaign, of which what it has shown already counts, or a robot that was not measured yet.
-    poses: how many to choose (30). tell: causes, "A,B", each as in `--effect`; or the path of a
-    `result.json`, all ties of which are to be settled, by as few poses as do it where none are said. known:
-    facts as `--known` takes them. seed: of the poses on offer; quick: fewer of them. cell: what stands
-    around the robot (default: what the campaign says); minutes: in place of a number of poses the time that
-    they may take, loads and stops on the way chosen with them; dwell: [s] of a standstill. progress: is told
-    each step in words. Raises `InputError` where there is no plan.
+    poses: how many to choose (30). tell: causes, "A,B", each as in `--effect`, the first with its size where
+    it was found; or the path of a `result.json`, all ties of which are to be settled. What was found is
+    settled by as few poses as do it where none are said. known: facts as `--known` takes them. seed: of the
+    poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the campaign
+    says); minutes: in place of a number of poses the time that they may take, loads and stops on the way
+    chosen with them; dwell: [s] of a standstill. progress: is told each step in words. Raises `InputError`
+    where there is no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -91,13 +93,30 @@ def plan(
             made = plan_discrimination_in_time(prior, tell, 60 * minutes, search, ways, dwell)
         return _driven(made, prior, around, ways, dwell, progress)
     progress(f"choosing {count} of about {search.pool} possible records")
-    if tell is not None and tell.endswith(".json"):
-        made = plan_settling(prior, Path(tell), poses, search)
+    if tell is not None and is_found(tell):
+        made = plan_settling(prior, tell, poses, search)
     elif tell is not None:
         made = plan_discrimination(prior, tell, count, search)
     else:
         made = plan_accuracy(prior, count, search)
     return _driven(made, prior, around, ways, dwell, progress)
+
+
+def follow_up(
+    campaign: Campaign,
+    decision: Decision,
+    *,
+    seed: int = 0,
+    quick: bool = False,
+    progress: Progress = lambda _: None,
+) -> Plan:
+    """The plan that the command of a decision makes; campaign: the one that was diagnosed. Raises
+    `InputError` as `plan`, and `ValueError` where the decision is no plan."""
+    if decision.poses is None or decision.command is None:
+        raise ValueError(f"no poses decide it: {decision.words}")
+    asked = shlex.split(decision.command)
+    tell = asked[asked.index("--tell") + 1] if "--tell" in asked else None
+    return plan(campaign, decision.poses, tell=tell, seed=seed, quick=quick, progress=progress)
 
 
 def _likely(around: Reach, seconds: float, dwell: float) -> int:

@@ -1,4 +1,5 @@
-"""The smallest campaign that settles all that a diagnosis left ambiguous: every tie of a `result.json`.
+"""The smallest campaign that settles what a diagnosis left ambiguous: every tie of a `result.json`, or one
+that is said with the size that was found.
 
 λ is that of `decide`: each cause in the size that was found, its rivals as large as imitate it best. Settled
 is what `decide.settled_at` says; what no record on offer settles is said, and left out.
@@ -17,12 +18,12 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...effects import catalogue
 from ...effects.base import UNKNOWN
-from ...effects.records import from_record
+from ...effects.records import from_record, parse_effect
 from ...files.faults import Fault, InputError, read_text
 from ...robot.schema import EffectRecord
 from .candidates import candidates, take
-from .causes import varied
-from .decide import Tie, least, pairs_of, settled_at
+from .causes import EXAMPLE, has_size, named_causes, split_causes, varied
+from .decide import Tie, as_found, least, pairs_of, settled_at
 from .discrimination import MOST_MEASURED, Discrimination, DiscriminationPlan, advice
 from .fedorov import Records, Search, information
 from .prior_information import PriorInformation
@@ -33,15 +34,21 @@ CLOSER, MARGIN = 5, 1.05  # how often the number is mended, and by how much more
 PLACES = ("joint", "other", "link", "payload", "order")
 
 
+def is_found(text: str) -> bool:
+    """Whether `--tell` says what a diagnosis found: a `result.json`, or a first cause with its size."""
+    return text.endswith(".json") or any(has_size(cause) for cause in split_causes(text)[:1])
+
+
 def plan_settling(
-    prior: PriorInformation, path: Path, count: int | None, search: Search
+    prior: PriorInformation, text: str, count: int | None, search: Search
 ) -> DiscriminationPlan:
-    """The fewest records after which every tie of a `result.json` is settled, or `count`. Raises InputError
-    where the file has none."""
+    """The fewest records after which every tie of a `result.json` is settled, or that of a cause with its
+    size beside others without, or `count`. Raises InputError where there is no tie."""
     if prior.fit is None:
         what = "needs the campaign that was diagnosed, not the robot alone"
-        raise InputError(Fault(f"--tell {path}", what, "workbench plan campaign.toml --tell result.json"))
-    ties = ties_of(path, prior.problem)
+        raise InputError(Fault(f"--tell {text}", what, "workbench plan campaign.toml --tell result.json"))
+    problem = prior.problem
+    ties = ties_of(Path(text), problem) if text.endswith(".json") else [tie_said(text, problem)]
     effects = list(dict.fromkeys(e for tie in ties for e in (tie.effect, *tie.rivals)))
     valued = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
     factors = replace(varied(effects), pull=search.pull)
@@ -85,8 +92,9 @@ def _fewest(
     """The records, and about how many settle all ties; None where nobody measures so many."""
     pairs = list(dict.fromkeys(pair for tie, _ in ties for pair in pairs_of(tie)))
     n, best, needed = count or FIRST, None, None
+    steering = as_found(space, [tie for tie, _ in ties])
     for _ in range(1 if count else CLOSER):
-        chosen = t_optimal(space, pairs, n, replace(search, starts=1))
+        chosen = t_optimal(steering, pairs, n, replace(search, starts=1))
         shares = [
             (least(space, space.measured(chosen), tie) - now) / (settled_at(now) - now) for tie, now in ties
         ]
@@ -99,6 +107,17 @@ def _fewest(
             break
         n = wanted
     return (chosen, needed) if best is None else (best, len(best))
+
+
+def tie_said(text: str, problem: Problem) -> Tie:
+    """The tie of `cause:place,size,rival:place,...`. Raises InputError."""
+    first, *others = split_causes(text)
+    if not others:
+        raise InputError(Fault("--tell", f"{text!r} names one cause, not two", EXAMPLE))
+    effect, size = parse_effect(first, problem)
+    beside = ",".join([effect.cause, *others])  # its own place and size are read already
+    rivals = tuple(e for cause in named_causes(beside)[1:] for e in cause.effects(problem))
+    return Tie(effect, size / np.array([p.typical for p in effect.params]), rivals)
 
 
 def ties_of(path: Path, problem: Problem) -> list[Tie]:

@@ -6,7 +6,7 @@ Keys: `<cause>/<number>`, `pair/<number>`, `unknown-<kind>/<number>`, `clean-sta
 
 from __future__ import annotations
 
-from collections.abc import Callable, Set
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -199,14 +199,8 @@ def _measured(
 ) -> Case:
     """Measures the true robot, and looks at what can be seen of it."""
     plan = planned_for(design.plan, hidden, sizes)
-    forms = [item.form(size) for item, size in zip(hidden, sizes, strict=True)]
-    base = Truth(
-        geometry=design.geometry,
-        targets=design.targets,
-        sigma=design.sigma,
-        repeatability=design.repeatability,
-    )
-    campaign = simulate(plan, together(base, *forms), seed=seed, state_sigma=design.stated)
+    truth = true_robot(design, hidden, sizes)
+    campaign = simulate(plan, truth, seed=seed, state_sigma=design.stated)
     judge = clean(design.judge, sight.truth, hidden, sizes, seed)
     products, strength = None, tuple[float, ...]()
     if hidden:
@@ -216,3 +210,15 @@ def _measured(
         strength = tuple(sight.products(single).strength(i) for i in range(len(hidden)))
         products = sight.products([whole], candidates(sight, hidden))
     return Case(key, design, hidden, tuple(sizes), campaign, judge, sight, products, strength, robot, mm)
+
+
+def true_robot(design: Design, hidden: Sequence[Hidden], sizes: Sequence[float]) -> Truth:
+    """What the robot of a design with something hidden in it is really like, and its instrument."""
+    forms = [item.form(size) for item, size in zip(hidden, sizes, strict=True)]
+    base = Truth(
+        geometry=design.geometry,
+        targets=design.targets,
+        sigma=design.sigma,
+        repeatability=design.repeatability,
+    )
+    return together(base, *forms)

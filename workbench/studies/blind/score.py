@@ -97,8 +97,8 @@ def judged(case: Case, outcome: Outcome) -> Record:
     truths = case.truths
     real = [f for f in found.causes if f.cause != "unknown"]
     reported = {key for f in real for key in _offered(f)}
-    twins = _twins(case, [_key(f) for f in real])
-    first = _key(real[0]) if real else None
+    twins = _twins(case, [key_of(f) for f in real])
+    first = key_of(real[0]) if real else None
     right = set(truths) | twins
     named = [f for f in real if f.status == "named"]
     return {
@@ -111,10 +111,10 @@ def judged(case: Case, outcome: Outcome) -> Record:
         "first_right": first in right if truths else None,
         "reported": all(truth in reported for truth in truths) if truths else None,
         "order_right": _order_right(case, real),
-        "wrong_name": any(_key(f) not in right for f in named),
+        "wrong_name": any(key_of(f) not in right for f in named),
         "first_wrong_name": bool(named) and named[0] is real[0] and first not in right,
         "nothing_else": all(right & _offered(f) for f in found.causes),
-        "only_right": all(_key(f) in right for f in found.causes),
+        "only_right": all(key_of(f) in right for f in found.causes),
         "unknown": found.verdict == "unknown",
         "false_alarm": found.verdict != "nothing_missing" if not case.hidden else None,
         "faults": [f.kind for f in found.faults],
@@ -123,20 +123,21 @@ def judged(case: Case, outcome: Outcome) -> Record:
     }
 
 
-def _key(finding: Finding) -> Key:
+def key_of(finding: Finding) -> Key:
+    """Cause and place of a finding, a gear line at any order."""
     return finding.cause, replace(finding.where, order=None)
 
 
 def _offered(finding: Finding) -> set[Key]:
     """The cause that is reported and those that may stand in its place."""
-    return {_key(finding), *((r.cause, replace(r.where, order=None)) for r in finding.rivals)}
+    return {key_of(finding), *((r.cause, replace(r.where, order=None)) for r in finding.rivals)}
 
 
 def _stated(finding: Finding) -> list[tuple[Key, float]]:
     """What is reported and each rival of a cause, with the probability that is stated of it."""
     rivals = [r for r in finding.rivals if r.cause != UNKNOWN]
     said = [((r.cause, replace(r.where, order=None)), r.probability) for r in rivals]
-    return [(_key(finding), finding.probability), *said]
+    return [(key_of(finding), finding.probability), *said]
 
 
 def _twins(case: Case, found: Sequence[Key]) -> set[Key]:
@@ -150,7 +151,7 @@ def _twins(case: Case, found: Sequence[Key]) -> set[Key]:
 
 def _said(case: Case, finding: Finding) -> Record:
     """A finding; left: λ of the truth that this cause, alone, would leave."""
-    members = case.products.keys().get(_key(finding)) if case.products is not None else None
+    members = case.products.keys().get(key_of(finding)) if case.products is not None else None
     return {
         "label": finding.label,
         **({"order": finding.where.order} if finding.where.order is not None else {}),
@@ -170,7 +171,7 @@ def _order_right(case: Case, found: Sequence[Finding]) -> bool | None:
     effect, order = item.effect, item.effect.where.order
     j = case.campaign.robot.joint_names.index(str(effect.where.joint))
     width = max(np.pi / float(np.ptp(case.campaign.poses.q[:, j])), 0.3)
-    return any(_key(f) == effect.key and abs((f.where.order or 0.0) - order) < width for f in found)
+    return any(key_of(f) == effect.key and abs((f.where.order or 0.0) - order) < width for f in found)
 
 
 def _intervals(case: Case, outcome: Outcome) -> Record:

@@ -1,0 +1,83 @@
+"""What stays open is settled by the poses that are offered for it: the demo's own tie, and the study."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from workbench import Where, diagnose, follow_up, what_decides
+from workbench.diagnosis.result import Decision
+from workbench.measurement.design.decide import settled_at, tie_of, told_apart
+from workbench.studies import demo
+from workbench.studies.followup import case_keys, followup
+from workbench.studies.followup.case import judged
+
+JOINT_3 = ("joint_compliance", "joint_3")
+
+
+def statuses(outcome):
+    return {(f.cause, str(f.where)): f.status for f in outcome.diagnosis.causes}
+
+
+@pytest.fixture(scope="module")
+def open_tie(tmp_path_factory):
+    plan, rig = demo.prepared(0, 100)
+    campaign = demo._measured(tmp_path_factory.mktemp("demo") / "campaign", rig, plan, 0)
+    return rig, campaign, what_decides(diagnose(campaign))
+
+
+def test_the_demos_tie_is_settled_by_the_poses_that_it_asks_for(open_tie, tmp_path):
+    rig, campaign, first = open_tie
+    assert statuses(first)[JOINT_3] == "ambiguous"
+    said = first.diagnosis.headline
+    assert "not decided: joint compliance in joint_3 or" in said
+    assert "joint_3" not in said.partition(";")[0]  # nothing open is found
+    words, command, outcome = demo._settled(tmp_path, rig, campaign, first, 0, lambda _: None)
+    assert "--tell" in command
+    assert set(statuses(outcome).values()) == {"named"}
+    assert set(statuses(outcome)) == {
+        (e.cause, str(replace(e.where, order=None))) for e, _ in rig.truth.effects
+    }
+    (finding,) = (f for f in first.diagnosis.causes if f.status == "ambiguous")
+    (way,) = (d for d in finding.decide if d.kind == "poses")
+    tie = tie_of(first, finding)
+    assert tie is not None
+    reached = told_apart(outcome, tie, first)
+    assert reached >= settled_at(way.lambda_before)
+    assert reached == pytest.approx(way.lambda_after, rel=0.4)
+    told = demo._revealed(rig.truth, first.diagnosis, outcome.diagnosis, (words, command))
+    assert len(told.rows) == 4  # nothing was named that is not there
+    (row,) = (row for row in told.rows if row[0].startswith("joint_3 is softer"))
+    assert row[1].startswith("Open: ")
+    assert row[2].startswith("joint_3 is softer")
+
+
+def test_what_no_poses_decide_is_no_plan(open_tie):
+    _, campaign, _ = open_tie
+    with pytest.raises(ValueError, match="no poses decide it"):
+        follow_up(campaign, Decision("other", "weigh the link", None, None, 0.0, None))
+
+
+def test_a_name_that_is_not_true_is_wrong_however_it_came(open_tie):
+    *_, first = open_tie
+    gas, gear, play = (
+        ("gravity_compensator", Where()),
+        ("gear_kinematic_error", Where(joint="joint_4")),
+        ("backlash", Where(joint="joint_5")),
+    )
+    truths = [gas, gear, play]
+    assert judged(first, truths, {gas}) == "right"
+    assert judged(first, truths[:2], {gas}) == "wrong"
+    missing = ("joint_compliance", Where(joint="joint_3"))
+    assert judged(first, [*truths, missing], {missing}) == "open"
+
+
+def test_the_study_counts_and_resumes(tmp_path):
+    keys = case_keys(1)[:2]
+    study = followup(tmp_path, workers=1, keys=keys)
+    assert not study.failed
+    assert [case["key"] for case in study.cases] == keys
+    again = followup(tmp_path, workers=1, keys=keys, resume=True)
+    assert again.to_json() == json.loads(json.dumps(study.to_json()))
+    assert (tmp_path / "index.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert json.loads((tmp_path / "results.json").read_text())["cases"] == 2
