@@ -19,7 +19,7 @@ ROUNDED_1 = 1e-6 * 0.01 / np.sqrt(12)
 """[rad/(N·m)] standard deviation of Table I's rounding."""
 
 ROUNDED_HALF_1 = 1e-6 * 0.001 / np.sqrt(12)
-"""[rad/(N·m)] the same of the intervals of joints 2 and 3."""
+"""[rad/(N·m)] standard deviation of Table I's rounding of the intervals of joints 2 and 3."""
 
 CONFIGURATIONS = 31
 """[1] section IV: configurations in all, from three to seven at each angle."""

@@ -11,7 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench import (
+    Draws,
     Figure,
+    Judged,
     Shown,
     Study,
     StudyRun,
@@ -53,6 +55,25 @@ FILES = {
     "Campaign, 13 points": "thirteen/campaign.toml",
     "Model": "model.toml",
 }
+
+
+def told(arms: Draws, judged: Judged) -> dict[str, Table | Figure]:
+    """The arms that only sag, and the accounts, as tables and figures."""
+    return {
+        "arms": arms_table(arms),
+        "carries": tornado(
+            arms,
+            "share_sag",
+            "carries",
+            "share of the error before that the fitted table makes, %",
+            100,
+            "Which assumption carries the share of its error that the table of a sagging arm makes",
+        ),
+        "accounts": accounts_table(judged),
+        "odds_table": odds_table(judged),
+        "odds": odds_figure(judged),
+        "needs": needs_table(judged),
+    }
 
 
 def study(run: StudyRun) -> Study:
@@ -101,19 +122,7 @@ def study(run: StudyRun) -> Study:
     hidden = hidden_draws(share, run.draws(20, 1), run)
     showing = what_shows(folder, robot, hidden, run)
     items: dict[str, Table | Figure] = {
-        "arms": arms_table(arms),
-        "carries": tornado(
-            arms,
-            "share_sag",
-            "carries",
-            "share of the error before that the fitted table makes, %",
-            100,
-            "Which assumption carries the share of its error that the table of a sagging arm makes",
-        ),
-        "accounts": accounts_table(judged),
-        "odds_table": odds_table(judged),
-        "odds": odds_figure(judged),
-        "needs": needs_table(judged),
+        **told(arms, judged),
         "twelve": twelve_figure(miss, numbers["noise_mean_mm"]),
         "recursion": recursion_table(path),
     }
