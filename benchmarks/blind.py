@@ -1,7 +1,7 @@
-"""Keeps a run of `workbench study blind` as the release's figures: python benchmarks/blind.py reports/blind
+"""Keeps a run of the blind study as the release's figures: python benchmarks/blind.py reports/blind [COMMIT]
 
 Writes `benchmarks/results/blind.json`, which the README quotes, and `workbench/report/reliability.json`,
-which the pages draw, both with the commit that the run was made on (the checkout must be clean).
+which the pages draw, both with the commit that the run was made on: HEAD, of a clean checkout, or as given.
 """
 
 import json
@@ -20,17 +20,17 @@ def git(*words: str) -> str:
     ).stdout.strip()
 
 
-def main(folder: Path) -> None:
-    if git("status", "--porcelain", "workbench"):
+def main(folder: Path, commit: str | None = None) -> None:
+    if commit is None and git("status", "--porcelain", "workbench"):
         raise SystemExit("the checkout has changes: the figures belong to a commit")
     found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    commit = {"commit": git("rev-parse", "--short", "HEAD")}
+    on = {"commit": commit or git("rev-parse", "--short", "HEAD")}
     left_out = ("results", "confusion", "schema")
-    kept = commit | {key: value for key, value in found.items() if key not in left_out}
-    few = commit | {key: found[key] for key in ("cases", "seed", "reliability")}
+    kept = on | {key: value for key, value in found.items() if key not in left_out}
+    few = on | {key: found[key] for key in ("cases", "seed", "reliability")}
     for path, content in {RESULTS: kept, DRAWN: few}.items():
         path.write_text(json.dumps(content, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), *sys.argv[2:3])

@@ -34,11 +34,11 @@ MARKERS_APART, MARKERS_BEFORE = 0.46, 0.0755
 """[m] Fig. 2: markers apart from each other, and before the flange."""
 
 KR300_ANGLES = np.radians(np.arange(-120, -39, 10))
-"""[rad] joint 2 of a KR 300, at which its gas was gauged: Weigand, “Robot_Identification”, a public
-repository (MIT)."""
+"""[rad] Table in the public repository “Robot_Identification” (Weigand, MIT): joint 2 of a KR 300 at
+which its gas was gauged."""
 
 KR300_PRESSURES = 1e5 * np.array([170, 167, 164, 162, 164, 170, 180, 190, 200])
-"""[Pa] as gauged there."""
+"""[Pa] Table there: as gauged."""
 
 KR300_TANKS, KR300_PISTON = 2 * 0.48e-3, float(np.pi / 4 * (0.055**2 - 0.030**2))
 """[m³, m²] two tanks of 0.48 l, and the ring of a 55 mm piston about a 30 mm rod, from there."""
