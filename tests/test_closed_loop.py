@@ -1,5 +1,6 @@
 """The closed loop: its statics are the arm's, its gears push back, its correction works in motion."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -19,11 +20,13 @@ from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.place import Where
 from workbench.effects.records import record
 from workbench.files.faults import InputError
+from workbench.report.numbers import mm
 from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
 from workbench.robot.equilibrium import equilibrium
 from workbench.robot.loop import Loop
-from workbench.robot.rigid_plant import arrays
+from workbench.robot.rigid_plant import arrays, link_poses, rigid_twin
+from workbench.simulation.closed_loop import scene as scene_of_loop
 from workbench.simulation.closed_loop import verify, verify_file
 from workbench.simulation.closed_loop.control import nominal_mechanics
 from workbench.simulation.closed_loop.drives import drives
@@ -33,6 +36,7 @@ from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.measures import figures, main_lines, path_accuracy
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.closed_loop.motion import hold, motion
+from workbench.simulation.closed_loop.page import page as whole_page
 from workbench.simulation.closed_loop.simulation import run
 
 LOADS = Conditions(
@@ -115,6 +119,9 @@ def test_statics_are_the_arms(name, robot):
     turned = where.R[-1][0].T @ done.tool[-1, :3, :3]
     assert np.abs(off).max() < 1e-6
     assert np.abs(turned - np.eye(3)).max() < 1e-6
+    for slot, X in enumerate(done.links[-1]):  # what the scene shows of base and links
+        assert np.abs(X[:3, 3] - where.p[slot][0]).max() < 1e-6
+        assert np.abs(X[:3, :3] - where.R[slot][0] @ arm.R_link[slot]).max() < 1e-6
 
 
 RIPPLE = GearKinematicError(Where(joint="joint_2", order=800.0)), [5e-5, 2e-5]
@@ -147,6 +154,46 @@ def test_the_loops_own_lag_is_corrected():
     static, led = (found.slow.trials[name].figures for name in ("corrected", "loop"))
     assert led.rms_mm < 0.4 * static.rms_mm
     assert led.rz_mm < 0.4 * static.rz_mm
+
+
+def test_the_scene_replays_the_simulated_arm(monkeypatch):
+    """Link by link, with the tool at the last: not a rigid arm at the commanded joints."""
+    found, shown = proof(), []
+    draw = scene_of_loop.draw_links
+    monkeypatch.setattr(scene_of_loop, "draw_links", lambda *args: (shown.append(args), draw(*args)))
+    scene_of_loop.scene(found)
+    ((_, robot, poses, _, time),) = shown
+    trial = found.slow.trials["corrected"]
+    rows = [int(np.argmin(np.abs(found.slow.time - t))) for t in time]  # the slow path is shown at its pace
+    assert len(rows) > 20
+    tool = (found.X[:, :3, 3] + trial.error)[rows]
+    held = np.einsum("fji,fj->fi", poses[:, -1, :3, :3], tool - poses[:, -1, :3, 3])
+    twin = rigid_twin(robot)
+    X_LF = twin.plant.GetFrameByName(robot.flange).CalcPoseInBodyFrame(twin.context)
+    assert np.abs(held - X_LF.translation()).max() < 1e-9
+    rigid = link_poses(robot, compensate(robot, found.path, LOADS).q_command[rows])
+    assert np.abs(rigid[:, -1] - poses[:, -1]).max() > 5e-4  # it sags
+
+
+def unchanged(found):
+    """The same verification, had the correction done nothing."""
+    series = found.slow
+    before = series.trials["uncorrected"]
+    same = dict.fromkeys(series.trials, before)
+    return replace(found, series=(replace(series, trials=same),))
+
+
+def test_what_stays_is_not_said_to_fall():
+    found = unchanged(proof())
+    text = whole_page(found)
+    rms = mm(found.slow.trials["corrected"].figures.rms_mm)
+    assert f"<h1>The correction changes nothing here: the error stays at {rms} mm RMS" in text
+    assert f"A model without any error would reach the same {rms} mm." in text
+    assert "before and after" in text
+    assert "falls from" not in text
+    for before, after in re.findall(r"(?:from|largest) ([\d.]+) (?:to|→) ([\d.]+) mm", text):
+        assert before != after
+    assert "falls from" in whole_page(proof())
 
 
 def test_half_the_step_changes_nothing():

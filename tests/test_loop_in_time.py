@@ -201,7 +201,7 @@ def test_a_turned_round_joint_is_wound_up_by_friction_behind_its_gear():
     for way in (1.0, -1.0):
         built = machine(truth, drive.rotor)
         dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), 5e-4)
-        dynamics.rubbing.memory = [way] * (2 * truth.arm.n)
+        dynamics.rubbing.memory = np.full(2 * truth.arm.n, way)
         rest(dynamics, q[0])
         angle.append(dynamics.q[built.own_at[built.own[j]]])
     law = truth.axial[j]

@@ -12,13 +12,14 @@ from workbench.correction import Conditions
 from workbench.correction.paths import Path
 from workbench.report.meshcat_page import draw_robot, meshcat_alone
 from workbench.robot.compensator import compensator_law
-from workbench.robot.cylinder import NAMES, add_cylinder
+from workbench.robot.cylinder import NAMES
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
 from workbench.robot.kinematics import frames
 from workbench.robot.loads import Loads
-from workbench.robot.plants import rigid_arm_plant, urdf_plant
-from workbench.robot.rigid_plant import Twin, arrays, rigid_twin
+from workbench.robot.picture import picture
+from workbench.robot.plants import rigid_arm_plant
+from workbench.robot.rigid_plant import arrays, link_poses, rigid_twin
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.random_robot import write_random_robot
@@ -114,16 +115,14 @@ def test_the_compensator_is_drawn_between_its_pivots(name):
     law = compensator_law(robot, arm)
     builder = DiagramBuilder()
     plant, scene = AddMultibodyPlantSceneGraph(builder, 0.0)
-    drawn = []
-    urdf_plant(robot, plant, lambda grown: drawn.append(add_cylinder(grown, robot, arm, law)))
+    shown = picture(robot, plant)
     diagram = builder.Build()
     context = plant.GetMyMutableContextFromRoot(root := diagram.CreateDefaultContext())
-    twin, directions = Twin(robot, plant, context), []
+    directions = []
     for second in (robot.joint("joint_2").lower, -0.7, robot.joint("joint_2").upper):
         q = np.full(arm.n, 0.3)
         q[1] = second
-        twin.set_positions(q)
-        drawn[0].aim(plant, context)
+        shown.put(context, link_poses(robot, q[None])[0])
         X = [plant.GetBodyByName(body).EvalPoseInWorld(context) for body in NAMES]
         moving, way, s = law.ends(frames(arm, q[None]))
         fixed = moving + way * s[:, None]

@@ -43,7 +43,7 @@ def test_the_archive_can_be_diagnosed_blind(
         packed.extractall(tmp_path / "away")
         names = set(packed.namelist())
     assert names == {"README.md", SEALED, "full/campaign.toml", "full/poses.csv", "full/points.csv",
-                     "robots/rigid/cylindrical.toml", "robots/rigid/cylindrical.urdf"}  # fmt: skip
+                     "robots/full/robot.toml", "robots/full/cylindrical.urdf"}  # fmt: skip
     campaign = load_campaign(tmp_path / "away/full/campaign.toml")
     assert all(joint.data.stiffness is None for joint in campaign.robot.joints)
     np.testing.assert_array_equal(campaign.points, load_campaign(results / "full/campaign.toml").points)

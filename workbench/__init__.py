@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from .identification.fit import fit as fit
     from .identification.fit import start_state as start_state
     from .identification.gravity_compensator import gas_spring as gas_spring
+    from .identification.gravity_compensator import pressure as pressure
     from .identification.gravity_compensator.charge import identify_charge as identify_charge
     from .identification.gravity_compensator.spring_fit import FittedSpring as FittedSpring
     from .identification.gravity_compensator.spring_fit import fit_any_order as fit_any_order
@@ -86,6 +87,7 @@ if TYPE_CHECKING:
     from .measurement.circle_points import link_between as link_between
     from .measurement.circle_points import sweeps as sweeps
     from .measurement.circle_points import turning_ratio as turning_ratio
+    from .measurement.design import exchange as exchange
     from .measurement.design import follow_up as follow_up
     from .measurement.design import plan as plan
     from .measurement.design import what_decides as what_decides
@@ -102,11 +104,14 @@ if TYPE_CHECKING:
     from .report.scene import shown_of as shown_of
     from .report.story import tell as tell
     from .report.study import Shown as Shown
+    from .report.study import Stand as Stand
     from .report.study import Study as Study
     from .report.study import Table as Table
     from .report.terminal import short_verdict as short_verdict
+    from .robot.beam import bending_compliance as bending_compliance
     from .robot.description import Robot as Robot
     from .robot.description import load_robot as load_robot
+    from .robot.equilibrium import equilibrium as equilibrium
     from .robot.find import list_robots as list_robots
     from .robot.kinematics import Array as Array
     from .robot.kinematics import moved_base as moved_base
@@ -114,6 +119,7 @@ if TYPE_CHECKING:
     from .robot.rotations import pose as pose
     from .robot.rotations import rotation_about as rotation_about
     from .robot.schema import EffectRecord as EffectRecord
+    from .robot.yielding import Yielding as Yielding
     from .simulation.closed_loop.file import Verified as Verified
     from .simulation.closed_loop.file import verify_file as verify_file
     from .simulation.closed_loop.proof import verify as verify
@@ -166,7 +172,7 @@ _MODULES = {
     "identification.cells": "CellModel cells fit_cells load_cells two_steps write_cells",
     "identification.deflection": "deflection deflection_budget places with_compliance",
     "identification.fit": "Fit fit start_state",
-    "identification.gravity_compensator": "gas_spring",
+    "identification.gravity_compensator": "gas_spring pressure",
     "identification.gravity_compensator.charge": "identify_charge",
     "identification.gravity_compensator.spring_fit": "FittedSpring fit_any_order fit_spring",
     "identification.model": "Model",
@@ -177,7 +183,7 @@ _MODULES = {
     "measurement": "axis_by_axis load_pairs sweep zeros_and_offsets",
     "measurement.axis_by_axis": "LocalStiffness",
     "measurement.circle_points": "Axes axes_of fit_circle link_between sweeps turning_ratio",
-    "measurement.design": "follow_up plan what_decides",
+    "measurement.design": "exchange follow_up plan what_decides",
     "measurement.group_plan": "GroupPlan Rig group_plan",
     "measurement.separation": "Separation separate",
     "measurement.zeros_and_offsets": "SimulatedArm",
@@ -186,14 +192,17 @@ _MODULES = {
     "report.outcome": "write_outcome",
     "report.scene": "shown_of",
     "report.story": "tell",
-    "report.study": "Shown Study Table",
+    "report.study": "Shown Stand Study Table",
     "report.terminal": "short_verdict",
+    "robot.beam": "bending_compliance",
     "robot.description": "Robot load_robot",
+    "robot.equilibrium": "equilibrium",
     "robot.find": "list_robots",
     "robot.schema": "EffectRecord",
     "robot.kinematics": "Array moved_base",
     "robot.loop": "Loop",
     "robot.rotations": "pose rotation_about",
+    "robot.yielding": "Yielding",
     "simulation.closed_loop.file": "Verified verify_file",
     "simulation.closed_loop.proof": "verify",
     "simulation.closed_loop.runs": "Task World simulate_all",

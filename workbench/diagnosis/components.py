@@ -115,7 +115,7 @@ def log_odds_of(effect: Effect, sites: int) -> float:
 def form_of(fit: Fit, effects: tuple[Effect, ...]) -> Form:
     """Effects together as one form, each parameter in its usual size."""
     shares = [(1.0, effect) for effect in effects]
-    shares += [pair for effect in effects for pair in effect.companions()]
+    shares += [pair for effect in effects for pair in effect.companions(fit.model.problem)]
     blocks, sizes = [], []
     for share, effect in shares:
         usual = np.array([p.typical for p in effect.params])

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..campaign.poses import Poses
 from ..campaign.problem import Problem
 from ..identification.fit import Fit
 from .components import Component
@@ -45,20 +44,16 @@ def replicated(
 
 def parts_of(problem: Problem) -> list[Index]:
     """Poses of each set-up, where two or more have poses enough to show a cause; else the earlier and the
-    later half of the poses of every set-up and payload."""
+    later half, and the poses with odd and with even numbers, of every set-up and payload."""
     setup = problem.campaign.poses.setup
     each = [np.flatnonzero(setup == k) for k in range(int(setup.max(initial=0)) + 1)]
     enough = POSES_PER_JOINT * problem.arm.n
     large = [poses for poses in each if len(np.unique(problem.positions[poses])) >= enough]
-    return large if len(large) > 1 else halves(problem.campaign.poses)
-
-
-def halves(poses: Poses) -> list[Index]:
-    """The earlier and the later half of the poses of every set-up and payload."""
-    early, late = list[Index](), list[Index]()
-    groups = np.unique(np.column_stack([poses.setup, poses.payload]), axis=0, return_inverse=True)[1].ravel()
-    for group in range(int(groups.max()) + 1):
-        own = np.flatnonzero(groups == group)
-        early.append(own[: len(own) // 2])
-        late.append(own[len(own) // 2 :])
-    return [np.sort(np.concatenate(early)), np.sort(np.concatenate(late))]
+    if len(large) > 1:
+        return large
+    poses = problem.campaign.poses
+    which = np.unique(np.column_stack([poses.setup, poses.payload]), axis=0, return_inverse=True)[1].ravel()
+    groups = [np.flatnonzero(which == group) for group in range(int(which.max()) + 1)]
+    early, late = [own[: len(own) // 2] for own in groups], [own[len(own) // 2 :] for own in groups]
+    odd, even = [own[::2] for own in groups], [own[1::2] for own in groups]
+    return [np.sort(np.concatenate(part)) for part in (early, late, odd, even)]

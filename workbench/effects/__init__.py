@@ -15,9 +15,10 @@ def catalogue() -> dict[str, type[Effect]]:
     """Cause id → class, in the order of the files' names."""
     found: dict[str, type[Effect]] = {}
     for module in pkgutil.iter_modules(__path__):
-        for value in vars(importlib.import_module(f"{__name__}.{module.name}")).values():
+        name = f"{__name__}.{module.name}"
+        for value in vars(importlib.import_module(name)).values():
             kind = isinstance(value, type) and issubclass(value, Effect) and "cause" in vars(value)
-            if kind and value.cause != UNKNOWN:
+            if kind and value.__module__ == name and value.cause != UNKNOWN:
                 found[value.cause] = value
     return found
 

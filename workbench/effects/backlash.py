@@ -10,9 +10,10 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Depends, Param
+from .base import Depends, Effect, Param
 from .kinds import TransmissionEffect
 from .place import Where
+from .unnamed.joints import Side
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,11 @@ class Backlash(TransmissionEffect):
     def params(self) -> tuple[Param, ...]:
         meaning = "the joint stops short of the command by this much"
         return (Param("half_width", "m" if self.sliding else "rad", 3e-5, meaning, lower=0.0),)
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """A real play is not the same all around the gear."""
+        sides = (one for one in Side.sites(problem) if one.where == self.where)
+        return [(0.2 * self.params[0].typical / one.params[0].typical, one) for one in sides]
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:

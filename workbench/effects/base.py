@@ -145,8 +145,9 @@ class Effect(ABC):
         """The same effect with other settings, to choose from once it is accepted."""
         return ()
 
-    def companions(self) -> Sequence[tuple[float, Effect]]:
-        """How far a real machine may be off the form: further effects, each with its share of this one."""
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """How far a real machine may be off the form: further effects, each with its share of this one (of
+        their own usual size)."""
         return ()
 
     def sized(self, scale: float) -> Effect:

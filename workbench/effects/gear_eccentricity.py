@@ -58,7 +58,7 @@ class GearEccentricity(TransmissionEffect):
         angle = self.cycles * q[:, joints.index(str(self.where.joint))]
         return np.stack([np.sin(angle), np.cos(angle)], axis=1)
 
-    def companions(self) -> Sequence[tuple[float, GearEccentricity]]:
+    def companions(self, problem: Problem) -> Sequence[tuple[float, GearEccentricity]]:
         """A real run-out has the other of one and two cycles as well."""
         return [(0.3, replace(self, variant=str(3 - self.cycles)))]
 

@@ -6,9 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param
+from .base import Effect, Param
+from .joint_map import USUAL, JointMap
 from .kinds import TransmissionEffect
 from .place import Where
 
@@ -45,6 +48,13 @@ class GearRatio(TransmissionEffect):
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         j = joints.index(str(self.where.joint))
         return q[:, j : j + 1]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """A real ratio is not the same over the whole range."""
+        travel = float(np.ptp(problem.q[:, problem.joint(self.where.joint)]))
+        share = 0.15 * 0.5 * travel * self.params[0].typical / USUAL
+        maps = (one for one in JointMap.sites(problem) if one.where.joint == self.where.joint)
+        return [(share, one) for one in maps if one.variant == "smooth"]
 
     def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
         believed = problem.robot.joints[problem.joint(self.where.joint)].data.gear_ratio

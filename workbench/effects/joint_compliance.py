@@ -10,9 +10,10 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array
-from .base import Param
+from .base import Effect, Param
 from .kinds import AxialYield, LinearYield
 from .place import Where
+from .unnamed.loads import Torque
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,15 @@ class JointCompliance(AxialYield, LinearYield):
         return [
             cls(Where(joint=joint.name), "", 1 / (joint.data.stiffness or np.inf), joint.kind == "prismatic")
             for joint in problem.robot.joints
+        ]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """A real joint yields more to one side than to the other."""
+        usual = self.nominal * self.params[0].typical  # rad per N·m
+        return [
+            (0.15 * (usual * one.largest / one.size if self.stated else 2.0), one)
+            for one in Torque.sites(problem)
+            if one.where == self.where
         ]
 
     def compliance(self, arm: Arm) -> Array:

@@ -11,7 +11,8 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.beam import bending_compliance
 from ..robot.kinematics import Arm, Array
-from .base import Param
+from .base import Effect, Param
+from .bearing_tilt import BearingTilt
 from .kinds import LinearYield
 from .place import Where
 
@@ -62,6 +63,11 @@ class LinkBending(LinearYield):
             for k in range(1, arm.n + 1)
             if np.linalg.norm(arm.span[k + 1]) > SHORTEST
         ]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """A real link gives way at its bearings as well."""
+        ends = (self.slot(problem.arm) - 1, self.slot(problem.arm))
+        return [(0.3, one) for one in BearingTilt.sites(problem) if one.slot(problem.arm) in ends]
 
     def slot(self, arm: Arm) -> int:
         return arm.slot_of_link(str(self.where.link)) + 1

@@ -19,6 +19,9 @@ from ..robot.kinematics import Array
 from .design import criterion, exchange
 from .load_pairs import Load, difference_rows, pairs
 
+GRAVITY = 9.80665  # m/s²
+FEW = 100  # configurations at each angle to choose from where the forces are chosen as well
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -43,16 +46,29 @@ class Rig:
         plan = pairs(robot, q[None], self.load, force[None], self.targets, self.tool)
         return difference_rows(plan)[0, :3]
 
+    def held(self, robot: Robot, name: str, angle: float) -> Robot:
+        """The robot with one joint held at an angle [rad] and the others within the limits."""
+        joints = []
+        for joint in robot.joints:
+            most = self.limits.get(joint.name, np.inf)
+            lower, upper = max(joint.lower, -most), min(joint.upper, most)
+            if joint.name == name:
+                lower, upper = angle - 1e-9, angle + 1e-9
+            joints.append(replace(joint, lower=lower, upper=upper))
+        return replace(robot, joints=tuple(joints))
+
 
 @dataclass(frozen=True)
 class GroupPlan:
     """The pairs of all groups. rho0 [m]: eq. (18), summed over the groups; random: (R,) [m] the same of plans
-    drawn at random from the same candidates; hanging: rho0 without any pull from the side."""
+    drawn at random from the same candidates; hanging: rho0 without any pull from the side; any_force: rho0
+    where the force of each configuration is chosen as well."""
 
     campaign: Campaign
     rho0: float
     random: Array
     hanging: float
+    any_force: float
 
 
 def group_plan(
@@ -71,9 +87,10 @@ def group_plan(
     rng = np.random.default_rng([seed, 0])
     chosen: list[Array] = []
     pulls: list[Array] = []
-    squares, random, hanging = 0.0, np.zeros(randoms), 0.0
+    squares, random, hanging, free = 0.0, np.zeros(randoms), 0.0, 0.0
+    forces = rig.load[0] * GRAVITY * np.vstack([np.eye(3), -np.eye(3)])
     for angle, count in zip(angles, counts, strict=True):
-        q = random_poses(_held(robot, joint, angle, rig), candidates, rng, floor=0.4, clear=0.6)
+        q = random_poses(rig.held(robot, joint, angle), candidates, rng, floor=0.4, clear=0.6)
         down, aside = rig.rows(robot, q, np.zeros(3)), rig.rows(robot, q, rig.sideways)
         side = int(np.argmax((aside[:, :, 0] ** 2).sum(axis=1)))
         best, rho = exchange(down, A0, count - 1, prior=aside[side].T @ aside[side], starts=3, seed=seed)
@@ -81,21 +98,13 @@ def group_plan(
         pulls += [np.zeros(3)] * (count - 1) + [rig.sideways]
         squares += rho**2
         hanging += criterion(down, A0) ** 2
+        pulled = np.concatenate([rig.rows(robot, q[:FEW], force) for force in forces])
+        free += exchange(pulled, A0, count, starts=1, seed=seed)[1] ** 2
         for i in range(randoms):
             some, one = rng.choice(candidates, count - 1, replace=False), rng.integers(candidates)
             random[i] += criterion(down[some], A0, aside[one].T @ aside[one]) ** 2
     title = f"{robot.title}, {len(chosen)} configurations before and after loading"
     plan = pairs(robot, np.array(chosen), rig.load, np.array(pulls), rig.targets, rig.tool, title)
-    return GroupPlan(plan, float(np.sqrt(squares)), np.sqrt(random), float(np.sqrt(hanging)))
-
-
-def _held(robot: Robot, name: str, angle: float, rig: Rig) -> Robot:
-    """The robot with one joint held at an angle and the others within the rig's limits."""
-    joints = []
-    for joint in robot.joints:
-        most = rig.limits.get(joint.name, np.inf)
-        lower, upper = max(joint.lower, -most), min(joint.upper, most)
-        if joint.name == name:
-            lower, upper = angle - 1e-9, angle + 1e-9
-        joints.append(replace(joint, lower=lower, upper=upper))
-    return replace(robot, joints=tuple(joints))
+    roots = (float(np.sqrt(total)) for total in (squares, hanging, free))
+    rho0, without, any_force = roots
+    return GroupPlan(plan, rho0, np.sqrt(random), without, any_force)

@@ -14,13 +14,15 @@ from typing import Any
 from scipy.stats import maxwell
 
 from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
+from ..effects.base import UNKNOWN
 from ..effects.place import Parameter
 from . import figures
 from .drawing import Figure
 from .equation import typeset
 from .legible import legible
 from .limits import detectable, not_testable, place, unidentifiable
-from .numbers import MISSING, decimals, mm, p_value, probability, quantity, words
+from .numbers import MISSING, decimals, mm, mm_change, p_value, probability, quantity, words
+from .reliability import published
 
 Content = dict[str, Any]
 
@@ -82,6 +84,7 @@ def gather(diagnosis: Diagnosis) -> Material:
     """Everything that the report shows, drawn once."""
     diagnosis = legible(diagnosis)
     drawn = [figures.stages(diagnosis), figures.histogram(diagnosis), figures.campaign(diagnosis)]
+    drawn += [published()] if any(cause.cause != UNKNOWN for cause in diagnosis.causes) else []
     drawn += [figures.evidence(finding, number) for number, finding in enumerate(diagnosis.causes)]
     return Material(
         content(diagnosis),
@@ -163,8 +166,8 @@ def _test(diagnosis: Diagnosis) -> str:
         return ""
     return (
         f"On the test campaign “{test.campaign}” ({test.n_points} points, nothing fitted on it) the mean "
-        f"error falls from {mm(test.before_mean_mm)} to {mm(test.after_mean_mm)} mm, the largest from "
-        f"{mm(test.before_max_mm)} to {mm(test.after_max_mm)} mm; RMS {mm(test.after_rms_mm)} mm."
+        f"error {mm_change(test.before_mean_mm, test.after_mean_mm)}, the largest "
+        f"{mm_change(test.before_max_mm, test.after_max_mm)}; RMS {mm(test.after_rms_mm)} mm."
     )
 
 

@@ -28,7 +28,7 @@ from .drawing import (
     drawing,
     plain_log,
 )
-from .numbers import Scale, axis_scale, join, mm, significant, words
+from .numbers import Scale, axis_scale, join, mm, mm_change, significant, words
 
 ZERO_SHOWN = 1e-5  # mm: what a logarithmic axis shows for zero
 
@@ -60,8 +60,8 @@ def stages(diagnosis: Diagnosis) -> Figure:
         axes.set_xlabel("3-D error on held-out poses, mm: mean, RMS (dot), largest (bar)")
     return Figure(
         "stages",
-        f"On poses that were not fitted, the RMS error falls from {mm(first.heldout_rms_mm)} "
-        f"to {mm(last.heldout_rms_mm)} mm{alone}",
+        "On poses that were not fitted, the RMS error "
+        f"{mm_change(first.heldout_rms_mm, last.heldout_rms_mm)}{alone}",
         "Held-out RMS error per stage: "
         + "; ".join(f"{n} {mm(s.heldout_rms_mm)} mm" for n, s in zip(names, shown, strict=True)),
         svg[0],

@@ -33,52 +33,45 @@ def meshcat_alone() -> Iterator[Any]:
 
 
 def draw_robot(meshcat: Any, robot: Robot, q: Array, prefix: str, time: Array | None = None) -> Array:
-    """Publish the robot's visuals and its compensator at joints q (n,), or in motion through q (F, n) at
-    times (F,) [s]; places of its links (L, 3) [m] in the (first) pose."""
+    """Publish the robot and its compensator at joints q (n,), or in motion through q (F, n) at times (F,)
+    [s]; places of its links (L, 3) [m] in the (first) pose."""
+    from ..robot.rigid_plant import link_poses
+
+    poses = link_poses(robot, np.atleast_2d(q))
+    draw_links(meshcat, robot, poses, prefix, time)
+    return np.asarray(poses[0, :, :3, 3])
+
+
+def draw_links(meshcat: Any, robot: Robot, poses: Array, prefix: str, time: Array | None = None) -> None:
+    """Publish the robot with base and links at poses (F, L, 4, 4) in the world: the first alone, or in motion
+    through all of them at times (F,) [s]. The compensator stays between its pivots."""
     from pydrake.geometry import MeshcatVisualizer, MeshcatVisualizerParams
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
     from pydrake.systems.framework import DiagramBuilder
 
-    from ..robot.compensator import compensator_law
-    from ..robot.cylinder import DrawnCylinder, add_cylinder
-    from ..robot.plants import urdf_plant
-    from ..robot.rigid_plant import Twin, arrays
+    from ..robot.picture import picture
 
     builder: Any = DiagramBuilder()
     plant, graph = AddMultibodyPlantSceneGraph(builder, 0.0)
-    cylinders: list[DrawnCylinder] = []
-    arm = arrays(robot)
-    if (law := compensator_law(robot, arm)) is not None:
-        urdf_plant(robot, plant, lambda grown: cylinders.append(add_cylinder(grown, robot, arm, law)))
-    else:
-        urdf_plant(robot, plant)
+    shown = picture(robot, plant)
     params = MeshcatVisualizerParams(prefix=prefix, delete_on_initialization_event=False)
     drawn = MeshcatVisualizer.AddToBuilder(builder, graph, meshcat, params)
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
     own = plant.GetMyMutableContextFromRoot(context)
-    twin = Twin(robot, plant, own)
 
-    def show(joints: Array) -> None:
-        twin.set_positions(joints)
-        for cylinder in cylinders:
-            cylinder.aim(plant, own)
+    def show(instant: float, there: Array) -> None:
+        context.SetTime(instant)
+        shown.put(own, there)
         diagram.ForcedPublish(context)
 
-    poses = np.atleast_2d(q)
     if time is not None:
         drawn.StartRecording()
-        for joints, instant in zip(poses, time, strict=True):
-            context.SetTime(float(instant))
-            show(joints)
+        for instant, there in zip(time, poses, strict=True):
+            show(float(instant), there)
         drawn.StopRecording()
         drawn.PublishRecording()
-    context.SetTime(0.0)
-    show(poses[0])
-    links = (robot.base, *robot.links)
-    return np.array(
-        [plant.EvalBodyPoseInWorld(own, plant.GetBodyByName(link)).translation() for link in links]
-    )
+    show(0.0, poses[0])
 
 
 def look(meshcat: Any, centre: list[float], extent: float, arm: Array) -> None:

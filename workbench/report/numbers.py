@@ -82,6 +82,18 @@ def mm(value: float) -> str:
     return decimals(value, 3 if abs(value) < 1 else 2 if abs(value) < 100 else 1)
 
 
+def mm_change(before: float, after: float) -> str:
+    """What becomes of a length in mm, as a verb: as far as the printed digits show it.
+
+    >>> mm_change(1.2, 0.031), mm_change(0.0284, 0.0281)
+    ('falls from 1.20 to 0.031 mm', 'stays at 0.028 mm')
+    """
+    first, last = mm(before), mm(after)
+    if first == last:
+        return f"stays at {last} mm"
+    return f"{'falls' if after < before else 'rises'} from {first} to {last} mm"
+
+
 def percent(value: float, places: int = 1) -> str:
     """A share as `−22.0 %`."""
     return f"{decimals(100 * value, places)} %" if math.isfinite(value) else MISSING

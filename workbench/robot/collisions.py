@@ -68,7 +68,7 @@ def collisions(
     with quiet():
         builder = RobotDiagramBuilder(time_step=0.0)
         plant = builder.plant()
-        urdf_plant(robot, plant, lambda grown: _add(grown, robot, arm, hulls, floor), bare=True)
+        urdf_plant(robot, plant, lambda grown: _add(grown, robot, arm, hulls, floor))
         own = plant.GetBodyByName(robot.base).model_instance()
         checker = SceneGraphCollisionChecker(
             model=builder.Build(),

@@ -1,8 +1,9 @@
 """Drake plants of a robot: every plant of the workbench is built here.
 
-`urdf_plant` is the URDF as Drake reads it: the rigid twin, and the picture. `arm_plant` has the same links,
-with the same names, frames and masses, from the arrays that were taken from that plant; between each slot
-and its link it lets the caller put what moves there (`plant_parts`): a joint, a motor and a spring, screws.
+`urdf_plant` is the URDF as Drake reads it: the rigid twin. `arm_plant` has the same links, with the same
+names, frames and masses, from the arrays that were taken from that plant; between each slot and its link it
+lets the caller put what moves there (`plant_parts`): a joint, a motor and a spring, screws. `picture` shows
+the links of either.
 So corrected lengths, changed masses and whatever yields come into one chain, and nothing is said twice.
 """
 
@@ -22,7 +23,7 @@ from .description import Robot
 from .drake_faults import drake_reads
 from .kinematics import Arm, Array
 from .plant_parts import add_coil, axial_joint, link_inertia, motion_transform, slot_pose
-from .shown import bare_text, shown_text
+from .shown import bare_text
 
 Moving = Callable[[MultibodyPlant, int, Frame], Frame]
 
@@ -31,17 +32,14 @@ def urdf_plant(
     robot: Robot,
     plant: MultibodyPlant | None = None,
     more: Callable[[MultibodyPlant], None] | None = None,
-    bare: bool = False,
 ) -> MultibodyPlant:
     """The robot's URDF in Drake, base welded to the world, gravity as the TOML says; finalised.
 
-    plant: an empty one that is part of a diagram already; it gets what there is to be seen as well,
-    unless `bare`. more: adds to it what the URDF does not have.
+    plant: an empty one that is part of a diagram already. more: adds to it what the URDF does not have.
     """
-    text = bare_text(robot) if bare or plant is None else shown_text(robot)
     plant = MultibodyPlant(0.0) if plant is None else plant
     with drake_reads(robot):
-        Parser(plant).AddModelsFromString(text, "urdf")
+        Parser(plant).AddModelsFromString(bare_text(robot), "urdf")
         for name in robot.joint_names:  # Drake skips some elements that it does not understand
             plant.GetJointByName(name)
     plant.mutable_gravity_field().set_gravity_vector(np.array(robot.gravity))

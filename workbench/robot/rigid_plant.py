@@ -47,6 +47,18 @@ def rigid_twin(robot: Robot) -> Twin:
     return Twin(robot, plant, plant.CreateDefaultContext())
 
 
+def link_poses(robot: Robot, q: Array) -> Array:
+    """(F, L, 4, 4) poses of base and links of the rigid twin at joints q (F, n)."""
+    twin = rigid_twin(robot)
+    links = [twin.plant.GetBodyByName(link) for link in (robot.base, *robot.links)]
+    out = np.empty((len(q), len(links), 4, 4))
+    for poses, joints in zip(out, q, strict=True):
+        twin.set_positions(joints)
+        for pose, link in zip(poses, links, strict=True):
+            pose[:] = link.EvalPoseInWorld(twin.context).GetAsMatrix4()
+    return out
+
+
 def arrays(robot: Robot, twin: Twin | None = None) -> Arm:
     """The arm's arrays, read from the rigid twin's Context (once)."""
     twin = twin or rigid_twin(robot)

@@ -90,7 +90,11 @@ def shared(judged: Judged) -> dict[str, Prior]:
 
 
 def odds_figure(judged: Judged, name: str = "odds") -> Figure:
-    """Evidence of each account, relative to the best."""
+    """Evidence of each account, relative to the best.
+
+    judged: as `judge` gives it; name: of the figure. An account's log₁₀ odds with two Monte-Carlo errors to
+    either side.
+    """
     best = max(e.log10 for e in judged.evidence.values())
     logs = [max(e.log10 - best, -300.0) for e in judged.evidence.values()]
     errors = [min(e.error, 300.0) for e in judged.evidence.values()]

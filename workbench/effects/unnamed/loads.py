@@ -49,7 +49,7 @@ class Torque(Unnamed, AxialYield):
         return unit @ values, by_wrench, unit
 
     @classmethod
-    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+    def sites(cls, problem: Problem) -> Sequence[Torque]:
         out = []
         for j, name in enumerate(problem.arm.names):
             load = _own_load(problem, j)

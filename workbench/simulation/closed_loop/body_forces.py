@@ -28,6 +28,7 @@ class BodyForces:
         self.machine, self.plant, self.root = machine, machine.plant, root
         self.context = self.plant.GetMyContextFromRoot(root)
         self.wrench, self.charge = wrench, charge
+        self.pushed: Array | None = None
         none: Any = np.zeros(self.plant.num_velocities())
         machine.diagram.GetInputPort("joint_force").FixValue(root, none)
         self.port = machine.diagram.GetInputPort("wrench")
@@ -43,12 +44,18 @@ class BodyForces:
     def at(self, k: int, since: float | None) -> Array:
         """(V,) at the plant's present place, in step k; since: [s] after the call before, None: at rest."""
         if self.wrench is not None:
-            self.port.FixValue(self.root, [applied_wrench(self.machine.built.bodies[-1], self.wrench[k])])
+            self._push(self.wrench[k])
         if self.gas is not None:
             self.gas.charge(None if self.charge is None else float(self.charge[k]), since)
         self.forces.SetZero()
         add_applied(self.plant, self.context, self.forces)
         return np.asarray(self.plant.CalcGeneralizedForces(self.context, self.forces))
+
+    def _push(self, wrench: Array) -> None:
+        """Puts the process force (6,) on the port, where it is another than before."""
+        if self.pushed is None or (wrench != self.pushed).any():
+            self.port.FixValue(self.root, [applied_wrench(self.machine.built.bodies[-1], wrench)])
+            self.pushed = wrench
 
 
 class _Gas:

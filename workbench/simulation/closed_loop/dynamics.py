@@ -13,7 +13,6 @@ softened or slowed for it. One linear solve per step:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydrake.multibody.tree import MultibodyForces
@@ -71,8 +70,8 @@ class Dynamics:
         self.springs = Springs(mechanics, machine, drive, gears, reaction)
         self.damped = step / 2 * self.springs.damping
         self.implicit = np.zeros((self.size, self.size))
-        self.diagonal = self.implicit.reshape(-1)[:: self.size + 1]
-        self.entries: Any = self.implicit.reshape(-1).data
+        self.entries = self.implicit.reshape(-1)
+        self.diagonal = self.entries[:: self.size + 1]
         self.rubbing = Rubbing(machine, drive, loop, step)
         self.none = np.zeros(self.size)
         self.pulled = self.trend = self.none
@@ -101,7 +100,7 @@ class Dynamics:
         self.springs.add(self.x, at, self._side_halfway(at), force)
         self.implicit.fill(0.0)
         self.diagonal[:] = self.damped + (h**2 / 4) * self.springs.softness
-        self.rubbing.add(at[self.size :], force, self.entries)
+        self.rubbing.add(v, force, self.entries)
         force[machine.motors] += torque
         if self.along.torque is not None:
             extra = self.along.torque[k]
@@ -133,9 +132,9 @@ class Dynamics:
         self.q = self.q + moved
         self.v = self.v + dv
         self.dv = dv
-        way = moved.tolist()
-        self.rubbing.go(way)
+        self.rubbing.go(moved)
         if self.gears.play:
+            way = moved.tolist()
             self.side = self.gears.crossed(self.side, [way[at] for at in self.motors])
 
     def _side_halfway(self, at: list[float]) -> list[float]:

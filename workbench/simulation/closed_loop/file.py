@@ -18,7 +18,7 @@ from ...robot.loop import Loop
 from .limits import OnLimit
 from .proof import SPEEDS, verify
 from .runs import FeedForward
-from .verification import COMMAND_NAMES, Verification, step_said, sweep_said
+from .verification import COMMAND_NAMES, Verification, perfect_said, step_said, sweep_said
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,15 +50,15 @@ class Verified:
             lines.append(f"  {step_said(series)}")
         for r in found.repeats:
             rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"
-            what = f"{COMMAND_NAMES[r.name]}, {r.count} runs at {r.speed:.3g} m/s"
+            runs = "one run" if r.count == 1 else f"{r.count} runs"
+            what = f"{COMMAND_NAMES[r.name]}, {runs} at {r.speed:.3g} m/s"
             lines.append(f"  {what}: AT {mm(r.at_mm)} mm, RT {rt}")
         if found.repeatability_mm is not None:
             lines.append(
                 f"  the joints' repeatability makes {mm(found.repeatability_mm)} mm at the tool (RP)"
             )
-        ratio = found.slow.ratio_to_perfect
-        if ratio is not None:
-            lines.append(f"  {ratio:.2f} times what a perfect model would reach")
+        if perfect := perfect_said(found.slow):
+            lines.append(f"  {perfect}")
         if found.sweep is not None:
             lines.append(f"  {sweep_said(found.sweep)}")
         lines += [f"  note: {note}" for note in found.notes]

@@ -6,9 +6,6 @@ Its state s, −1 … 1, goes over to the sign of the motion along a short way c
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
 import numpy as np
 
 from ...robot.kinematics import Array
@@ -20,70 +17,65 @@ from .machine import Machine
 class Rubbing:
     """Dry friction at the n drives, and behind their gears, where motor and spring move together.
 
-    Numbers one by one: of so few, NumPy would take several times as long. memory: [2 n] the states.
+    memory: (2 n,) the states; of_velocity: (2 n, V) the velocities that add up at each.
     """
 
     def __init__(self, machine: Machine, drive: Drives, loop: Loop, step: float) -> None:
-        n = len(machine.motors)
-        self.loop, self.h, self.size = loop, step, machine.plant.num_velocities()
-        motors = [(at,) for at in machine.motors.tolist()]
-        behind = motors.copy()
-        for j, at in zip(machine.sprung.tolist(), machine.own_at.tolist(), strict=True):
-            behind[j] = (*behind[j], at)
-        self.moving: list[tuple[int, ...]] = [*motors, *behind]
-        self.dry = [*((1 - loop.load_side) * drive.coulomb), *(loop.load_side * drive.coulomb)]
-        self.memory = [0.0] * (2 * n)
+        n, size = len(machine.motors), machine.plant.num_velocities()
+        self.loop, self.h = loop, step
+        self.of_velocity = np.zeros((2 * n, size))
+        self.of_velocity[np.arange(2 * n), np.tile(machine.motors, 2)] = 1.0
+        self.of_velocity[n + machine.sprung, machine.own_at] = 1.0
+        self.on_places = self.of_velocity.T.copy()
+        pairs = np.einsum("ki,kj->ijk", self.of_velocity, self.of_velocity).reshape(size**2, 2 * n)
+        self.touched = np.flatnonzero(pairs.any(axis=1))
+        self.on_entries = step**2 / 2 * pairs[self.touched]
+        self.dry = np.concatenate([(1 - loop.load_side) * drive.coulomb, loop.load_side * drive.coulomb])
+        self.active = bool(self.dry.any())
+        self.memory = np.zeros(2 * n)
 
     @property
     def wound(self) -> Array:
         """(n,) what friction behind the gears holds at rest [N·m, N]."""
         n = len(self.dry) // 2
-        return np.array(self.dry[n:]) * self.loop.stiction * np.array(self.memory[n:])
+        return np.asarray(self.dry[n:] * self.loop.stiction * self.memory[n:])
 
-    def add(self, v: Sequence[float], force: Array, implicit: memoryview[float]) -> None:
-        """Takes its mean over a step at velocities v [V] off the force (V,); adds how that falls with the
-        velocities' change to a matrix (V V,).
+    def add(self, v: Array, force: Array, implicit: Array) -> None:
+        """Takes its mean over a step at velocities v (V,) off the force (V,); adds how that falls with the
+        velocities' change to a matrix, flat (V V,).
 
         It is linearised about the way that the step before makes likely, whose slope by Δv is h/2, not h/4
         as a spring's: twice as soft.
         """
-        loop, h, size = self.loop, self.h, self.size
-        for s, places, dry in zip(self.memory, self.moving, self.dry, strict=True):
-            if not dry:
-                continue
-            speed = sum([v[at] for at in places])
-            mean, slope = mean_on_the_way(s, h * speed, loop.presliding)
-            rubs = stribeck(speed, dry, loop.stiction, loop.stribeck_speed)
-            soft = h**2 / 2 * rubs * slope
-            for at in places:
-                force[at] -= rubs * mean
-                for other in places:
-                    implicit[at * size + other] += soft
+        if not self.active:
+            return
+        loop = self.loop
+        speed = self.of_velocity @ v
+        mean, slope = mean_on_the_way(self.memory, self.h * speed, loop.presliding)
+        rubs = stribeck(speed, self.dry, loop.stiction, loop.stribeck_speed)
+        force -= self.on_places @ (rubs * mean)
+        implicit[self.touched] += self.on_entries @ (rubs * slope)
 
-    def go(self, moved: Sequence[float]) -> None:
-        """Remembers a motion [V]."""
-        way = self.loop.presliding
-        self.memory = [
-            gone_over(s, sum([moved[at] for at in places]), way)
-            for s, places in zip(self.memory, self.moving, strict=True)
-        ]
+    def go(self, moved: Array) -> None:
+        """Remembers a motion (V,)."""
+        self.memory = gone_over(self.memory, self.of_velocity @ moved, self.loop.presliding)
 
 
-def gone_over(s: float, dx: float, way: float) -> float:
-    """State after a motion dx [rad, m] from state s."""
-    sign = (dx > 0) - (dx < 0)
-    return sign + (s - sign) * math.exp(-abs(dx) / way)
+def gone_over(s: Array, dx: Array, way: float) -> Array:
+    """States after motions dx [rad, m] from states s."""
+    sign = np.sign(dx)
+    return np.asarray(sign + (s - sign) * np.exp(np.abs(dx) * (-1 / way)))
 
 
-def mean_on_the_way(s: float, dx: float, way: float) -> tuple[float, float]:
-    """Mean of the state along a motion dx, and its slope by dx [1/rad, 1/m]; the slope is not negative."""
-    sign = (dx > 0) - (dx < 0)
-    a = abs(dx) / way + 1e-4
-    left = math.exp(-a)
+def mean_on_the_way(s: Array, dx: Array, way: float) -> tuple[Array, Array]:
+    """Means of the states along motions dx, and their slopes by dx [1/rad, 1/m]; none is negative."""
+    sign = np.sign(dx)
+    a = np.abs(dx) * (1 / way) + 1e-4
+    left = np.exp(-a)
     share = (1 - left) / a
-    return sign + (s - sign) * share, (sign * s - 1) * (left - share) / (a * way)
+    return sign + (s - sign) * share, (sign * s - 1) * (left - share) / (way * a)
 
 
-def stribeck(v: float, coulomb: float, stiction: float, speed: float) -> float:
-    """Size of dry friction [N·m, N] at speed v: higher at rest by `stiction`."""
-    return coulomb * (1 + (stiction - 1) * math.exp(-((v / speed) ** 2)))
+def stribeck(v: Array, coulomb: Array, stiction: float, speed: float) -> Array:
+    """Size of dry friction [N·m, N] at speeds v: higher at rest by `stiction`."""
+    return np.asarray(coulomb * (1 + (stiction - 1) * np.exp(-np.square(v * (1 / speed)))))

@@ -22,7 +22,7 @@ def trial(name: str, done: Outcome, p: Array, lines: Sequence[tuple[str, int, fl
         name,
         error,
         across,
-        done.q,
+        done.links,
         done.motor,
         figures(error, across, error @ normal(p)),
         main_lines(done.time, across, done.q, lines),

@@ -5,10 +5,10 @@ from __future__ import annotations
 from importlib.metadata import version
 
 from ...report.markup import render
-from ...report.numbers import mm
+from ...report.numbers import mm, significant
 from ...report.study import Table, Tile
 from .pictures import pictures, speed_text, sweep_picture
-from .verification import COMMAND_NAMES, Series, Verification, step_said, sweep_said
+from .verification import COMMAND_NAMES, Series, Verification, perfect_said, step_said, sweep_said
 
 
 def page(found: Verification) -> str:
@@ -40,9 +40,11 @@ def headline(found: Verification) -> str:
         return found.caveat
     trials = found.slow.trials
     before, after = trials["uncorrected"].figures.rms_mm, trials["corrected"].figures.rms_mm
+    if mm(before) == mm(after):
+        return f"The correction changes nothing here: the error stays at {mm(after)} mm RMS"
     if after < before:
         return f"The correction takes the error from {mm(before)} to {mm(after)} mm RMS"
-    return "The correction does not make this path better"
+    return f"The correction makes this path worse: from {mm(before)} to {mm(after)} mm RMS"
 
 
 def _lead(found: Verification) -> list[str]:
@@ -55,24 +57,24 @@ def _lead(found: Verification) -> list[str]:
             f"Set beside every residual the {mm(found.repeatability_mm)} mm (ISO 9283 RP) that the stated "
             "repeatability of the joints makes at the tool: less than that no single run shows."
         )
-    ratio = found.slow.ratio_to_perfect
-    if ratio is not None:
-        perfect = mm(found.slow.trials["perfect"].figures.rms_mm)
-        said.append(
-            f"A model without any error would reach {perfect} mm; this one comes to {ratio:.2f} times that."
-        )
-    return said
+    perfect = perfect_said(found.slow)
+    return [*said, f"{perfect}."] if perfect else said
 
 
 def _tile(series: Series, repeatability_mm: float | None) -> Tile:
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
     beside = "" if repeatability_mm is None else f"; repeatability {mm(repeatability_mm)} mm"
+    (rms, largest), (rms_after, largest_after) = (
+        (mm(figures.rms_mm), mm(figures.max_mm)) for figures in (before, after)
+    )
+    same = largest == largest_after
+    said = f"{largest} mm, before and after" if same else f"{largest} → {largest_after} mm"
     return Tile(
-        f"RMS error at {speed_text(series.speed)}",
-        mm(before.rms_mm),
-        mm(after.rms_mm),
+        f"RMS error at {speed_text(series.speed)}" + (", before and after" if rms == rms_after else ""),
+        rms if rms != rms_after else "",
+        rms_after,
         "mm",
-        f"largest {mm(before.max_mm)} → {mm(after.max_mm)} mm{beside}",
+        f"largest {said}{beside}",
     )
 
 
@@ -137,8 +139,8 @@ def _left(found: Verification) -> Table:
         [
             [
                 speed_text(series.speed),
-                f"{line.frequency_hz:.3g}",
-                f"{1e3 * line.amplitude_mm:.2g}",
+                significant(line.frequency_hz, 3),
+                significant(1e3 * line.amplitude_mm, 2),
                 line.cause or "none known",
             ]
             for series in found.series
@@ -157,10 +159,10 @@ def _facts(found: Verification) -> list[tuple[str, str]]:
             "Integration",
             "implicit midpoint on Drake's mass matrix and forces; no inertia is added to any spring",
         ),
-        ("Servo error, largest", f"{servo:.3g} µrad (or µm)"),
+        ("Servo error, largest", f"{significant(servo, 3)} µrad (or µm)"),
     ]
     if found.modes_hz:
-        modes = ", ".join(f"{f:.3g}" for f in found.modes_hz)
+        modes = ", ".join(significant(f, 3) for f in found.modes_hz)
         facts.insert(1, ("Lowest modes at the path's start, drives locked", f"{modes} Hz"))
     if found.sweep is not None:
         facts.append(("By speed", sweep_said(found.sweep)))

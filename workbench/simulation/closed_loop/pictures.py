@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...report.drawing import AFTER, BEFORE, MIDDLE, NOISE, Figure, drawing, plain_log
-from ...report.numbers import mm
+from ...report.numbers import mm, mm_change, significant
 from ...robot.kinematics import Array
 from .measures import spectrum
 from .verification import COMMAND_NAMES, Series, Sweep, Verification, sweep_said
@@ -52,11 +52,20 @@ def _along(series: Series, number: int) -> Figure:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return Figure(
         f"along{number}",
-        f"At {speed_text(series.speed)} the RMS error falls from {mm(before.rms_mm)} to {mm(after.rms_mm)} "
-        f"mm, the largest from {mm(before.max_mm)} to {mm(after.max_mm)} mm",
+        f"At {speed_text(series.speed)} the RMS error {mm_change(before.rms_mm, after.rms_mm)}, "
+        f"the largest {mm_change(before.max_mm, after.max_mm)}{_led(series)}",
         f"Error of the tool along the path at {speed_text(series.speed)}, for each command",
         svg[0],
     )
+
+
+def _led(series: Series) -> str:
+    """What drives that lead leave, where that shows."""
+    reached, best = (mm(series.trials[name].figures.rms_mm) for name in ("corrected", series.best))
+    if best == reached:
+        return ""
+    what = "elastic feed-forward" if series.best == "elastic" else "predicted servo lag"
+    return f"; with {what} {best} mm RMS are left"
 
 
 def _heights(found: Verification) -> Figure:
@@ -80,8 +89,7 @@ def _heights(found: Verification) -> Figure:
     first, last = (trials[name].figures for name in ("uncorrected", "corrected"))
     return Figure(
         "heights",
-        f"R_a falls from {mm(first.ra_mm)} to {mm(last.ra_mm)} mm, R_z from {mm(first.rz_mm)} to "
-        f"{mm(last.rz_mm)} mm",
+        f"R_a {mm_change(first.ra_mm, last.ra_mm)}, R_z {mm_change(first.rz_mm, last.rz_mm)}",
         "R_a and R_z of each command at the slowest speed",
         svg[0],
     )
@@ -111,7 +119,8 @@ def _spectra(series: Series) -> Figure:
     if lines:
         named = f", {lines[0].cause}" if lines[0].cause else ""
         said = (
-            f"the highest line left is {1e3 * lines[0].amplitude_mm:.2g} µm at {lines[0].frequency_hz:.2g} Hz"
+            f"the highest line left is {significant(1e3 * lines[0].amplitude_mm, 2)} µm at "
+            f"{significant(lines[0].frequency_hz, 2)} Hz"
         )
         said += named
     return Figure(

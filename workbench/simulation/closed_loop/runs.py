@@ -63,12 +63,14 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Tool poses (N, 4, 4), joints (N, n) of the rigid twin, servo errors (N, n), at times (N,) [s].
+    """Poses of the tool (N, 4, 4) and of base and links (N, L, 4, 4), joints (N, n), servo errors (N, n), at
+    times (N,) [s].
 
     step: [s] of the integration; change: how far half of it moves the tool at most [m] (NaN: not tried)."""
 
     time: Array
     tool: Array
+    links: Array
     q: Array
     motor: Array
     real_time_factor: float
@@ -117,7 +119,15 @@ def simulate(world: World, task: Task) -> Outcome:
             break
         done, step = finer, step / 2
     return Outcome(
-        moved.sample_times, done.tool, done.q, done.motor, done.real_time_factor, done.notes, step, change
+        moved.sample_times,
+        done.tool,
+        done.links,
+        done.q,
+        done.motor,
+        done.real_time_factor,
+        done.notes,
+        step,
+        change,
     )
 
 

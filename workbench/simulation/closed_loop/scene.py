@@ -1,4 +1,5 @@
-"""The scene: the robot runs the path; desired and real tool paths as tubes, their errors enlarged."""
+"""The scene: the simulated arm runs the path, its links where they were; tool paths as tubes, their errors
+enlarged."""
 
 from __future__ import annotations
 
@@ -6,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...report.meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, with_panel
+from ...report.meshcat_page import draw_links, look, meshcat_alone, pack, round_factor, with_panel
 from ...robot.kinematics import Array
 from .pictures import COMMAND_COLOURS, speed_text
 from .verification import Verification
@@ -28,7 +29,9 @@ def scene(found: Verification) -> str:
     )
     pace = min(1.0, PLAYED / float(series.time[-1]))
     with meshcat_alone() as meshcat:
-        links = draw_robot(meshcat, found.robot, trial.q[frames], "/robot", pace * series.time[frames])
+        poses = trial.links[frames]
+        draw_links(meshcat, found.robot, poses, "/robot", pace * series.time[frames])
+        links = poses[0, :, :3, 3]
         data = _data(found, links)
         look(meshcat, data["centre"], 1.2 * data["extent"], links[-1] - links[0])
         html: str = meshcat.StaticHtml()

@@ -30,13 +30,14 @@ STILL = 1e-9  # rad, m: frames that move less along a path stay
 @dataclass(frozen=True, eq=False)
 class Run:
     """What happened. states: (M, 2·nq) at `times` (M,) [s]; tool: (N, 4, 4) poses at the path's samples;
-    q: (N, n) joints of the rigid twin that look like the arm then (motor and gear together);
+    links: (N, L, 4, 4) those of base and links; q: (N, n) joints as they are then (motor and gear together);
     motor: (N, n) motors' error to their command [rad, m, on the joint's side]; torque: (T, n) of the drives,
     a row per drive period. wall: [s] of processor time that it took."""
 
     times: Array
     states: Array
     tool: Array
+    links: Array
     q: Array
     motor: Array
     torque: Array
@@ -105,10 +106,10 @@ def run(
     states, torque = _run(dynamics, cascade, told, limits, drive, parts, hold)
     wall = time.process_time() - started
     times = step * np.arange(len(states))
-    X, joints, motor = _seen(dynamics, motion, times, states, tool)
+    X, links, joints, motor = _seen(dynamics, motion, times, states, tool)
     saturated = [note for limit in limits for note in limit.notes()]
     notes = (*truth.notes, *drive.notes, *tuned.notes, *saturated)
-    return Run(times, states, X, joints, motor, torque, wall, notes)
+    return Run(times, states, X, links, joints, motor, torque, wall, notes)
 
 
 def _counted(q: Array, count: Array) -> Array:
@@ -180,8 +181,9 @@ def _along(truth: Mechanics, motion: Motion, times: Array) -> Along:
 
 def _seen(
     dynamics: Dynamics, motion: Motion, times: Array, states: Array, tool: Array | None
-) -> tuple[Array, Array, Array]:
-    """Tool poses (N, 4, 4), joints of the rigid twin (N, n) and the motors' errors (N, n) at the samples."""
+) -> tuple[Array, Array, Array, Array]:
+    """Poses of the tool (N, 4, 4) and of base and links (N, L, 4, 4), joints (N, n) and the motors' errors
+    (N, n) at the samples."""
     built: Machine = dynamics.machine
     plant, context = dynamics.plant, dynamics.context
     half = states.shape[1] // 2
@@ -189,13 +191,16 @@ def _seen(
     at = np.clip(motion.sample_times, times[0], times[-1])
     positions = way(at)
     X_FT = tool_pose(tool)
-    X = np.empty((len(positions), 4, 4))
+    X, bodies = np.empty((len(positions), 4, 4)), built.built.bodies[:-1]
+    links = np.empty((len(positions), len(bodies), 4, 4))
     for i, q in enumerate(positions):
         dynamics.place(min(int(at[i] / dynamics.h), len(times) - 2))
         plant.SetPositions(context, q)
         X[i] = built.flange.CalcPoseInWorld(context).GetAsMatrix4() @ X_FT
+        for k, body in enumerate(bodies):
+            links[i, k] = body.EvalPoseInWorld(context).GetAsMatrix4()
     joints = positions[:, built.motors].copy()
     motor = joints - interpolated(motion.sample_times, motion.times, motion.q)
     sprung = np.flatnonzero(built.own >= 0)
     joints[:, sprung] += positions[:, built.springs[built.own[sprung]]]
-    return X, joints, motor
+    return X, links, joints, motor

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...correction.paths import Path
+from ...report.numbers import mm, significant
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from .measures import Figures, Line
@@ -28,12 +29,13 @@ SAME = "truth = model: this shows what the controller adds, not how accurate the
 @dataclass(frozen=True, eq=False)
 class Trial:
     """One variant of the command at one speed. error: (N, 3) [m] tool minus desired at the path's samples;
-    across: (N, 3) its part across the path; q: (N, n) of the arm as it was; motor: (N, n) servo error."""
+    across: (N, 3) its part across the path; links: (N, L, 4, 4) poses of base and links as simulated;
+    motor: (N, n) servo error."""
 
     name: str
     error: Array
     across: Array
-    q: Array
+    links: Array
     motor: Array
     figures: Figures
     lines: tuple[Line, ...]
@@ -182,7 +184,18 @@ def step_said(series: Series) -> str:
     said = f"step {1e3 * series.step:.3g} ms"
     if series.refined:
         said += ", refined by itself"
-    return f"{said}: half of it moves the tool by {series.step_change_um:.2g} µm at most"
+    return f"{said}: half of it moves the tool by {significant(series.step_change_um, 2)} µm at most"
+
+
+def perfect_said(series: Series) -> str:
+    """How the corrected path compares with what a perfect model would reach; "" where that is not known."""
+    ratio = series.ratio_to_perfect
+    if ratio is None:
+        return ""
+    reached, perfect = (mm(series.trials[name].figures.rms_mm) for name in ("corrected", "perfect"))
+    if reached == perfect:
+        return f"A model without any error would reach the same {perfect} mm"
+    return f"A model without any error would reach {perfect} mm; this one comes to {ratio:.2f} times that"
 
 
 def sweep_said(sweep: Sweep) -> str:
@@ -191,10 +204,11 @@ def sweep_said(sweep: Sweep) -> str:
     if end is None:
         return f"the static correction holds up to {sweep.speeds[-1]:.3g} m/s"
     k = int(np.searchsorted(sweep.speeds, end))
-    left, led = sweep.rms_mm["corrected"][k], sweep.rms_mm["elastic"][k]
+    left, led = (mm(float(sweep.rms_mm[name][k])) for name in ("corrected", "elastic"))
+    lead = "with elastic feed-forward or without" if led == left else f"{led} mm with elastic feed-forward"
     return (
         f"from {end:.3g} m/s on the static correction leaves twice what it leaves at "
-        f"{sweep.speeds[0]:.2g} m/s: {left:.2g} mm there, {led:.2g} mm with elastic feed-forward"
+        f"{sweep.speeds[0]:.2g} m/s: {left} mm there, {lead}"
     )
 
 

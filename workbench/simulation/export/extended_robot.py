@@ -120,8 +120,8 @@ class Effects(LeafSystem):
     def _effects(self, positions: Any, velocities: Any = None) -> Any:
         """(V,) generalised forces of gears, hoses and gas; the scratch Context stands at the positions."""
         force = np.zeros(len(positions))
-        q = positions[self.motors]
-        v = np.zeros(self.n) if velocities is None else velocities[self.motors]
+        velocities = np.zeros(len(positions)) if velocities is None else velocities
+        q, v = positions[self.motors], velocities[self.motors]
         error, rate = np.zeros(self.n), np.zeros(self.n)
         for gear in self.gears:
             error[gear.joint] += gear.value(q)
@@ -130,7 +130,9 @@ class Effects(LeafSystem):
             force[self.springs[j]] += self.stiffness[j] * error[j] + self.damping[j] * rate[j]
         for gear in self.gears:  # the motor feels what turns the gear's error
             j = gear.joint
-            pull = self.stiffness[j] * (positions[self.springs[j]] - error[j])
+            at = self.springs[j]
+            pull = self.stiffness[j] * (positions[at] - error[j])
+            pull += self.damping[j] * (velocities[at] - rate[j])
             force[self.motors[gear.other]] += gear.slope(q) * pull
         for hose in self.hoses:
             torque = hose.value(q)

@@ -16,6 +16,7 @@ from pydrake.multibody.tree import SpatialInertia
 from ...robot.kinematics import Array
 from ...robot.plant_parts import link_inertia, pivots, point_inertia, slot_pose
 from ...robot.rotations import pose
+from ..closed_loop.springs import SCREW_DAMPING
 from .coil import nearest_coil
 from .content import Content
 
@@ -133,7 +134,7 @@ def _steps(content: Content, slot: int, elastic: bool) -> list[tuple[str, Joint]
         out.append(
             (
                 f"{arm.slot_names[slot]}_yield_{i}",
-                Joint("", kind, "", "", at, R @ give.axis, stiffness=spring),
+                Joint("", kind, "", "", at, R @ give.axis, stiffness=spring, damping=SCREW_DAMPING * spring),
             )
         )
     if not 1 <= slot <= arm.n:

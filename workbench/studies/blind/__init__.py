@@ -19,7 +19,7 @@ from .blind_page import miss_cells, page
 from .cases import FORMS
 from .plots import write_figures
 from .score import Record, run_case
-from .tally import Rate, aims, by_cause, by_strength, confusion, figures, missed
+from .tally import Rate, aims, by_cause, by_strength, confusion, figures, missed, reliability
 from .unknowns import UNKNOWNS
 
 PAIRS, CLEAN = 3, 4  # cases per draw of two causes, and of clean data with each kind of noise
@@ -56,6 +56,7 @@ class BlindStudy:
             **figures(self.cases),
             "by_strength": by_strength(self.cases),
             "by_cause": by_cause(self.cases),
+            "reliability": reliability(self.cases),
             "confusion": {"hidden": rows, "reported": columns, "counts": counts.tolist()},
             "missed": [case["key"] for case in self.cases if missed(case)],
             "failed": self.failed,

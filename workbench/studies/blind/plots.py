@@ -10,7 +10,9 @@ import numpy as np
 from scipy.stats import norm
 
 from ...files.whole import put
+from ...report import reliability
 from ...report.drawing import AFTER, BEFORE, INK, MIDDLE, MUTED, NOISE, Figure, drawing, plain_log
+from . import tally
 from .score import Record
 from .tally import Rate, by_strength, confusion, offsets
 
@@ -18,7 +20,7 @@ from .tally import Rate, by_strength, confusion, offsets
 def write_figures(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> list[Figure]:
     """Draws all figures that the cases allow; writes `<name>.svg` and `<name>.png`."""
     made = []
-    for draw in (_rates, _confusion, _strength, _intervals, _errors):
+    for draw in (_rates, _reliability, _confusion, _strength, _intervals, _errors):
         figure = draw(cases, rates, folder)
         if figure is not None:
             put(folder / f"{figure.name}.svg", figure.svg.encode())
@@ -53,6 +55,10 @@ def _rates(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figu
     return Figure(
         "rates", f"{reached} of {aimed} aims are reached", "Rates with 95 % intervals and aims", svg[0]
     )
+
+
+def _reliability(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figure | None:
+    return reliability.reliability(tally.reliability(cases), len(cases))
 
 
 def _confusion(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figure | None:

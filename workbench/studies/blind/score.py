@@ -15,7 +15,7 @@ from ...campaign import Campaign
 from ...diagnosis.on_test_campaign import test_figures
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome, diagnose
-from ...effects.base import Effect
+from ...effects.base import UNKNOWN, Effect
 from ...identification.fit import Fit, refit
 from ...robot.kinematics import Array
 from ...robot.rotations import body_jacobian
@@ -104,6 +104,9 @@ def judged(case: Case, outcome: Outcome) -> Record:
     return {
         "verdict": found.verdict,
         "found": [_said(case, f) for f in found.causes],
+        "stated": [[p, key in right] for f in real for key, p in _stated(f)]
+        if case.unknown_mm is None
+        else [],
         "first": real[0].cause if real else ("unknown" if found.causes else "nothing"),
         "first_right": first in right if truths else None,
         "reported": all(truth in reported for truth in truths) if truths else None,
@@ -128,6 +131,13 @@ def key_of(finding: Finding) -> Key:
 def _offered(finding: Finding) -> set[Key]:
     """The cause that is reported and those that may stand in its place."""
     return {key_of(finding), *((r.cause, replace(r.where, order=None)) for r in finding.rivals)}
+
+
+def _stated(finding: Finding) -> list[tuple[Key, float]]:
+    """What is reported and each rival of a cause, with the probability that is stated of it."""
+    rivals = [r for r in finding.rivals if r.cause != UNKNOWN]
+    said = [((r.cause, replace(r.where, order=None)), r.probability) for r in rivals]
+    return [(key_of(finding), finding.probability), *said]
 
 
 def _twins(case: Case, found: Sequence[Key]) -> set[Key]:

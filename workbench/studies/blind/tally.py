@@ -13,6 +13,7 @@ from scipy import stats
 from .score import Record
 
 STRENGTHS = (20.0, 40.0, 80.0, 200.0, 600.0, np.inf)  # edges of the classes of λ
+STATED = (0.0, 0.2, 0.5, 0.8, 0.95, 0.99, 1.0)  # edges of the classes of stated probabilities
 Test = Callable[[Record], bool]
 
 
@@ -246,3 +247,27 @@ def missed(case: Record) -> bool:
     if kind(case) == "pair":
         return not _both_only(case)
     return kind(case) == "single" and not (case["first_right"] and case["reported"])
+
+
+def reliability(cases: Sequence[Record]) -> list[Record]:
+    """Classes of the probabilities that were stated of causes and rivals: how many, their mean, and the share
+    that was true, with its 95 % interval (Wilson)."""
+    every = np.array([pair for case in cases for pair in case["stated"]], dtype=float).reshape(-1, 2)
+    out = []
+    for low, high in pairwise(STATED):
+        here = every[(every[:, 0] > low) & (every[:, 0] <= high)]
+        if len(here):
+            right = stats.binomtest(int(here[:, 1].sum()), len(here))
+            low_true, high_true = right.proportion_ci(method="wilson")
+            out.append(
+                {
+                    "from": low,
+                    "to": high,
+                    "statements": len(here),
+                    "stated": float(here[:, 0].mean()),
+                    "true": float(right.statistic),
+                    "low": float(low_true),
+                    "high": float(high_true),
+                }
+            )
+    return out

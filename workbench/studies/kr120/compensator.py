@@ -1,4 +1,4 @@
-"""The KR 120's compensator itself: who tells its charge and its gas length?
+"""The KR 120's compensator itself: what its gas does, and who tells its charge and its gas length?
 
 Loaded minus unloaded is blind to it. Two other witnesses are not: where the unloaded arm stands, and what
 its drives exert. Both know the charge as well as they know what acts like it: joint 2's stiffness, and
@@ -13,32 +13,36 @@ from dataclasses import replace
 import numpy as np
 
 from workbench import (
-    Campaign,
+    Array,
     Effect,
+    Problem,
     Rig,
     Robot,
+    Table,
     Truth,
     catalogue,
     gas_spring,
     identify_charge,
-    load_pairs,
+    numbers,
     planned,
+    pressure,
     problem_of,
     random_poses,
     simulate,
 )
 
-GAS = catalogue()["gravity_compensator"](variant="charge")
+from .decides import GAS
+from .plans import CLEAR, FLOOR, JOINT
+from .printed import KR300_ANGLES, KR300_PISTON, KR300_PRESSURES, KR300_TANKS
+
 GAS_LENGTH = gas_spring.GasLength(variant="gas_length")
 OTHER_CHARGE, OTHER_LENGTH = -0.08, 0.12  # of the model's: what is hidden in this machine
-
-
-def blind_to_charge(campaign: Campaign, lost: float, sigma: float) -> dict[str, float]:
-    """What loaded minus unloaded says of a compensator that has lost a share of its charge."""
-    found = load_pairs.fit_beside(campaign, GAS, sigma)
-    values, covariance = found.effect_values(len(found.model.effects) - 1)
-    half = 1.96 * float(np.sqrt(covariance[0, 0]))
-    return {"lost_charge": lost, "pairs_charge": float(values[0]), "pairs_charge_half": half}
+WARMER, PER_KELVIN, FAST, LOST = (
+    10.0,
+    1 / 293.15,
+    1.3,
+    0.1,
+)  # K, 1/K of an ideal gas at 20 °C, exponent, share
 
 
 def charge_by_witness(
@@ -46,7 +50,7 @@ def charge_by_witness(
 ) -> dict[str, float]:
     """Charge and gas length from unloaded poses, from motor torque, from both: with all else known, beside
     joint 2's stiffness, beside link 2's centre of mass."""
-    q = random_poses(robot, poses, np.random.default_rng([seed, 2]), floor=0.4, clear=0.6)
+    q = random_poses(robot, poses, np.random.default_rng([seed, 2]), floor=FLOOR, clear=CLEAR)
     plan = planned(robot, q, targets=rig.targets, tool=rig.tool)
     other = (GAS, np.array([OTHER_CHARGE])), (GAS_LENGTH, np.array([OTHER_LENGTH]))
     measured = simulate(plan, replace(usual, effects=other), seed=seed, torque_sigma=drive_noise)
@@ -57,11 +61,66 @@ def charge_by_witness(
         "_stiffness": catalogue()["joint_compliance"].sites(problem)[1:2],
         "_mass": [e for e in masses if e.where.link == "link_2" and e.variant == "com"],
     }
-    numbers: dict[str, float] = {"other_charge": OTHER_CHARGE, "other_length": OTHER_LENGTH}
+    found_all: dict[str, float] = {"other_charge": OTHER_CHARGE, "other_length": OTHER_LENGTH}
     for witness in ("points", "torque", "both"):
         for name, unknown in beside.items():
             found = identify_charge(measured, witness, drive_noise, unknown)
-            numbers |= {f"{witness}_charge{name}": found.charge, f"{witness}_length{name}": found.length}
-            numbers[f"{witness}_charge{name}_half"] = 1.96 * found.charge_std
-            numbers[f"{witness}_length{name}_half"] = 1.96 * found.length_std
-    return numbers
+            found_all |= {f"{witness}_charge{name}": found.charge, f"{witness}_length{name}": found.length}
+            found_all[f"{witness}_charge{name}_half"] = 1.96 * found.charge_std
+            found_all[f"{witness}_length{name}_half"] = 1.96 * found.length_std
+    return found_all
+
+
+def gauged(triangle: gas_spring.Linkage) -> dict[str, float]:
+    """What nine pressures of a KR 300 say of its gas, on this robot's linkage."""
+    gas = pressure.fit_gas(triangle, KR300_ANGLES, KR300_PRESSURES)
+    length = KR300_TANKS / KR300_PISTON
+    exponent = pressure.fit_gas(triangle, KR300_ANGLES, KR300_PRESSURES, length=length)
+    coil = pressure.fit_coil(triangle, KR300_ANGLES, KR300_PRESSURES)
+    return {
+        "gauge_count": float(gas.count),
+        "gauge_bar": 1e-5 * float(gas.values[0]),
+        "gauge_bar_half": 1.96e-5 * float(gas.std[0]),
+        "gauge_length_mm": 1e3 * float(gas.values[1]),
+        "gauge_tank_mm": 1e3 * length,
+        "gauge_length_mm_half": 1.96e3 * float(gas.std[1]),
+        "gauge_exponent": float(exponent.values[1]),
+        "gauge_exponent_half": 1.96 * float(exponent.std[1]),
+        "gauge_rms_bar": 1e-5 * gas.rms,
+        "coil_rms_bar": 1e-5 * coil.rms,
+        "gas_told_from_coil": float(pressure.told_apart(gas, coil)),
+    }
+
+
+def changed_gas(problem: Problem, angles: Array, reach: float) -> Table:
+    """What other gas does: largest change of torque, shift of the stretched arm's flange, change of
+    stiffness."""
+    law = problem.compensator
+    assert law is not None
+    triangle = gas_spring.linkage(problem.arm, law)
+    gear = problem.robot.joints[JOINT].data.stiffness or np.inf
+    faster = replace(law, data=law.data.model_copy(update={"exponent": FAST}))
+    others = {
+        f"{WARMER:.0f} K warmer ({numbers.percent(PER_KELVIN, 2)} per K)": replace(
+            law, charge=1 + WARMER * PER_KELVIN
+        ),
+        f"moved fast, exponent {FAST:.1f} in place of 1": faster,
+        f"{numbers.percent(LOST, 0)} of the charge lost": replace(law, charge=1 - LOST),
+    }
+    rows = []
+    torque, added = gas_spring.bias(triangle, law, angles), gas_spring.added_stiffness(triangle, law, angles)
+    for words, other in others.items():
+        change = np.abs(gas_spring.bias(triangle, other, angles) - torque).max()
+        stiffer = np.abs(gas_spring.added_stiffness(triangle, other, angles) - added).max() / gear
+        shift = 1e3 * change / gear * reach
+        rows.append(
+            [
+                words,
+                numbers.significant(float(change), 2),
+                numbers.mm(float(shift)),
+                numbers.percent(float(stiffer), 2),
+            ]
+        )
+    head = ("Gas", "Torque on joint 2, N·m", "Flange of the stretched arm, mm", "Joint 2's stiffness")
+    note = "Largest change over the angles, from the robot's own gas, at 20 °C and slowly moved."
+    return Table("What warmth, fast moves and a leak change: the torque, not the stiffness", head, rows, note)

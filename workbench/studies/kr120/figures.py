@@ -6,28 +6,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import stats
 
 from workbench import (
     Array,
     Figure,
-    Fit,
     FittedSpring,
     GroupPlan,
     Problem,
     Robot,
-    Table,
     charts,
     gas_spring,
     load_pairs,
-    numbers,
     planned,
     problem_of,
 )
 
-from .printed import SPRING_NAMES
-
-WithHalf = tuple[Array, Array]  # compliances [rad/(N·m)] and half widths of their intervals
+from .printed import ATMOSPHERE, HALF_1, TABLE_1
 
 
 def plan_numbers(plan: GroupPlan) -> dict[str, float]:
@@ -38,6 +32,7 @@ def plan_numbers(plan: GroupPlan) -> dict[str, float]:
         "rho0_median_mm": 1e3 * middle,
         "rho0_best_mm": 1e3 * float(plan.random.min()),
         "hanging_tells_k1": float(np.isfinite(plan.hanging)),
+        "rho0_force_mm": 1e3 * plan.any_force,
         "fewer": (middle / plan.rho0) ** 2,
         "pulled": float(plan.campaign.poses.wrench.any(axis=1).sum()),
     }
@@ -54,53 +49,13 @@ def plan_figure(plan: GroupPlan) -> Figure:
     return charts.histogram("plans", title, 1e3 * plan.random, label, marks)
 
 
-def compliance_numbers(k: Mapping[str, WithHalf], constant: Array) -> dict[str, float]:
-    """Compliances by name and machine, how far joint 2's six spread over their mean, how wide our intervals
-    are, and how far the soft gear spoils k3 to k6 (constant: the true ones)."""
-    (soft, soft_half), wider = k["soft"], k["gas"][1] / k["printed"][1]
-    by_name = {
-        "wider_than_printed": float(np.median(wider)),
-        "soft_misses": float((abs(soft - constant) / soft_half)[7:].max()),
-    }
-    for machine, (values, half) in k.items():
-        six = [value for name, value in zip(SPRING_NAMES, values, strict=True) if name.startswith("k2")]
-        by_name |= {f"{name}_{machine}": float(v) for name, v in zip(SPRING_NAMES, values, strict=True)}
-        by_name |= {f"{name}_{machine}_half": float(h) for name, h in zip(SPRING_NAMES, half, strict=True)}
-        by_name[f"spread_{machine}"] = float(np.ptp(six) / np.mean(six))
-    return by_name
-
-
-def compliance_table(k: Mapping[str, WithHalf], constant: Array) -> Table:
-    """Table I with intervals beside ours, 1e-6 rad/(N·m)."""
-    columns = [*k["printed"], *k["gas"], constant, *k["soft"]]
-    places = [2 if name in ("k1", "k4", "k5", "k6") else 3 for name in SPRING_NAMES]
-    rows = [
-        [name, *(numbers.decimals(1e6 * float(column[i]), places[i]) for column in columns)]
-        for i, name in enumerate(SPRING_NAMES)
-    ]
-    head = ("10⁻⁶ rad/(N·m)", "Table I", "±", "Gas spring alone", "±", "True", "With soft gear", "±")
-    note = (
-        "± of ours: 95 %; what the paper's “CI” is it does not say. Angles of joint 2 in the printed order."
-    )
-    return Table("Compliances: the paper's Table I beside ours", head, rows, note)
-
-
-def fit_numbers(name: str, fits: Mapping[str, Fit]) -> dict[str, float]:
-    """χ² of the points, its degrees of freedom and its p by model."""
-    by_name: dict[str, float] = {}
-    for model, found in fits.items():
-        dof = found.point_rows - len(found.columns.names)
-        by_name |= {f"{name}_{model}_chi2": found.chi2, f"{name}_{model}_dof": float(dof)}
-        by_name[f"{name}_{model}_p"] = float(stats.chi2.sf(found.chi2, dof))
-    return by_name
-
-
 def spring_numbers(springs: Mapping[str, FittedSpring]) -> dict[str, float]:
     """Fitted gas springs, each with its gear."""
     by_name: dict[str, float] = {}
     for name, spring in springs.items():
         by_name |= _strength(name, spring.force, spring.torque, spring.stiffness)
         by_name |= {f"{name}_chi2": spring.chi2, f"{name}_p": spring.p_value}
+        by_name |= {f"{name}_s0_m": spring.s0, f"{name}_sV_m": spring.sV}
     return by_name
 
 
@@ -112,7 +67,13 @@ def own_spring_numbers(problem: Problem, angles: Array) -> dict[str, float]:
     triangle = gas_spring.linkage(problem.arm, law)
     gear = problem.robot.joints[joint].data.stiffness or np.inf
     torque, added = gas_spring.bias(triangle, law, angles), gas_spring.added_stiffness(triangle, law, angles)
+    assert law.data.precharge
+    assert law.data.gas_length
+    assert law.data.reference is not None
+    sV = law.data.precharge * law.data.gas_length / ATMOSPHERE
     return {
+        "own_s0_m": law.data.reference + law.data.gas_length - sV,
+        "own_sV_m": sV,
         "a_mm": 1e3 * triangle.a,
         "L_mm": 1e3 * triangle.L,
         "alpha_deg": float(np.degrees(triangle.alpha)),
@@ -133,26 +94,22 @@ def _strength(name: str, force: Array, torque: Array, gear: float) -> dict[str, 
     }
 
 
-def stiffness_figure(
-    problem: Problem, angles: Array, six: Mapping[str, WithHalf], needed: FittedSpring
-) -> Figure:
-    """Joint 2's stiffness at the angles: Table I, ours, the robot's gas spring, the one that is needed."""
-
-    def bars(k: Array, half: Array, colour: str) -> charts.Series:
-        return charts.Series(1e-6 / k, 1e-6 / (k + half), 1e-6 / (k - half), colour, "o")
-
+def stiffness_figure(problem: Problem, angles: Array, needed: FittedSpring) -> Figure:
+    """Joint 2's stiffness at the angles: Table I, the robot's gas spring, the one that Table I would need."""
+    k, half = TABLE_1[1:7], HALF_1[1:7]
     law = problem.compensator
     assert law is not None
     added = gas_spring.added_stiffness(gas_spring.linkage(problem.arm, law), law, angles)
-    alone, needs = 1 / six["printed"][0].mean() + added, 1 / needed.compliance
+    alone, needs = 1 / k.mean() + added, 1 / needed.compliance
     series = {
         "gas spring alone": charts.Series(1e-6 * alone, colour=charts.MIDDLE),
-        "needed gas spring, eq. (12)": charts.Series(1e-6 * needs, colour=charts.NOISE, style="--"),
-        "Table I": bars(*six["printed"], charts.PRINTED),
-        "ours, with soft gear": bars(*six["soft"], charts.OURS),
+        "nearest gas spring of any strength, eq. (12)": charts.Series(
+            1e-6 * needs, colour=charts.NOISE, style="--"
+        ),
+        "Table I": charts.Series(1e-6 / k, 1e-6 / (k + half), 1e-6 / (k - half), charts.PRINTED, "o"),
     }
-    title = "The gas spring leaves joint 2's stiffness flat; a soft gear scatters it as Table I does"
-    x, y = "joint 2, °", "stiffness, MN·m/rad"
+    title = "The robot's gas spring leaves joint 2's stiffness flat; the one nearest to Table I misses it"
+    x, y = "joint 2, ° (angles and order assumed)", "stiffness, MN·m/rad"
     return charts.curves("stiffness", title, np.degrees(angles), series, x, y, height=3.4)
 
 

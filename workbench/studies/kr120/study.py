@@ -7,7 +7,6 @@ what else can, and which measurement decides?
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,24 +14,25 @@ import numpy as np
 
 from workbench import (
     Array,
-    Campaign,
+    Draws,
     Figure,
-    Fit,
     FittedSpring,
+    Judged,
     Problem,
-    Rig,
     Study,
     StudyRun,
     Table,
-    Target,
+    accounts_table,
     as_package,
-    catalogue,
+    diagnose,
     fit_any_order,
     fit_spring,
     gas_spring,
     group_plan,
-    load_pairs,
+    judge,
     load_robot,
+    odds_figure,
+    odds_table,
     planned,
     problem_of,
     run_study,
@@ -40,6 +40,8 @@ from workbench import (
     simulate,
     stored,
     tell,
+    tornado,
+    write_campaign,
     write_fit,
 )
 
@@ -47,116 +49,143 @@ if not __package__:  # run as a script: the chapters lie beside it
     __package__ = as_package(__file__)
 
 from . import figures
-from .compensator import blind_to_charge, charge_by_witness
-from .decides import WAYS, diagnosed, reversing, three_loads
-from .machines import LEAK, MACHINES, SIGMA, machines, true_compliances
-from .printed import CONFIGURATIONS, HALF_1, LOAD, MARKERS_APART, MARKERS_BEFORE, NUMBERS, TABLE_1
-from .verdicts import deciding, verdict_table
-
-SIX = slice(1, 7)
-PER_ANGLE = (7, 6, 5, 5, 4, 4)  # the paper says: three to seven
-GROUP = [group for group, count in enumerate(PER_ANGLE) for _ in range(count)] * 2
-
-# not in the paper: the story says why
-ANGLES = np.radians(np.linspace(-140, -5, 6))
-ACROSS, BEFORE = MARKERS_APART / 2, MARKERS_BEFORE
-MARKER_PLACES = (ACROSS, 0.0, BEFORE), (-ACROSS, 0.0, BEFORE), (0.0, ACROSS, BEFORE)  # m, on the flange
-DRIVE_NOISE = 0.03  # share of a joint's largest torque
-RIG = Rig(
-    targets=[Target(f"M{i}", place, fixed=True) for i, place in enumerate(MARKER_PLACES, start=1)],
-    load=(LOAD, MARKER_PLACES[0]),
-    sideways=np.array([0.0, 200.0, 0.0]),
-    tool=(25.0, MARKER_PLACES[0]),
-    sigma=SIGMA,
-    limits={"joint_1": 0.7, "joint_4": np.pi, "joint_5": 1.9, "joint_6": np.pi},
+from .assumed import OWN, common
+from .compensator import changed_gas, charge_by_witness, gauged
+from .decides import (
+    DRIVE_NOISE,
+    PRIORS,
+    RIG,
+    campaigns,
+    deciding_draws,
+    deciding_numbers,
+    deciding_table,
+    truths,
 )
-TEST_POSE, TEST_FORCE = np.radians([0, -60, 90, 0, 60, 0]), np.array([300.0, 100.0, -500.0])
-INSTRUMENT = np.eye(3), np.array([3.2, -1.4, -0.6])
-FILES = {
-    "Robot": "robot/kr120.toml",
-    "Campaign, soft gear": "campaign/soft/campaign.toml",
-    "Campaign, leak": "campaign/leak/campaign.toml",
-    "Model": "model.toml",
-}
+from .linkages import SIX, linkage_figure, linkage_numbers, linkages
+from .patterns import (
+    blind_to_charge,
+    machine_draws,
+    pattern_figure,
+    pattern_numbers,
+    pattern_table,
+    soft_numbers,
+)
+from .plans import POOL, QUICK_POOL, TEST_FORCE, TEST_POSE
+from .printed import CONFIGURATIONS, HALF_1, NUMBERS, TABLE_1
+from .said import ODDS, TENTH, stands
+from .stories import ITEMS, accounts
+
+PER_ANGLE = (7, 6, 5, 5, 4, 4)  # the paper says: three to seven
+ANGLES = np.radians(np.linspace(-140, -5, 6))  # of the one plan that is shown
+SHOWN = ("gas", "soft", "sessions")  # in the figure of patterns
+FILES = {"Robot": "robot/kr120.toml", "Campaign, soft gear": "campaign/campaign.toml", "Model": "model.toml"}
 
 
 def study(run: StudyRun) -> Study:
-    """Table I on simulated machines, the gas spring that it would need, and the measurement that decides."""
-    folder, seed, quick, progress = run.folder, run.seed, run.quick, run.say
+    """The gas spring on any linkage, accounts of Table I, and the measurement that decides."""
+    folder, seed = run.folder, run.seed
+    if run.quick and run.workers is None:  # what is drawn is less than starting processes for it
+        run = replace(run, workers=1)
     robot = stored(folder / "robot" / "kr120.toml", load_robot("kr120"))
-    progress(f"choosing {CONFIGURATIONS} configurations in six groups")
-    A0 = RIG.moved(robot, TEST_POSE, TEST_FORCE)
-    plan = group_plan(robot, "joint_2", ANGLES, PER_ANGLE, RIG, A0, 250 if quick else 1500, seed)
-
-    progress("measuring them before and after loading: Table I")
-    truth = machines(robot, seed)
-    data = {
-        name: load_pairs.measure_pairs(plan.campaign, true, seed, INSTRUMENT) for name, true in truth.items()
-    }
-    fits = {name: by_angle(campaign) for name, campaign in data.items()}
-    k = {"printed": (TABLE_1, HALF_1), **{name: with_half(found) for name, found in fits.items()}}
-    constant = true_compliances(robot)
-    numbers = NUMBERS | figures.plan_numbers(plan) | figures.compliance_numbers(k, constant)
-    for name in ("gas", "soft"):
-        one = load_pairs.fit_pairs(data[name], catalogue()["joint_compliance"].sites, SIGMA)
-        zone = load_pairs.fit_soft_zone(data[name], "joint_2", SIGMA)
-        numbers |= figures.fit_numbers(name, {"one": one, "six": fits[name], "soft": zone})
-
-    progress("fitting gas springs to six stiffnesses")
+    run.say("gas springs on linkages drawn at random")
     stretched = figures.stretched(ANGLES)
     arm = problem_of(planned(robot, stretched))
-    six = {name: (values[SIX], half[SIX]) for name, (values, half) in k.items()}
-    springs = needed_springs(arm, six)
-    numbers |= figures.spring_numbers(springs) | figures.own_spring_numbers(arm, ANGLES)
+    springs = needed_springs(arm)
+    drawn = linkages(run.draws(4000, 1000), run.draws(400, 60), seed)
+    numbers = NUMBERS | figures.spring_numbers(springs) | figures.own_spring_numbers(arm, ANGLES)
+    numbers |= linkage_numbers(drawn) | gauged(own_linkage(arm)) | {"blind_share": blind_to_charge()}
 
-    progress("identifying charge and gas length")
-    numbers |= blind_to_charge(data["leak"], LEAK, SIGMA)
-    numbers |= charge_by_witness(robot, truth["gas"], RIG, DRIVE_NOISE, 60 if quick else 150, seed)
+    run.say(f"choosing {CONFIGURATIONS} configurations in six groups")
+    A0 = RIG.moved(robot, TEST_POSE, TEST_FORCE)
+    plan = group_plan(robot, "joint_2", ANGLES, PER_ANGLE, RIG, A0, run.draws(400, 120), seed)
+    numbers |= figures.plan_numbers(plan)
 
-    progress("diagnosing richer campaigns")
-    loads = three_loads(robot, RIG, 30 if quick else 70, seed)
-    rich = {name: simulate(loads, truth[name], seed=seed + 1, torque_sigma=DRIVE_NOISE) for name in MACHINES}
-    outcomes = diagnosed(folder / "campaign", data, rich, seed)
-    best = outcomes[WAYS[-1]]["soft"]
+    run.say("holding each account against Table I")
+    told = accounts(run.draws(POOL, QUICK_POOL))
+    judged = judge(told, ITEMS, run.draws(300, 30), run, chunk=run.draws(75, 30))
+    made = machine_draws(told, run.draws(100, 24), run)
+    soft = machine_draws([a for a in told if a.name == "soft"], run.draws(600, 100), run, "soft")
+    numbers |= judged.numbers() | pattern_numbers(made, [a.name for a in told]) | soft_numbers(soft)
+
+    run.say("identifying charge and gas length")
+    usual = truths({name: prior.middle for name, prior in PRIORS.items()}, seed)
+    numbers |= charge_by_witness(robot, usual["gas"], RIG, DRIVE_NOISE, run.draws(80, 40), seed)
+
+    run.say("diagnosing richer campaigns")
+    decided = deciding_draws(run.draws(20, 1), run)
+    numbers |= deciding_numbers(decided)
+    campaign = simulate(campaigns("torque", seed), usual["soft"], seed=seed, torque_sigma=DRIVE_NOISE)
+    write_campaign(folder / "campaign", campaign, comments=["simulated in Drake"])
+    best = diagnose(campaign, seed=seed)
     write_fit(folder / "model.toml", best.fit)
-    numbers |= reversing(best.problem) | deciding(outcomes)
 
     items: dict[str, Table | Figure] = {
         "torque": figures.torque_figure(robot, stretched, RIG.load, RIG.tool),
+        "gas_table": changed_gas(arm, ANGLES, figures.reach(arm, 1)),
+        "linkages": linkage_figure(drawn),
+        "carries": linkage_tornado(drawn),
         "plans": figures.plan_figure(plan),
-        "table_1": figures.compliance_table(k, constant),
-        "stiffness": figures.stiffness_figure(arm, ANGLES, six, springs["table_1"]),
+        "stiffness": figures.stiffness_figure(arm, ANGLES, springs["one_sigma"]),
+        "accounts": accounts_table(judged),
+        "odds_table": odds_table(judged),
+        "odds": odds_figure(judged),
+        "needs": allowed_table(judged),
+        "pattern": pattern_figure(judged, SHOWN),
+        "patterns": pattern_table(made, told),
         "bias": figures.bias_figure(robot, stretched),
-        "verdicts": verdict_table("Verdicts, by what is hidden in the machine", MACHINES, outcomes),
+        "deciding": deciding_table(decided),
     }
+    numbers |= {"tenth": TENTH, "odds_out": ODDS, "pool": float(len(told))}
+    claims = stands(numbers, judged, drawn, made, soft, decided)
     shown = shown_of(best.diagnosis, best.problem.q[0])
-    return tell(Path(__file__).with_name("story.md"), robot, numbers, items, shown, "stiffness", FILES)
+    return tell(Path(__file__).with_name("story.md"), robot, numbers, items, shown, "linkages", FILES, claims)
 
 
-def by_angle(campaign: Campaign) -> Fit:
-    """The paper's model: a serial chain without compensator, joint 2 with a compliance at each angle."""
-    serial = replace(campaign, robot=replace(campaign.robot, compensator=None))
-    return load_pairs.fit_pairs(serial, lambda problem: load_pairs.grouped(problem, "joint_2", GROUP), SIGMA)
+def own_linkage(problem: Problem) -> gas_spring.Linkage:
+    """The robot's own."""
+    assert problem.compensator is not None
+    return gas_spring.linkage(problem.arm, problem.compensator)
 
 
-def with_half(found: Fit) -> tuple[Array, Array]:
-    """Compliances (11,) and half widths of their 95 % intervals."""
-    values, std = load_pairs.compliances(found)
-    return values, 1.96 * std
-
-
-def needed_springs(problem: Problem, six: Mapping[str, tuple[Array, Array]]) -> dict[str, FittedSpring]:
-    """Eq. (12): the gas springs that Table I would need, and the one that the soft gear's values would."""
+def needed_springs(problem: Problem) -> dict[str, FittedSpring]:
+    """Eq. (12) on the robot's own linkage: the gas springs that Table I would need, by how its CI is read."""
     law = problem.compensator
     assert law is not None
-    gas = gas_spring.linkage(problem.arm, law), law.data.piston_area or 0.0, ANGLES
-    (k, half), (soft, soft_half) = six["printed"], six["soft"]
+    k, half = TABLE_1[SIX], HALF_1[SIX]
+
+    def with_sigma(sigma: Array) -> FittedSpring:
+        return fit_spring(own_linkage(problem), law.data.piston_area or 0.0, ANGLES, k, sigma)
+
+    area = law.data.piston_area or 0.0
     return {
-        "table_1": fit_spring(*gas, k, half / 1.96),
-        "one_sigma": fit_spring(*gas, k, half),
-        "any_order": fit_any_order(*gas, k, half),
-        "soft_gear": fit_spring(*gas, soft, soft_half / 1.96),
+        "table_1": with_sigma(half / 1.96),
+        "one_sigma": with_sigma(half),
+        "any_order": fit_any_order(own_linkage(problem), area, ANGLES, k, half),
     }
+
+
+def allowed_table(judged: Judged) -> Table:
+    """What each account is free to choose beyond what all leave open, and what all leave open."""
+    rows = [
+        [account.words, prior.words, prior.range, prior.why]
+        for account in judged.accounts
+        for prior in OWN[account.name][1].values()
+    ]
+    rows += [["all of them", prior.words, prior.range, prior.why] for prior in common(POOL).values()]
+    head = ("Account", "Free value", "Allowed", "Why this range")
+    return Table("What each account was free to choose", head, rows, numbers=())
+
+
+def linkage_tornado(drawn: Draws) -> Figure:
+    """Which assumption carries the change of stiffness."""
+    return tornado(
+        drawn,
+        "change",
+        "carries",
+        "change of joint 2's stiffness over the six angles, kN·m/rad",
+        1e-3,
+        "Which assumption carries the change of joint 2's stiffness",
+    )
 
 
 if __name__ == "__main__":

@@ -89,9 +89,9 @@ def gains_figure(draws: Draws) -> Figure:
 
 
 def carried(draws: Draws, number: str, name: str, label: str, factor: float = 1.0) -> Figure:
-    """The tornado of a number of a robot with constant springs: the assumptions that carry most of it."""
+    """The tornado of a number of the robot whose bracket shifts: the assumptions that carry most of it."""
     shares = draws.carries(number)
-    acting = [key for key in shares if key in priors.CELL | priors.SPRINGS | priors.SOLVER]
+    acting = [key for key in shares if key in priors.CELL | priors.SPRINGS | priors.SOLVER | priors.BRACKET]
     first = sorted(acting, key=lambda key: -shares[key])[:SHOWN]
     some = replace(
         draws,

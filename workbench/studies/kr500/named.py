@@ -86,9 +86,7 @@ def curve_figure(found: Mapping[str, Draws]) -> Figure:
     x = [float(RECORDS[cut]) for cut in found]
     series = {words: charts.Series(shares(found, key), style="o-") for key, words in LEADS.items()}
     draws = ", ".join(f"{known(one, 'named').size} at {RECORDS[cut]}" for cut, one in found.items())
-    title = f"A soft zone is not named more often by more of the same poses (robots drawn: {draws})"
-    if shares(found, "named")[-1] > shares(found, "named")[0] + 0.2:
-        title = f"More records name a soft zone more often (robots drawn: {draws})"
+    title = f"What a diagnosis says of a soft zone, by the records it gets (robots drawn: {draws})"
     return charts.curves(
         "named", title, np.log2(x), series, "records, as a power of 2", "share of the robots"
     )

@@ -3,6 +3,8 @@ side."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from workbench import Judged, Table, numbers
 
 from .accounts import KINDS
@@ -45,25 +47,30 @@ def standings_table(judged: Judged, moment: bool) -> Table:
 
 
 def odds_table(judged: Judged) -> Table:
-    """Evidence and probability of each account, and how they move when one item is left out."""
-    whole = judged.probabilities()
-    without = [judged.probabilities(item.name) for item in judged.items]
-    best = max(one.log10 for one in judged.evidence.values())
+    """Evidence of each account, and whether its error leaves the order to the best decided."""
+    best = max(judged.evidence, key=lambda name: judged.evidence[name].log10)
     rows = []
-    for name, (words, *_) in KINDS.items():
-        one, moved = judged.evidence[name], [p[name] for p in without]
-        odds = f"{numbers.decimals(one.log10 - best, 1)} ± {numbers.decimals(one.error, 1)}"
-        ends = f"{numbers.probability(min(moved))} … {numbers.probability(max(moved))}"
-        free = len(next(a for a in judged.accounts if a.name == name).priors)
-        rows.append([words, str(free), odds, numbers.probability(whole[name]), ends])
-    head = ("Account", "Free values", "log₁₀ odds to the best", "Probability", "… without any one item")
+    for account in judged.accounts:
+        behind, error = ratio(judged, account.name, best)
+        order = "behind" if -behind > 2 * error else "not decided"
+        own = judged.evidence[account.name].error
+        odds = f"{numbers.decimals(behind, 1)} ± {numbers.decimals(own, 1)}" if np.isfinite(behind) else "–"
+        words = "highest" if account.name == best else order
+        rows.append([account.words, str(len(account.priors)), odds, words])
+    head = ("Account", "Free values", "log₁₀ odds to the highest", "Order")
     note = (
         "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
-        f"averaged over {len(judged.predicted['plain'])} draws of each account’s free values. ±: one "
-        "standard deviation of its Monte-Carlo error, or what a kernel half as wide changes: of accounts far "
-        "behind it says only that they are far."
+        f"averaged over each account’s free values, from {len(judged.last['plain'].shares)} draws in the "
+        "last of three rounds that are led towards the print. ±: one standard deviation of its Monte-Carlo "
+        "error, or what a kernel half as wide changes. Not decided: both lie within twice their error."
     )
     return Table("Odds of the accounts, from all that is printed", head, rows, note)
+
+
+def ratio(judged: Judged, account: str, other: str) -> tuple[float, float]:
+    """log₁₀ odds of an account over another, and its error."""
+    one, two = judged.evidence[account], judged.evidence[other]
+    return one.log10 - two.log10, float(np.hypot(one.error, two.error))
 
 
 def ranges_table(judged: Judged) -> Table:

@@ -45,8 +45,10 @@ class Best:
 def best(judged: Judged, name: str, seed: int) -> Best:
     """The draw of an account that comes nearest the print, with a box, points and noise of this seed."""
     _, _, law, moment = KINDS[name]
+    priors = next(account.priors for account in judged.accounts if account.name == name)
     for draw in nearest(judged, name):
-        values = {key: float(column[draw]) for key, column in judged.values[name].items()}
+        shares = judged.last[name].shares[draw]
+        values = {key: p.at(float(u)) for (key, p), u in zip(priors.items(), shares, strict=True)}
         rng = np.random.default_rng([seed, 2])
         try:
             w = world(values, rng)
@@ -61,13 +63,28 @@ def best(judged: Judged, name: str, seed: int) -> Best:
 
 
 def nearest(judged: Judged, name: str) -> NDArray[np.int64]:
-    """(D,) the draws of an account, nearest to the print first: in scales of the draws of all accounts, or
-    the print's own uncertainty where that is larger."""
-    every = np.vstack(list(judged.predicted.values()))
+    """(D,) the last draws of an account, nearest to the print first: in scales of the first draws of all
+    accounts, or the print's own uncertainty where that is larger."""
+    every = np.vstack([made.predicted for made in judged.first.values()])
     low, high = np.nanquantile(every, [0.16, 0.84], axis=0)
     value, sd = judged.target
-    far = (judged.predicted[name] - value) / np.maximum((high - low) / 2, sd)
+    far = (judged.last[name].predicted - value) / np.maximum((high - low) / 2, sd)
     return np.argsort(np.nan_to_num((far**2).sum(axis=1), nan=np.inf), kind="stable")
+
+
+def hidden(w: World) -> dict[str, object]:
+    """What the robot of a soft zone has that its file does not say."""
+    values = w.values
+    return {
+        "soft_zone": {
+            "joint": "joint_2" if values["soft_joint"] < 0.5 else "joint_3",
+            "to_either_side_rad": values["soft_size"],
+            "torque_Nm": values["soft_width"],
+        },
+        "kinematics": w.geometry.tolist(),
+        "noise_m": values["sigma"],
+        "repeatability_over_stated": values["scatter"],
+    }
 
 
 def points_figure(one: Best) -> Figure:

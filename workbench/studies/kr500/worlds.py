@@ -17,33 +17,26 @@ from workbench import (
     Campaign,
     Fault,
     InputError,
-    Path,
     Problem,
     Robot,
     Target,
     cells,
     load_robot,
-    nominal_joints,
     path_shapes,
     planned,
-    pose,
     problem_of,
     random_geometry,
     rotation_about,
 )
 
 from .printed import CUTS, MASS, SIZE, TILTS
+from .reach import WRIST, joints, rises
 
 Values = Mapping[str, float]
 Law = Callable[[Values, Problem, Array], Array]  # values, problem, wrenches (N, S, 6) -> motions (N, S, 6)
 IN_BASE = np.eye(3)[None], np.zeros((1, 3))  # the paper measures in the base frame
-START = np.deg2rad([0, -90, 90, 0, 60, 0])  # near the first pose
 GRAVITY = 9.80665
 ALONG = 0.7  # of the prior: the long side along y
-WRIST = 0.29  # m, from the flange
-SHOULDER = 0.5, 1.045  # m, of joint 2 from axis 1 and above the floor
-ARM, FOREARM, CRANK = 1.3, float(np.hypot(1.025, 0.055)), float(np.arctan2(0.055, 1.025))  # m, m, rad
-REACH = 0.73, 2.28  # m, from the shoulder to the wrist: elbow nearly folded, arm nearly straight
 STEEPEST = np.deg2rad([127.0, 14.0])  # of upper arm and forearm above the level: joints 2 and 5
 
 
@@ -134,20 +127,8 @@ def _ahead(values: Values, half: Array) -> float:
     possible = np.ones(len(x), dtype=bool)
     for tilt in TILTS:
         wrist = np.array([0.0, values["y"], values["z"]]) + offsets - path_shapes.tilted(tilt) @ tool
-        out = np.hypot(x[:, None] + wrist[:, 0], wrist[:, 1]) - SHOULDER[0]
-        high = wrist[:, 2] - SHOULDER[1]
-        far = np.clip(np.hypot(out, high), *REACH)
-        at_shoulder, at_wrist = (
-            np.arccos((one**2 + far**2 - other**2) / (2 * one * far))
-            for one, other in ((ARM, FOREARM), (FOREARM, ARM))
-        )
-        rise = np.arctan2(high, out)
-        possible &= (
-            (far == np.hypot(out, high))
-            & (out > 0.25)
-            & (rise + at_shoulder < STEEPEST[0])
-            & (rise - at_wrist + CRANK < STEEPEST[1])
-        ).all(axis=1)
+        upper, fore, near = rises(wrist + x[:, None, None] * [1.0, 0.0, 0.0])
+        possible &= (near & (upper < STEEPEST[0]) & (fore < STEEPEST[1])).all(axis=1)
     if not possible.any():
         raise InputError(Fault("box", "is out of reach wherever it lies", "another height or tool"))
     return float(np.quantile(x[possible], values["near"]))
@@ -157,9 +138,7 @@ def plan(robot: Robot, points: Array, tilts: tuple[float, ...], values: Values) 
     """The SMR at each point (M, 3), the tool straight down and tilted about its y [deg]."""
     R = np.array([path_shapes.tilted(tilt) for tilt in tilts] * len(points))
     smr = (values["smr_x"], values["smr_y"], values["smr_z"])
-    path = Path(10.0 * np.arange(len(R), dtype=float), X=pose(np.repeat(points, len(tilts), axis=0), R))
-    tool = pose(np.array([smr]), np.eye(3)[None])[0]
-    q = nominal_joints(robot, path, tool, start=START)
+    q = joints(robot, np.repeat(points, len(tilts), axis=0) - R @ smr, R)
     side = [values.get("side_x", 0.0), values.get("side_y", 0.0), 0.0, 0.0, 0.0, 0.0]
     return planned(
         robot,

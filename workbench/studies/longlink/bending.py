@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from workbench import Array, Robot, by_joint, deflection_budget, planned
+from workbench import Array, Robot, by_joint, deflection_budget, planned, problem_of
 
 from .arm import ARM
 from .figures import Chapter, budget_figure
 from .printed import TABLE_1, TABLE_2
+
+BEARING_SHARES = (0.25, 0.5, 0.75, 1.0)  # d₁/(d₁ + d₂)
 
 
 def what_bends(robot: Robot, seed: int, count: int) -> Chapter:
@@ -30,8 +34,25 @@ def what_bends(robot: Robot, seed: int, count: int) -> Chapter:
         "bending_loaded_mm": float(mean_mm(loaded.parts["link"].sum(axis=1))),
         "bending_eq21_mm": float(printed.max()),
         "sag_mm": float(mean_mm(own.whole)),
+        "link_7_um": 1e6 * last_link(robot),
+        **{f"sag_share_{int(100 * share)}_mm": shared(own.parts, share) for share in BEARING_SHARES},
     }
     return Chapter(numbers, {"budget": budget_figure(size_loaded, float(mean_mm(loaded.whole)))})
+
+
+def last_link(robot: Robot) -> float:
+    """Deflection [m] of link 7's end by its own weight, held level: a cantilever with an even load, w = m g
+    l³/8EI."""
+    arm = problem_of(planned(robot, np.zeros((1, 7)))).arm
+    length, stiffness = float(TABLE_2[6, 3]), TABLE_1[6]
+    return float(arm.mass[7] * np.linalg.norm(arm.gravity) * length**3 / (8 * stiffness))
+
+
+def shared(parts: Mapping[str, Array], share: float) -> float:
+    """Mean motion [mm] of the tip where the reducer takes this share d₁/(d₁ + d₂) of the overturning, eqs.
+    (14), (15)."""
+    moved = parts["torsion"] + share * parts["overturning"] + parts["link"]
+    return float(mean_mm(moved.sum(axis=1)))
 
 
 def mean_mm(moved: Array) -> Array:

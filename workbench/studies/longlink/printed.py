@@ -39,6 +39,7 @@ def by_name() -> dict[str, float]:
     for which, table in {"ii": TABLE_2, "iii": TABLE_3}.items():
         for letter, column in zip(("theta", "alpha", "a", "d"), in_print(table).T, strict=True):
             named |= by_joint(f"{letter}_{which}", column)
+    named["alpha_off_1"] = named["alpha_iii_1"] - named["alpha_ii_1"]
     return {**named, "d_iii_23": named["d_iii_2"] + named["d_iii_3"]}
 
 

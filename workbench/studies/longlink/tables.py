@@ -11,7 +11,11 @@ from .arm import ARM
 from .figures import Chapter, entries_table, tables_figure
 from .printed import BEFORE, JUDGED, TABLE_2, TABLE_3
 
-RANGES = {"45": (45, -9.0), "60": (60, -9.0), "90": (90, -9.0), "floor": (90, -0.9)}  # ± °, lowest z [m]
+RANGES = {
+    **{str(limit): (limit, -9.0) for limit in (30, 45, 60, 90, 120)},
+    **{f"floor_{limit}": (limit, -0.9) for limit in (30, 45, 60, 90, 120)},
+}
+"""[°, m] ± range of the joints and lowest z of the poses that count."""
 
 
 def two_tables(seed: int, count: int) -> Chapter:
@@ -20,12 +24,15 @@ def two_tables(seed: int, count: int) -> Chapter:
     for name, (limit, lowest) in RANGES.items():
         q = ARM.poses(count, seed, limit)
         where = dh.chain(TABLE_2, q)[:, :, :3, 3]
-        size = np.linalg.norm(1e3 * (dh.chain(TABLE_3, q)[:, -1, :3, 3] - where[:, -1]), axis=1)
-        size = size[where[:, 3:, 2].min(axis=1) > lowest]
+        error = 1e3 * (dh.chain(TABLE_3, q)[:, -1, :3, 3] - where[:, -1])
+        kept = where[:, 3:, 2].min(axis=1) > lowest
+        size = np.linalg.norm(error[kept], axis=1)
         scatter = float(size.std() / np.sqrt(JUDGED))
         low, high = np.quantile(size, (0.05, 0.95))
         numbers |= {f"mean_{name}_mm": size.mean(), f"low_{name}_mm": low, f"high_{name}_mm": high}
         numbers |= {f"scatter_{name}_mm": scatter, f"away_{name}": (BEFORE - size.mean()) / scatter}
+        numbers[f"above_{name}"] = float(len(size) / count)
+        numbers[f"z_{name}"] = z_largest(error[kept])
 
     q = ARM.poses(count, seed)
     whole = moved(TABLE_3, q)
@@ -35,7 +42,6 @@ def two_tables(seed: int, count: int) -> Chapter:
         "without_alpha_1_mm": without["α₁"],
         "share_alpha_1": shares["α₁"],
         "share_lengths": sum(share for name, share in shares.items() if name[0] in "ad"),
-        "z_largest": z_largest(whole),
     }
     return Chapter(numbers, {"tables": tables_figure(size, BEFORE), "entries": entries_table(sizes, shares)})
 

@@ -1,0 +1,104 @@
+"""What the page may say: its claims, each checked over the draws that it hangs on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench import Array, Claim, Draws, Judged, Stand, checked
+
+from .patterns import RANGE_1, SEEN, large_ones
+
+TENTH = 0.1
+ODDS = 100.0  # against an account, beyond its error, that exclude it
+FEWEST = 5  # draws
+
+LINKAGES = (
+    Claim(
+        "spring_small",
+        "a gas spring that the arm can hold changes joint 2's stiffness by less than a tenth of Table I",
+        lambda n: n["share_of_table"] < TENTH,
+    ),
+)
+FITS = (
+    Claim(
+        "no_spring_fits", "no gas spring of any strength fits Table I, p < 1 %", lambda n: n["fit_p"] < SEEN
+    ),
+)
+MACHINES = (
+    Claim("soft_short", "a soft gear makes less than Table I's range", lambda n: n["range_soft"] < RANGE_1),
+    Claim("soft_seen", "the pairs' own residual shows a soft gear", lambda n: n["resid_soft"] < SEEN),
+)
+RISING = (
+    Claim(
+        "soft_against", "a soft gear runs against Table I where its angles rise", lambda n: n["r_soft"] < 0
+    ),
+)
+FALLING = (
+    Claim("soft_with", "a soft gear runs with Table I where its angles fall", lambda n: n["r_soft"] > 0),
+)
+DECIDING = (
+    Claim("pairs_decide", "pairs read as absolute poses tell all machines", lambda n: n["apart_pairs"] == 1),
+    Claim(
+        "torque_decides", "three loads with motor torque tell all machines", lambda n: n["apart_torque"] == 1
+    ),
+)
+
+
+def stands(
+    numbers: Mapping[str, float],
+    judged: Judged,
+    linkages: Draws,
+    machines: Draws,
+    soft: Draws,
+    deciding: Draws,
+) -> dict[str, Stand]:
+    """All claims of the page."""
+    fits = only(linkages, np.isfinite(linkages.numbers["fit_p"]))
+    rising, falling = (only(soft, large_ones(soft, sign)) for sign in (1, -1))
+    each = (
+        (LINKAGES, linkages), (FITS, fits), (MACHINES, machines), (RISING, rising), (FALLING, falling),
+        (DECIDING, deciding),
+    )  # fmt: skip
+    found: dict[str, Stand] = {}
+    for claims, draws in each:
+        if draws.count < FEWEST:  # too few of these to say anything
+            found |= {claim.name: Stand(claim.words, 0.0, 0, False) for claim in claims}
+            continue
+        middle = {name: float(np.median(column)) for name, column in draws.numbers.items()}
+        found |= checked(claims, {**numbers, **middle}, draws)
+    return found | checked(of_odds(judged), numbers)
+
+
+def of_odds(judged: Judged) -> tuple[Claim, ...]:
+    """Claims that hang on the odds of this run."""
+    names = [a.name for a in judged.accounts]
+    named = [name for name in names if name != "nameless"]
+    left = [name for name in names if not excluded(judged, name)]
+    return (
+        Claim("gas_out", "odds of 100 to 1 against a gas spring that the arm can hold",
+              lambda _: excluded(judged, "gas")),
+        Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
+              lambda _: len(left) > 1),
+        Claim("yardstick", "no named account excludes a scatter without a name",
+              lambda _: not any(excluded(judged, "nameless", by=name) for name in named)),
+    )  # fmt: skip
+
+
+def excluded(judged: Judged, name: str, by: str | None = None) -> bool:
+    """Whether the odds are above `ODDS` against an account, beyond the Monte-Carlo errors of both, by
+    the best account or the one named."""
+    evidence = judged.evidence
+    other = max(evidence.values(), key=lambda e: e.log10) if by is None else evidence[by]
+    error = float(np.hypot(other.error, evidence[name].error))
+    return bool(other.log10 - evidence[name].log10 > np.log10(ODDS) + error)
+
+
+def only(draws: Draws, at: Array) -> Draws:
+    """Some of the draws; at: (D,) bool."""
+    return Draws(
+        draws.priors,
+        {name: column[at] for name, column in draws.values.items()},
+        {name: column[at] for name, column in draws.numbers.items()},
+    )

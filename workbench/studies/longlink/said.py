@@ -1,0 +1,69 @@
+"""What the page may say: its claims, each checked over the draws that it hangs on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench import Claim, Draws, Judged, Stand, checked
+
+from .circular import HALF_ALPHA
+from .printed import BEFORE
+from .stories import OWN
+
+ODDS = 100.0  # to the best account, beyond their errors, that exclude an account
+
+ARMS = (
+    Claim("circular", "of an arm that only sags, the fitted table makes four fifths or more of the error",
+          lambda n: n["share_sag"] > 0.8),
+    Claim("alpha_tells", "no sag makes half of the printed twist α₁",
+          lambda n: max(abs(n["alpha_1_sag"]), abs(n["alpha_1_free"])) < HALF_ALPHA),
+)  # fmt: skip
+HIDDEN = (
+    Claim(
+        "two_finds",
+        "25 points without and with a payload find a softer joint 6",
+        lambda n: n["found_two"] == 1,
+    ),
+    Claim("one_misses", "25 unloaded points do not find it", lambda n: n["found_one"] == 0),
+)
+
+
+def stands(numbers: Mapping[str, float], judged: Judged, arms: Draws, hidden: Draws) -> dict[str, Stand]:
+    """All claims of the page."""
+    found: dict[str, Stand] = {}
+    for claims, draws in ((ARMS, arms), (HIDDEN, hidden)):
+        middle = {name: float(np.median(column)) for name, column in draws.numbers.items()}
+        found |= checked(claims, {**numbers, **middle}, draws)
+    return found | checked((*of_odds(judged), *of_run()), numbers)
+
+
+def of_odds(judged: Judged) -> tuple[Claim, ...]:
+    """Claims that hang on the odds of this run."""
+    left = [name for name in OWN if not excluded(judged, name)]
+    return (
+        Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
+              lambda _: len(left) > 1),
+    )  # fmt: skip
+
+
+def excluded(judged: Judged, name: str) -> bool:
+    """Whether the odds to the best account are above `ODDS` against one, beyond the Monte-Carlo errors
+    of both."""
+    best, own = max(judged.evidence.values(), key=lambda e: e.log10), judged.evidence[name]
+    return bool(best.log10 - own.log10 > np.log10(ODDS) + np.hypot(best.error, own.error))
+
+
+def of_run() -> tuple[Claim, ...]:
+    """Claims on the numbers of this run alone."""
+    return (
+        Claim("tables_near", "at ±90° the tables differ by the printed error, within two standard deviations",
+              lambda n: abs(n["away_90"]) < 2),
+        Claim("links_stiff", "links of the printed stiffness bend by less than a hundredth of the error",
+              lambda n: n["bending_loaded_mm"] < 0.01 * BEFORE),
+        Claim("once_enough", "(26) once leaves less than a tenth where the compliance is known",
+              lambda n: n["known_once_mm"] < 0.1 * n["known_none_mm"]),
+        Claim("sag_in_zeros", "joints taken as rigid turn θ₂ and θ₃ downwards, as printed",
+              lambda n: n["sag_2_deg"] > 0 and n["sag_3_deg"] > 0),
+    )  # fmt: skip
