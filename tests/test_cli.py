@@ -489,7 +489,7 @@ def test_options_stand_where_they_act():
     assert having["out"] == set(COMMANDS) - {"robots", "causes"}
     assert having["seed"] == having["out"] - {"init", "check", "export", "compare", "study archive"}
     assert having["quick"] == {"demo", "plan", "verify", "study blind"} | STUDIES
-    assert having["workers"] == {"verify"} | BLIND | STUDIES
+    assert having["workers"] == {"verify", "study followup"} | BLIND | STUDIES
     assert having["resume"] == {"study blind", "study followup"} | STUDIES
     assert having["draws"] == {"study blind", "study followup"}
 

@@ -74,7 +74,7 @@ def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
     if finding.status == "named" or finding.cause == UNKNOWN:
         return None
     own = [i for i, e in enumerate(outcome.fit.model.effects) if e.key == (finding.cause, finding.where)]
-    keys = {(rival.cause, rival.where) for rival in finding.rivals if rival.cause != UNKNOWN}
+    keys = dict.fromkeys((rival.cause, rival.where) for rival in finding.rivals if rival.cause != UNKNOWN)
     kinds = [catalogue()[cause] for cause in dict.fromkeys(cause for cause, _ in keys)]
     rivals = tuple(e for kind in kinds for e in kind.sites(outcome.problem) if e.key in keys)
     if not own or not rivals:
