@@ -41,7 +41,7 @@ KR300_PRESSURES = 1e5 * np.array([170, 167, 164, 162, 164, 170, 180, 190, 200])
 """[Pa] Table there: as gauged."""
 
 KR300_TANKS, KR300_PISTON = 2 * 0.48e-3, float(np.pi / 4 * (0.055**2 - 0.030**2))
-"""[m³, m²] two tanks of 0.48 l, and the ring of a 55 mm piston about a 30 mm rod, from there."""
+"""[m³, m²] Table there: two tanks of 0.48 l, and the ring of a 55 mm piston about a 30 mm rod."""
 
 NUMBERS = {
     "configurations": float(CONFIGURATIONS),
