@@ -19,6 +19,7 @@ from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
+from .remainder import GLOBAL_LEVEL, remainder
 from .replication import replicated
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
@@ -187,7 +188,7 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
         found = _fitted(at, effects, base)
         tried.append(_Round(found, competition, members, rms_mm(heldout(found))))
-        if noise_known:
+        if noise_known and (base is not stated or remainder(found, True).p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(found, noise_dof)))
             found = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
         same = len(tried) > 1 and set(effects) == set(tried[-2].found.model.effects)

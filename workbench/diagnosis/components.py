@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..campaign.problem import Problem
 from ..effects.base import UNKNOWN, Effect
 from ..effects.place import Where
 from ..identification.fit import Fit
@@ -112,10 +113,12 @@ def log_odds_of(effect: Effect, sites: int) -> float:
     return float(np.log(p / (1 - p)))
 
 
-def form_of(fit: Fit, effects: tuple[Effect, ...]) -> Form:
-    """Effects together as one form, each parameter in its usual size."""
+def form_of(fit: Fit, effects: tuple[Effect, ...], about: Problem | None = None) -> Form:
+    """Effects together as one form, each parameter in its usual size; with the companions that they have in a
+    problem (default: the fit's own)."""
+    about = about or fit.model.problem
     shares = [(1.0, effect) for effect in effects]
-    shares += [pair for effect in effects for pair in effect.companions(fit.model.problem)]
+    shares += [pair for effect in effects for pair in effect.companions(about)]
     blocks, sizes = [], []
     for share, effect in shares:
         usual = np.array([p.typical for p in effect.params])

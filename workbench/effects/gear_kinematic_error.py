@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -45,11 +45,6 @@ class GearKinematicError(TransmissionEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         return (Param("sin", "rad", 3e-5), Param("cos", "rad", 3e-5))
-
-    def companions(self, problem: Problem) -> Sequence[tuple[float, GearKinematicError]]:
-        """A real gear has half and twice the frequency as well."""
-        orders = (0.5 * self.order, 2.0 * self.order)
-        return [(0.25, replace(self, where=replace(self.where, order=k), variant="")) for k in orders]
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:

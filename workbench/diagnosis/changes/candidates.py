@@ -140,7 +140,7 @@ def _candidate(effect: Effect, change: bool, shapes: Sequence[Shape], odds: floa
 
 def _shape(occasions: Sequence[Occasion], effects: tuple[Effect, ...]) -> Shape:
     """Effects over the rows of all occasions, in the sizes of where they show most."""
-    forms = [form_of(one.fit, effects) for one in occasions]
+    forms = [form_of(one.fit, effects, occasions[0].fit.model.problem) for one in occasions]
     sizes = np.min([form.sizes for form in forms], axis=0)
     columns = [form.columns.reshape(-1, len(sizes)) * sizes for form in forms]
     pattern = np.ones(len(occasions))

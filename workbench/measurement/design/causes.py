@@ -60,7 +60,7 @@ def split_causes(text: str) -> list[str]:
 def has_size(cause: str) -> bool:
     """Whether a cause of `--tell` has numbers, as `--effect` takes them."""
     pairs = (part.partition("=") for part in cause.partition(":")[2].split(",") if part)
-    return any(key not in KEYS for key, _, _ in pairs)
+    return any(equals and key not in KEYS for key, equals, _ in pairs)
 
 
 def named_causes(text: str) -> tuple[NamedCause, ...]:
