@@ -54,11 +54,10 @@ def diagnose(
     """What the simulation gets wrong, why, and the gain of saying so.
 
     campaigns: one, or several of one robot, which are fitted together; each as loaded, or the path of its
-    campaign.toml. test: poses kept apart; nothing is
-    fitted on it but the frame and targets of set-ups that the campaigns do not have. progress: is told
-    each step in words. seed: of the groups of poses that are held out in turn. known: facts beside those of
-    `[known]`, as `--known` takes them. Raises `InputError` where
-    the data are unusable.
+    campaign.toml. test: poses kept apart; nothing is fitted on it but the frame and targets of set-ups that
+    the campaigns do not have. progress: is told each step in words. seed: of the groups of poses that are
+    held out in turn. known: facts beside those of `[known]`, as `--known` takes them. Raises `InputError`
+    where the data are unusable.
 
     >>> import numpy as np
     >>> from workbench import Truth, load_robot, parse_effect, planned, problem, random_poses
