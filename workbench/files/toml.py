@@ -18,8 +18,9 @@ SHOWN = 40  # of which a message shows
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The content of a TOML file; `InputError` where it is none or cannot be read."""
+    text = read_text(path)
     try:
-        content = tomllib.loads(read_text(path))
+        content = tomllib.loads(text)
     except ValueError as error:  # TOMLDecodeError, or an integer of thousands of digits
         raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
     except RecursionError:
