@@ -16,8 +16,8 @@ from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome, diagnose
 from ...effects.base import UNKNOWN
 from ...measurement.design import follow_up, what_decides
-from ...measurement.design.decide import Tie, settled_at, tie_of, told_apart
 from ...measurement.design.prior_information import DRIVE_TORQUE
+from ...measurement.design.ties import Tie, settled_at, tie_of, told_apart
 from ...simulation.virtual_campaign import simulate
 from ..blind.cases import Case, draw_case, true_robot
 from ..blind.score import facts, key_of, label_of
