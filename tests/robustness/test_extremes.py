@@ -95,6 +95,8 @@ def test_limits_that_hold_nothing_are_none(tmp_path: Path) -> None:
         ("gear_ratio = 100.0", "gear_ratio = -1e16", "joints.gear_ratio: -1e+16 is beyond all measure"),
         ("gear_ratio = 100.0", "gear_ratio = 1e-9", "no gear has such a ratio"),
         ("gravity = [0.0, 0.0, -9.8]", "gravity = [0.0, 0.0, 1e400]", "gravity: inf is beyond all measure"),
+        ("stiffness = 1e6", f"stiffness = 1{'0' * 400}", "an integer of 401 digits is beyond all measure"),
+        ("stiffness = 1e6", f"stiffness = 1{'0' * 5000}", "is not TOML"),
         ("stiffness = 1e6", "stiffness = 1e-10", "greater than or equal to 0.000000001"),
     ],
 )

@@ -79,9 +79,8 @@ class Export:
 
     base: (4, 4) frame in the controller's world in which the poses are stated; joints: targets of joints in
     place of poses; tolerance_mm: how far the fewest lines and circles may leave the path's points, 0 keeps
-    them
-    all; as_urdf: joints and frames as the URDF has them, whatever the controller counts; keep: files that
-    are there already are not replaced.
+    them all; as_urdf: joints and frames as the URDF has them, whatever the controller counts; keep: files
+    that are there already are not replaced.
     """
 
     base: Array | None = None

@@ -154,7 +154,7 @@ def path_text(
     path's (where neither says, all turn)."""
     columns: list[tuple[Column, Array]] = [(TIME, path.time)]
     if path.q is not None:
-        sliding = tuple(joint.kind == "prismatic" for joint in robot.joints) if robot else path.sliding
+        sliding = robot.sliding if robot else path.sliding
         for index, slides in enumerate(sliding or (False,) * path.q.shape[1]):
             dimension = "length" if slides else "angle"
             columns.append((Column(f"q{index + 1}", (dimension,)), path.q[:, index]))

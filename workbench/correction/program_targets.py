@@ -31,7 +31,7 @@ class Frames:
     def check(self, moves: Sequence[Move], unknown: Mapping[str, str]) -> None:
         """Six turning joints, no rails, and all frames known."""
         faults = []
-        if len(self.robot.joints) != 6 or any(joint.kind == "prismatic" for joint in self.robot.joints):
+        if len(self.robot.joints) != 6 or any(self.robot.sliding):
             what = "has not six turning joints: its programs are not corrected in place"
             faults.append(Fault(self.robot.name, what, "export the path anew"))
         faults += [

@@ -19,11 +19,10 @@ from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
-from .remainder import GLOBAL_LEVEL, remainder
+from .remainder import GLOBAL_LEVEL, Remainder, remainder
 from .replication import replicated
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
-from .screen import effective_dof
 from .sets import Chosen, Competition, Member, Shares
 from .stages import Group, rms_mm
 
@@ -188,8 +187,9 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
         found = _fitted(at, effects, base)
         tried.append(_Round(found, competition, members, rms_mm(heldout(found))))
-        if noise_known and (base is not stated or remainder(found, True).p < GLOBAL_LEVEL):
-            base = stated.times(max(1.0, base.usual / stated.usual * _misfit(found, noise_dof)))
+        left = remainder(found, noise_known)
+        if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
+            base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
             found = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
         same = len(tried) > 1 and set(effects) == set(tried[-2].found.model.effects)
         at = found
@@ -198,9 +198,9 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
     return min(tried, key=lambda one: one.heldout_mm)
 
 
-def _misfit(found: Fit, noise_dof: float) -> float:
+def _misfit(left: Remainder, noise_dof: float) -> float:
     """What a fit leaves, over its noise: as far as this is known with so many degrees of freedom."""
-    return float(np.sqrt((noise_dof + found.chi2) / (noise_dof + effective_dof(found))))
+    return float(np.sqrt((noise_dof + left.chi2) / (noise_dof + left.dof)))
 
 
 def _no_better(errors: Sequence[float]) -> bool:

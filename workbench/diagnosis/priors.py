@@ -9,14 +9,13 @@ from dataclasses import dataclass
 class Priors:
     """cause: probability that a campaign shows some effect of one cause (shared by its places). line: the
     same of a gear line of unknown order. free: of a function without a name, by what it is a function of.
-    unstated: of a yield for which the model has no number, at each place. scales: sizes of an effect in
-    usual sizes, with half-Cauchy weights 1/(1 + s²) per s; largest: beyond which nothing passes for a
-    cause. noise_dof: how well a stated noise is known (its
-    sigma to 4 %). wrong_sign: probability that a number that physics holds to one sign has the other.
-    named: probability from which a cause is named; listed: share of the probability that the cause and its
-    rivals must cover, faintest_rival: probability below which a rival is not
-    worth a word; absent: probability of nothing there from which a cause is not reported. joint_yields,
-    tilt_yields: usual motion of a yield [rad] at the campaign's largest load."""
+    unstated: of a yield for which the model has no number, at each place. scales: sizes of an effect in usual
+    sizes, with half-Cauchy weights 1/(1 + s²) per s; largest: beyond which nothing passes for a cause.
+    noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
+    physics holds to one sign has the other. named: probability from which a cause is named; listed: share of
+    the probability that the cause and its rivals must cover, faintest_rival: probability below which a rival
+    is not worth a word; absent: probability of nothing there from which a cause is not reported.
+    joint_yields, tilt_yields: usual motion of a yield [rad] at the campaign's largest load."""
 
     cause: float = 0.03
     line: float = 0.02

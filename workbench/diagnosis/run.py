@@ -54,11 +54,10 @@ def diagnose(
     """What the simulation gets wrong, why, and the gain of saying so.
 
     campaigns: one, or several of one robot, which are fitted together; each as loaded, or the path of its
-    campaign.toml. test: poses kept apart; nothing is
-    fitted on it but the frame and targets of set-ups that the campaigns do not have. progress: is told
-    each step in words. seed: of the groups of poses that are held out in turn. known: facts beside those of
-    `[known]`, as `--known` takes them. Raises `InputError` where
-    the data are unusable.
+    campaign.toml. test: poses kept apart; nothing is fitted on it but the frame and targets of set-ups that
+    the campaigns do not have. progress: is told each step in words. seed: of the groups of poses that are
+    held out in turn. known: facts beside those of `[known]`, as `--known` takes them. Raises `InputError`
+    where the data are unusable.
 
     >>> import numpy as np
     >>> from workbench import Truth, load_robot, parse_effect, planned, problem, random_poses
@@ -99,33 +98,33 @@ def _loaded(given: Given) -> Campaign:
 def _worth_it(selection: Selection, seed: int) -> Selection:
     """Without effects that bring the tool no nearer to its place on poses that they were not fitted on. Where
     something is left without a name, causes that bring less than a tenth of the noise keep none either."""
-    kept = selection
+    kept, error = selection, rms_mm(heldout(selection.fit, seed=seed))
     while kept.fit.model.effects:
-        gains = _gains(kept, seed)
+        gains = _gains(kept, error, seed)
         worst = int(np.argmin(gains))
         if gains[worst] > 0:
             break
         rest = [effect for i, effect in enumerate(kept.fit.model.effects) if i != worst]
         fit = refit(kept.fit, rest)
-        if rms_mm(heldout(fit, seed=seed)) > rms_mm(heldout(kept.fit, seed=seed)):
+        after = rms_mm(heldout(fit, seed=seed))
+        if after > error:
             break  # it holds others in place
-        kept = replace(kept, fit=fit)
+        kept, error = replace(kept, fit=fit), after
     result, nameless = kept.fit, kept.nameless
     if not nameless:
         return kept
-    left = rms_mm(heldout(result, seed=seed)) / np.sqrt(3)
-    least = FAINT * max(1e3 * result.noise.usual, left)
+    least = FAINT * max(1e3 * result.noise.usual, error / np.sqrt(3))
     alone = without(result, nameless, seed)
     gains_mm = {e.key: without(result, [*nameless, *own], seed) - alone for e, own in kept.groups}
     together = without(result, range(len(result.model.effects)), seed) - alone
     return replace(kept, faint=frozenset(k for k, gain in gains_mm.items() if min(gain, together) < least))
 
 
-def _gains(selection: Selection, seed: int) -> list[float]:
+def _gains(selection: Selection, whole: float, seed: int) -> list[float]:
     """What each effect brings [mm] on poses held out: one with a name beside the others that have one, one
-    without beside all."""
+    without beside all. whole: RMS [mm] with all."""
     fit, nameless = selection.fit, selection.nameless
-    whole, named = rms_mm(heldout(fit, seed=seed)), without(fit, nameless, seed)
+    named = without(fit, nameless, seed)
     return [
         without(fit, [i], seed) - whole if i in nameless else without(fit, [*nameless, i], seed) - named
         for i in range(len(fit.model.effects))

@@ -50,21 +50,12 @@ class Forms:
 
     def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
         self.reduced, self.components = reduced, components
-        groups: dict[int, list[tuple[int, int, slice, bool, bool]]] = {}
+        rows: dict[int, list[tuple[int, int, Array, bool, bool]]] = {}  # by the number of columns
         for k, component in enumerate(components):
             for f, (form, part) in enumerate(zip(component.forms, reduced.parts[k], strict=True)):
-                row = (k, f, part, form.one_sided, not component.nameless)
-                groups.setdefault(part.stop - part.start, []).append(row)
-        self.groups = [
-            (
-                np.array([row[0] for row in rows]),
-                np.array([row[1] for row in rows]),
-                np.array([np.arange(row[2].start, row[2].stop) for row in rows]),
-                np.array([row[3] for row in rows]),
-                np.array([row[4] for row in rows]),
-            )
-            for rows in groups.values()
-        ]
+                row = (k, f, np.arange(part.start, part.stop), form.one_sided, not component.nameless)
+                rows.setdefault(part.stop - part.start, []).append(row)
+        self.groups = [tuple(map(np.array, zip(*group, strict=True))) for group in rows.values()]
 
     def weigh(self, left_of: Blocks, explained: float, allowed: NDArray[np.bool_]) -> dict[int, Weight]:
         """Weights of the components `allowed`. left_of: S (F, p, p) and u (F, p) that a set leaves of blocks

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -21,46 +20,48 @@ def read_toml(path: Path) -> dict[str, Any]:
     """The content of a TOML file; `InputError` where it is none or cannot be read."""
     try:
         content = tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # TOMLDecodeError, or an integer of thousands of digits
         raise InputError(Fault(str(path), f"is not TOML: {error}")) from None
     except RecursionError:
         raise InputError(Fault(str(path), "is nested too deep", "take brackets out")) from None
+    leaves = list(_leaves(content))
     faults = [
         Fault(f"{path}: {place}", f"{text[:SHOWN]!r} {what}", mend)
-        for place, text in _texts(content)
+        for place, text in leaves
+        if isinstance(text, str)
         for what, mend in _faults(text)
     ]
     if faults:
         raise InputError(counted(faults))
-    if huge := [Fault(f"{path}: {place}", f"{value:g} is beyond all measure", "mend the number")
-                for place, value in _numbers(content) if beyond(value)]:  # fmt: skip
+    huge = [
+        Fault(f"{path}: {place}", f"{_number(value)} is beyond all measure", "mend the number")
+        for place, value in leaves
+        if isinstance(value, int | float) and value == value and beyond(value)  # NaN is the schema's matter
+    ]
+    if huge:
         raise InputError(counted(huge))
     return content
 
 
-def _numbers(content: Any, place: str = "") -> Iterator[tuple[str, float]]:
-    """Every number in a TOML's content with its place; what is no number at all is the schema's matter."""
-    if isinstance(content, int | float) and not math.isnan(content):
-        yield place, content
-    elif isinstance(content, Mapping):
-        for key, value in content.items():
-            yield from _numbers(value, f"{place}.{key}" if place else key)
-    elif isinstance(content, Sequence) and not isinstance(content, str):
-        for value in content:
-            yield from _numbers(value, place)
-
-
-def _texts(content: Any, place: str = "") -> Iterator[tuple[str, str]]:
-    """Every text in a TOML's content, keys too, with its place."""
-    if isinstance(content, str):
-        yield place, content
-    elif isinstance(content, Mapping):
+def _leaves(content: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+    """Every value in a TOML's content, keys too, with its place."""
+    if isinstance(content, Mapping):
         for key, value in content.items():
             yield place or "top", key
-            yield from _texts(value, f"{place}.{key[:SHOWN]}" if place else key[:SHOWN])
-    elif isinstance(content, Sequence):
+            yield from _leaves(value, f"{place}.{key[:SHOWN]}" if place else key[:SHOWN])
+    elif isinstance(content, Sequence) and not isinstance(content, str):
         for value in content:
-            yield from _texts(value, place)
+            yield from _leaves(value, place)
+    else:
+        yield place, content
+
+
+def _number(value: float) -> str:
+    """A number in few characters; Python's integers may be too large for `g`."""
+    try:
+        return f"{value:g}"
+    except OverflowError:
+        return f"an integer of {len(str(abs(value)))} digits"
 
 
 def _faults(text: str) -> Iterator[tuple[str, str]]:

@@ -172,7 +172,7 @@ def fit(
             at = equations(model, at.line, cols, at.state, W)
         normal = _normal(model, cols, at, W)
     J = normal.J.reshape(*at.r.shape, -1)
-    upper = full_step(J.reshape(-1, J.shape[2]), at.r.ravel(), at.offset, cols.prior, 0.0)[1]
+    upper = full_step(normal.J, normal.r, normal.offset, cols.prior, 0.0)[1]
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
     return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, iteration + 1, converged)
 

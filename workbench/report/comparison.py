@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..diagnosis.changes.result import Change, Comparison, Track, Unchanged
+from ..diagnosis.changes.result import Apart, Change, Comparison, Track, Unchanged
 from . import charts
 from .drawing import Figure
 from .folder import json_bytes, write_together
@@ -45,7 +45,7 @@ def short_comparison(comparison: Comparison, folder: Path | None) -> str:
         lines += [f"            {line}" for line in change["lines"]]
     lines += ["", "  not the robot:"]
     lines += [f"            {line}" for line in said["apart_lines"]]
-    seen = [u for u in comparison.unchanged if u.side == "robot" and u.cause == "geometry"]
+    seen = _geometry(comparison)
     lines += ["", "  did not change, and what would have been seen (80 % power):"]
     lines += [f"            {' '.join(row)}" for row in (_row(u) for u in seen[:LISTED])]
     lines += [f"            and {len(seen) - LISTED} more numbers"] if len(seen) > LISTED else []
@@ -57,7 +57,7 @@ def short_comparison(comparison: Comparison, folder: Path | None) -> str:
 
 def said_of(comparison: Comparison) -> dict[str, Any]:
     """What the templates read, all of it ready text."""
-    robot = [u for u in comparison.unchanged if u.side == "robot"]
+    apart = _apart(comparison)
     return {
         "title": comparison.title,
         "headline": comparison.headline,
@@ -65,17 +65,22 @@ def said_of(comparison: Comparison) -> dict[str, Any]:
         "campaigns": [[c, str(n)] for c, n in zip(comparison.campaigns, comparison.n_poses, strict=True)],
         "changes": [_change(change) for change in comparison.changes],
         "within": f"{mm(comparison.within_mm)} mm",
-        "unchanged": [_row(u) for u in robot if u.cause == "geometry"],
+        "unchanged": [_row(u) for u in _geometry(comparison)],
         "causes": [_row(u) for u in comparison.unchanged if u.cause != "geometry"],
         "unseen": [[u.label, f"{NOT_TOLD} {u.same_as}"] for u in comparison.unseen],
         "repeats": [
             [r.label, r.status, f"within {percent(r.share, 0)} of its size"] for r in comparison.repeats
         ],
-        "apart": _apart(comparison),
-        "apart_lines": [" · ".join(filter(None, row)) for row in _apart(comparison)],
+        "apart": apart,
+        "apart_lines": [" · ".join(filter(None, row)) for row in apart],
         "notes": list(comparison.notes),
         "version": version("robot-workbench"),
     }
+
+
+def _geometry(comparison: Comparison) -> list[Unchanged]:
+    """The robot's numbers of geometry that did not change."""
+    return [u for u in comparison.unchanged if u.side == "robot" and u.cause == "geometry"]
 
 
 def _change(change: Change) -> dict[str, Any]:
@@ -113,29 +118,30 @@ def _row(item: Unchanged) -> list[str]:
 
 
 def _apart(comparison: Comparison) -> list[list[str]]:
-    rows = []
-    for one in comparison.apart:
-        moved = [
-            f"{t.target} {sum(v * v for v in t.by_mm) ** 0.5:.3f} mm"
-            for t in one.targets
-            if one.targets_moved
+    """Label, instrument, targets (both against the first campaign), noise and temperature of each."""
+    return [
+        [
+            one.label,
+            *(("", "") if one is comparison.apart[0] else (_instrument(one), _targets(one))),
+            f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), left {mm(one.rms_mm)} mm RMS",
+            "" if one.temperature is None else f"{one.temperature:.1f} °C",
         ]
-        first = one is comparison.apart[0]
-        rows.append(
-            [
-                one.label,
-                ""
-                if first
-                else f"instrument from base: {one.frame_mm:.2f} ± {one.frame_std_mm:.2g} mm and "
-                f"{one.frame_mrad:.2f} ± {one.frame_std_mrad:.2g} mrad from the first",
-                ""
-                if first
-                else (f"targets moved: {', '.join(moved)}" if moved else "targets where they were"),
-                f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), left {mm(one.rms_mm)} mm RMS",
-                "" if one.temperature is None else f"{one.temperature:.1f} °C",
-            ]
-        )
-    return rows
+        for one in comparison.apart
+    ]
+
+
+def _instrument(one: Apart) -> str:
+    return (
+        f"instrument from base: {one.frame_mm:.2f} ± {one.frame_std_mm:.2g} mm and "
+        f"{one.frame_mrad:.2f} ± {one.frame_std_mrad:.2g} mrad from the first"
+    )
+
+
+def _targets(one: Apart) -> str:
+    if not (one.targets and one.targets_moved):
+        return "targets where they were"
+    moved = [f"{t.target} {sum(v * v for v in t.by_mm) ** 0.5:.3f} mm" for t in one.targets]
+    return f"targets moved: {', '.join(moved)}"
 
 
 def chart(tracks: Sequence[Track], labels: Sequence[str]) -> list[Figure]:

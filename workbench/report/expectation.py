@@ -75,7 +75,7 @@ class Expected:
         return "\n".join([f"{self.headline}.", *self.outside, *self.errors.notes])
 
     def to_json(self) -> dict[str, Any]:
-        e, mm = self.errors, 1e3
+        e = self.errors
         names = [target.name for target in e.campaign.targets]
         out: dict[str, Any] = {
             "schema": 1,
@@ -90,7 +90,7 @@ class Expected:
         if self.tolerance is not None:
             before, after = e.share_inside(self.tolerance)
             out["tolerance"] = {
-                "tolerance_mm": mm * self.tolerance,
+                "tolerance_mm": 1e3 * self.tolerance,
                 "nominal_share": before,
                 "corrected_share": after,
             }
@@ -100,9 +100,9 @@ class Expected:
         out["poses"] = [
             {
                 "pose_id": name,
-                "error_mm": mm * float(error),
-                "nominal_bound_mm": mm * float(nominal),
-                "corrected_bound_mm": mm * float(bound),
+                "error_mm": 1e3 * float(error),
+                "nominal_bound_mm": 1e3 * float(nominal),
+                "corrected_bound_mm": 1e3 * float(bound),
                 "outside": said,
             }
             for name, error, nominal, bound, said in rows
@@ -182,16 +182,13 @@ def _map(expected: Expected) -> Figure:
     e = expected.errors
     places, worst = e.places.mean(axis=1), e.worst
     if expected.tolerance is None:
-        levels = np.quantile(worst, [1 / 3, 2 / 3])
-        label = [f"below {1e3 * levels[0]:.3f} mm", "between", f"above {1e3 * levels[1]:.3f} mm"]
+        low, high = np.quantile(worst, [1 / 3, 2 / 3])
+        label = [f"below {1e3 * low:.3f} mm", "between", f"above {1e3 * high:.3f} mm"]
     else:
-        levels = np.array([expected.tolerance, expected.tolerance])
-        label = [
-            f"inside {1e3 * expected.tolerance:.3g} mm",
-            "",
-            f"not inside {1e3 * expected.tolerance:.3g} mm",
-        ]
-    level = np.searchsorted(levels, worst)
+        low = high = expected.tolerance  # nothing is between
+        inside = f"inside {1e3 * low:.3g} mm"
+        label = [inside, "", f"not {inside}"]
+    level = np.searchsorted([low, high], worst)
     with drawing("map", 3.6, columns=2) as (axes, svg):
         for ax, (a, b) in zip(axes, ((0, 2), (0, 1)), strict=True):
             for k, colour in enumerate((AFTER, MIDDLE, BEFORE)):

@@ -28,7 +28,7 @@ from .drawing import (
     drawing,
     plain_log,
 )
-from .numbers import Scale, axis_scale, join, mm, mm_change, significant, words
+from .numbers import Scale, axis_scale, change, mm, mm_change, significant, words
 
 ZERO_SHOWN = 1e-5  # mm: what a logarithmic axis shows for zero
 
@@ -142,10 +142,10 @@ def campaign(diagnosis: Diagnosis) -> Figure | None:
         axes.set_xlim(0, poses.max() + 2)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     share = np.mean(worst_after < worst_before)
+    said = mm_change(float(np.median(worst_before)), float(np.median(worst_after)))
     return Figure(
         "campaign",
-        f"{100 * share:.0f} % of the poses come out better; the median pose's worst point falls from "
-        f"{mm(float(np.median(worst_before)))} to {mm(float(np.median(worst_after)))} mm",
+        f"{100 * share:.0f} % of the poses come out better; the median pose's worst point {said}",
         "Worst error of every pose in the order of the campaign, before and after; dashed: the largest "
         "that noise alone would give in most poses",
         svg[0],
@@ -191,8 +191,8 @@ def _evidence_title(cause: str, seen: Evidence) -> str:
     first = significant(before * scale.factor)
     if cause == "unknown":
         return f"What is left has an RMS of {first} {scale.unit} and is not the same all along {seen.x_name}"
-    last = join(significant(after * scale.factor), scale.unit)
-    return f"With this cause in the model, the RMS of {seen.y_name} falls from {first} to {last}"
+    said = change(first, significant(after * scale.factor), scale.unit, falls=after < before)
+    return f"With this cause in the model, the RMS of {seen.y_name} {said}"
 
 
 def _noise_floor(axes: Any, floor: float, label: str) -> None:

@@ -88,10 +88,14 @@ def mm_change(before: float, after: float) -> str:
     >>> mm_change(1.2, 0.031), mm_change(0.0284, 0.0281)
     ('falls from 1.20 to 0.031 mm', 'stays at 0.028 mm')
     """
-    first, last = mm(before), mm(after)
+    return change(mm(before), mm(after), "mm", falls=after < before)
+
+
+def change(first: str, last: str, unit: str, *, falls: bool) -> str:
+    """What becomes of a number, as a verb, from how it is printed before and after."""
     if first == last:
-        return f"stays at {last} mm"
-    return f"{'falls' if after < before else 'rises'} from {first} to {last} mm"
+        return f"stays at {join(last, unit)}"
+    return f"{'falls' if falls else 'rises'} from {first} to {join(last, unit)}"
 
 
 def percent(value: float, places: int = 1) -> str:

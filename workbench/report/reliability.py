@@ -10,6 +10,7 @@ from typing import Any
 from .drawing import INK, MIDDLE, NOISE, Figure, drawing
 from .numbers import percent
 
+NEAR = 5.0  # %: of classes nearer to each other than that the second has its count under its bar
 COUNTED = Path(__file__).with_name("reliability.json")  # `benchmarks/blind.py` writes it
 
 
@@ -27,16 +28,20 @@ def reliability(classes: Sequence[Mapping[str, Any]], cases: int) -> Figure | No
         return None
     with drawing("reliability", 2.9) as (axes, svg):
         axes.plot([0, 100], [0, 100], "--", color=NOISE, lw=1.4, label="stated as it is")
+        last, under = -NEAR, False
         for row in classes:
-            x = 100 * row["stated"]
-            axes.plot([x, x], [100 * row["low"], 100 * row["high"]], color=MIDDLE, lw=4, alpha=0.35)
-            axes.plot([x], [100 * row["true"]], "o", color=MIDDLE, ms=6)
-            left = x > 90
-            at, count = (x, 100 * row["true"]), str(row["statements"])
-            side = {"xytext": (-7 if left else 7, -4), "ha": "right" if left else "left"}
-            axes.annotate(count, at, fontsize=8, color=INK, textcoords="offset points", **side)
-        axes.set(xlabel="stated, %", ylabel="true, %", xlim=(-3, 103), ylim=(-3, 103))
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0))
+            x, low, true, high = (100 * row[key] for key in ("stated", "low", "true", "high"))
+            axes.plot([x, x], [low, high], color=MIDDLE, lw=4, alpha=0.35)
+            axes.plot([x], [true], "o", color=MIDDLE, ms=6)
+            under = x - last < NEAR and not under
+            at, lift, side = (low, -5, "top") if under else (high, 5, "bottom")
+            words = {"ha": "center", "va": side, "color": INK, "fontsize": 8}
+            axes.annotate(row["statements"], (x, at), (0, lift), textcoords="offset points", **words)
+            last = x
+        axes.plot([], [], "o", color=MIDDLE, ms=6, label="true, with 95 % interval and number of statements")
+        axes.set(xlabel="stated, %", ylabel="true, %", xlim=(-3, 103), ylim=(-3, 112))
+        axes.set_yticks(range(0, 101, 20))
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     most = classes[-1]
     return Figure(
         "reliability",

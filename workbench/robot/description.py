@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..files.faults import Fault, InputError
 from .chain import MovingJoint, read_chain
 from .convention import Controller, Convention, convention_of
@@ -78,10 +81,20 @@ class Robot:
         return tuple(joint.link for joint in self.joints)
 
     @property
+    def sliding(self) -> tuple[bool, ...]:
+        """Which joints slide, base to flange; the others turn."""
+        return tuple(joint.kind == "prismatic" for joint in self.joints)
+
+    @property
+    def repeatability(self) -> NDArray[np.float64]:
+        """(n,) of the joints, one sigma [rad, m]; zero where the TOML states none."""
+        return np.array([joint.data.repeatability or 0.0 for joint in self.joints])
+
+    @property
     def convention(self) -> Convention | None:
         """How the controller counts the joints; None where the TOML does not say."""
-        sliding = [joint.kind == "prismatic" for joint in self.joints]
-        return convention_of(self.controller, self.joint_names, sliding) if self.controller.names else None
+        said = self.controller
+        return convention_of(said, self.joint_names, self.sliding) if said.names else None
 
     def joint(self, name: str) -> Joint:
         """The joint of that name. Raises KeyError when there is none."""

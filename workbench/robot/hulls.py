@@ -46,8 +46,7 @@ def hull_of(name: str, slot: int, points: Array) -> Hull | None:
     try:
         found = ConvexHull(points)
     except QhullError:
-        steps = PLATE / 2 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        points = (points[:, None] + steps).reshape(-1, 3)
+        points = (points[:, None] + box_points([PLATE] * 3)).reshape(-1, 3)
         found = ConvexHull(points)
     planes = np.unique(found.equations.round(12), axis=0)
     return Hull(name, slot, points[found.vertices], planes[:, :3], -planes[:, 3])
@@ -94,7 +93,7 @@ def _shapes(urdf: Urdf, link: str, shown: Pictures) -> list[Array]:
             return found
     ends = [origin_of(urdf.joints[child], place)[0] for child in urdf.children(link)
             if urdf.kind(child) in MOVING]  # fmt: skip
-    box = BONE * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    box = box_points([2 * BONE] * 3)
     return [np.concatenate([box, box + end]) for end in ends if np.linalg.norm(end) > 2 * BONE]
 
 

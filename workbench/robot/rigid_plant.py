@@ -92,7 +92,7 @@ def arrays(robot: Robot, twin: Twin | None = None) -> Arm:
             for R, inertia in zip(R_link, inertias, strict=False)
         ]
     )
-    prismatic = np.array([joint.kind == "prismatic" for joint in robot.joints])
+    prismatic = np.array(robot.sliding)
     return Arm(
         names=robot.joint_names,
         links=(robot.base, *robot.links),

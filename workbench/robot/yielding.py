@@ -49,6 +49,13 @@ class Yielding:
         return rows, np.where(slot[:, None] == slot, Phi, 0.0)
 
 
+def own_compliance(C: Array, k: int) -> float:
+    """What of a slot's compliance C (6, 6) is component k's alone: without what the others carry along."""
+    others = [c for c in range(6) if c != k]
+    coupled = C[k, others] @ np.linalg.pinv(C[np.ix_(others, others)], rcond=1e-9) @ C[others, k]
+    return float(C[k, k] - coupled)
+
+
 def own_yielding(arm: Arm) -> Yielding:
     """The arm's own compliance alone."""
     return Yielding(arm.compliance)

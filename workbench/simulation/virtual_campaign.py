@@ -126,7 +126,7 @@ class _Draws:
 
     def repeatability(self, problem: Problem, truth: Truth) -> Array:
         """(N, S, 6) joint errors of each standstill, common to its targets and shots."""
-        stated = np.array([joint.data.repeatability or 0.0 for joint in problem.robot.joints])
+        stated = problem.robot.repeatability
         sigma = stated if truth.repeatability is None else truth.repeatability
         out = np.zeros((len(problem.q), 6 * problem.arm.slots))
         out[:, problem.arm.axial] = sigma * self._rng(0).normal(size=problem.q.shape)

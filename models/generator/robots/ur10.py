@@ -3,6 +3,7 @@
 from ..design import Design, Limits, Mass, Masses
 from ..kinematics import Table, chain_of
 from ..looks.ur import ur
+from .ur5 import CONTROLLER, JOINTS
 
 KINEMATICS = Table(
     "standard",
@@ -30,14 +31,7 @@ UR10 = Design(
     name="ur10",
     title="Universal Robots UR10",
     chain=chain_of(KINEMATICS),
-    joints=(
-        "shoulder_pan_joint",
-        "shoulder_lift_joint",
-        "elbow_joint",
-        "wrist_1_joint",
-        "wrist_2_joint",
-        "wrist_3_joint",
-    ),
+    joints=JOINTS,
     limits=[
         *[Limits(-360, 360, 120, 330)] * 2,
         Limits(-360, 360, 180, 150),
@@ -46,11 +40,7 @@ UR10 = Design(
     masses=Masses(LINKS, KINEMATICS),
     base_mass=Mass(4.0, (0, 0, 50), box=(190, 190, 110)),
     joint_data={"gear_ratio": (101.0,) * 6},
-    controller={
-        "make": "Universal Robots",
-        "names": ("Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"),
-        "units": ("rad",) * 6,
-    },
+    controller=CONTROLLER,
     source={
         "kinematics": "nominal standard DH table of the manufacturer, controller signs and zeros",
         "limits": "range: manufacturer's data sheet; velocity and torque: recalled from it, unverified",

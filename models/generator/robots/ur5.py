@@ -26,27 +26,31 @@ LINKS = [
     Mass(0.1879, (0, 0, -1.159), box=(75, 75, 40)),
 ]
 
+# Of all robots of this make with six joints.
+JOINTS = (
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
+CONTROLLER = {
+    "make": "Universal Robots",
+    "names": ("Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"),
+    "units": ("rad",) * 6,
+}
+
 UR5 = Design(
     name="ur5",
     title="Universal Robots UR5",
     chain=chain_of(KINEMATICS),
-    joints=(
-        "shoulder_pan_joint",
-        "shoulder_lift_joint",
-        "elbow_joint",
-        "wrist_1_joint",
-        "wrist_2_joint",
-        "wrist_3_joint",
-    ),
+    joints=JOINTS,
     limits=[Limits(-360, 360, 180, 150)] * 3 + [Limits(-360, 360, 180, 28)] * 3,
     masses=Masses(LINKS, KINEMATICS),
     base_mass=Mass(4.0, (0, 0, 40), box=(150, 150, 90)),
     joint_data={"gear_ratio": (101.0,) * 6},
-    controller={
-        "make": "Universal Robots",
-        "names": ("Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"),
-        "units": ("rad",) * 6,
-    },
+    controller=CONTROLLER,
     source={
         "kinematics": "nominal standard DH table of the manufacturer, controller signs and zeros",
         "limits": "manufacturer's data sheet: range, velocity, torque",

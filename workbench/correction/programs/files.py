@@ -62,11 +62,9 @@ def write_program(program: Program, format: Format, out: Path, keep: bool = Fals
     """Checks the program and writes its files, all or none; `InputError` and nothing written otherwise.
 
     out: a file with the format's extension, or a folder, which takes it under the program's own name. A
-    format
-    of several files puts the others beside the file. A program without name is named after `out`. keep:
-    files that
-    are there with other content stay there, and that is a fault; else a warning in the log says what is
-    replaced. Other warnings go to the log too.
+    format of several files puts the others beside the file. A program without name is named after `out`.
+    keep: files that are there with other content stay there, and that is a fault; else a warning in the log
+    says what is replaced. Other warnings go to the log too.
     """
     text = program.name or format.legal_name(out.stem)
     if not program.name and text.casefold() != out.stem.casefold():

@@ -11,6 +11,7 @@ from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.schema import LoadData
+from ..trouble import ranges_of
 from .base import Program
 from .format import Format
 from .shown import as_shown
@@ -42,8 +43,8 @@ def measuring_program(
     robot without `[controller]`.
     """
     q = np.asarray(q, dtype=float)
-    lower, upper = _limits(robot)
-    out = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
+    limits = ranges_of(robot)
+    out = np.argwhere((q < limits.lower - 1e-9) | (q > limits.upper + 1e-9))
     if len(out):
         told = [Fault(f"pose {i + 1}: {robot.joints[j].name}", "is out of its range") for i, j in out]
         raise InputError(told)
@@ -58,7 +59,7 @@ def measuring_program(
         q=np.array([stop for way in ways for stop in way]),
         dwell=np.array([pause for way in ways for pause in [0.0] * (len(way) - 1) + [dwell_s]]),
         kind="joints",
-        sliding=tuple(joint.kind == "prismatic" for joint in robot.joints),
+        sliding=robot.sliding,
         share=share,
         load=load,
     )
@@ -67,12 +68,9 @@ def measuring_program(
 
 def approaches(robot: Robot, q: Array, sides: Array) -> Array:
     """(N, n) where the arm comes to before poses q (N, n), of which sides (N, n) say the last motion."""
-    slides = np.array([joint.kind == "prismatic" for joint in robot.joints])
-    return np.clip(q - sides * np.where(slides, APPROACH[1], APPROACH[0]), *_limits(robot))
-
-
-def _limits(robot: Robot) -> tuple[Array, Array]:
-    return np.array([j.lower for j in robot.joints]), np.array([j.upper for j in robot.joints])
+    before = q - sides * np.where(robot.sliding, APPROACH[1], APPROACH[0])
+    limits = ranges_of(robot)
+    return np.clip(before, limits.lower, limits.upper)
 
 
 def measured(program: Program) -> Program:

@@ -19,7 +19,7 @@ def posture(robot: Robot, convention: Convention, q: Array) -> NDArray[np.bool_]
     q: the URDF's joints. None for an arm that has not six turning joints. In front is where a positive turn
     about axis 2 leans an upright arm; the elbow is up when the forearm leans from the upper arm to that side.
     """
-    if len(robot.joints) != 6 or any(joint.kind == "prismatic" for joint in robot.joints):
+    if len(robot.joints) != 6 or any(robot.sliding):
         return None
     arm = arrays(robot)
     where = frames(arm.with_geometry(np.zeros_like(arm.geometry)), q)

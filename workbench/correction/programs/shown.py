@@ -54,7 +54,7 @@ def as_urdf(program: Program, robot: Robot) -> Program:
         shown = np.empty_like(q)
         shown[:, order] = q
         q = convention.joints(shown)
-        sliding = tuple(joint.kind == "prismatic" for joint in robot.joints)
+        sliding = robot.sliding
     return replace(
         program,
         X=None if program.X is None else convention.from_world(program.X),

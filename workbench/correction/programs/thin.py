@@ -22,9 +22,8 @@ def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Prog
     """The path of a program of poses in as few legs as a forward search finds.
 
     tolerance [m]: how far a point that is left out may lie from the leg that replaces it, and how far its
-    turn (times `LEVER`) may be from the leg's, which runs evenly from end to end. Points with a pause,
-    turns on
-    the spot and changes of speed by more than `PACE` stay. round_legs: the controller has circular moves.
+    turn (times `LEVER`) may be from the leg's, which runs evenly from end to end. Points with a pause, turns
+    on the spot and changes of speed by more than `PACE` stay. round_legs: the controller has circular moves.
     The legs keep their durations, so each runs at the mean speed of what it replaces.
     """
     if program.kind != "poses" or program.count < 3 or tolerance <= 0 or program.via is not None:

@@ -126,8 +126,7 @@ def side_of(effect: Effect) -> str:
 
 def _odds(sites: int) -> float:
     """log prior odds of a change at one place. sites: joints, for every cause: no cause gains by sitting at
-    few
-    places, since it is a place that something happens to."""
+    few places, since it is a place that something happens to."""
     p = PRIORS.cause / sites
     return float(np.log(p / (1 - p)))
 

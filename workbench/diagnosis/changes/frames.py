@@ -48,8 +48,7 @@ def _frame(
     system: System, solved: Solved, first: Occasion, one: Occasion, k: int
 ) -> tuple[float, float, tuple[float, float]]:
     """Shift [m] of the middle of the first occasion's points and turn [rad] between the first set-ups, and
-    one
-    sigma of each: of the one instrument in the other, which no choice of the base changes."""
+    one sigma of each: of the one instrument in the other, which no choice of the base changes."""
     middle = first.fit.line.prediction.base.mean(axis=(0, 1))
     a, b = first.fit.state, one.fit.state
     turn = b.R[0] @ a.R[0].T

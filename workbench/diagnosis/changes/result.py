@@ -76,8 +76,7 @@ class Unseen:
 @dataclass(frozen=True)
 class Repeats:
     """An error of a joint or link that the campaigns show. status: repeats, changed, or not decided; share:
-    95 %
-    bound of its change over its size (RMS of the points)."""
+    95 % bound of its change over its size (RMS of the points)."""
 
     label: str
     status: str

@@ -80,8 +80,7 @@ def seen_mm(system: System, columns: Array, size: Array, pattern: Array) -> floa
 
 def within_mm(decided: Decided) -> float:
     """95 % bound [mm] of what all changes of geometry together make of the points, as far as neither frames
-    and
-    targets nor the members do the same."""
+    and targets nor the members do the same."""
     system, last = decided.system, _last(decided.system)
     geometry = tuple(int(c) for c in system.occasions[0].fit.columns.geometry)
     every = moved(system.occasions, geometry).at(last)

@@ -22,7 +22,7 @@ from ...robot.description import Robot
 from ...robot.kinematics import RX, Arm, Array
 from ...robot.rigid_plant import arrays
 from ...robot.yielding import Law as Law6
-from ...robot.yielding import Yielding
+from ...robot.yielding import Yielding, own_compliance
 
 RIGID = 1e-10  # rad/(N·m), m/N: what a joint without compliance yields, where it needs a joint at all
 TABLE = 8001  # torques at which a law that is not linear is tabulated
@@ -146,9 +146,7 @@ def _springs(
         C = yielding.linear[slot].copy()
         if 1 <= slot <= arm.n:
             k = int(arm.axial[slot - 1]) % 6
-            others = [c for c in range(6) if c != k]
-            coupled = C[k, others] @ np.linalg.pinv(C[np.ix_(others, others)], rcond=1e-9) @ C[others, k]
-            own = max(float(C[k, k] - coupled), 0.0)
+            own = max(own_compliance(C, k), 0.0)
             C[k, k] -= own
             forms = [_along_axis(law, k) for where, _, law in yielding.bent if where == slot]
             needed = own > 0 or forms or arm.names[slot - 1] in erring

@@ -62,7 +62,7 @@ def accuracy(series: Series, repeated: list[Outcome], p: Array) -> tuple[Repeats
 
 def repeatability(robot: Robot, q: Array) -> float | None:
     """[mm] of ISO 9283's pose repeatability, l̄ + 3 S, that the joints' own makes at the middle of a path."""
-    sigma = np.array([joint.data.repeatability or 0.0 for joint in robot.joints])
+    sigma = robot.repeatability
     if not sigma.any():
         return None
     arm = arrays(robot)

@@ -64,18 +64,12 @@ def _lead(found: Verification) -> list[str]:
 def _tile(series: Series, repeatability_mm: float | None) -> Tile:
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
     beside = "" if repeatability_mm is None else f"; repeatability {mm(repeatability_mm)} mm"
-    (rms, largest), (rms_after, largest_after) = (
-        (mm(figures.rms_mm), mm(figures.max_mm)) for figures in (before, after)
-    )
-    same = largest == largest_after
-    said = f"{largest} mm, before and after" if same else f"{largest} → {largest_after} mm"
-    return Tile(
-        f"RMS error at {speed_text(series.speed)}" + (", before and after" if rms == rms_after else ""),
-        rms if rms != rms_after else "",
-        rms_after,
-        "mm",
-        f"largest {said}{beside}",
-    )
+    label, was, now = f"RMS error at {speed_text(series.speed)}", mm(before.rms_mm), mm(after.rms_mm)
+    if was == now:
+        label, was = f"{label}, before and after", ""
+    first, last = mm(before.max_mm), mm(after.max_mm)
+    largest = f"{last} mm, before and after" if first == last else f"{first} → {last} mm"
+    return Tile(label, was, now, "mm", f"largest {largest}{beside}")
 
 
 def _numbers(series: Series) -> Table:

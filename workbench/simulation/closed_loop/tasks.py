@@ -45,7 +45,7 @@ def repeated(
     truth: Robot, like: Task, commands: dict[str, Array], count: int, seed: int
 ) -> list[Task]:  # fmt: skip
     """Runs with the joints off by what their repeatability says."""
-    sigma = np.array([joint.data.repeatability or 0.0 for joint in truth.joints])
+    sigma = truth.repeatability
     if not sigma.any() or count < 2:
         return []
     offsets = sigma * np.random.default_rng([seed, 11]).normal(size=(count, len(sigma)))

@@ -16,6 +16,7 @@ from pydrake.multibody.tree import SpatialInertia
 from ...robot.kinematics import Array
 from ...robot.plant_parts import link_inertia, pivots, point_inertia, slot_pose
 from ...robot.rotations import pose
+from ...robot.yielding import own_compliance
 from ..closed_loop.springs import SCREW_DAMPING
 from .coil import nearest_coil
 from .content import Content
@@ -166,9 +167,7 @@ def ways(content: Content, slot: int) -> tuple[float, list[Give]]:
     own = 0.0
     if 1 <= slot <= arm.n:
         k = int(arm.axial[slot - 1]) % 6
-        rest = [c for c in range(6) if c != k]
-        coupled = C[k, rest] @ np.linalg.pinv(C[np.ix_(rest, rest)], rcond=1e-9) @ C[rest, k]
-        own = float(C[k, k] - coupled)
+        own = own_compliance(C, k)
         own = own if own > none else 0.0
         C[k, k] -= own
     gives: list[Give] = []
