@@ -7,7 +7,7 @@ import pytest
 
 from workbench import Where, diagnose, follow_up, what_decides
 from workbench.diagnosis.result import Decision
-from workbench.measurement.design.decide import settled_at, tie_of, told_apart
+from workbench.measurement.design.ties import settled_at, tie_of, told_apart
 from workbench.studies import demo
 from workbench.studies.followup import case_keys, followup
 from workbench.studies.followup.case import judged

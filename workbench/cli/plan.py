@@ -162,7 +162,7 @@ def _write(
     assert made.drive is not None
     assert made.reach is not None
     keep, folder = not arguments.force, poses.parent
-    whole = (poses.name == "poses.csv" and arguments.out is None) or not (arguments.out or poses).suffix
+    whole = arguments.out is None or not arguments.out.suffix
     tables = table_files(made.drive, made.reach, folder)
     if not whole:
         tables = {poses: tables[folder / "poses.csv"]}

@@ -91,10 +91,10 @@ def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
         return campaign.with_poses(wrench=wrench, temperature=path.temperature, time=path.time)
     poses, _ = told.from_file(robot, arguments.poses, {})
     campaign = posed(robot, poses.q, poses.payload or arguments.payload)
-    told_too = {"wrench": poses.wrench, "ids": poses.ids or None}
     return campaign.with_poses(
+        ids=poses.ids or campaign.poses.ids,
+        wrench=campaign.poses.wrench if poses.wrench is None else poses.wrench,
         side=poses.direction,
         time=poses.time,
         temperature=poses.temperature,
-        **{name: column for name, column in told_too.items() if column is not None},
     )

@@ -66,12 +66,17 @@ def _add_blind(studies: Commands) -> None:
     size = parser.add_mutually_exclusive_group()
     size.add_argument("--draws", type=positive, default=20, metavar="N", help="draws per cause (20)")
     size.add_argument("--quick", action="store_true", help="faster: two cases of a few causes")
-    out_option(parser, "folder for the page, the rates and every case (reports/blind)", "reports/blind")
+    _case_options(parser, "reports/blind")
+    parser.set_defaults(run=run_blind)
+
+
+def _case_options(parser: argparse.ArgumentParser, folder: str) -> None:
+    """Of a study that counts many cases."""
+    out_option(parser, f"folder for the page, the rates and every case ({folder})", folder)
     seed_option(parser, "all cases")
     workers_option(parser)
     parser.add_argument("--resume", action="store_true", help="go on where a stopped run ended")
     json_option(parser)
-    parser.set_defaults(run=run_blind)
 
 
 def _add_case(studies: Commands) -> None:
@@ -88,11 +93,7 @@ def _add_followup(studies: Commands) -> None:
     what = "faults that stay open, the follow-up that is offered, and what both campaigns say together"
     parser = studies.add_parser("followup", help=what)
     parser.add_argument("--draws", type=positive, default=5, metavar="N", help="draws per cause (5)")
-    out_option(parser, "folder for the page, the rates and every case (reports/followup)", "reports/followup")
-    seed_option(parser, "all cases")
-    workers_option(parser)
-    parser.add_argument("--resume", action="store_true", help="go on where a stopped run ended")
-    json_option(parser)
+    _case_options(parser, "reports/followup")
     parser.set_defaults(run=run_followup)
 
 

@@ -1,8 +1,8 @@
 """The next measurements: records that make the model most accurate, or that discriminate between rivals."""
 
-from .accuracy import AccuracyPlan
+from .accuracy_plan import AccuracyPlan
 from .decide import what_decides
-from .discrimination import DiscriminationPlan
+from .discrimination_plan import DiscriminationPlan
 from .fedorov import criterion, exchange
 from .next_poses import follow_up, plan
 

@@ -11,121 +11,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from ...campaign import Campaign
-from ...diagnosis.result import FaultFound
 from ...effects.joint_compliance import JointCompliance
 from ...robot.kinematics import Array
-from ..driving.drive import Drive
-from ..driving.reach import Reach
 from ..driving.ways import Ways
-from .budget import Question, in_time, levels_of
-from .candidates import Factors, candidates, payload_counts, take
+from .accuracy_plan import MOST_TRIED, AccuracyPlan
+from .budget import Question, in_time
+from .candidates import Factors, candidates, random_rows, take
 from .fedorov import Records, Search, criterion, exchange, information
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, prior_precision
 
 TYPICAL = 300  # poses whose mean squared error counts
 DRAWS = 25  # random plans behind a median
-MOST_TRIED = 100  # times the plan's number of random poses that are tried
-
-
-@dataclass(frozen=True)
-class AccuracyPlan:
-    """Records for accuracy, in the order to measure them, and the expected errors [mm]: one sigma, 3-D, of
-    the model's prediction from noise alone. now_mm: from the campaign (None: there is none); random_mm: the
-    median after as many random records; same: random records for the error of this plan (None: more than
-    `MOST_TRIED` times as many); random: as many random records; faults: of the campaign's data; reach: the
-    robot in its cell; drive: how they are driven, random_s: [s] that driving random records takes for the
-    same error."""
-
-    records: Campaign
-    noise: str
-    now_mm: float | None
-    random_mm: float
-    plan_mm: float
-    same: int | None
-    random: Campaign
-    faults: tuple[FaultFound, ...] = ()
-    reach: Reach | None = None
-    drive: Drive | None = None
-    random_s: float | None = None
-    over_poses: float | None = None
-    stops: int = 0
-
-    @property
-    def gain(self) -> float | None:
-        """Information per hour over that of random records: their time for the same error by the plan's."""
-        if self.drive is None or self.random_s is None:
-            return None
-        return self.random_s / self.drive.total_s
-
-    def with_drive(self, drive: Drive, random: Drive) -> AccuracyPlan:
-        """In the order of a drive; random: that of as many random records."""
-        each = (random.moving_s + random.standing_s) / len(self.random.poses)
-        taken = None if self.same is None else random.mounting_s + each * self.same
-        return replace(self, records=drive.own, drive=drive, random_s=taken)
-
-    def to_json(self) -> dict[str, Any]:
-        return {
-            "kind": "accuracy",
-            "n_poses": len(self.records.poses.q),
-            "payloads": payload_counts(self.records),
-            "noise": self.noise,
-            "faults": [fault.to_json() for fault in self.faults],
-            "now_mm": self.now_mm,
-            "random_mm": self.random_mm,
-            "plan_mm": self.plan_mm,
-            "random_poses_for_the_same": self.same,
-            "drive": None if self.drive is None else self.drive.to_json(),
-            "information_per_hour_over_random": self.gain,
-            "information_per_hour_over_poses_alone": self.over_poses,
-            "stops_on_the_way": self.stops,
-        }
-
-    @property
-    def headline(self) -> str:
-        """In one sentence."""
-        time = "" if self.drive is None else f" in about {self.drive.total_s / 60:.0f} min"
-        error = f"the calibrated model errs by {self.plan_mm:.3f} mm after them"
-        return f"{len(self.records.poses)} poses{time}: {error}"
-
-    @property
-    def lines(self) -> list[str]:
-        """What it brings."""
-        now = [] if self.now_mm is None else [f"now {self.now_mm:.4f} mm"]
-        n = len(self.records.poses)
-        errors = [
-            *now,
-            f"after {n} random poses {self.random_mm:.4f} mm",
-            f"after this plan {self.plan_mm:.4f} mm",
-        ]
-        lines = [
-            f"Expected error of the calibrated model, 3-D, one sigma, from noise alone ({self.noise}): "
-            f"{', '.join(errors)}."
-        ]
-        if self.gain is not None:
-            lines.append(f"Random poses take {self.gain:.1f} times as long for the same accuracy.")
-        return lines
-
-    @property
-    def text(self) -> str:
-        n = len(self.records.poses.q)
-        same = f"about {self.same}" if self.same else f"more than {MOST_TRIED * n}"
-        lines = [
-            "Expected error of the calibrated model, 3-D, one sigma, from noise alone",
-            f"({self.noise}):",
-            *([] if self.now_mm is None else [f"  now                    {self.now_mm:8.4f} mm"]),
-            f"  after {n:4d} random poses {self.random_mm:8.4f} mm",
-            f"  after this plan        {self.plan_mm:8.4f} mm; it takes {same} random poses for the same",
-        ]
-        if self.drive is not None:
-            lines.append(self.drive.text)
-        if self.gain is not None:
-            lines.append(f"Random poses take {self.gain:.1f} times as long for the same accuracy.")
-        return "\n".join(lines)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +42,6 @@ class AccuracySpace(Question):
     held: Array
     measured: bool
     search: Search
-
-    @cached_property
-    def levels(self) -> Records:  # type: ignore[override]
-        return levels_of(self.offered)
 
     def chosen(self, among: Records, count: int) -> Records:
         """The records (count,) after which the error is least."""
@@ -206,7 +102,6 @@ def plan_accuracy_in_time(
 def _plan(space: AccuracySpace, records: Campaign) -> AccuracyPlan:
     chance, count = _Chance(space.rows, space.A0, space.held, space.search.seed), len(records.poses)
     error = space.error(records)
-    some = np.random.default_rng([space.search.seed, 23]).permutation(len(space.rows))[:count]
     return AccuracyPlan(
         records,
         space.prior.noise,
@@ -214,7 +109,7 @@ def _plan(space: AccuracySpace, records: Campaign) -> AccuracyPlan:
         random_mm=chance.median(count),
         plan_mm=error,
         same=chance.records_for(error, count),
-        random=take(space.offered, some),
+        random=take(space.offered, random_rows(len(space.rows), count, space.search.seed)),
     )
 
 

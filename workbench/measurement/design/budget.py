@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from ...files.faults import Fault, InputError
 from ..driving.drive import Drive, drive
 from ..driving.ways import Ways
 
-STOPS = (0, 1, 2, 3)  # between two poses of the exchange, as they are tried
+STOPS = (1, 2, 3)  # between two poses of the exchange, as they are tried
 FEWEST = 6  # poses of the exchange
 TRIAL = 20  # poses of the exchange from which the time of one is taken
 NEAR, CLOSER = 0.05, 4  # how far from the time a plan may end, of it, and how often it is mended
@@ -29,10 +30,16 @@ Rows = NDArray[np.int64]
 
 
 class Question(ABC):
-    """What a plan is for, over candidate records. levels: (C,) number of each candidate's load and pull."""
+    """What a plan is for, over candidate records."""
 
     offered: Campaign
-    levels: Rows
+
+    @cached_property
+    def levels(self) -> Rows:
+        """(C,) number of each candidate's load and pull, without anything first."""
+        poses = self.offered.poses
+        table = np.column_stack([(poses.wrench != 0).any(axis=1), poses.payload])
+        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
 
     @abstractmethod
     def chosen(self, among: Rows, count: int) -> Rows:
@@ -75,7 +82,7 @@ def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tup
         tried = trial(best.levels, stops)
         if tried is not None and tried.rate > best.rate:
             best = tried
-        elif stops:
+        else:
             break
     open_levels = [levels for levels in _sets(every) if levels != best.levels]
     for levels in open_levels:
@@ -134,10 +141,3 @@ def _with_stops(plan: Campaign, ways: Ways, stops: int) -> Campaign:
     return plan.some(rows).with_poses(
         q=np.concatenate([poses.q, q[good]]), ids=tuple(str(i + 1) for i in range(len(rows)))
     )
-
-
-def levels_of(offered: Campaign) -> Rows:
-    """(C,) number of each record's load and pull, without anything first."""
-    pulled = (offered.poses.wrench != 0).any(axis=1)
-    table = np.column_stack([pulled, offered.poses.payload])
-    return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)

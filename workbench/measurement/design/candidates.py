@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign import Campaign
+from ...campaign.cell import CellData
 from ...campaign.planned import random_poses
 from ...campaign.problem import REFERENCE_TEMPERATURE
-from .fedorov import Draw
+from ..driving.reach import Draw, Reach, reach
 from .prior_information import PriorInformation
 
 FEWEST = 40  # joint positions, however many loads and states they are offered in
@@ -35,6 +36,12 @@ class Factors:
         if self.warm:
             return [(0.0, cold), (SESSION, WARM), (2 * SESSION, cold)]
         return [(0.0, cold), (2 * SESSION, cold)] if self.late else [(0.0, cold)]
+
+
+def reach_of(prior: PriorInformation, seed: int, cell: CellData | None = None) -> Reach:
+    """The robot in its cell (default: that of the campaign). Raises InputError."""
+    problem, rng = prior.problem, np.random.default_rng([seed, 24])
+    return reach(problem, prior.places, cell or problem.campaign.cell, rng, prior.shown)
 
 
 def candidates(
@@ -67,6 +74,11 @@ def candidates(
         time=start if factors.warm or factors.late else None,
         temperature=temperature if factors.warm else None,
     )
+
+
+def random_rows(offered: int, count: int, seed: int) -> NDArray[np.int64]:
+    """As many random ones of the records on offer, beside which a plan is held."""
+    return np.random.default_rng([seed, 23]).permutation(offered)[:count]
 
 
 def take(records: Campaign, chosen: NDArray[np.int64]) -> Campaign:

@@ -59,8 +59,7 @@ def split_causes(text: str) -> list[str]:
 
 def has_size(cause: str) -> bool:
     """Whether a cause of `--tell` has numbers, as `--effect` takes them."""
-    pairs = (part.partition("=") for part in cause.partition(":")[2].split(",") if part)
-    return any(equals and key not in KEYS for key, equals, _ in pairs)
+    return any(equals and key not in KEYS for key, equals, _ in _pairs(cause))
 
 
 def named_causes(text: str) -> tuple[NamedCause, ...]:
@@ -75,22 +74,25 @@ def named_causes(text: str) -> tuple[NamedCause, ...]:
 
 
 def _faults(item: str) -> list[Fault]:
-    cause, _, rest = item.partition(":")
+    cause = item.partition(":")[0]
     if cause not in catalogue():
         return [Fault("--tell", f"no cause {cause!r}", f"known: {', '.join(catalogue())}")]
-    keys = (part.partition("=") for part in rest.split(",") if part)
     how = f"keys are {', '.join(KEYS)}, as in joint=joint_2"
     return [
         Fault(f"--tell {item}", f"{key!r} is no place or form", how)
-        for key, equals, _ in keys
+        for key, equals, _ in _pairs(item)
         if key not in KEYS or not equals
     ]
 
 
 def _named(item: str) -> NamedCause:
-    cause, _, rest = item.partition(":")
-    pairs = (part.partition("=") for part in rest.split(",") if part)
-    return NamedCause(item, catalogue()[cause], tuple((key, value) for key, _, value in pairs))
+    asked = tuple((key, value) for key, _, value in _pairs(item))
+    return NamedCause(item, catalogue()[item.partition(":")[0]], asked)
+
+
+def _pairs(item: str) -> list[tuple[str, str, str]]:
+    """Key, "=" and value of each of a cause's places, forms and sizes."""
+    return [part.partition("=") for part in item.partition(":")[2].split(",") if part]
 
 
 def factors(causes: Sequence[NamedCause], trial: Problem) -> Factors:

@@ -1,55 +1,39 @@
 """What would decide between a cause and its rivals: how many poses, or which reading how exactly.
 
-λ is that of `t_optimal`, for the size that the cause was found with; the rival is taken as large as imitates
-it best in what was measured. Settled is λ ≥ `LEVELS.mostly`, from where a diagnosis names the cause mostly.
+λ and what settles it are those of `ties`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from shlex import quote
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...campaign.problem import Problem
-from ...diagnosis.result import Decision, Finding
+from ...diagnosis.result import Decision
 from ...diagnosis.run import Outcome
-from ...effects import catalogue, separation
-from ...effects.base import UNKNOWN, Effect
+from ...effects import separation
+from ...effects.base import Effect
 from ...effects.records import effect_text
-from ...robot.kinematics import Array
-from ..driving.reach import reach
-from .candidates import candidates
+from .candidates import candidates, reach_of
 from .causes import varied
-from .discrimination import LEVELS
 from .fedorov import Records, Search, information
-from .prior_information import WIDE, PriorInformation, Sensitivity, ValuedEffects, from_prepared
-from .t_optimal import DesignSpace, Pair, design_space, t_optimal
+from .prior_information import PriorInformation, Sensitivity, ValuedEffects, from_prepared
+from .t_optimal import DesignSpace, design_space
+from .ties import Attempts, Tie, at_zero, fewest, least, settled_at, tie_of, unexplained
 
 MOST = 3  # ambiguous findings that are worked out, the strongest
 POOL = 120  # candidate records
-FIRST, FEWEST, LARGEST = 24, 6, 60  # poses of a follow-up: tried first, fewest, most
-CLOSER, MARGIN = 4, 1.1  # how often the number is mended, and by how much more than is thought to do it
-SMALLEST = 0.1  # usual sizes, of a rival that hardly imitates
+POSES = Attempts(first=24, fewest=6, most=60, times=4, margin=1.1)  # of a follow-up
 DRAWS = 3  # of random poses with torques
 FEWEST_TORQUES = 12  # poses from which a joint's offset, scale and friction are taken out of its torques
 TORQUE_TERMS = 3  # a joint's offset, scale and friction
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
-Columns = NDArray[np.int64]
 Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
-
-
-@dataclass(frozen=True)
-class Tie:
-    """An effect that was found, its size (p,) in usual ones, and the effects that rival it."""
-
-    effect: Effect
-    size: Array
-    rivals: tuple[Effect, ...]
 
 
 def what_decides(outcome: Outcome) -> Outcome:
@@ -59,7 +43,7 @@ def what_decides(outcome: Outcome) -> Outcome:
     if not ties:
         return outcome
     prior = from_prepared(outcome.prepared)
-    valued = _valued(ties)
+    valued = at_zero(ties)
     offered = _offered(prior, [effect for effect, _ in valued])
     measured = prior.of_campaign(valued)
     space = design_space(prior.of_records(offered, valued), measured)
@@ -69,27 +53,9 @@ def what_decides(outcome: Outcome) -> Outcome:
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
 
 
-def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
-    """The finding as effects; None where it is named, or no rival has a name."""
-    if finding.status == "named" or finding.cause == UNKNOWN:
-        return None
-    own = [i for i, e in enumerate(outcome.fit.model.effects) if e.key == (finding.cause, finding.where)]
-    keys = dict.fromkeys((rival.cause, rival.where) for rival in finding.rivals if rival.cause != UNKNOWN)
-    kinds = [catalogue()[cause] for cause in dict.fromkeys(cause for cause, _ in keys)]
-    rivals = tuple(e for kind in kinds for e in kind.sites(outcome.problem) if e.key in keys)
-    if not own or not rivals:
-        return None
-    strongest = max(own, key=outcome.fit.wald)
-    effect = outcome.fit.model.effects[strongest]
-    typical = np.array([p.typical for p in effect.params])
-    return Tie(effect, outcome.fit.state.values[strongest] / typical, rivals)
-
-
 def _offered(prior: PriorInformation, effects: Sequence[Effect]) -> Campaign:
     """Records that can be driven, as `plan` offers them."""
-    around = reach(
-        prior.problem, prior.places, prior.problem.campaign.cell, np.random.default_rng([0, 24]), prior.shown
-    )
+    around = reach_of(prior, 0)
     pull = around.cell.driving.pull_N or 0.0
     factors = replace(varied(effects), pull=pull)
     return candidates(prior, POOL, factors, np.random.default_rng(21), around.draw)
@@ -138,91 +104,17 @@ def _decisions(
     return tuple(found)
 
 
-def told_apart(outcome: Outcome, tie: Tie, before: Outcome) -> float:
-    """λ of a tie in all that an outcome was made of; before: the outcome that left it."""
-    valued = _valued((tie,))
-    both, first = (from_prepared(one.prepared).of_campaign(valued) for one in (outcome, before))
-    assert both is not None
-    space = design_space(both, first)
-    return least(space, information(space.rows), tie)
-
-
-def _valued(ties: Sequence[Tie]) -> ValuedEffects:
-    """The effects of ties, at zero."""
-    effects = dict.fromkeys(e for tie in ties for e in (tie.effect, *tie.rivals))
-    return tuple((effect, np.zeros(len(effect.params))) for effect in effects)
-
-
-def as_found(space: DesignSpace, ties: Sequence[Tie]) -> DesignSpace:
-    """The space with each cause in the size that was found, and each rival as large as imitates it best, in
-    place of their usual sizes: what is hardest in it is what is hardest to settle."""
-    scale, before = np.ones(len(space.names)), space.left(space.before)
-    for tie in ties:
-        for rival in tie.rivals:
-            i, j = (space.columns(effect) for effect in (tie.effect, rival))
-            imitation = _imitation(before, i - space.background, j - space.background, tie.size)
-            scale[i] = np.maximum(np.abs(tie.size) * np.sqrt(len(i)), SMALLEST)
-            scale[j] = np.maximum(np.abs(imitation) * np.sqrt(len(j)), SMALLEST)
-    return replace(space, rows=space.rows * scale, before=space.before * np.outer(scale, scale))
-
-
-def least(space: DesignSpace, data: Array, tie: Tie) -> float:
-    """The smallest λ of the cause beside each of its rivals, and of each rival beside the cause, with the
-    information data: (P, P)."""
-    before, after = space.left(space.before), space.left(data)
-    return min(min(_both(space, before, after, tie, rival)) for rival in tie.rivals)
-
-
-def _both(space: DesignSpace, before: Array, after: Array, tie: Tie, rival: Effect) -> tuple[float, float]:
-    i, j = (space.columns(effect) - space.background for effect in (tie.effect, rival))
-    imitation = _imitation(before, i, j, tie.size)
-    return _left(after, i, j, tie.size, WIDE**-2), _left(after, j, i, imitation, WIDE**-2)
-
-
-def _imitation(left: Array, i: Columns, j: Columns, size: Array) -> Array:
-    """The size of columns j that imitates columns i best."""
-    S = left[np.ix_(j, j)] + WIDE**-2 * np.eye(len(j))
-    return np.asarray(np.linalg.solve(S, left[np.ix_(j, i)] @ size), dtype=np.float64)
-
-
-def _left(left: Array, i: Columns, j: Columns, size: Array, held: float) -> float:
-    """λ of columns i in a size beside columns j."""
-    cross = left[np.ix_(j, i)]
-    S = left[np.ix_(j, j)] + held * np.eye(len(j))
-    unexplained = left[np.ix_(i, i)] - cross.T @ np.linalg.solve(S, cross)
-    return max(float(size @ unexplained @ size), 0.0)
-
-
-def settled_at(now: float) -> float:
-    """λ that settles it: more than there is where a rival holds out against it."""
-    return max(LEVELS.mostly, now + LEVELS.least)
-
-
-def pairs_of(tie: Tie) -> list[Pair]:
-    return [way for rival in tie.rivals for way in ((tie.effect, rival), (rival, tie.effect))]
-
-
 def _settled(space: DesignSpace, tie: Tie, now: float) -> tuple[int, float] | None:
-    """Poses that settle it, and λ after them; None where it takes more than `LARGEST`."""
-    count, found, steering = FIRST, None, as_found(space, (tie,))
-    for _ in range(CLOSER):
-        chosen = t_optimal(steering, pairs_of(tie), count, Search(POOL, 1, 0))
-        after = least(space, space.measured(chosen), tie)
-        share = (after - now) / (settled_at(now) - now)
-        if share >= 1:
-            found = (count, after)
-        wanted = int(np.clip(np.ceil(MARGIN * count / max(share, 1e-6)), FEWEST, LARGEST))
-        if wanted == count or (found is not None and wanted >= found[0]):
-            break
-        count = wanted
-    return found
+    """Poses that settle it, and λ after them; None where it takes more than `POSES.most`."""
+    chosen, share = fewest(space, [(tie, now)], Search(POOL, 1, 0), POSES)
+    return (len(chosen), least(space, space.measured(chosen), tie)) if share >= 1 else None
 
 
 def _settled_by_torque(torques: Torques, tie: Tie, now: float) -> tuple[int, float] | None:
     """Random poses with drive torques that settle it, and λ after them, the least of some draws; what is
     common to a joint's torques is taken out of those poses alone. The noise of the torques is what the stated
     robot leaves of them, the cause itself in it: n poses tell no more than a λ of n − 3."""
-    for count in (FEWEST_TORQUES, FIRST, LARGEST):
+    for count in (FEWEST_TORQUES, POSES.first, POSES.most):
         reached = []
         for draw in range(DRAWS):
             order = np.random.default_rng([23, draw]).permutation(POOL)
@@ -263,7 +155,7 @@ def _spread(tie: Tie, effect: Effect, space: DesignSpace, now: float) -> tuple[f
         i, j = (space.columns(e) - space.background for e in (tie.effect, effect))
         left = space.left(space.before)
         for spread in READINGS:
-            after = _left(left, i, j, tie.size, spread**-2)
+            after = unexplained(left, i, j, tie.size, spread**-2)
             if after >= settled_at(now):
                 return float(spread), after
     return 0.0, 0.0

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
+from ..driving.reach import Draw
 
 Records = NDArray[np.int64]
 Cost = Callable[[Records], Array]
-Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (count, n)
 
 RIDGE = 1e-10  # information that stands in for none while a plan cannot identify everything yet
 UNSEEN = 1e-11  # information, of what all candidates together give, below which a direction is unseen

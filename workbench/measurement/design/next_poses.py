@@ -16,10 +16,13 @@ from ...diagnosis.result import Decision
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ..driving.drive import drive
-from ..driving.reach import Reach, reach
+from ..driving.reach import Reach
 from ..driving.ways import Ways
-from .accuracy import AccuracyPlan, plan_accuracy, plan_accuracy_in_time
-from .discrimination import DiscriminationPlan, plan_discrimination, plan_discrimination_in_time
+from .accuracy import plan_accuracy, plan_accuracy_in_time
+from .accuracy_plan import AccuracyPlan
+from .candidates import reach_of
+from .discrimination import plan_discrimination, plan_discrimination_in_time
+from .discrimination_plan import DiscriminationPlan
 from .fedorov import Search
 from .prior_information import PriorInformation, from_campaign, from_robot
 from .settle import is_found, plan_settling
@@ -73,32 +76,29 @@ def plan(
         prior = from_campaign(with_known(source, known))
     else:
         prior = from_robot(source, known)
-    campaign = prior.problem.campaign
-    around = reach(
-        prior.problem, prior.places, cell or campaign.cell, np.random.default_rng([seed, 24]), prior.shown
-    )
-    if minutes is not None:
-        count = _likely(around, 60 * minutes, dwell)
+    around = reach_of(prior, seed, cell)
+    seconds = None if minutes is None else 60 * minutes
+    if seconds is not None:
+        count = _likely(around, seconds, dwell)
+    fast = quick or minutes is not None  # in time, many plans are tried
+    pool, per_pose, starts = (QUICK_POOL, QUICK_PER_POSE, QUICK_STARTS) if fast else (POOL, PER_POSE, STARTS)
     pull = around.cell.driving.pull_N or 0.0
-    if quick or minutes is not None:  # in time, many plans are tried
-        search = Search(max(QUICK_POOL, QUICK_PER_POSE * count), QUICK_STARTS, seed, around.draw, pull)
-    else:
-        search = Search(max(POOL, PER_POSE * count), STARTS, seed, around.draw, pull)
+    search = Search(max(pool, per_pose * count), starts, seed, around.draw, pull)
     ways = Ways(around)
-    if minutes is not None:
-        progress(f"choosing for {minutes:g} min of about {search.pool} possible records")
-        if tell is None:
-            made = plan_accuracy_in_time(prior, 60 * minutes, search, ways, dwell)
-        else:
-            made = plan_discrimination_in_time(prior, tell, 60 * minutes, search, ways, dwell)
-        return _driven(made, prior, around, ways, dwell, progress)
-    progress(f"choosing {count} of about {search.pool} possible records")
-    if tell is not None and is_found(tell):
+    what = f"{count}" if minutes is None else f"for {minutes:g} min"
+    progress(f"choosing {what} of about {search.pool} possible records")
+    if tell is None:
+        made = (
+            plan_accuracy(prior, count, search)
+            if seconds is None
+            else plan_accuracy_in_time(prior, seconds, search, ways, dwell)
+        )
+    elif seconds is not None:
+        made = plan_discrimination_in_time(prior, tell, seconds, search, ways, dwell)
+    elif is_found(tell):
         made = plan_settling(prior, tell, poses, search)
-    elif tell is not None:
-        made = plan_discrimination(prior, tell, count, search)
     else:
-        made = plan_accuracy(prior, count, search)
+        made = plan_discrimination(prior, tell, count, search)
     return _driven(made, prior, around, ways, dwell, progress)
 
 

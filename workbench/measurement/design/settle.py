@@ -1,14 +1,12 @@
 """The smallest campaign that settles what a diagnosis left ambiguous: every tie of a `result.json`, or one
 that is said with the size that was found.
 
-λ is that of `decide`: each cause in the size that was found, its rivals as large as imitate it best. Settled
-is what `decide.settled_at` says; what no record on offer settles is said, and left out.
+λ and what settles it are those of `ties`; what no record on offer settles is said, and left out.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,20 +16,20 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...effects import catalogue
 from ...effects.base import UNKNOWN
-from ...effects.records import from_record, parse_effect
+from ...effects.records import PLACE, from_record, parse_effect
 from ...files.faults import Fault, InputError, read_text
 from ...robot.schema import EffectRecord
-from .candidates import candidates, take
+from .candidates import candidates, random_rows, take
 from .causes import EXAMPLE, has_size, named_causes, split_causes, varied
-from .decide import Tie, as_found, least, pairs_of, settled_at
-from .discrimination import MOST_MEASURED, Discrimination, DiscriminationPlan, advice
-from .fedorov import Records, Search, information
+from .discrimination import MOST_MEASURED, advice
+from .discrimination_plan import Discrimination, DiscriminationPlan
+from .fedorov import Search, information
 from .prior_information import PriorInformation
-from .t_optimal import DesignSpace, design_space, t_optimal
+from .t_optimal import design_space
+from .ties import Attempts, Tie, at_zero, fewest, least, settled_at, tie_between
 
-FIRST, FEWEST, LARGEST = 24, 6, 120  # poses: tried first, fewest, most
-CLOSER, MARGIN = 5, 1.05  # how often the number is mended, and by how much more than is thought to do it
-PLACES = ("joint", "other", "link", "payload", "order")
+POSES = Attempts(first=24, fewest=6, most=120, times=5, margin=1.05)
+PLACES = (*PLACE, "order")
 
 
 def is_found(text: str) -> bool:
@@ -49,9 +47,8 @@ def plan_settling(
         raise InputError(Fault(f"--tell {text}", what, "workbench plan campaign.toml --tell result.json"))
     problem = prior.problem
     ties = ties_of(Path(text), problem) if text.endswith(".json") else [tie_said(text, problem)]
-    effects = list(dict.fromkeys(e for tie in ties for e in (tie.effect, *tie.rivals)))
-    valued = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
-    factors = replace(varied(effects), pull=search.pull)
+    valued = at_zero(ties)
+    factors = replace(varied(effect for effect, _ in valued), pull=search.pull)
     rng = np.random.default_rng([search.seed, 21])
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
@@ -64,8 +61,12 @@ def plan_settling(
     made = DiscriminationPlan(None, 0, prior.noise, (), lost, (), None, words, found=True)
     if not some:
         return made
-    chosen, needed = _fewest(space, some, count, search)
-    order = np.random.default_rng([search.seed, 23]).permutation(len(space.rows))[: len(chosen)]
+    attempts = POSES if count is None else replace(POSES, first=count, times=1)
+    chosen, share = fewest(space, some, search, attempts)
+    needed = None
+    if share >= 1 or share > len(chosen) / MOST_MEASURED:
+        needed = int(np.ceil(len(chosen) / min(share, 1.0)))
+    order = random_rows(len(space.rows), len(chosen), search.seed)
     hardest = tuple(
         Discrimination(
             tie.effect,
@@ -86,29 +87,6 @@ def plan_settling(
     )
 
 
-def _fewest(
-    space: DesignSpace, ties: Sequence[tuple[Tie, float]], count: int | None, search: Search
-) -> tuple[Records, int | None]:
-    """The records, and about how many settle all ties; None where nobody measures so many."""
-    pairs = list(dict.fromkeys(pair for tie, _ in ties for pair in pairs_of(tie)))
-    n, best, needed = count or FIRST, None, None
-    steering = as_found(space, [tie for tie, _ in ties])
-    for _ in range(1 if count else CLOSER):
-        chosen = t_optimal(steering, pairs, n, replace(search, starts=1))
-        shares = [
-            (least(space, space.measured(chosen), tie) - now) / (settled_at(now) - now) for tie, now in ties
-        ]
-        share = min(shares)
-        needed = int(np.ceil(n / share)) if share > n / MOST_MEASURED else None
-        if share >= 1 and (best is None or n < len(best)):
-            best = chosen
-        wanted = int(np.clip(np.ceil(MARGIN * n / max(share, 1e-6)), FEWEST, min(LARGEST, len(space.rows))))
-        if wanted == n or (best is not None and wanted >= len(best)):
-            break
-        n = wanted
-    return (chosen, needed) if best is None else (best, len(best))
-
-
 def tie_said(text: str, problem: Problem) -> Tie:
     """The tie of `cause:place,size,rival:place,...`. Raises InputError."""
     first, *others = split_causes(text)
@@ -117,7 +95,7 @@ def tie_said(text: str, problem: Problem) -> Tie:
     effect, size = parse_effect(first, problem)
     beside = ",".join([effect.cause, *others])  # its own place and size are read already
     rivals = tuple(e for cause in named_causes(beside)[1:] for e in cause.effects(problem))
-    return Tie(effect, size / np.array([p.typical for p in effect.params]), rivals)
+    return tie_between(effect, size, rivals)
 
 
 def ties_of(path: Path, problem: Problem) -> list[Tie]:
@@ -149,4 +127,4 @@ def _tie(one: dict[str, Any], problem: Problem) -> Tie | None:
         for rival in catalogue()[cause].sites(problem)
         if rival.where.keys() == place
     )
-    return Tie(effect, size / np.array([p.typical for p in effect.params]), rivals) if rivals else None
+    return tie_between(effect, size, rivals) if rivals else None

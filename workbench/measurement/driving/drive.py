@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign import Campaign
+from ...campaign.cell import DrivingData
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array, frames
 from .tour import shortest
@@ -71,11 +72,16 @@ class Drive:
         }
 
     @property
-    def text(self) -> str:
-        """How long it takes."""
+    def spent(self) -> str:
+        """On what the time goes."""
         parts = [f"{self.moving_s / 60:.0f} min moving", f"{self.standing_s / 60:.0f} min standing still"]
         parts += [f"{self.mounting_s / 60:.0f} min mounting"] if self.mounting_s else []
-        lines = [f"About {self.total_s / 60:.0f} min: {', '.join(parts)}."]
+        return ", ".join(parts)
+
+    @property
+    def text(self) -> str:
+        """How long it takes."""
+        lines = [f"About {self.total_s / 60:.0f} min: {self.spent}."]
         if self.check.any():
             lines.append(
                 f"It returns {int(self.check.sum())} times to a check pose, which shows warming up and drift."
@@ -107,7 +113,7 @@ def drive(plan: Campaign, ways: Ways, dwell: float) -> Drive:
 def _blocks(plan: Campaign) -> list[NDArray[np.int64]]:
     """Rows of each session and load and pull; loads of every second session in turned order, so that what is
     mounted last stays on."""
-    session = np.zeros(len(plan.poses)) if plan.poses.time is None else plan.poses.time
+    session = _sessions(plan)
     out: list[NDArray[np.int64]] = []
     for k, start in enumerate(np.unique(session)):
         here = np.flatnonzero(session == start)
@@ -116,6 +122,11 @@ def _blocks(plan: Campaign) -> list[NDArray[np.int64]]:
         groups = [here[which.ravel() == g] for g in range(which.max() + 1)]
         out += groups if k % 2 == 0 else groups[::-1]
     return out
+
+
+def _sessions(plan: Campaign) -> Array:
+    """(N,) [s] when the session of each record begins."""
+    return np.zeros(len(plan.poses)) if plan.poses.time is None else plan.poses.time
 
 
 def _sides(plan: Campaign) -> Array:
@@ -179,16 +190,12 @@ def _timed(
     rows = np.array([row for row, _ in stops])
     check = np.array([back for _, back in stops])
     records = plan.some(rows)
-    payload, wrench = records.poses.payload.copy(), records.poses.wrench.copy()
-    session = np.zeros(len(plan.poses)) if plan.poses.time is None else plan.poses.time
-    starts = np.zeros(len(rows))
-    warm = None if records.poses.temperature is None else records.poses.temperature.copy()
+    like = rows.copy()  # the record whose load and session each stop has
     for block in blocks:
         inside = slice(block.start, block.stop)
-        one = int(rows[inside][~check[inside]][0])
-        payload[inside], wrench[inside], starts[inside] = block.payload, plan.poses.wrench[one], session[one]
-        if warm is not None and plan.poses.temperature is not None:
-            warm[inside] = plan.poses.temperature[one]
+        like[inside] = rows[inside][~check[inside]][0]
+    with_load = plan.poses.some(like)
+    payload, wrench, starts = with_load.payload, with_load.wrench, _sessions(plan)[like]
     q, sides = records.poses.q, _sides(records)
     approach = ways.reach.approaches(q, sides)
     via: list[tuple[Array, ...]] = [()]
@@ -212,7 +219,7 @@ def _timed(
     returns = np.cumsum(check)
     ids = tuple(f"check_{returns[i]}" if check[i] else str(numbers[i]) for i in range(len(rows)))
     records = records.with_poses(
-        ids=ids, payload=payload, wrench=wrench, time=np.array(times), temperature=warm
+        ids=ids, payload=payload, wrench=wrench, time=np.array(times), temperature=with_load.temperature
     )
     own = plan.some(rows[~check])
     return Drive(
@@ -228,8 +235,8 @@ def _timed(
     )
 
 
-def _mounting(payload: NDArray[np.int64], wrench: Array, driving: Any) -> float:
+def _mounting(payload: NDArray[np.int64], wrench: Array, driving: DrivingData) -> float:
     """[s] between two stops for another load or pull."""
     load = driving.load_change_min if payload[0] != payload[1] else 0.0
     pull = driving.pull_min if (wrench[0] != wrench[1]).any() else 0.0
-    return 60.0 * float(load + pull)
+    return 60.0 * (load + pull)

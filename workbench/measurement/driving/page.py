@@ -57,12 +57,9 @@ def page_files(page: PlanPage) -> dict[str, bytes]:
 
 def _tiles(page: PlanPage) -> list[Tile]:
     drive = page.drive
-    parts = f"{drive.moving_s / 60:.0f} min moving, {drive.standing_s / 60:.0f} min standing still"
-    if drive.mounting_s:
-        parts += f", {drive.mounting_s / 60:.0f} min mounting"
     own = int((~drive.check).sum())
     tiles = [
-        Tile("Time", "", f"{drive.total_s / 60:.0f}", "min", parts),
+        Tile("Time", "", f"{drive.total_s / 60:.0f}", "min", drive.spent),
         Tile("Poses", "", f"{own}", "", f"and {int(drive.check.sum())} returns to a check pose"),
     ]
     if page.gain is not None:
@@ -71,7 +68,7 @@ def _tiles(page: PlanPage) -> list[Tile]:
 
 
 def _blocks(drive: Drive) -> list[list[str]]:
-    poses, time = drive.records.poses, drive.records.poses.time
+    time = drive.records.poses.time
     assert time is not None
     return [
         [
@@ -81,7 +78,6 @@ def _blocks(drive: Drive) -> list[list[str]]:
             f"{time[block.start] / 60:.0f} min",
         ]
         for number, block in enumerate(drive.blocks, 1)
-        if len(poses)
     ]
 
 

@@ -36,7 +36,7 @@ FEWEST = 10  # of them that have to be free
 FIRST = 6000  # random poses for which reflectors are turned
 MOST_DRAWN = 400  # times as many random poses as are wanted: then it is given up
 
-Draw = Callable[[int, np.random.Generator], Array]
+Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (count, n)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +207,7 @@ def _obstacles(robot: Robot, arm: Arm, cell: CellData) -> list[Hull]:
         R = from_zyx(np.radians([one.abc_deg]))[0]
         points = _points(one) @ R.T + 1e-3 * np.array(one.xyz_mm)
         slot = STANDING
-        if one.on == robot.flange or one.on == "flange":
+        if one.on in ("flange", robot.flange):
             slot, points = arm.n, points @ arm.R[-1].T + arm.p[-1]
         elif one.on in robot.links:
             slot = 1 + robot.links.index(one.on)

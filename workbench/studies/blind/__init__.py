@@ -6,19 +6,17 @@ non-centrality λ, not by millimetres, so that every cause is as hard as any oth
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ...files.whole import put
-from ..tasks import Done, run_tasks
+from ..case_study import CaseStudy, Record, run_cases
 from .blind_page import miss_cells, page
 from .cases import FORMS
 from .plots import write_figures
-from .score import Record, run_case
+from .score import run_case
 from .tally import Rate, aims, by_cause, by_strength, confusion, figures, missed, reliability
 from .unknowns import UNKNOWNS
 
@@ -27,13 +25,8 @@ QUICK = ("backlash", "gear_kinematic_error", "gear_ratio", "joint_compliance", "
 
 
 @dataclass(frozen=True)
-class BlindStudy:
-    """A finished study: its cases and what they come to. failed: key → error of cases that broke."""
-
-    folder: Path
-    seed: int
-    cases: tuple[Record, ...]
-    failed: dict[str, str]
+class BlindStudy(CaseStudy):
+    """What the cases of the blind study come to."""
 
     @property
     def rates(self) -> list[Rate]:
@@ -43,8 +36,7 @@ class BlindStudy:
     def text(self) -> str:
         lines = [f"{len(self.cases)} cases, seed {self.seed}", "", *(r.text for r in self.rates)]
         lines += [*_numbers(self.cases), "", *_strengths(self.cases), "", *_causes(self.cases)]
-        lines += [f"FAILED {key}: {error.strip().splitlines()[-1]}" for key, error in self.failed.items()]
-        return "\n".join(lines)
+        return "\n".join(lines + self.broken)
 
     def to_json(self) -> dict[str, Any]:
         rows, columns, counts = confusion(self.cases)
@@ -122,24 +114,9 @@ def blind(
     keys: these cases only. With `resume` cases that are done stay; more draws may be asked for.
     """
     keys = case_keys(draws, quick) if keys is None else keys
-    done = run_tasks(
-        partial(run_case, seed=seed),
-        keys,
-        out / "blind.sqlite",
-        study={"study": "blind", "seed": seed},
-        workers=workers,
-        resume=resume,
-        label="blind",
-    )
-    study = study_of(done, out, seed)
+    study = run_cases(BlindStudy, "blind", run_case, keys, out, seed, workers, resume)
     _write(study)
     return study
-
-
-def study_of(done: dict[str, Done], folder: Path, seed: int) -> BlindStudy:
-    """A study from its tasks."""
-    failed = {key: item.error for key, item in done.items() if item.error is not None}
-    return BlindStudy(folder, seed, tuple(d.result for d in done.values() if d.error is None), failed)
 
 
 def _write(study: BlindStudy) -> None:
@@ -150,5 +127,4 @@ def _write(study: BlindStudy) -> None:
     put(folder / "index.html", page(title, study.text, drawn, misses).encode())
     lines = [" | ".join(miss_cells(case)) for case in misses]
     put(folder / "misses.txt", "\n".join([*lines, ""]).encode())
-    everything = {**study.to_json(), "results": study.cases}
-    put(folder / "results.json", json.dumps(everything, ensure_ascii=False, indent=1).encode())
+    put(folder / "results.json", study.results)

@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 from ...report.drawing import Figure
 from ...report.markup import render
-from .score import Record
+from ..case_study import Record
 
 
 def page(title: str, text: str, figures: Sequence[Figure], misses: Sequence[Record]) -> str:

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from ...files.faults import Fault, InputError
 from ...simulation.processes import one_thread_each, spawn_pool
+from ..case_study import Record
 from . import case_keys
-from .score import Record, run_case
+from .score import run_case
 
 
 def cases_again(

@@ -12,8 +12,8 @@ from scipy.stats import norm
 from ...files.whole import put
 from ...report import reliability
 from ...report.drawing import AFTER, BEFORE, INK, MIDDLE, MUTED, NOISE, Figure, drawing, plain_log
+from ..case_study import Record
 from . import tally
-from .score import Record
 from .tally import Rate, by_strength, confusion, offsets
 
 

@@ -7,25 +7,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 
 from ...campaign import Campaign
 from ...diagnosis.on_test_campaign import test_figures
-from ...diagnosis.result import Finding
+from ...diagnosis.result import Finding, Rival
 from ...diagnosis.run import Outcome, diagnose
 from ...effects.base import UNKNOWN, Effect
 from ...identification.fit import Fit, refit
 from ...robot.kinematics import Array
 from ...robot.rotations import body_jacobian
+from ..case_study import Record
 from .cases import Case, draw_case
 from .sight import Key, Products
 
 NEAREST = 4  # rivals that are noted
 WORTH = 8.0  # λ by which a further part of the true cause must help to be in the right model
-
-Record = dict[str, Any]
 
 
 def run_case(key: str, seed: int, report: Path | None = None) -> Record:
@@ -123,21 +121,21 @@ def judged(case: Case, outcome: Outcome) -> Record:
     }
 
 
-def key_of(finding: Finding) -> Key:
-    """Cause and place of a finding, a gear line at any order."""
-    return finding.cause, replace(finding.where, order=None)
+def key_of(said: Finding | Rival) -> Key:
+    """Cause and place of a finding or a rival, a gear line at any order."""
+    return said.cause, replace(said.where, order=None)
 
 
 def _offered(finding: Finding) -> set[Key]:
     """The cause that is reported and those that may stand in its place."""
-    return {key_of(finding), *((r.cause, replace(r.where, order=None)) for r in finding.rivals)}
+    return {key_of(finding), *map(key_of, finding.rivals)}
 
 
 def _stated(finding: Finding) -> list[tuple[Key, float]]:
     """What is reported and each rival of a cause, with the probability that is stated of it."""
-    rivals = [r for r in finding.rivals if r.cause != UNKNOWN]
-    said = [((r.cause, replace(r.where, order=None)), r.probability) for r in rivals]
-    return [(key_of(finding), finding.probability), *said]
+    rivals = [rival for rival in finding.rivals if rival.cause != UNKNOWN]
+    said: list[Finding | Rival] = [finding, *rivals]
+    return [(key_of(one), one.probability) for one in said]
 
 
 def _twins(case: Case, found: Sequence[Key]) -> set[Key]:

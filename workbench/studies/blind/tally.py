@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from .score import Record
+from ..case_study import Record
 
 STRENGTHS = (20.0, 40.0, 80.0, 200.0, 600.0, np.inf)  # edges of the classes of λ
 STATED = (0.0, 0.2, 0.5, 0.8, 0.95, 0.99, 1.0)  # edges of the classes of stated probabilities

@@ -4,10 +4,8 @@ campaigns diagnosed together."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -17,20 +15,14 @@ import numpy as np
 from ...files.whole import put_all
 from ...report.markup import render
 from ..blind.cases import FORMS
-from ..blind.score import Record
 from ..blind.tally import Rate, rate
-from ..tasks import run_tasks
+from ..case_study import CaseStudy, Record, run_cases
 from .case import MOST, run_case
 
 
 @dataclass(frozen=True)
-class FollowUpStudy:
-    """A finished study. failed: key → error of cases that broke."""
-
-    folder: Path
-    seed: int
-    cases: tuple[Record, ...]
-    failed: dict[str, str]
+class FollowUpStudy(CaseStudy):
+    """What became of the cases that a first campaign left open."""
 
     @property
     def open(self) -> list[Record]:
@@ -77,8 +69,7 @@ class FollowUpStudy:
         if self.kept is not None:
             said = "{median:.2f} in the median, {low:.2f} to {high:.2f} in four of five".format(**self.kept)
             lines.append(f"{'λ reached over λ promised':<52} {said}")
-        lines += [f"FAILED {key}: {error.strip().splitlines()[-1]}" for key, error in self.failed.items()]
-        return "\n".join(lines)
+        return "\n".join(lines + self.broken)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -119,20 +110,10 @@ def followup(
     keys: these cases only. With `resume` cases that are done stay; more draws may be asked for.
     """
     keys = case_keys(draws) if keys is None else keys
-    done = run_tasks(
-        partial(run_case, seed=seed),
-        keys,
-        out / "followup.sqlite",
-        study={"study": "followup", "seed": seed},
-        workers=workers,
-        resume=resume,
-        label="followup",
-    )
-    failed = {key: item.error for key, item in done.items() if item.error is not None}
-    study = FollowUpStudy(out, seed, tuple(d.result for d in done.values() if d.error is None), failed)
+    study = run_cases(FollowUpStudy, "followup", run_case, keys, out, seed, workers, resume)
     title = f"Follow-ups: {len(study.followed)} ties, and what one more campaign made of them"
     rows = [_cells(case) for case in study.followed]
-    lost = [_cells(case)[:3] for case in study.open if not case["offered"]]
+    lost = [_cells(case) for case in study.open if not case["offered"]]
     page = render(
         "followup.html",
         title=title,
@@ -141,8 +122,7 @@ def followup(
         lost=lost,
         version=version("robot-workbench"),
     )
-    numbers = json.dumps({**study.to_json(), "results": study.cases}, ensure_ascii=False, indent=1)
-    put_all({out / "index.html": page.encode(), out / "results.json": numbers.encode()})
+    put_all({out / "index.html": page.encode(), out / "results.json": study.results})
     return study
 
 

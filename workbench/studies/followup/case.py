@@ -6,7 +6,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 from zlib import crc32
 
 import numpy as np
@@ -16,17 +15,16 @@ from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome, diagnose
 from ...effects.base import UNKNOWN
 from ...measurement.design import follow_up, what_decides
-from ...measurement.design.decide import Tie, settled_at, tie_of, told_apart
 from ...measurement.design.prior_information import DRIVE_TORQUE
+from ...measurement.design.ties import Tie, settled_at, tie_of, told_apart
 from ...simulation.virtual_campaign import simulate
 from ..blind.cases import Case, draw_case, true_robot
 from ..blind.score import facts, key_of, label_of
 from ..blind.sight import Key, planned_for
+from ..case_study import Record
 
 FIRST = 24  # poses of a first campaign
 MOST = 30  # poses of a follow-up
-
-Record = dict[str, Any]
 
 
 @dataclass(frozen=True)

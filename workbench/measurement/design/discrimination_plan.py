@@ -1,0 +1,156 @@
+"""Records that discriminate between rival causes: how far apart these then are, or why none do it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...campaign import Campaign
+from ...effects.base import Effect
+from ..driving.drive import Drive
+from .candidates import payload_counts
+from .causes import keys, label
+from .driven_plan import DrivenPlan
+from .t_optimal import Pair
+
+
+@dataclass(frozen=True)
+class Power:
+    """λ and what a diagnosis makes of it, as the blind study has it."""
+
+    least: float = 10.0  # below, it hardly ever names the cause (3 to 8 % of the cases)
+    mostly: float = 40.0  # from here it finds the cause always, and names it mostly
+    surely: float = 80.0  # from here it names the right one in most campaigns, and never the wrong one
+
+
+LEVELS = Power()
+
+
+@dataclass(frozen=True)
+class Discrimination:
+    """λ of a cause beside its rival: now (None without a campaign), after random records, after the plan."""
+
+    effect: Effect
+    rival: Effect
+    now: float | None
+    random: float
+    plan: float
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            **keys(self.effect),
+            "rival": keys(self.rival),
+            "lambda_now": self.now,
+            "lambda_random": self.random,
+            "lambda_plan": self.plan,
+        }
+
+
+@dataclass(frozen=True)
+class DiscriminationPlan(DrivenPlan):
+    """Records to tell causes apart, in the order to measure them; None where no poses do.
+
+    hardest: both ways of the pair with the least λ after the plan; hopeless: pairs that all candidates
+    together do not tell; unseen: effects that no pose shows beside geometry; needed: planned poses after
+    which the hardest λ is `LEVELS.mostly`; separate_by: measurements of another kind that tell them apart;
+    random: as many random records; found: the causes have the size in which they were found, and each stands
+    beside its hardest rival.
+    """
+
+    records: Campaign | None
+    count: int
+    noise: str
+    hardest: tuple[Discrimination, ...]
+    hopeless: tuple[Pair, ...]
+    unseen: tuple[Effect, ...]
+    needed: int | None
+    separate_by: str
+    random: Campaign | None = None
+    found: bool = False
+
+    @property
+    def gain(self) -> float | None:
+        """λ per hour over that of random records."""
+        if self.drive is None or self.random_s is None:
+            return None
+        worst = min(self.hardest, key=lambda pair: pair.plan)
+        now = worst.now or 0.0
+        return (worst.plan - now) / self.drive.total_s / max((worst.random - now) / self.random_s, 1e-12)
+
+    def with_drive(self, drive: Drive, random: Drive) -> DiscriminationPlan:
+        """In the order of a drive; random: that of as many random records."""
+        return replace(self, records=drive.own, drive=drive, random_s=random.total_s)
+
+    @property
+    def least(self) -> float:
+        """The smallest λ after the plan."""
+        return min((pair.plan for pair in self.hardest), default=0.0)
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "kind": "tell",
+            "n_poses": 0 if self.records is None else len(self.records.poses.q),
+            "payloads": {} if self.records is None else payload_counts(self.records),
+            "noise": self.noise,
+            "faults": [fault.to_json() for fault in self.faults],
+            "told_apart": self.least >= LEVELS.least and not self.hopeless and not self.unseen,
+            "hardest": [pair.to_json() for pair in self.hardest],
+            "hopeless": [{**keys(a), "rival": keys(b)} for a, b in self.hopeless],
+            "unseen": [keys(effect) for effect in self.unseen],
+            "poses_needed": self.needed,
+            "separate_by": self.separate_by,
+            **self.drive_json(),
+        }
+
+    @property
+    def headline(self) -> str:
+        """In one sentence."""
+        return f"{self.count} poses{self.time}: {self._meaning()}"
+
+    @property
+    def lines(self) -> list[str]:
+        """What it brings."""
+        drive = [] if self.drive is None else self.drive.text.split("\n")
+        return [line.strip() for line in self.text.split("\n") if line not in drive]
+
+    @property
+    def text(self) -> str:
+        lines = [f"No pose shows {label(effect)}." for effect in self.unseen]
+        lines += [f"No poses tell {label(a)} from {label(b)}." for a, b in self.hopeless]
+        if self.hardest:
+            alike, apart = f"below {LEVELS.least:g} alike", f"above {LEVELS.surely:g} apart"
+            lines.append(f"λ, how far apart these causes are ({alike}, {apart}), if of")
+            size = "the size that was found" if self.found else f"typical size ({self._sizes()})"
+            lines.append(f"{size}, with {self.noise}:")
+            for pair in self.hardest:
+                now = "" if pair.now is None else f"{pair.now:.3g} now, "
+                lines.append(
+                    f"  {label(pair.effect)} beside {label(pair.rival)}: {now}{pair.random:.3g} after "
+                    f"{self.count} random poses, {pair.plan:.3g} after this plan"
+                )
+            lines.append(self._meaning())
+        if self.least < LEVELS.mostly or self.hopeless or self.unseen:
+            lines.append(f"Another kind of measurement tells more: {self.separate_by}.")
+        if self.drive is not None:
+            lines.append(self.drive.text)
+        if self.gain is not None:
+            lines.append(
+                f"In the same time it tells {self.gain:.1f} times as much as random poses (λ per hour)."
+            )
+        return "\n".join(lines)
+
+    def _sizes(self) -> str:
+        params = [(e.label, e.params[0]) for pair in self.hardest for e in (pair.effect, pair.rival)]
+        sizes = {name: f"{p.name} {p.typical:g} {p.unit}".removesuffix(" 1") for name, p in params}
+        return ", ".join(sizes.values())
+
+    def _meaning(self) -> str:
+        """λ in words; it goes with the square of the causes' size."""
+        more = f"about {self.needed} planned poses" if self.needed else "more poses than anyone measures"
+        if self.least >= LEVELS.surely:
+            return "This plan tells them apart."
+        if self.least >= LEVELS.mostly:
+            return "This plan tells them apart, mostly; smaller causes it may not."
+        if self.least >= LEVELS.least:
+            return f"This plan may tell them apart; to be fairly sure takes {more}, or larger causes."
+        return f"So few poses do not tell them apart: that takes {more}, or larger causes."

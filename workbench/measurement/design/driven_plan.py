@@ -1,0 +1,44 @@
+"""What every plan says of how it is driven."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+from ...diagnosis.result import FaultFound
+from ..driving.drive import Drive
+from ..driving.reach import Reach
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrivenPlan(ABC):
+    """faults: of the campaign's data; reach: the robot in its cell; drive: how the records are driven,
+    random_s: [s] that driving random ones takes. Of a plan in a time, over_poses: information per hour over
+    that of poses alone; stops: between two poses."""
+
+    faults: tuple[FaultFound, ...] = ()
+    reach: Reach | None = None
+    drive: Drive | None = None
+    random_s: float | None = None
+    over_poses: float | None = None
+    stops: int = 0
+
+    @property
+    @abstractmethod
+    def gain(self) -> float | None:
+        """Information per hour over that of random records; None where it is not driven."""
+
+    @property
+    def time(self) -> str:
+        """About how long it takes, as the end of a phrase."""
+        return "" if self.drive is None else f" in about {self.drive.total_s / 60:.0f} min"
+
+    def drive_json(self) -> dict[str, Any]:
+        """How it is driven, as `plan.json` has it."""
+        return {
+            "drive": None if self.drive is None else self.drive.to_json(),
+            "information_per_hour_over_random": self.gain,
+            "information_per_hour_over_poses_alone": self.over_poses,
+            "stops_on_the_way": self.stops,
+        }
