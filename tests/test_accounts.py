@@ -101,6 +101,30 @@ def test_standings_are_shares_of_draws(judged: Judged) -> None:
     assert not gone.reproduced
 
 
+def test_an_account_is_excluded_by_odds_beyond_their_error(judged: Judged) -> None:
+    behind, error = judged.odds("moved", over="near")
+    assert judged.best == "near"
+    assert (behind, error) == judged.odds("moved")
+    assert behind == -judged.odds("near", over="moved")[0]
+    assert judged.excluded("moved", 10 ** (0.9 * (-behind - error)))
+    assert not judged.excluded("moved", 10 ** (1.1 * (-behind - error)))
+    assert not judged.excluded("near", 2.0)
+
+
+@pytest.mark.parametrize(("rarely", "said"), [(0.0, "reproduces"), (0.95, "fewer than 10 draws print it")])
+def test_too_few_draws_that_print_are_no_miss(tmp_path: Path, rarely: float, said: str) -> None:
+    account = Account("some", "some", {}, partial(sometimes, rarely=rarely))
+    judged = judge([account], [replace(SUM, sd=1.0)], 100, StudyRun(tmp_path, workers=1))
+    assert 0 < np.isfinite(judged.first["some"].predicted).sum() < 10 or rarely == 0
+    [[_, alone, together]] = accounts_table(judged).rows
+    assert alone.startswith(said)
+    assert together.startswith(said)
+
+
+def sometimes(_: Mapping[str, float], rng: np.random.Generator, rarely: float) -> dict[str, object]:
+    return {"gain": np.nan if rng.random() < rarely else np.exp(1.0 + 0.5 * rng.normal())}
+
+
 def test_many_numbers_and_few_draws_make_a_gaussian_likelihood(tmp_path: Path) -> None:
     item = Item("row", "a row", np.full(12, 0.3), 0.1, "Table 3")
     account = Account("row", "row", {}, row)
@@ -168,6 +192,10 @@ def test_a_headline_over_draws_and_what_carries_it(tmp_path: Path) -> None:
     assert carries["b"] == pytest.approx(0.1, abs=0.05)
     assert draws.carries("constant") == {"b": 0.0, "a": 0.0}
     assert np.subtract(*draws.ends("error", "a")) == pytest.approx(-2.0, abs=0.2)  # thirds lie 2/3 apart
+    assert draws.middle == {"error": middle, "constant": 1.0}
+    some = draws.only(draws.values["a"] > 1.5)
+    assert (some.count, some.values["a"].min() > 1.5) == (100, True)
+    assert some.range("error")[0] > low
     figure = tornado(draws, "error", "carried", "error, mm")
     assert "the large one (8" in figure.title or "the large one (9" in figure.title
     assert figure.alt.index("the large one") < figure.alt.index("the small one")  # widest first

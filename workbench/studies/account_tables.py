@@ -9,7 +9,7 @@ from ..report.drawing import Figure
 from ..report.numbers import MISSING, decimals, percent, probability, significant
 from ..report.study import Table
 from .accounts import MISSED, Judged, Standing
-from .evidence import Evidence
+from .evidence import LEAST, Evidence
 from .priors import Prior
 
 
@@ -34,21 +34,19 @@ def accounts_table(judged: Judged) -> Table:
 def odds_table(judged: Judged) -> Table:
     """Evidence and posterior odds under equal priors, and without each item."""
     shares = judged.probabilities()
-    items = [i for i in judged.items if len(judged.items) > 1]
-    without = {item.name: judged.probabilities(item.name) for item in items}
-    best = max(e.log10 for e in judged.evidence.values())
+    best = judged.evidence[judged.best].log10
     rows = [
         [
             a.words,
             str(len(a.priors)),
             _odds(judged.evidence[a.name], best),
             _share(shares[a.name]),
-            *(_share(without[item.name][a.name]) for item in items),
+            *(_share(left_out[a.name]) for left_out in judged.without.values()),
         ]
         for a in judged.accounts
     ]
     head = ("Account", "Free values", "log₁₀ odds to the best", "Probability",
-            *(f"… without {item.words}" for item in items))  # fmt: skip
+            *(f"… without {item.words}" for item in judged.items if item.name in judged.without))  # fmt: skip
     note = (
         "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
         f"averaged over each account's free values: kernel density of {_draws(judged)} draws that were "
@@ -95,7 +93,7 @@ def odds_figure(judged: Judged, name: str = "odds") -> Figure:
     judged: as `judge` gives it; name: of the figure. An account's log₁₀ odds with two Monte-Carlo errors to
     either side.
     """
-    best = max(e.log10 for e in judged.evidence.values())
+    best = judged.evidence[judged.best].log10
     logs = [max(e.log10 - best, -300.0) for e in judged.evidence.values()]
     errors = [min(e.error, 300.0) for e in judged.evidence.values()]
     series = {"odds": charts.Series(
@@ -124,7 +122,7 @@ def _stands(found: Standing) -> str:
     if found.reproduced:
         return f"reproduces ({share})"
     if not math.isfinite(found.distance):
-        return "prints nothing"
+        return f"fewer than {LEAST} draws print it"
     return f"misses by {decimals(found.distance, 1 if found.distance < 100 else 0)} σ ({share})"
 
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.special import logsumexp
 
 from ..robot.kinematics import Array
-from .evidence import Evidence, evidence, spread
+from .evidence import LEAST, Evidence, evidence, spread
 from .priors import Prior
 
 LEAST_DRAWS = 8  # of their weight, that a free value is read from
@@ -75,10 +75,17 @@ class Account:
     predict: Predict
 
 
+def target_of(items: Sequence[Item]) -> tuple[Array, Array]:
+    """(K,) all that is printed, and its standard deviations, as compared, side by side."""
+    value, sd = zip(*(item.target for item in items), strict=True)
+    return np.concatenate(value), np.concatenate(sd)
+
+
 @dataclass(frozen=True)
 class Standing:
     """How a print stands among the draws of an account. share: of the draws lie as far from their middle as
-    the print; distance: of the print from there in standard deviations (root mean square of its numbers)."""
+    the print; distance: of the print from there in standard deviations (root mean square of its numbers),
+    infinite where fewer than `LEAST` draws print anything."""
 
     share: float
     distance: float
@@ -124,8 +131,7 @@ class Judged:
     @property
     def target(self) -> tuple[Array, Array]:
         """(K,) all that is printed, and its standard deviations."""
-        value, sd = zip(*(item.target for item in self.items), strict=True)
-        return np.concatenate(value), np.concatenate(sd)
+        return target_of(self.items)
 
     def standing(self, account: str, item: str | None = None) -> Standing:
         """Of an item, or of all together."""
@@ -133,7 +139,7 @@ class Judged:
         made = self.first[account].predicted[:, at]
         value, sd = (part[at] for part in self.target)
         good = made[np.isfinite(made).all(axis=1)]
-        if len(good) < 10:
+        if len(good) < LEAST:
             return Standing(0.0, np.inf)
         found = spread(good)
         shaken = good + sd * np.random.default_rng([self.seed, 7]).normal(size=good.shape)
@@ -166,6 +172,28 @@ class Judged:
         shares = 10 ** (logs - logs.max())
         return dict(zip(found, (shares / shares.sum()).tolist(), strict=True))
 
+    @cached_property
+    def without(self) -> dict[str, dict[str, float]]:
+        """Item → what the probabilities would be without it; nothing where it is the only one."""
+        names = [item.name for item in self.items]
+        return {name: self.probabilities(name) for name in names} if len(names) > 1 else {}
+
+    @property
+    def best(self) -> str:
+        """The account of the highest evidence."""
+        return max(self.evidence, key=lambda name: self.evidence[name].log10)
+
+    def odds(self, account: str, over: str | None = None) -> tuple[float, float]:
+        """log₁₀ odds of an account over another, or over the best, and their Monte-Carlo error."""
+        one, other = self.evidence[account], self.evidence[over or self.best]
+        return one.log10 - other.log10, float(np.hypot(one.error, other.error))
+
+    def excluded(self, account: str, odds: float, by: str | None = None) -> bool:
+        """Whether another account, or the best, has more than such odds over an account, beyond their
+        error."""
+        behind, error = self.odds(account, by)
+        return bool(-behind > np.log10(odds) + error)
+
     def needed(self, account: str, value: str) -> tuple[float, float, float]:
         """5, 50 and 95 % of a free value, once the print is seen (NaN: no draw comes near).
 
@@ -193,17 +221,19 @@ class Judged:
         low, middle, high = (priors[value].at(float(end)) for end in ends)
         return low, middle, high
 
-    def numbers(self) -> dict[str, float]:
+    def numbers(self, *, without: bool = True) -> dict[str, float]:
         """For a story: p_ACCOUNT its probability, p_ACCOUNT_without_ITEM; log10_ACCOUNT and
         log10_ACCOUNT_error its evidence; share_ACCOUNT_ITEM and far_ACCOUNT_ITEM its standings (ITEM: all for
-        all together); ACCOUNT_VALUE, ACCOUNT_VALUE_low and ACCOUNT_VALUE_high what it needs."""
+        all together); ACCOUNT_VALUE, ACCOUNT_VALUE_low and ACCOUNT_VALUE_high what it needs.
+
+        without: with the probabilities without each item.
+        """
         found = {f"p_{name}": p for name, p in self.probabilities().items()}
-        alone = len(self.items) == 1
-        without = {} if alone else {i.name: self.probabilities(i.name) for i in self.items}
+        left_out = self.without if without else {}
         for account in self.accounts:
             a = account.name
             found |= {f"log10_{a}": self.evidence[a].log10, f"log10_{a}_error": self.evidence[a].error}
-            found |= {f"p_{a}_without_{item}": shares[a] for item, shares in without.items()}
+            found |= {f"p_{a}_without_{item}": shares[a] for item, shares in left_out.items()}
             for item in (*(i.name for i in self.items), None):
                 stands = self.standing(a, item)
                 found |= {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -43,6 +43,19 @@ class Draws:
         """5, 50 and 95 % of a number."""
         low, middle, high = np.quantile(self.numbers[name], [0.05, 0.5, 0.95])
         return float(low), float(middle), float(high)
+
+    @property
+    def middle(self) -> dict[str, float]:
+        """The median of each number."""
+        return {name: self.range(name)[1] for name in self.numbers}
+
+    def only(self, at: Array) -> Draws:
+        """Some of the draws; at: (D,) bool."""
+        return replace(
+            self,
+            values={name: column[at] for name, column in self.values.items()},
+            numbers={name: column[at] for name, column in self.numbers.items()},
+        )
 
     def by_name(self) -> dict[str, float]:
         """For a story: NAME_mid (the median), NAME_p05 and NAME_p95 of each number, and `draws`."""

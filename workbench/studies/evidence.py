@@ -18,6 +18,7 @@ from ..robot.kinematics import Array
 
 CLIPPED = 4.0  # of the draws' scale: what lies farther out says no more about their covariance
 RESAMPLED = 200
+LEAST = 10  # draws that print anything, to say how a print lies among them
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def evidence(drawn: Array, value: Array, sd: Array, prior: Array | None = None, 
     that each was drawn from; None: drawn from the prior."""
     good = np.isfinite(drawn).all(axis=1)
     logs = np.full(len(drawn), -np.inf)
-    if good.sum() < 10:
+    if good.sum() < LEAST:
         return Evidence(-np.inf, 0.0, logs)
     carried = np.zeros(len(drawn)) if prior is None else prior
     logs[good] = carried[good] + _bumps(drawn[good], value, sd, 1.0)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .accounts import Account, Item, Judged, Round
+from .accounts import Account, Item, Judged, Round, target_of
 from .evidence import evidence
 from .proposals import Proposal, proposal
 from .study_run import StudyRun
@@ -40,8 +40,7 @@ def judge(
 
 def _nearer(account: Account, items: Sequence[Item], made: Round, seed: int) -> Proposal | None:
     """Where to draw next; None: from the priors again, as nothing that was drawn prints anything."""
-    value, sd = (np.concatenate(part) for part in zip(*(item.target for item in items), strict=True))
-    logs = evidence(made.predicted, value, sd, made.prior, seed).logs
+    logs = evidence(made.predicted, *target_of(items), made.prior, seed).logs
     return proposal(made.shares, logs) if np.isfinite(logs).any() else None
 
 

@@ -32,17 +32,13 @@ from workbench import (
 )
 
 from .decides import GAS
-from .plans import CLEAR, FLOOR, JOINT
+from .plans import CLEAR, FLOOR, JOINT, spring
 from .printed import KR300_ANGLES, KR300_PISTON, KR300_PRESSURES, KR300_TANKS
 
 GAS_LENGTH = gas_spring.GasLength(variant="gas_length")
 OTHER_CHARGE, OTHER_LENGTH = -0.08, 0.12  # of the model's: what is hidden in this machine
-WARMER, PER_KELVIN, FAST, LOST = (
-    10.0,
-    1 / 293.15,
-    1.3,
-    0.1,
-)  # K, 1/K of an ideal gas at 20 °C, exponent, share
+WARMER, PER_KELVIN = 10.0, 1 / 293.15  # K, 1/K of an ideal gas at 20 °C
+FAST, LOST = 1.3, 0.1  # exponent, share
 
 
 def charge_by_witness(
@@ -95,9 +91,7 @@ def gauged(triangle: gas_spring.Linkage) -> dict[str, float]:
 def changed_gas(problem: Problem, angles: Array, reach: float) -> Table:
     """What other gas does: largest change of torque, shift of the stretched arm's flange, change of
     stiffness."""
-    law = problem.compensator
-    assert law is not None
-    triangle = gas_spring.linkage(problem.arm, law)
+    triangle, law = spring(problem)
     gear = problem.robot.joints[JOINT].data.stiffness or np.inf
     faster = replace(law, data=law.data.model_copy(update={"exponent": FAST}))
     others = {

@@ -100,28 +100,27 @@ def one_of_each(values: Mapping[str, float], seed: int) -> dict[str, float]:
         for name, truth in truths(values, seed).items():
             noise = DRIVE_NOISE if way == "torque" else None
             said = diagnose(simulate(plan, truth, seed=seed, torque_sigma=noise), seed=seed % 1000)
-            found[f"{name}_{way}"] = float(told(name, said))
-            found[f"mistaken_{name}_{way}"] = float(mistaken(name, said))
-            right *= found[f"{name}_{way}"]
+            told, mistaken = judged(name, said)
+            found |= {f"{name}_{way}": float(told), f"mistaken_{name}_{way}": float(mistaken)}
+            right *= told
         found[f"apart_{way}"] = right
     bare, _, full = problem_of(campaigns("torque", seed)).nominal_load.local[:, JOINT + 1, RZ].reshape(3, -1)
     return found | {"reversing": float((bare * full < 0).mean())}
 
 
-def told(hidden: str, outcome: Outcome) -> bool:
-    """Nothing in the machine as modelled; a fault of joint 2 and none of the compensator in the soft gear;
-    the compensator, and nothing of joint 2, in the leak. Rivals count as said."""
+def judged(hidden: str, outcome: Outcome) -> tuple[bool, bool]:
+    """Whether it is told: nothing in the machine as modelled; a fault of joint 2 and none of the compensator
+    in the soft gear; the compensator, and nothing of joint 2, in the leak. Rivals count as said. And whether
+    it is mistaken: the compensator is blamed for the soft gear, or joint 2's gear for the leak, without the
+    true one beside."""
     said = named(outcome)
     gear, leak = any(joint == "joint_2" for _, joint in said), any(cause == GAS.cause for cause, _ in said)
-    return {"gas": not said, "soft": gear and not leak, "leak": leak and not gear}[hidden]
-
-
-def mistaken(hidden: str, outcome: Outcome) -> bool:
-    """The compensator is blamed for the soft gear, or joint 2's gear for the leak, without the true one
-    beside."""
-    said = named(outcome)
-    gear, leak = any(joint == "joint_2" for _, joint in said), any(cause == GAS.cause for cause, _ in said)
-    return {"gas": bool(said), "soft": leak and not gear, "leak": gear and not leak}[hidden]
+    only_gear, only_leak = gear and not leak, leak and not gear
+    return {
+        "gas": (not said, bool(said)),
+        "soft": (only_gear, only_leak),
+        "leak": (only_leak, only_gear),
+    }[hidden]
 
 
 def named(outcome: Outcome) -> set[tuple[str, str | None]]:

@@ -21,7 +21,8 @@ from workbench import (
     problem_of,
 )
 
-from .printed import ATMOSPHERE, HALF_1, TABLE_1
+from .plans import spring
+from .printed import ATMOSPHERE, HALF_1, SIX, TABLE_1
 
 
 def plan_numbers(plan: GroupPlan) -> dict[str, float]:
@@ -52,19 +53,18 @@ def plan_figure(plan: GroupPlan) -> Figure:
 def spring_numbers(springs: Mapping[str, FittedSpring]) -> dict[str, float]:
     """Fitted gas springs, each with its gear."""
     by_name: dict[str, float] = {}
-    for name, spring in springs.items():
-        by_name |= _strength(name, spring.force, spring.torque, spring.stiffness)
-        by_name |= {f"{name}_chi2": spring.chi2, f"{name}_p": spring.p_value}
-        by_name |= {f"{name}_s0_m": spring.s0, f"{name}_sV_m": spring.sV}
+    for name, fitted in springs.items():
+        by_name |= _strength(name, fitted.force, fitted.torque, fitted.stiffness)
+        by_name |= {f"{name}_chi2": fitted.chi2, f"{name}_p": fitted.p_value}
+        by_name |= {f"{name}_s0_m": fitted.s0, f"{name}_sV_m": fitted.sV}
     return by_name
 
 
 def own_spring_numbers(problem: Problem, angles: Array) -> dict[str, float]:
     """What the robot's own gas spring does at these angles: force, torque, stiffness, and shift of the
     stretched arm."""
-    law, joint = problem.compensator, compensated_joint(problem.robot)
-    assert law is not None
-    triangle = gas_spring.linkage(problem.arm, law)
+    joint = compensated_joint(problem.robot)
+    triangle, law = spring(problem)
     gear = problem.robot.joints[joint].data.stiffness or np.inf
     torque, added = gas_spring.bias(triangle, law, angles), gas_spring.added_stiffness(triangle, law, angles)
     assert law.data.precharge
@@ -96,10 +96,8 @@ def _strength(name: str, force: Array, torque: Array, gear: float) -> dict[str, 
 
 def stiffness_figure(problem: Problem, angles: Array, needed: FittedSpring) -> Figure:
     """Joint 2's stiffness at the angles: Table I, the robot's gas spring, the one that Table I would need."""
-    k, half = TABLE_1[1:7], HALF_1[1:7]
-    law = problem.compensator
-    assert law is not None
-    added = gas_spring.added_stiffness(gas_spring.linkage(problem.arm, law), law, angles)
+    k, half = TABLE_1[SIX], HALF_1[SIX]
+    added = gas_spring.added_stiffness(*spring(problem), angles)
     alone, needs = 1 / k.mean() + added, 1 / needed.compliance
     series = {
         "gas spring alone": charts.Series(1e-6 * alone, colour=charts.MIDDLE),
@@ -152,10 +150,10 @@ def torque_figure(robot: Robot, q: Array, load: load_pairs.Load, tool: load_pair
 def bias_figure(robot: Robot, q: Array, shares: Sequence[float] = (-0.05, -0.1, -0.2)) -> Figure:
     """Shift of the flange over poses q: (N, n), arm stretched, where the charge is off by these shares."""
     problem, joint = problem_of(planned(robot, q)), compensated_joint(robot)
-    assert problem.compensator is not None
-    s, slope, _ = gas_spring.linkage(problem.arm, problem.compensator).stretch(q[:, joint])
+    triangle, law = spring(problem)
+    s, slope, _ = triangle.stretch(q[:, joint])
     stiffness = robot.joints[joint].data.stiffness or np.inf
-    force = problem.compensator.force(s)[2]  # per unit of charge
+    force = law.force(s)[2]  # per unit of charge
     shift = 1e3 * reach(problem, joint) * force * slope / stiffness  # mm
     series = {f"{100 * share:.0f} %".replace("-", "−"): charts.Series(-share * shift) for share in shares}
     title = "A lost charge moves the unloaded tool; loaded minus unloaded does not see it"

@@ -9,9 +9,8 @@ from scipy import stats
 from workbench import Array, Draws, Figure, Prior, charts, fit_spring, gas_spring, numbers
 
 from .plans import ANGLES
-from .printed import ATMOSPHERE, HALF_1, TABLE_1
+from .printed import ATMOSPHERE, HALF_1, SIX, TABLE_1
 
-SIX = slice(1, 7)
 MOST_TORQUE = 20e3  # N·m: above what a drive of this class and a gravity torque of 10 kN·m can balance
 CHANGE_1 = float(np.ptp(1 / TABLE_1[SIX]))  # N·m/rad, of Table I
 
@@ -71,7 +70,7 @@ def linkage_numbers(draws: Draws) -> dict[str, float]:
     """For the story."""
     made = np.isfinite(draws.numbers["fit_p"])
     p, force = draws.numbers["fit_p"][made], draws.numbers["fit_force"][made]
-    low, middle, high = np.quantile(draws.numbers["change"], [0.05, 0.5, 0.95])
+    low, middle, high = draws.range("change")
     return {
         "linkages": float(draws.count),
         "printed_change_kNm": 1e-3 * CHANGE_1,

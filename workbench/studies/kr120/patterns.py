@@ -13,8 +13,8 @@ from scipy import stats
 from workbench import Account, Array, Draws, Figure, Judged, StudyRun, Table, charts, draw_many, numbers
 
 from .plans import compliances, plan, robot
-from .printed import TABLE_1
-from .stories import SIX, TELL, levelled
+from .printed import SIX, TABLE_1
+from .stories import TELL, levelled
 from .world import World, estimated
 
 RANGE_1 = float(np.ptp(TABLE_1[SIX]) / TABLE_1[SIX].mean())  # of Table I's six
@@ -51,7 +51,7 @@ def pattern_numbers(draws: Draws, names: Sequence[str]) -> dict[str, float]:
     found = {"machine_draws": float(draws.count), "range_printed": RANGE_1, "large": LARGE}
     for name in names:
         size, p = draws.numbers[f"range_{name}"], draws.numbers[f"resid_{name}"]
-        low, middle, high = np.quantile(size, [0.05, 0.5, 0.95])
+        low, middle, high = draws.range(f"range_{name}")
         found |= {f"range_{name}_p05": low, f"range_{name}_mid": middle, f"range_{name}_p95": high}
         large = size > LARGE
         found[f"reaches_{name}"] = float((size >= RANGE_1).mean())

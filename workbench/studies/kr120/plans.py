@@ -20,6 +20,7 @@ from workbench import (
     Robot,
     Target,
     exchange,
+    gas_spring,
     load_pairs,
     load_robot,
     planned,
@@ -107,6 +108,13 @@ def candidates(used: Robot, times: int, rng: np.random.Generator) -> Array:
     q = random_poses(used, times * CANDIDATES, rng, floor=FLOOR, clear=CLEAR)
     axis = problem_of(planned(used, q)).rigid.R[-1][:, 2, 2]  # z of the flange along z of the base
     return q[np.argsort(axis)[:CANDIDATES]]
+
+
+def spring(problem: Problem) -> tuple[gas_spring.Linkage, gas_spring.CompensatorLaw]:
+    """The robot's compensator: where it acts, and how strongly."""
+    law = problem.compensator
+    assert law is not None
+    return gas_spring.linkage(problem.arm, law), law
 
 
 def compliances(used: Robot) -> Array:

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
-SPRING_NAMES = ("k1", "k21", "k22", "k23", "k24", "k25", "k26", "k3", "k4", "k5", "k6")
-"""[-] Table I: the compliances, of joint 2 at six angles."""
-
 TABLE_1 = 1e-6 * np.array([1.13, 0.34, 0.36, 0.35, 0.28, 0.32, 0.26, 0.43, 0.95, 3.82, 4.01])
-"""[rad/(N·m)] Table I, there in rad·µm/N."""
+"""[rad/(N·m)] Table I, there in rad·µm/N: k1, k21 to k26 of joint 2 at six angles, k3 to k6."""
+
+SIX = slice(1, 7)
+"""[-] Table I: where joint 2's six stand."""
 
 HALF_1 = 1e-6 * np.array([0.15, 0.004, 0.005, 0.005, 0.007, 0.011, 0.007, 0.007, 0.31, 0.27, 0.35])
 """[rad/(N·m)] Table I, “CI”: half widths of the intervals."""

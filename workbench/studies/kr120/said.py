@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench import Array, Claim, Draws, Judged, Stand, checked
+from workbench import Claim, Draws, Judged, Stand, checked
 
 from .patterns import RANGE_1, SEEN, large_ones
 
@@ -55,8 +55,8 @@ def stands(
     deciding: Draws,
 ) -> dict[str, Stand]:
     """All claims of the page."""
-    fits = only(linkages, np.isfinite(linkages.numbers["fit_p"]))
-    rising, falling = (only(soft, large_ones(soft, sign)) for sign in (1, -1))
+    fits = linkages.only(np.isfinite(linkages.numbers["fit_p"]))
+    rising, falling = (soft.only(large_ones(soft, sign)) for sign in (1, -1))
     each = (
         (LINKAGES, linkages), (FITS, fits), (MACHINES, machines), (RISING, rising), (FALLING, falling),
         (DECIDING, deciding),
@@ -66,8 +66,7 @@ def stands(
         if draws.count < FEWEST:  # too few of these to say anything
             found |= {claim.name: Stand(claim.words, 0.0, 0, False) for claim in claims}
             continue
-        middle = {name: float(np.median(column)) for name, column in draws.numbers.items()}
-        found |= checked(claims, {**numbers, **middle}, draws)
+        found |= checked(claims, {**numbers, **draws.middle}, draws)
     return found | checked(of_odds(judged), numbers)
 
 
@@ -75,30 +74,12 @@ def of_odds(judged: Judged) -> tuple[Claim, ...]:
     """Claims that hang on the odds of this run."""
     names = [a.name for a in judged.accounts]
     named = [name for name in names if name != "nameless"]
-    left = [name for name in names if not excluded(judged, name)]
+    left = [name for name in names if not judged.excluded(name, ODDS)]
     return (
         Claim("gas_out", "odds of 100 to 1 against a gas spring that the arm can hold",
-              lambda _: excluded(judged, "gas")),
+              lambda _: judged.excluded("gas", ODDS)),
         Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
               lambda _: len(left) > 1),
         Claim("yardstick", "no named account excludes a scatter without a name",
-              lambda _: not any(excluded(judged, "nameless", by=name) for name in named)),
+              lambda _: not any(judged.excluded("nameless", ODDS, by=name) for name in named)),
     )  # fmt: skip
-
-
-def excluded(judged: Judged, name: str, by: str | None = None) -> bool:
-    """Whether the odds are above `ODDS` against an account, beyond the Monte-Carlo errors of both, by
-    the best account or the one named."""
-    evidence = judged.evidence
-    other = max(evidence.values(), key=lambda e: e.log10) if by is None else evidence[by]
-    error = float(np.hypot(other.error, evidence[name].error))
-    return bool(other.log10 - evidence[name].log10 > np.log10(ODDS) + error)
-
-
-def only(draws: Draws, at: Array) -> Draws:
-    """Some of the draws; at: (D,) bool."""
-    return Draws(
-        draws.priors,
-        {name: column[at] for name, column in draws.values.items()},
-        {name: column[at] for name, column in draws.numbers.items()},
-    )

@@ -7,20 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
 from workbench import Account, Array, Item, gas_spring
 
 from .assumed import ARCMIN, OWN, common
-from .plans import ANGLES, JOINT, PairPlan, compliances, plan, robot
-from .printed import HALF_1, ROUNDED_1, ROUNDED_HALF_1, TABLE_1
+from .plans import ANGLES, JOINT, PairPlan, compliances, plan, robot, spring
+from .printed import HALF_1, ROUNDED_1, ROUNDED_HALF_1, SIX, TABLE_1
 from .world import World, estimated, soft_zone
 
 Values = Mapping[str, float]
 Tell = Callable[[World, Values, PairPlan, np.random.Generator], World]
-SIX = slice(1, 7)
 LEVEL_STEP = 0.3, 3.0  # of a gear's compliance
 
 
@@ -163,7 +162,7 @@ TELL: dict[str, Tell] = {
 def _with_spring(world: World, where: PairPlan, strength: float, length: float | None = None) -> Array:
     """(6,) compliance of joint 2 at the plan's angles with the gas spring beside its gear, eq. (7).
     length: of the gas over its stroke."""
-    triangle, law = spring(where)
+    triangle, law = spring(where.problem)
     data = law.data
     s = triangle.stretch(where.angles)[0]
     if length is not None:
@@ -172,17 +171,3 @@ def _with_spring(world: World, where: PairPlan, strength: float, length: float |
     added = gas_spring.added_stiffness(triangle, replace(law, data=data, charge=strength), where.angles)
     stiffness = 1 / world.k[JOINT] + added
     return np.asarray(np.where(stiffness > 0, 1 / np.where(stiffness > 0, stiffness, 1.0), np.nan))
-
-
-def spring(where: PairPlan) -> tuple[gas_spring.Linkage, gas_spring.CompensatorLaw]:
-    """The robot's compensator."""
-    law = where.problem.compensator
-    assert law is not None
-    return _triangle(), law
-
-
-@cache
-def _triangle() -> gas_spring.Linkage:
-    law = plan(0).problem.compensator
-    assert law is not None
-    return gas_spring.linkage(plan(0).problem.arm, law)

@@ -27,7 +27,6 @@ from workbench import (
     diagnose,
     fit_any_order,
     fit_spring,
-    gas_spring,
     group_plan,
     judge,
     load_robot,
@@ -61,7 +60,7 @@ from .decides import (
     deciding_table,
     truths,
 )
-from .linkages import SIX, linkage_figure, linkage_numbers, linkages
+from .linkages import linkage_figure, linkage_numbers, linkages
 from .patterns import (
     blind_to_charge,
     machine_draws,
@@ -70,8 +69,8 @@ from .patterns import (
     pattern_table,
     soft_numbers,
 )
-from .plans import POOL, QUICK_POOL, TEST_FORCE, TEST_POSE
-from .printed import CONFIGURATIONS, HALF_1, NUMBERS, TABLE_1
+from .plans import POOL, QUICK_POOL, TEST_FORCE, TEST_POSE, spring
+from .printed import CONFIGURATIONS, HALF_1, NUMBERS, SIX, TABLE_1
 from .said import ODDS, TENTH, stands
 from .stories import ITEMS, accounts
 
@@ -93,7 +92,7 @@ def study(run: StudyRun) -> Study:
     springs = needed_springs(arm)
     drawn = linkages(run.draws(4000, 1000), run.draws(400, 60), seed)
     numbers = NUMBERS | figures.spring_numbers(springs) | figures.own_spring_numbers(arm, ANGLES)
-    numbers |= linkage_numbers(drawn) | gauged(own_linkage(arm)) | {"blind_share": blind_to_charge()}
+    numbers |= linkage_numbers(drawn) | gauged(spring(arm)[0]) | {"blind_share": blind_to_charge()}
 
     run.say(f"choosing {CONFIGURATIONS} configurations in six groups")
     A0 = RIG.moved(robot, TEST_POSE, TEST_FORCE)
@@ -141,26 +140,19 @@ def study(run: StudyRun) -> Study:
     return tell(Path(__file__).with_name("story.md"), robot, numbers, items, shown, "linkages", FILES, claims)
 
 
-def own_linkage(problem: Problem) -> gas_spring.Linkage:
-    """The robot's own."""
-    assert problem.compensator is not None
-    return gas_spring.linkage(problem.arm, problem.compensator)
-
-
 def needed_springs(problem: Problem) -> dict[str, FittedSpring]:
     """Eq. (12) on the robot's own linkage: the gas springs that Table I would need, by how its CI is read."""
-    law = problem.compensator
-    assert law is not None
+    triangle, law = spring(problem)
+    area = law.data.piston_area or 0.0
     k, half = TABLE_1[SIX], HALF_1[SIX]
 
     def with_sigma(sigma: Array) -> FittedSpring:
-        return fit_spring(own_linkage(problem), law.data.piston_area or 0.0, ANGLES, k, sigma)
+        return fit_spring(triangle, area, ANGLES, k, sigma)
 
-    area = law.data.piston_area or 0.0
     return {
         "table_1": with_sigma(half / 1.96),
         "one_sigma": with_sigma(half),
-        "any_order": fit_any_order(own_linkage(problem), area, ANGLES, k, half),
+        "any_order": fit_any_order(triangle, area, ANGLES, k, half),
     }
 
 

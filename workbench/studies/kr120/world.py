@@ -31,7 +31,7 @@ class World:
     """
 
     k: Array
-    law: Callable[[Array], tuple[Array, Array]] | None = None
+    law: Law | None = None
     group_k2: Array | None = None
     charge: float = 1.0
     friction: Array = field(default_factory=lambda: np.zeros(6))
@@ -125,7 +125,7 @@ def _axial(turn: Array, slope: Array) -> tuple[Array, Array]:
     return motion, by_wrench
 
 
-def soft_zone(width: float, torque: float) -> Callable[[Array], tuple[Array, Array]]:
+def soft_zone(width: float, torque: float) -> Law:
     """Law of a gear that turns by ± width [rad] before it carries, at about `torque` [N·m]."""
 
     def law(load: Array) -> tuple[Array, Array]:

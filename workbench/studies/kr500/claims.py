@@ -11,7 +11,6 @@ from workbench import Array, Claim, Draws, Judged
 from .accounts import KINDS
 from .gains import ROBOTS
 from .named import known
-from .odds import ratio
 from .printed import ERRORS, GAIN
 
 VARYING = [name for name in KINDS if name.endswith("varying")]
@@ -42,7 +41,7 @@ def told(judged: Judged, draws: Draws, curve: Mapping[str, Draws]) -> dict[str, 
         **_calibration(judged),
         **{f"share_worse_{name}": float((draws.numbers[f"worse_{name}"] > 1).mean()) for name in ROBOTS},
         **{f"share_gain_{name}": float((draws.numbers[f"gain_{name}"] > GAIN).mean()) for name in ROBOTS},
-        **{key: draws.range(key)[1] for key in draws.numbers},
+        **draws.middle,
         "share_twice": _share_twice(draws),
         "most_equal": max(float(draws.numbers[f"equal_{name}"].max()) for name in ROBOTS),
         **_named(curve),
@@ -55,7 +54,7 @@ def _odds(judged: Judged) -> dict[str, float]:
     found: dict[str, float] = {}
     for key, both in {"constant": (CONSTANT, VARYING), "smooth": ([*SMOOTH, *VARYING], NO_GAIN)}.items():
         one, other = (max(some, key=lambda name: log10[name]) for some in both)
-        found[f"odds_{key}"], found[f"error_{key}"] = ratio(judged, one, other)
+        found[f"odds_{key}"], found[f"error_{key}"] = judged.odds(one, other)
     return found
 
 

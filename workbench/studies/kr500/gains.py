@@ -68,12 +68,7 @@ def gained(values: Values, seed: int) -> dict[str, float]:
 
 def reached(draws: Draws) -> Draws:
     """Those in which the arm reaches its box."""
-    good = np.isfinite(draws.numbers["gain_constant"])
-    return replace(
-        draws,
-        values={key: value[good] for key, value in draws.values.items()},
-        numbers={key: value[good] for key, value in draws.numbers.items()},
-    )
+    return draws.only(np.isfinite(draws.numbers["gain_constant"]))
 
 
 def gains_figure(draws: Draws) -> Figure:

@@ -29,10 +29,7 @@ def standings_table(judged: Judged, moment: bool) -> Table:
     names = [name for name, (_, _, _, knows) in KINDS.items() if knows is moment]
     rows = []
     for key, words in [*((item.name, item.words) for item in judged.items), (None, "All together")]:
-        stands = [judged.standing(name, key) for name in names]
-        rows.append(
-            [words, *("yes" if s.reproduced else f"{numbers.decimals(s.distance, 1)} σ" for s in stands)]
-        )
+        rows.append([words, *(_stands(judged, name, key) for name in names)])
     right = [sum(judged.standing(name, item.name).reproduced for item in judged.items) for name in names]
     rows.append([f"Reproduced, of {len(judged.items)}", *map(str, right)])
     places = "; ".join(f"{item.words}: {item.place}" for item in judged.items)
@@ -46,16 +43,22 @@ def standings_table(judged: Judged, moment: bool) -> Table:
     )
 
 
+def _stands(judged: Judged, account: str, item: str | None) -> str:
+    found = judged.standing(account, item)
+    if found.reproduced:
+        return "yes"
+    return f"{numbers.decimals(found.distance, 1)} σ" if np.isfinite(found.distance) else "too few draws"
+
+
 def odds_table(judged: Judged) -> Table:
     """Evidence of each account, and whether its error leaves the order to the best decided."""
-    best = max(judged.evidence, key=lambda name: judged.evidence[name].log10)
     rows = []
     for account in judged.accounts:
-        behind, error = ratio(judged, account.name, best)
+        behind, error = judged.odds(account.name)
         order = "behind" if -behind > 2 * error else "not decided"
         own = judged.evidence[account.name].error
         odds = f"{numbers.decimals(behind, 1)} ± {numbers.decimals(own, 1)}" if np.isfinite(behind) else "–"
-        words = "highest" if account.name == best else order
+        words = "highest" if account.name == judged.best else order
         rows.append([account.words, str(len(account.priors)), odds, words])
     head = ("Account", "Free values", "log₁₀ odds to the highest", "Order")
     note = (
@@ -65,12 +68,6 @@ def odds_table(judged: Judged) -> Table:
         "error, or what a kernel half as wide changes. Not decided: both lie within twice their error."
     )
     return Table("Odds of the accounts, from all that is printed", head, rows, note)
-
-
-def ratio(judged: Judged, account: str, other: str) -> tuple[float, float]:
-    """log₁₀ odds of an account over another, and its error."""
-    one, two = judged.evidence[account], judged.evidence[other]
-    return one.log10 - two.log10, float(np.hypot(one.error, two.error))
 
 
 def ranges_table(judged: Judged) -> Table:

@@ -42,24 +42,30 @@ class Best:
     difference: float
 
 
-def best(judged: Judged, name: str, seed: int) -> Best:
-    """The draw of an account that comes nearest the print, with a box, points and noise of this seed."""
-    _, _, law, moment = KINDS[name]
+def nearest_world(judged: Judged, name: str, seed: int) -> tuple[World, np.random.Generator]:
+    """Of the draw of an account that comes nearest the print, with a box and points of this seed; and what
+    drew them."""
     priors = next(account.priors for account in judged.accounts if account.name == name)
     for draw in nearest(judged, name):
         shares = judged.last[name].shares[draw]
         values = {key: p.at(float(u)) for (key, p), u in zip(priors.items(), shares, strict=True)}
         rng = np.random.default_rng([seed, 2])
         try:
-            w = world(values, rng)
+            return world(values, rng), rng
         except InputError:
             continue
-        first = both(w, law, moment)
-        moved = [in_drake.moved(w, problem, law) for problem in (w.grid, w.check)]
-        grid, check = (replace(one, moved=m) for one, m in zip(first, moved, strict=True))
-        off = max(float(np.abs(one.moved - m).max()) for one, m in zip(first, moved, strict=True))
-        return Best(SHORT[name], w, tried(w, (grid, check), rng, solver(name)), moved[1], off)
     raise ValueError(f"no draw of {name} reaches its box")
+
+
+def best(judged: Judged, name: str, seed: int) -> Best:
+    """The account at its best, in Drake, with noise of this seed."""
+    _, _, law, moment = KINDS[name]
+    w, rng = nearest_world(judged, name, seed)
+    first = both(w, law, moment)
+    moved = [in_drake.moved(w, problem, law) for problem in (w.grid, w.check)]
+    grid, check = (replace(one, moved=m) for one, m in zip(first, moved, strict=True))
+    off = max(float(np.abs(one.moved - m).max()) for one, m in zip(first, moved, strict=True))
+    return Best(SHORT[name], w, tried(w, (grid, check), rng, solver(name)), moved[1], off)
 
 
 def nearest(judged: Judged, name: str) -> NDArray[np.int64]:

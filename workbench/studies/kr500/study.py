@@ -59,7 +59,7 @@ def study(run: StudyRun) -> Study:
     outcomes, sealed = diagnosed(judged, run)
 
     seen, singular = identifiable()
-    n = NUMBERS | judged.numbers() | draws.by_name() | singular | told(judged, draws, curve)
+    n = NUMBERS | judged.numbers(without=False) | draws.by_name() | singular | told(judged, draws, curve)
     n["drake_um"] = 1e6 * max(one.difference for one in best)
     items_: dict[str, Table | Figure] = {
         "load known": odds.standings_table(judged, True),
@@ -98,7 +98,7 @@ def diagnosed(judged: Judged, run: StudyRun) -> tuple[dict[str, Outcome], dict[s
     sealed: dict[str, object] = {}
     for name in TRUTHS if not run.quick else TRUTHS[:2]:
         words, _, law, _ = KINDS[name]
-        world = shown.best(judged, name, run.seed).world
+        world, _ = shown.nearest_world(judged, name, run.seed)
         data = named.campaign(world, law, "2", run.seed)
         outcomes[words] = diagnose(data, seed=run.seed)
         if name == "soft":

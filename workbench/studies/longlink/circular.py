@@ -34,18 +34,21 @@ def arms(values: Mapping[str, float], seed: int) -> dict[str, float]:
     where = pool(RANGES[int(values["range"])], values["floor"] < 0.5)
     each = values["compliance"] * np.exp(values["unequal"] * rng.normal(size=7))
     found: dict[str, float] = {}
-    for name, table, yields in (
-        ("sag", ZERO, each),
-        ("geometry", TABLE_3 - TABLE_2, NONE),
-        ("both", TABLE_3 - TABLE_2, each),
-    ):
-        arm = Wrong(table, yields, yields * values["bearing"], NONE, NONE, ZERO, 0.0, values["noise"] * MM)
-        found |= {
-            f"{key}_{name}": value
-            for key, value in _numbers(calibrated(where, arm, FITTED, JUDGED, rng)).items()
-        }
-    only = Wrong(ZERO, each, each * values["bearing"], NONE, NONE, ZERO, 0.0, values["noise"] * MM)
-    free = calibrated(where, only, FITTED, JUDGED, rng, rigid=True)  # no circles: all entries from the points
+
+    def arm(table: Array, yields: Array) -> Wrong:
+        return Wrong(table, yields, yields * values["bearing"], NONE, NONE, ZERO, 0.0, values["noise"] * MM)
+
+    made = {
+        "sag": arm(ZERO, each),
+        "geometry": arm(TABLE_3 - TABLE_2, NONE),
+        "both": arm(TABLE_3 - TABLE_2, each),
+    }
+    for name, one in made.items():
+        numbers_of_one = _numbers(calibrated(where, one, FITTED, JUDGED, rng))
+        found |= {f"{key}_{name}": value for key, value in numbers_of_one.items()}
+    free = calibrated(
+        where, made["sag"], FITTED, JUDGED, rng, rigid=True
+    )  # no circles: all entries from the points
     return found | {"alpha_1_free": float(np.degrees(free.table[0, ALPHA]))}
 
 

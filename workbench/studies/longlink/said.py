@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from workbench import Claim, Draws, Judged, Stand, checked
 
 from .circular import HALF_ALPHA
@@ -34,25 +32,17 @@ def stands(numbers: Mapping[str, float], judged: Judged, arms: Draws, hidden: Dr
     """All claims of the page."""
     found: dict[str, Stand] = {}
     for claims, draws in ((ARMS, arms), (HIDDEN, hidden)):
-        middle = {name: float(np.median(column)) for name, column in draws.numbers.items()}
-        found |= checked(claims, {**numbers, **middle}, draws)
+        found |= checked(claims, {**numbers, **draws.middle}, draws)
     return found | checked((*of_odds(judged), *of_run()), numbers)
 
 
 def of_odds(judged: Judged) -> tuple[Claim, ...]:
     """Claims that hang on the odds of this run."""
-    left = [name for name in OWN if not excluded(judged, name)]
+    left = [name for name in OWN if not judged.excluded(name, ODDS)]
     return (
         Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
               lambda _: len(left) > 1),
     )  # fmt: skip
-
-
-def excluded(judged: Judged, name: str) -> bool:
-    """Whether the odds to the best account are above `ODDS` against one, beyond the Monte-Carlo errors
-    of both."""
-    best, own = max(judged.evidence.values(), key=lambda e: e.log10), judged.evidence[name]
-    return bool(best.log10 - own.log10 > np.log10(ODDS) + np.hypot(best.error, own.error))
 
 
 def of_run() -> tuple[Claim, ...]:

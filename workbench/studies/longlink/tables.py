@@ -9,11 +9,12 @@ from workbench import denavit_hartenberg as dh
 
 from .arm import ARM
 from .figures import Chapter, entries_table, tables_figure
+from .linear import FLOOR, RANGES
 from .printed import BEFORE, JUDGED, TABLE_2, TABLE_3
 
-RANGES = {
-    **{str(limit): (limit, -9.0) for limit in (30, 45, 60, 90, 120)},
-    **{f"floor_{limit}": (limit, -0.9) for limit in (30, 45, 60, 90, 120)},
+POSES = {
+    **{str(limit): (limit, -np.inf) for limit in RANGES},
+    **{f"floor_{limit}": (limit, FLOOR) for limit in RANGES},
 }
 """[°, m] ± range of the joints and lowest z of the poses that count."""
 
@@ -21,7 +22,7 @@ RANGES = {
 def two_tables(seed: int, count: int) -> Chapter:
     """What Table III changes against Table II at the tip, in so many random poses."""
     numbers = {"draws": float(count)}
-    for name, (limit, lowest) in RANGES.items():
+    for name, (limit, lowest) in POSES.items():
         q = ARM.poses(count, seed, limit)
         where = dh.chain(TABLE_2, q)[:, :, :3, 3]
         error = 1e3 * (dh.chain(TABLE_3, q)[:, -1, :3, 3] - where[:, -1])

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from workbench import Array, Path, Robot, Shown, path_shapes, planned, problem_of
+from workbench import Array, Path, Robot, Shown, planned, problem_of
 
 from .causes import one_cause_each, standing_error
 from .draw import Drawn, draw_corrected
 from .heights import heights, least_mean
-from .printed import ACCELERATION, HEIGHT, SPEED, SPIRAL, TABLE_1, TABLE_2
-from .superposed import BASE_TO_JOINT_2, ELBOW_UP
+from .printed import SPEED, TABLE_1, TABLE_2
+from .superposed import ELBOW_UP, spiral_at
 
 Numbers = dict[str, float]
 CORRECTIONS = {
@@ -30,7 +30,7 @@ CORRECTIONS = {
 }
 SLOW, FAST = SPEED, 0.3  # m/s; at the printed acceleration, and at ten times that
 # not in the paper
-PLANE = BASE_TO_JOINT_2 + HEIGHT  # m over the floor
+AWAY, SPACING = 1.0, 3e-4  # m, of the spiral from axis 1, and between samples
 ALONG = 1e-5  # m, noise of the tracker per reading along the path
 
 
@@ -65,20 +65,13 @@ def draw_spirals(
     progress: Callable[[str], None],
 ) -> Spirals:
     """The spiral at both speeds, uncorrected and corrected by each belief; what each cause makes of it."""
-    slow, fast = (spiral_at(speed, turns) for speed in (SLOW, FAST))
+    slow, fast = (spiral_at(AWAY, speed, turns, SPACING) for speed in (SLOW, FAST))
     drawn = draw_corrected(truth, robot, [slow, fast], beliefs, ELBOW_UP, workers=workers, progress=progress)
     single = one_cause_each(truth, "joint_2")
     causes = {key: standing_error(one, slow, ELBOW_UP)[:, 2] for key, one in single.items()}
     return Spirals(
         slow, drawn[0], drawn[1], {**causes, "others": causes["yield_others"] + causes["gear_others"]}
     )
-
-
-def spiral_at(speed: float, turns: int) -> Path:
-    """The paper's spiral at a speed [m/s], 1 m before the robot, hand down; 0.3 mm between samples."""
-    frame = path_shapes.work_frame([1.0, 0.0, PLANE])
-    run = path_shapes.Run(frame, speed, ACCELERATION * speed / SLOW, 3e-4 / speed)
-    return path_shapes.spiral(run, **SPIRAL, angle=2 * np.pi * turns)
 
 
 def spiral_numbers(spirals: Spirals, seed: int) -> Numbers:

@@ -8,12 +8,13 @@ from functools import cache
 
 import numpy as np
 
-from workbench import Array, EffectRecord, Robot, load_robot, path_shapes, planned, problem_of, restated
+from workbench import Array, EffectRecord, Path, Robot, load_robot, path_shapes, planned, problem_of, restated
 
 from .causes import standing_error
 from .printed import ACCELERATION, HEIGHT, SPEED, SPIRAL, SPIRAL_TURNS, SWEPT, TABLE_1
 
 BASE_TO_JOINT_2 = 0.75  # m: the maker counts Z from the height of joint 2
+PLANE = BASE_TO_JOINT_2 + HEIGHT  # m over the floor: of the spiral
 ELBOW_UP = np.array([0.0, 0.4, 1.8, 0.0, 0.95, 0.0])
 UNIT = 1e-5  # rad, of the gears below
 PLACES = (0.9, 1.0, 1.1)  # m from axis 1
@@ -49,12 +50,18 @@ def sweep_span() -> float:
     return float(np.degrees(np.ptp(torque) / TABLE_1[1]))
 
 
+def spiral_at(place: float, speed: float, turns: float, spacing: float) -> Path:
+    """The paper's spiral so far [m] before axis 1, hand down, at a speed [m/s] that is reached in the same
+    time as the printed one; spacing: [m] between samples."""
+    frame = path_shapes.work_frame([place, 0.0, PLANE])
+    run = path_shapes.Run(frame, speed, ACCELERATION * speed / SPEED, spacing / speed)
+    return path_shapes.spiral(run, **SPIRAL, angle=2 * np.pi * turns)
+
+
 @cache
 def heights_at(place: float) -> Heights:
     """The spiral so far [m] before the robot."""
-    frame = path_shapes.work_frame([place, 0.0, BASE_TO_JOINT_2 + HEIGHT])
-    run = path_shapes.Run(frame, SPEED, ACCELERATION, SPACING / SPEED)
-    path = path_shapes.spiral(run, **SPIRAL, angle=2 * np.pi * SPIRAL_TURNS)
+    path = spiral_at(place, SPEED, SPIRAL_TURNS, SPACING)
     robot = load_robot("rx170")
     others = [name for name in robot.joint_names if name != "joint_2"]
 
