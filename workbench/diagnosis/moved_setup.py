@@ -166,5 +166,15 @@ def split_setup(problem: Problem, first: int) -> Problem:
     c = problem.campaign
     setup: NDArray[np.int64] = c.poses.setup.copy()
     setup[first:] = len(c.setup_names)
-    names = (*c.setup_names, f"{c.setup_names[0] or 'setup'} after pose {c.poses.ids[first - 1]}")
+    names = (*c.setup_names, f"{_after(c.setup_names[0])}{c.poses.ids[first - 1]}")
     return replace(problem, campaign=replace(c.with_poses(setup=setup), setup_names=names))
+
+
+def was_split(name: str, names: Sequence[str]) -> bool:
+    """Whether a set-up of this name is one of two parts among these names: which one another campaign means
+    by it cannot be known."""
+    return any(other.startswith(_after(name)) for other in names)
+
+
+def _after(name: str) -> str:
+    return f"{name or 'setup'} after pose "
