@@ -22,7 +22,7 @@ from extended_example import extended_kr500  # noqa: E402
 from workbench.correction import Conditions, compensate  # noqa: E402
 from workbench.correction.path_shapes import Run, circle, work_frame  # noqa: E402
 from workbench.simulation.closed_loop.control import nominal_mechanics  # noqa: E402
-from workbench.simulation.closed_loop.drives import drives  # noqa: E402
+from workbench.simulation.closed_loop.drives import Drives, drives  # noqa: E402
 from workbench.simulation.closed_loop.gains import gains  # noqa: E402
 from workbench.simulation.closed_loop.machine import machine  # noqa: E402
 from workbench.simulation.closed_loop.mechanics import Mechanics, mechanics  # noqa: E402
@@ -32,9 +32,9 @@ from workbench.simulation.closed_loop.simulation import run  # noqa: E402
 WANTED = 5.0  # times real time
 
 
-def plain_plant(truth: Mechanics, rotor: np.ndarray, q: np.ndarray, step: float, seconds: float) -> float:
+def plain_plant(truth: Mechanics, drive: Drives, q: np.ndarray, step: float, seconds: float) -> float:
     """Real-time factor of Drake's plant with its springs alone."""
-    built = machine(truth, rotor)
+    built = machine(truth, drive)
     simulator = Simulator(built.plant)
     ResetIntegratorFromFlags(simulator, "runge_kutta3", step)
     simulator.get_mutable_integrator().set_fixed_step_mode(True)
@@ -63,8 +63,8 @@ def main() -> int:
     best, alone = 0.0, 0.0
     for _ in range(3):
         best = max(best, run(truth, nominal, moved, tuned=tuned).real_time_factor)
-        alone = max(alone, plain_plant(truth, drive.rotor, q[0], step, 0.5))
-    parts = f"{len(truth.screws)} yielding screws, 6 springs, 6 drives, {len(truth.gear)} gear errors"
+        alone = max(alone, plain_plant(truth, drive, q[0], step, 0.5))
+    parts = f"{len(truth.gives)} springs of slots, 6 of joints, 6 drives, {len(truth.gear)} gear errors"
     print(f"everything on   {best:5.2f} x real time (step {1e3 * step:g} ms, {parts})")
     slower = robot.loop.model_copy(update={"drive_period": 1e-3, "delay": 1e-3})
     factor = max(run(truth, nominal, moved, loop=slower).real_time_factor for _ in range(3))

@@ -231,7 +231,7 @@ def test_gear_and_spring_have_one_potential():
     """What spring and motor feel is the gradient of U(e − δ(q))."""
     truth, _, moved = moving()
     drive = drives(truth, moved.q[0], SMOOTH)
-    built = machine(truth, drive.rotor)
+    built = machine(truth, drive)
     gears = Gears(truth, moved.q)
     j, k = truth.arm.names.index("joint_2"), len(moved.q) // 2
     at, motor, e = int(built.own_at[built.own[j]]), int(built.motors[j]), 3e-4
@@ -240,7 +240,7 @@ def test_gear_and_spring_have_one_potential():
         dynamics = Dynamics(truth, built, drive, SMOOTH, gears, Along(), 5e-4, reaction)
         force, x = np.zeros(dynamics.size), np.zeros(2 * dynamics.size)
         x[built.motors], x[at] = moved.q[k], e
-        dynamics.springs.add(x, x.tolist(), dynamics.side, force)
+        dynamics.springs.add(x[dynamics.size :], x.tolist(), dynamics.side, force)
         force[at] -= built.stiffness[built.own[j]] * e  # the plant's own spring
         felt.append(force)
 

@@ -1,6 +1,7 @@
 """The exported robot in other programs: Drake's parser, MuJoCo, Pinocchio."""
 
 import importlib.util
+import sys
 from dataclasses import replace
 
 import mujoco
@@ -296,8 +297,12 @@ EFFECTS = (
 
 def package(folder):
     """The module of an exported package, loaded as a user's would be."""
-    spec = importlib.util.spec_from_file_location("extended_robot", folder / "extended_robot.py")
+    init = folder / "extended_robot" / "__init__.py"
+    spec = importlib.util.spec_from_file_location("extended_robot", init)
     module = importlib.util.module_from_spec(spec)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "extended_robot"]:
+        del sys.modules[name]  # an earlier package's
+    sys.modules["extended_robot"] = module
     spec.loader.exec_module(module)
     return module
 

@@ -115,7 +115,7 @@ def free(name, compensator=lambda law: law):
     truth = replace(truth, compensator=compensator(truth.compensator))
     drive = drives(truth, q[0], FREE)
     drive = replace(drive, damping=np.zeros_like(drive.damping))
-    return truth, machine(truth, drive.rotor), drive, q
+    return truth, machine(truth, drive), drive, q
 
 
 def falling(truth, built, drive, q, step):
@@ -199,7 +199,7 @@ def test_a_turned_round_joint_is_wound_up_by_friction_behind_its_gear():
     drive = drives(truth, q[0], loop)
     j, angle = 0, []
     for way in (1.0, -1.0):
-        built = machine(truth, drive.rotor)
+        built = machine(truth, drive)
         dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), 5e-4)
         dynamics.rubbing.memory = np.full(2 * truth.arm.n, way)
         rest(dynamics, q[0])

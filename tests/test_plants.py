@@ -20,6 +20,7 @@ from workbench.robot.loads import Loads
 from workbench.robot.picture import picture
 from workbench.robot.plants import rigid_arm_plant
 from workbench.robot.rigid_plant import arrays, link_poses, rigid_twin
+from workbench.simulation.closed_loop.drives import drives
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.random_robot import write_random_robot
@@ -50,11 +51,10 @@ def test_all_plants_have_the_links_of_the_urdf(tmp_path, kind):
     flange = twin.plant.GetFrameByName(robot.flange).CalcPoseInWorld(twin.context)
     still = Path(np.array([0.0, 1.0]), q=np.tile(q, (2, 1)))
     true = mechanics(robot, still, still.q, Conditions())
-    motors = [f"{name}_motor" for name in robot.joint_names]
     plants = {
         "rigid": (rigid_arm_plant(arm), robot.joint_names),
-        "elastic": (elastic_twin(arm, robot).built, motors),
-        "closed loop": (machine(true, np.ones(arm.n)).built, motors),
+        "elastic": (elastic_twin(arm, robot).built, [f"{name}_motor" for name in robot.joint_names]),
+        "closed loop": (machine(true, drives(true, q, robot.loop)).built, robot.joint_names),
     }
     for grown, joints in plants.values():
         context = drives_alone(grown, joints)

@@ -8,10 +8,11 @@ import numpy as np
 from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.framework import Context
 
+from ...robot.extended_robot.cylinder import add_applied
 from ...robot.force_systems import Cylinder
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
-from ...robot.plant_diagram import add_applied, applied_wrench
+from ...robot.plant_diagram import applied_wrench
 from .machine import Machine
 
 
@@ -48,7 +49,8 @@ class BodyForces:
         if self.gas is not None:
             self.gas.charge(None if self.charge is None else float(self.charge[k]), since)
         self.forces.SetZero()
-        add_applied(self.plant, self.context, self.forces)
+        applied = self.plant.get_applied_spatial_force_input_port().Eval(self.context)
+        add_applied(self.plant, self.context, self.forces, applied)
         return np.asarray(self.plant.CalcGeneralizedForces(self.context, self.forces))
 
     def _push(self, wrench: Array) -> None:

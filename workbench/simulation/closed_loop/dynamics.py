@@ -1,7 +1,7 @@
 """The simulated robot's equations of motion and their step: implicit midpoint on Drake's terms.
 
-Drake's plant gives mass matrix, Coriolis forces, gravity, springs, the compensator; what Drake has no
-element for (gears, friction, damping with the gear's slope, springs that are not linear) is added here.
+Drake's plant gives mass matrix, Coriolis forces, gravity, springs, dampers, the compensator; what Drake has
+no element for (gears, friction, springs that are not linear) is added here.
 Springs, dampers and friction enter implicitly, so no stiffness, however high, bounds the step, and none is
 softened or slowed for it. One linear solve per step:
 
@@ -97,7 +97,7 @@ class Dynamics:
         at, force = self.x.tolist(), self.drakes()
         if self.bodies.active:
             force += self._at_bodies(k)
-        self.springs.add(self.x, at, self._side_halfway(at), force)
+        self.springs.add(v, at, self._side_halfway(at), force)
         self.implicit.fill(0.0)
         self.diagonal[:] = self.damped + (h**2 / 4) * self.springs.softness
         self.rubbing.add(v, force, self.entries)

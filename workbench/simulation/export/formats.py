@@ -9,7 +9,7 @@ from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from . import dh, drake_package, mjcf, opw, sdf, ur_kinematics, urdf
 from .content import Content
-from .tree import assumed
+from .simulated import assumed
 from .urdf import Files
 
 
