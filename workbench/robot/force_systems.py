@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
@@ -122,7 +122,6 @@ class Cylinder(LeafSystem):
         super().__init__()
         self.law, self.pivots = law, pivots
         self._bodies = tuple(body.index() for body in bodies)
-        self._frames = tuple(body.body_frame() for body in bodies)
         self._poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())
         start: Any = [float(np.mean(law.charge)), law.preload]
         self.DeclareNumericParameter(BasicVector(start))
@@ -134,11 +133,6 @@ class Cylinder(LeafSystem):
         """Charge of the gas (or rate of the spring) over its nominal one, and preload [N]."""
         both: Any = [charge, preload]
         context.get_mutable_numeric_parameter(0).SetFromVector(both)
-
-    def distance(self, plant: MultibodyPlant, context: Context) -> float:
-        """Of the pivots [m], in the plant's own Context."""
-        far: Any = plant.CalcRelativeTransform(context, *self._frames) @ self.pivots[1]
-        return float(np.linalg.norm(far - self.pivots[0]))
 
     def _calc(self, context: Context, output: Any) -> None:
         poses: Any = self._poses.Eval(context)

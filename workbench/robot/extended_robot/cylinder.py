@@ -46,6 +46,15 @@ def pulled(bodies: Any, pivots: Any, way: Any, pull: float) -> list[ExternallyAp
     return out
 
 
+def add_pull(
+    context: Context, forces: MultibodyForces, bodies: Any, poses: Any, pivots: Any, way: Any, pull: float
+) -> None:
+    """The same as `pulled`, added to forces of the plant."""
+    force, world = pull / math.sqrt(way @ way) * way, bodies[0].GetParentPlant().world_frame()
+    for body, X, pivot, one in zip(bodies, poses, pivots, (force, -force), strict=True):
+        body.AddInForce(context, X.rotation() @ pivot, SpatialForce(_NO_TORQUE, one), world, forces)
+
+
 def add_applied(plant: MultibodyPlant, context: Context, forces: MultibodyForces, applied: Any) -> None:
     """Adds forces on bodies as the plant's port takes them."""
     for one in applied:

@@ -11,7 +11,7 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.framework import LeafSystem
 
-from .cylinder import add_applied, between, gas_force, pulled
+from .cylinder import add_pull, between, gas_force, pulled
 from .gears import Curve, Erring, add_forces, add_up
 
 BANDWIDTH = 2 * np.pi * 5.0  # rad/s of the drives' position loops, critically damped
@@ -32,7 +32,7 @@ class Effects(LeafSystem):
         self.erring = [
             self._erring(j, effects) for j in range(self.n) if any(gear.joint == j for gear in self.gears)
         ]
-        self.gas = tuple(effects["gas"].tolist()) if "gas" in effects.files else None
+        self.gas: Any = tuple(effects["gas"].tolist()) if "gas" in effects.files else None
         if self.gas is not None:
             self.bodies = [plant.GetBodyByName(str(name)) for name in effects["gas_bodies"]]
             self.pivots = effects["gas_pivots"]
@@ -54,7 +54,8 @@ class Effects(LeafSystem):
         plant, scratch, forces = self.plant, self.scratch, self.forces
         plant.SetPositions(scratch, positions)
         plant.CalcForceElementsContribution(scratch, forces)
-        add_applied(plant, scratch, forces, self._pair())
+        if self.gas is not None:
+            add_pull(scratch, forces, self.bodies, *self._gas())
         return plant.CalcGeneralizedForces(scratch, forces) + self._effects([*positions, *self.size * [0.0]])
 
     def _place(self, joint: str) -> int:
@@ -78,14 +79,13 @@ class Effects(LeafSystem):
                     force[place] += torque
         return force
 
-    def _pair(self) -> list[ExternallyAppliedSpatialForce]:
-        """Forces of the gas where the scratch Context stands."""
-        if self.gas is None:
-            return []
+    def _gas(self) -> tuple[Any, Any, Any, float]:
+        """Poses of the two bodies and pivots where the scratch Context stands, the way between, the pull."""
         area, charge, preload, *column = self.gas
-        way = between([body.EvalPoseInWorld(self.scratch) for body in self.bodies], self.pivots)
+        poses = [body.EvalPoseInWorld(self.scratch) for body in self.bodies]
+        way = between(poses, self.pivots)
         gas, _, air = gas_force(float(np.linalg.norm(way)), area, *column)
-        return pulled([body.index() for body in self.bodies], self.pivots, way, charge * gas + air + preload)
+        return poses, self.pivots, way, charge * gas + air + preload
 
     def _force(self, context: Any, output: Any) -> None:
         x: Any = self._state.Eval(context)
@@ -98,10 +98,10 @@ class Effects(LeafSystem):
         output.SetFromVector(force)
 
     def _body_force(self, context: Any, output: Any) -> None:
-        if self.gas is not None:
-            x: Any = self._state.Eval(context)
-            self.plant.SetPositions(self.scratch, x[: self.size])
-        output.set_value(self._pair())
+        x: Any = self._state.Eval(context)
+        self.plant.SetPositions(self.scratch, x[: self.size])
+        gas = self.gas is not None
+        output.set_value(pulled([body.index() for body in self.bodies], *self._gas()[1:]) if gas else [])
 
     def _measured(self, context: Any, output: Any) -> None:
         x: Any = self._state.Eval(context)

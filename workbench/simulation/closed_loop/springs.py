@@ -20,7 +20,7 @@ class Springs:
 
     softness: (V,) slopes of the springs at the last call, damping: (V,), zero where nothing is; both are for
     the implicit step, Drake's own springs and dampers included. tables: motion and torque of the joints whose
-    law is not linear. reaction: whether the motors feel the gears' slopes.
+    law is not linear; bent: those joints. reaction: whether the motors feel the gears' slopes.
     """
 
     def __init__(
@@ -42,6 +42,7 @@ class Springs:
         self.erring = [
             self._of(int(j), machine) for j in machine.sprung if gears.err[j] or int(j) in self.tables
         ]
+        self.bent = [one for one in self.erring if one.law is not None]
 
     def _of(self, j: int, machine: Machine) -> Erring:
         i = int(machine.own[j])
