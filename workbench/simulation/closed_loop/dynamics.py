@@ -69,13 +69,12 @@ class Dynamics:
         self.springs = Springs(mechanics, machine, drive, gears, reaction)
         self.softness = self.springs.softness
         self.linear = np.diag(step / 2 * self.springs.damping + step**2 / 4 * self.softness)
-        self.implicit = np.empty_like(self.linear)
-        self.entries = self.implicit.reshape(-1)
         self.extra = None if along.torque is None else self._at_joints(along.torque)
         self.rubbing = Rubbing(machine, drive, loop, step)
         self.none = np.zeros(self.size)
         self.pulled = self.trend = self.none
         self.side = [0.0] * mechanics.arm.n
+        self.places = machine.motors
         self.motors: list[int] = machine.motors.tolist()
         self.x = np.zeros(2 * self.size)
         self.often, self.seen = (max(1, round(T / step)) for T in (PLACED, SEEN))
@@ -88,7 +87,7 @@ class Dynamics:
 
     def advance(self, torque: Array, k: int) -> None:
         """Step number k under the drives' torque (n,)."""
-        h, machine = self.h, self.machine
+        h = self.h
         v = self.v + 0.5 * self.dv
         if k % self.often == 0:
             self.place(k)
@@ -98,15 +97,16 @@ class Dynamics:
         if self.bodies.active:
             force += self._at_bodies(k)
         self.springs.add(v, at, self._side_halfway(at), force)
-        self.implicit[:] = self.linear
         for one in self.springs.bent:
-            self.implicit[one.at, one.at] = h / 2 * one.damping + h**2 / 4 * self.softness[one.at]
-        self.rubbing.add(v, force, self.entries)
-        force[machine.motors] += torque
+            self.linear[one.at, one.at] = h / 2 * one.damping + h**2 / 4 * self.softness[one.at]
+        implicit = self.linear
+        if self.rubbing.active:
+            implicit = implicit + self.rubbing.take(v, force)
+        force[self.places] += torque
         if self.extra is not None:
             force += self.extra[k]
-        right = h * force + self.implicit @ self.dv
-        _, dv, failed = dposv((M.T + self.implicit).T, right, overwrite_a=True)
+        right = h * force + implicit @ self.dv
+        _, dv, failed = dposv((M.T + implicit).T, right, overwrite_a=True)
         if failed:
             raise ArithmeticError("the simulation diverged")
         self._go(dv)

@@ -28,8 +28,7 @@ class Rubbing:
         self.of_velocity[n + machine.sprung, machine.own_at] = 1.0
         self.on_places = self.of_velocity.T.copy()
         pairs = np.einsum("ki,kj->ijk", self.of_velocity, self.of_velocity).reshape(size**2, 2 * n)
-        self.touched = np.flatnonzero(pairs.any(axis=1))
-        self.on_entries = step**2 / 2 / loop.presliding * pairs[self.touched]
+        self.on_entries = step**2 / 2 / loop.presliding * pairs
         self.ways = 1 / loop.presliding * self.of_velocity
         self.scaled = np.concatenate([step * self.ways, self.of_velocity / loop.stribeck_speed])
         self.dry = np.concatenate([(1 - loop.load_side) * drive.coulomb, loop.load_side * drive.coulomb])
@@ -43,20 +42,18 @@ class Rubbing:
         n = len(self.dry) // 2
         return np.asarray(self.dry[n:] * self.loop.stiction * self.memory[n:])
 
-    def add(self, v: Array, force: Array, implicit: Array) -> None:
-        """Takes its mean over a step at velocities v (V,) off the force (V,); adds how that falls with the
-        velocities' change to a matrix, flat (V V,).
+    def take(self, v: Array, force: Array) -> Array:
+        """Takes its mean over a step at velocities v (V,) off the force (V,); how that falls with the
+        velocities' change: (V, V).
 
         It is linearised about the way that the step before makes likely, whose slope by Δv is h/2, not h/4
         as a spring's: twice as soft.
         """
-        if not self.active:
-            return
         scaled = self.scaled @ v
         mean, slope = mean_on_the_way(self.memory, scaled[: len(self.dry)])
         rubs = stribeck(scaled[len(self.dry) :], self.dry, self.more)
         force -= self.on_places @ (rubs * mean)
-        implicit[self.touched] += self.on_entries @ (rubs * slope)
+        return np.asarray(self.on_entries @ (rubs * slope)).reshape(len(v), len(v))
 
     def go(self, moved: Array) -> None:
         """Remembers a motion (V,)."""

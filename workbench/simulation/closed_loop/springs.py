@@ -28,11 +28,11 @@ class Springs:
     ) -> None:
         self.gears, self.reaction = gears, reaction
         self.size = machine.plant.num_velocities()
-        self.places = machine.motors
-        self.motors, self.viscous = machine.motors.tolist(), drive.viscous
-        self.softness, self.damping = np.zeros(self.size), np.zeros(self.size)
+        self.motors, self.viscous = machine.motors.tolist(), np.zeros(self.size)
+        self.viscous[machine.motors] = drive.viscous
+        self.softness = np.zeros(self.size)
         self.softness[machine.springs] = machine.stiffness
-        self.damping[machine.motors] = drive.viscous
+        self.damping = self.viscous.copy()
         self.damping[machine.springs] = machine.damping
         self.tables = {
             j: (law.motion, law.torque)
@@ -54,7 +54,7 @@ class Springs:
     def add(self, v: Array, at: list[float], side: Sequence[float], force: Array) -> None:
         """Adds them to force (V,) at velocities v (V,), with the whole state `at` [2 V]; motors come from
         `side` [n]."""
-        force[self.places] -= self.viscous * v[self.places]
+        force -= self.viscous * v
         if self.erring:
             errors, slopes = self.gears.errors([at[m] for m in self.motors], side)
             add_forces(self.erring, at, errors, slopes, force, reaction=self.reaction, softness=self.softness)

@@ -97,7 +97,7 @@ def _curves(content: Content, item: Part, kind: str) -> dict[tuple[int, int], Ar
     rest, out = curves(values, np.zeros(content.arm.n), ends[:, 0], ends[:, 1], order)
     for j in np.flatnonzero(rest).tolist():
         last = (j, content.arm.n - 1)
-        out.setdefault(last, np.stack([np.linspace(*ends[-1], 3), np.zeros(3)]))[1] += rest[j]
+        out.setdefault(last, np.stack([np.linspace(ends[-1, 0], ends[-1, 1], 3), np.zeros(3)]))[1] += rest[j]
     return out
 
 
