@@ -297,12 +297,10 @@ EFFECTS = (
 
 def package(folder):
     """The module of an exported package, loaded as a user's would be."""
-    init = folder / "extended_robot" / "__init__.py"
-    spec = importlib.util.spec_from_file_location("extended_robot", init)
+    name, init = f"of_{folder.name}_{len(sys.modules)}", folder / "extended_robot" / "__init__.py"
+    spec = importlib.util.spec_from_file_location(name, init)
     module = importlib.util.module_from_spec(spec)
-    for name in [name for name in sys.modules if name.partition(".")[0] == "extended_robot"]:
-        del sys.modules[name]  # an earlier package's
-    sys.modules["extended_robot"] = module
+    sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
 

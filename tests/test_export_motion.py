@@ -40,8 +40,8 @@ EFFECTS = (
 )
 
 
-def simulated(folder, q, wanted):
-    """Tool poses (M, 4, 4) of the exported Diagram under Drake's Simulator."""
+def simulated(folder, q, wanted, step):
+    """Tool poses (M, 4, 4) of the exported Diagram under Drake's Simulator; step None: as it comes."""
     module, builder = package(folder), DiagramBuilder()
     added = module.AddExtendedRobot(builder)
     source = builder.AddSystem(TrajectorySource(wanted))
@@ -50,8 +50,9 @@ def simulated(folder, q, wanted):
     context = diagram.CreateDefaultContext()
     module.Settle(added, context, q)
     simulator = Simulator(diagram, context)
-    ResetIntegratorFromFlags(simulator, "runge_kutta3", STEP)
-    simulator.get_mutable_integrator().set_fixed_step_mode(True)
+    if step is not None:
+        ResetIntegratorFromFlags(simulator, "runge_kutta3", step)
+        simulator.get_mutable_integrator().set_fixed_step_mode(True)
     simulator.Initialize()
     port, own, poses = added.GetOutputPort("tool_pose"), added.GetMyContextFromRoot(context), []
     for k in range(round(LENGTH / STEP / EVERY) + 1):
@@ -110,6 +111,7 @@ def test_the_exported_diagram_moves_as_verify_does(tmp_path, name):
     moved = motion(path.time, command.q_command)
     states = np.hstack([moved.q, moved.v]).T
     wanted = PiecewisePolynomial.FirstOrderHold(moved.times, states)
-    there, found = simulated(tmp_path, moved.q[0], wanted), ours(truth, moved.q, wanted)
+    there, found = simulated(tmp_path, moved.q[0], wanted, STEP), ours(truth, moved.q, wanted)
     assert np.ptp(there[:, :3, 3], axis=0).max() > 1e-3  # it moves
     assert np.abs(there - found).max() < 1e-9
+    assert np.abs(simulated(tmp_path, moved.q[0], wanted, None) - found).max() < 1e-8  # as the header says
