@@ -255,6 +255,29 @@ def test_gear_and_spring_have_one_potential():
     assert (felt[0] - felt[1])[motor] == pytest.approx(-by_motor, rel=1e-3)
 
 
+def test_gear_and_damper_lose_what_slides():
+    """Spring and motor together lose c (ė − δ′ q̇)², with the damper that the plant itself has."""
+    truth, _, moved = moving()
+    drive = drives(truth, moved.q[0], Loop(viscous=0.0))
+    built = machine(truth, drive)
+    j, q, e = truth.arm.names.index("joint_2"), moved.q[len(moved.q) // 2], 3e-4
+    i = built.own[j]
+    at, motor = int(built.own_at[i]), int(built.motors[j])
+    dynamics = Dynamics(truth, built, drive, Loop(viscous=0.0), Gears(truth, moved.q), Along(), 5e-4)
+    size, still, fast = dynamics.size, np.zeros(dynamics.size), np.zeros(dynamics.size)
+    x = np.zeros(2 * size)
+    x[built.motors], x[at] = q, e
+    dynamics.springs.add(x[size:], x.tolist(), dynamics.side, still)
+    x[size + at], x[size + motor] = 2e-3, 0.3
+    dynamics.springs.add(x[size:], x.tolist(), dynamics.side, fast)
+    step = np.eye(truth.arm.n)[j] * 1e-7
+    ahead, behind = (truth.gear_error((q + s * step)[None], q[None])[0, j] for s in (1, -1))
+    slides = 2e-3 - (ahead - behind) / 2e-7 * 0.3
+    assert (fast - still)[at] - drive.damping[j] * 2e-3 == pytest.approx(-drive.damping[j] * slides, rel=1e-4)
+    lost = (fast - still)[at] * 2e-3 - drive.damping[j] * 2e-3**2 + (fast - still)[motor] * 0.3
+    assert lost == pytest.approx(-drive.damping[j] * slides**2, rel=1e-4)
+
+
 def test_two_runs_are_bitwise_equal():
     truth, nominal, moved = moving()
     first, second = (run(truth, nominal, moved) for _ in range(2))

@@ -46,9 +46,9 @@ def in_drake(content: Content) -> list[str]:
 
 
 SIMULATOR = (
-    "in motion: Drake's Simulator as it comes (Runge–Kutta 3, accuracy 1e-4) is exact to 0.1 µm at the tool, as "
-    "`verify` is; a fixed step has to be 0.1 ms or less, since a light wrist on a stiff damper diverges at "
-    "0.2 ms; implicit Euler at 1 ms costs 0.01 mm"
+    "in motion: Drake's Simulator as it comes (Runge–Kutta 3, accuracy 1e-4) is exact to 0.1 µm at the "
+    "tool, as `verify` is; a fixed step has to be 0.1 ms or less, since a light wrist on a stiff damper "
+    "diverges at 0.2 ms; implicit Euler at 1 ms costs 0.01 mm"
 )
 
 
