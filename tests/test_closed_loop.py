@@ -19,6 +19,7 @@ from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.place import Where
 from workbench.effects.records import record
+from workbench.effects.thermal_growth import ThermalGrowth
 from workbench.files.faults import InputError
 from workbench.report.numbers import mm
 from workbench.robot.compensator import compensator_law
@@ -122,6 +123,24 @@ def test_statics_are_the_arms(name, robot):
     for slot, X in enumerate(done.links[-1]):  # what the scene shows of base and links
         assert np.abs(X[:3, 3] - where.p[slot][0]).max() < 1e-6
         assert np.abs(X[:3, :3] - where.R[slot][0] @ arm.R_link[slot]).max() < 1e-6
+
+
+def test_a_warming_arm_grows_while_it_is_simulated():
+    """Held still while the temperature of the path rises by 10 K."""
+    robot = extended(load_robot("kr500"), [(ThermalGrowth(), [1.15e-5])])
+    q = np.tile(POSES["kr500"], (2, 1))
+    path = Path(np.array([0.0, 0.3]), q=q, temperature=np.array([20.0, 30.0]))
+    whole = Problem(robot, arrays(robot), path_campaign(robot, path, q, LOADS))
+    whole = replace(whole, compensator=compensator_law(robot, whole.arm))
+    ext = extended_arm(whole)
+    arm, pull = ext.loads(ext.problem)
+    direct = ext.direct(ext.problem)
+    wanted = equilibrium(arm, q, direct, pull, ext.acting.yielding(arm).motion)[1].p[-1]
+    truth = mechanics(robot, path, q, LOADS)
+    done = run(truth, nominal_mechanics(robot, truth), motion(path.time, q), loop=SMOOTH)
+    grown = done.tool[-1, :3, 3] - done.tool[0, :3, 3]
+    assert np.linalg.norm(grown) > 1e-4
+    assert np.abs(grown - (wanted[1] - wanted[0])).max() < 2e-6
 
 
 RIPPLE = GearKinematicError(Where(joint="joint_2", order=800.0)), [5e-5, 2e-5]

@@ -81,8 +81,7 @@ class _Gas:
         assert data.reference is not None
         length = data.gas_length - (s - data.reference)
         if since is not None:
-            self.heat -= (
-                self.faster * (length - self.length) / length + since / self.loop.gas_time * self.heat
-            )
+            stroke = (length - self.length) / length
+            self.heat -= self.faster * (1 + self.heat) * stroke + since / self.loop.gas_time * self.heat
         self.length = length
         return self.heat
