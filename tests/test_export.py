@@ -1,5 +1,6 @@
 """The exported robot in other programs: Drake's parser, MuJoCo, Pinocchio."""
 
+import ast
 import importlib.util
 import sys
 from dataclasses import replace
@@ -22,6 +23,7 @@ from workbench.robot.schema import GEOMETRY, EffectRecord
 from workbench.simulation.export import export
 from workbench.simulation.export.coil import nearest_coil
 from workbench.simulation.export.content import content_of
+from workbench.simulation.export.drake_package import MODULE
 from workbench.simulation.random_robot import write_random_robot
 
 LOAD = Conditions("heavy", 40.0, (0.05, 0.02, 0.15), 5.0, (0.0, 0.01, 0.05))
@@ -303,6 +305,16 @@ def package(folder):
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+def test_the_drake_package_needs_drake_and_numpy_alone():
+    known = {"__future__", "collections", "dataclasses", "math", "pathlib", "typing", "numpy", "pydrake"}
+    for file in MODULE.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 1 or (node.level == 0 and str(node.module).split(".")[0] in known)
+            elif isinstance(node, ast.Import):
+                assert {alias.name.split(".")[0] for alias in node.names} <= known
 
 
 @pytest.mark.parametrize("name", ["kr500", "rx170", "longlink", "cylindrical"])

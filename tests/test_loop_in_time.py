@@ -20,6 +20,7 @@ from workbench.robot.find import list_robots
 from workbench.robot.kinematics import frames
 from workbench.robot.loads import Loads
 from workbench.robot.loop import Loop
+from workbench.robot.plant_diagram import plant_diagram
 from workbench.simulation.closed_loop import dynamics as dynamics_module
 from workbench.simulation.closed_loop import verify
 from workbench.simulation.closed_loop.cascade import Cascade, Gains
@@ -149,12 +150,13 @@ def test_it_swings_as_in_drakes_simulator(name, monkeypatch):
     monkeypatch.setattr(dynamics_module, "SEEN", 0.0)
     truth, built, drive, q = free(name)
     found = [falling(truth, built, drive, q, step) for step in (1e-4, 5e-5)]
-    simulator = Simulator(built.diagram)
+    diagram = plant_diagram(built.plant, None, built.cylinder)
+    simulator = Simulator(diagram)
     ResetIntegratorFromFlags(simulator, "runge_kutta3", 1e-4)
     simulator.get_mutable_integrator().set_target_accuracy(1e-8)
     root = simulator.get_mutable_context()
-    built.diagram.GetInputPort("joint_force").FixValue(root, np.zeros(built.plant.num_velocities()))
-    built.diagram.GetInputPort("wrench").FixValue(root, [])
+    diagram.GetInputPort("joint_force").FixValue(root, np.zeros(built.plant.num_velocities()))
+    diagram.GetInputPort("wrench").FixValue(root, [])
     context = built.plant.GetMyMutableContextFromRoot(root)
     start = np.zeros(built.plant.num_positions())
     start[built.motors] = q[0]

@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, Joint
-from pydrake.systems.framework import Diagram
 
 from ...robot.force_systems import Cylinder
 from ...robot.kinematics import Array
-from ...robot.plant_diagram import cylinder_of, plant_diagram
+from ...robot.plant_diagram import cylinder_of
 from ...robot.plant_parts import add_rotor, add_spring, axial_joint, give_joint, point_inertia
 from ...robot.plants import ArmPlant, arm_plant
 from .drives import Drives
@@ -35,8 +34,8 @@ class Machine:
     motors: (n,), springs: (K,) places in positions and velocities; names: of the springs' joints; own: (n,)
     place among the springs of each joint's own spring, −1 for none. stiffness: (K,) [N·m/rad, N/m]; damping:
     (K,) [N·m·s/rad, N·s/m]; native: (K,) whether the spring is Drake's force element. rotor: (n,) reflected
-    inertia of the drives [kg·m², kg]. diagram: the plant with what acts at its ports; cylinder: the
-    compensator there, None where there is none or it is a coil.
+    inertia of the drives [kg·m², kg]. cylinder: the compensator, for the plant's port (`plant_diagram`); None
+    where there is none or it is a coil.
     """
 
     built: ArmPlant
@@ -48,7 +47,6 @@ class Machine:
     damping: Array
     native: NDArray[np.bool_]
     rotor: Array
-    diagram: Diagram
     cylinder: Cylinder | None
 
     @property
@@ -105,7 +103,6 @@ def machine(mechanics: Mechanics, drive: Drives) -> Machine:
         np.array(damping),
         np.array([*moving.of_joints, *(True for _ in moving.gives)], dtype=bool),
         drive.rotor,
-        plant_diagram(built.plant, None, cylinder),
         cylinder,
     )
 
