@@ -309,6 +309,8 @@ def test_an_encoders_steps_show_a_little():
     coarse = run(truth, nominal, moved, loop=Loop(encoder_steps=65536.0))
     off = np.linalg.norm(fine.tool[:, :3, 3] - coarse.tool[:, :3, 3], axis=1)
     assert 1e-9 < off.max() < 2e-5
+    rough, smooth = (np.abs(np.diff(done.torque, n=2, axis=0)).max(axis=0) for done in (coarse, fine))
+    assert (rough > 5 * smooth).all()  # every count is a jump of the speed that is seen
 
 
 def test_iso_figures():
