@@ -13,7 +13,7 @@ from workbench.cli.main import main
 from workbench.report.study import Study
 from workbench.studies.cylindrical.accounts import accounts, moved_out
 from workbench.studies.cylindrical.deflections import HAND_TARGETS, LENGTH, STROKE, pool
-from workbench.studies.cylindrical.headline import CLAIMS, draws
+from workbench.studies.cylindrical.headline import OF_DRAWS, draws
 from workbench.studies.cylindrical.printed import FORCE, TABLE_1
 from workbench.studies.cylindrical.study import IN_BASE
 from workbench.studies.running import run_published
@@ -88,7 +88,7 @@ def test_stiffness_is_found_within_what_the_noise_allows(found: Study) -> None:
 def test_claims_hold_for_other_seeds(found: Study, tmp_path: Path, seed: int) -> None:
     """What the page says of draws it says for other draws too."""
     others = draws(StudyRun(tmp_path, seed=seed, quick=True, workers=1))
-    for claim in CLAIMS:
+    for claim in OF_DRAWS:
         held = np.mean([claim.holds({**found.numbers, **one}) for one in others.each()])
         assert found.claims[claim.name].stands == (held >= 0.9 and found.claims[claim.name].here), claim.name
 

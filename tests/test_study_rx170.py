@@ -15,8 +15,9 @@ from workbench.report.study import Study
 from workbench.robot.description import load_robot
 from workbench.studies.running import run_script
 from workbench.studies.rx170 import study as rx170
-from workbench.studies.rx170.accounts import CLAIMS, accounts, draws
+from workbench.studies.rx170.accounts import accounts, draws
 from workbench.studies.rx170.printed import ACCELERATION, HEIGHT, SPEED, SPIRAL, SPIRAL_TURNS
+from workbench.studies.rx170.said import OF_DRAWS
 from workbench.studies.rx170.superposed import BASE_TO_JOINT_2, ELBOW_UP, GEARS, SPACING, heights_at
 from workbench.studies.study_run import StudyRun
 
@@ -148,7 +149,7 @@ def test_accounts_with_a_zero_of_each_run_s_own_are_out(found: Study) -> None:
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_claims_hold_for_other_seeds(found: Study, tmp_path: Path, seed: int) -> None:
     others = draws(StudyRun(tmp_path, seed=seed, quick=True, workers=1))
-    for claim in CLAIMS:
+    for claim in OF_DRAWS:
         held = np.mean([claim.holds({**found.numbers, **one}) for one in others.each()])
         stand = found.claims[claim.name]
         assert stand.share == pytest.approx(held, abs=0.12), claim.name

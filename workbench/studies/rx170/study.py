@@ -49,10 +49,11 @@ if not __package__:  # run as a script: the chapters lie beside it
     __package__ = as_package(__file__)
 
 from . import figures
-from .accounts import CLAIMS, ITEMS, accounts, draws
+from .accounts import ITEMS, accounts, draws
 from .hidden import hidden
 from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness
 from .printed import NUMBERS, POSES, SPIRAL_TURNS, TABLE_1
+from .said import OF_DRAWS, OF_RUN
 from .spiral import draw_spirals, printed_numbers, spiral_numbers
 from .superposed import ELBOW_UP
 
@@ -121,7 +122,7 @@ def study(run: StudyRun) -> Study:
         "fast": figures.along_figure("fast", spirals, numbers),
         "heights": figures.ra_rz_figure(numbers),
     }
-    stands = checked(CLAIMS, numbers, drawn)
+    stands = checked(OF_RUN, numbers) | checked(OF_DRAWS, numbers, drawn)
     story = Path(__file__).with_name("story.md")
     told = tell(story, robot, numbers, items, spirals.shown, "oddsfigure", FILES, stands)
     return replace(told, sealed={"campaign/campaign.toml": {"effects": as_told(truth, "joint_2")}})
