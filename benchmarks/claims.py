@@ -1,4 +1,4 @@
-"""Runs published studies quickly under ten seeds: python benchmarks/claims.py reports/claims [SEEDS [NAME ...]]
+"""Runs published studies quickly under ten seeds: python benchmarks/claims.py reports/claims [SEEDS [NAME..]]
 
 Says of every claim in how many seeds it holds and is said, and writes `benchmarks/results/claims.json` with
 the faults that `workbench.studies.seeds` finds. A study that was run under a seed is read, not run again.
@@ -37,9 +37,8 @@ def main(folder: Path, count: int, names: tuple[str, ...]) -> int:
     for name in names:
         print(f"\n{name}: holds in, said in, of {count} seeds; share of all draws")
         for key, one in claims[name].items():
-            print(
-                f"  {one['holds']:3} {one['said']:3}  {one['share']:6.1%} of {one['draws']:6}  {key}: {one['words']}"
-            )
+            counts = f"{one['holds']:3} {one['said']:3}  {one['share']:6.1%} of {one['draws']:6}"
+            print(f"  {counts}  {key}: {one['words']}")
         print(*(f"  FAULT {fault}" for fault in faults[name]), sep="\n")
     read = [f"{name}: {sentence}" for name in names for sentence in seeds.to_read(pages[name])]
     (folder / "read.txt").write_text("\n".join(read) + "\n", encoding="utf-8")

@@ -139,6 +139,10 @@ if TYPE_CHECKING:
     from .studies.accounts import Account as Account
     from .studies.accounts import Item as Item
     from .studies.accounts import Judged as Judged
+    from .studies.calibration import Calibrated as Calibrated
+    from .studies.calibration import calibrated as calibrated
+    from .studies.calibration import calibrated_table as calibrated_table
+    from .studies.calibration import stated_table as stated_table
     from .studies.claims import Claim as Claim
     from .studies.claims import checked as checked
     from .studies.draws import Draws as Draws
@@ -211,6 +215,7 @@ _MODULES = {
     "studies": "as_package",
     "studies.account_tables": "accounts_table needs_table odds_figure odds_table",
     "studies.accounts": "Account Item Judged",
+    "studies.calibration": "Calibrated calibrated calibrated_table stated_table",
     "studies.claims": "Claim checked",
     "studies.draws": "Draws draw_many tornado",
     "studies.judging": "judge",
