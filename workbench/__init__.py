@@ -145,6 +145,9 @@ if TYPE_CHECKING:
     from .studies.calibration import stated_table as stated_table
     from .studies.claims import Claim as Claim
     from .studies.claims import checked as checked
+    from .studies.clearance import clear_numbers as clear_numbers
+    from .studies.clearance import clear_poses as clear_poses
+    from .studies.clearance import clear_table as clear_table
     from .studies.draws import Draws as Draws
     from .studies.draws import draw_many as draw_many
     from .studies.draws import tornado as tornado
@@ -217,6 +220,7 @@ _MODULES = {
     "studies.accounts": "Account Item Judged",
     "studies.calibration": "Calibrated calibrated calibrated_table stated_table",
     "studies.claims": "Claim checked",
+    "studies.clearance": "clear_numbers clear_poses clear_table",
     "studies.draws": "Draws draw_many tornado",
     "studies.judging": "judge",
     "studies.priors": "Prior",

@@ -31,12 +31,16 @@ from workbench import (
     catalogue,
     charts,
     checked,
+    clear_numbers,
+    clear_poses,
+    clear_table,
     compensate,
     fit,
     judge,
     load_pairs,
     load_robot,
     needs_table,
+    nominal_joints,
     odds_figure,
     odds_table,
     path_shapes,
@@ -98,6 +102,15 @@ def study(run: StudyRun) -> Study:
     run.say("drawing the circle under load, in Drake")
     wanted, error, circles = under_load(robot, {"exact": exact, "printed": TABLE_2, "ours": ours}, run.seed)
     numbers |= circles
+    clear = clear_poses(
+        robot,
+        {
+            "identification": loaded_poses(robot, run.seed, 1.0).poses.q[:POSES],
+            "circle": nominal_joints(robot, CIRCLE),
+        },
+    )
+    numbers |= clear_numbers(clear)
+    items["clear"] = clear_table(clear)
     shaken = np.random.default_rng([run.seed, 2]).normal(scale=SIGMA, size=wanted.shape)
     items |= {
         "stiffness": stiffness_figure(found),

@@ -23,6 +23,9 @@ from workbench import (
     calibrated,
     calibrated_table,
     checked,
+    clear_numbers,
+    clear_poses,
+    clear_table,
     diagnose,
     draw_many,
     judge,
@@ -62,9 +65,12 @@ def study(run: StudyRun) -> Study:
     curve = named.curve(run)
     outcomes, sealed = diagnosed(judged, run)
 
+    first = best[0]
     seen, singular = identifiable()
     n = NUMBERS | judged.numbers(without=False) | draws.by_name() | singular
     n |= told(judged, weighed, draws, curve)
+    clear = clear_poses(first.world.grid.robot, shown.stood_in(best if not run.quick else best[:1]))
+    n |= clear_numbers(clear)
     n["drake_um"] = 1e6 * max(one.difference for one in best)
     items_: dict[str, Table | Figure] = {
         "load known": odds.standings_table(judged, True),
@@ -82,10 +88,10 @@ def study(run: StudyRun) -> Study:
         "table 1": shown.cells_table(best[0]),
         "scatter": shown.scatter_table(best),
         "seen": seen,
+        "clear": clear_table(clear),
         "verdicts": named.verdicts_table(outcomes),
         "named": named.curve_figure(curve),
     }
-    first = best[0]
     half = len(first.moved)
     place = first.world.check.rigid.points(first.world.check.stated_targets, first.world.check.on)[:half, 0]
     stages = {words: first.tried.true[key] for key, words in STAGES.items()}

@@ -20,6 +20,9 @@ from workbench import (
     Table,
     accounts_table,
     as_package,
+    clear_numbers,
+    clear_poses,
+    clear_table,
     judge,
     load_robot,
     needs_table,
@@ -39,7 +42,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 
 from .arm import SIGMA, STATION
 from .bending import what_bends
-from .calibration import axial_numbers, circle_numbers, identified, measured, miss_numbers, stages
+from .calibration import axial_numbers, circle_numbers, identified, measured, miss_numbers, stages, stood_in
 from .circular import arm_draws, arm_numbers, arms_table
 from .detection import hidden_draws, what_shows
 from .figures import twelve_figure
@@ -121,7 +124,10 @@ def study(run: StudyRun) -> Study:
     run.say("asking what data would show flexibility")
     hidden = hidden_draws(share, run.draws(20, 1), run)
     showing = what_shows(folder, robot, hidden, run)
+    clear = clear_poses(assumed, stood_in(data, seed))
+    numbers |= clear_numbers(clear)
     items: dict[str, Table | Figure] = {
+        "clear": clear_table(clear),
         **told(arms, judged),
         "twelve": twelve_figure(miss, numbers["noise_mean_mm"]),
         "recursion": recursion_table(path),

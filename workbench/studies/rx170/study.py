@@ -27,6 +27,9 @@ from workbench import (
     as_package,
     by_joint,
     checked,
+    clear_numbers,
+    clear_poses,
+    clear_table,
     compensate_file,
     judge,
     load_robot,
@@ -51,7 +54,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 from . import figures
 from .accounts import ITEMS, accounts, draws
 from .hidden import hidden
-from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness
+from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness, stood_in
 from .printed import NUMBERS, POSES, SPIRAL_TURNS, TABLE_1
 from .said import OF_DRAWS, OF_RUN
 from .spiral import draw_spirals, printed_numbers, spiral_numbers
@@ -114,7 +117,10 @@ def study(run: StudyRun) -> Study:
     }
     numbers["ra_gain"] = numbers["ra_both_slow"] / numbers["ra_none_slow"]
     numbers["rz_gain"] = numbers["rz_both_slow"] / numbers["rz_none_slow"]
+    clear = clear_poses(robot, stood_in(seed, spirals.slow.q))
+    numbers |= clear_numbers(clear)
     items = shown(judged, drawn) | {
+        "clear": clear_table(clear),
         "stiffness": figures.stiffness_figure(local, share),
         **figures.sweep_figures(apart, "joint 2"),
         "orders": figures.line_table(apart, "joint 2"),
