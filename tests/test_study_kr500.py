@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -202,3 +203,16 @@ def test_what_is_said_follows_the_claims(found: Study) -> None:
     assert ("the print leaves open whether stiffness varies" in told) is close
     verdicts = next(table for table in found.tables if "diagnosis" in table.title)
     assert verdicts.rows[0][2] == "nothing missing"  # constant stiffness, load as it is
+
+
+def test_captions_stand_alone(found: Study) -> None:
+    """Robot, and how many draws or that there are none, under which seed."""
+    for figure in found.figures:
+        assert figure.note.startswith("KUKA KR 500"), figure.name
+        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+
+
+def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
+    n = found.numbers
+    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
+    assert n["clear_both"] >= 0.95 * n["clear_poses"]

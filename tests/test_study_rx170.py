@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -169,3 +170,16 @@ def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
     assert [joint.name for joint in corrected.joints if joint.data.stiffness] == ["joint_2"]
     assert {effect.joint for effect in corrected.effects} == {"joint_2"}
     assert load_robot(folder / "model_stiffness.toml").effects == ()
+
+
+def test_captions_stand_alone(found: Study) -> None:
+    """Robot, and how many draws or that there are none, under which seed."""
+    for figure in found.figures:
+        assert figure.note.startswith("Stäubli RX170"), figure.name
+        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+
+
+def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
+    n = found.numbers
+    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
+    assert n["clear_both"] >= 0.9 * n["clear_poses"]
