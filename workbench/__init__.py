@@ -148,6 +148,7 @@ if TYPE_CHECKING:
     from .studies.clearance import clear_numbers as clear_numbers
     from .studies.clearance import clear_poses as clear_poses
     from .studies.clearance import clear_table as clear_table
+    from .studies.counterparts import counterpart as counterpart
     from .studies.draws import Draws as Draws
     from .studies.draws import draw_many as draw_many
     from .studies.draws import tornado as tornado
@@ -221,6 +222,7 @@ _MODULES = {
     "studies.calibration": "Calibrated calibrated calibrated_table stated_table",
     "studies.claims": "Claim checked",
     "studies.clearance": "clear_numbers clear_poses clear_table",
+    "studies.counterparts": "counterpart",
     "studies.draws": "Draws draw_many tornado",
     "studies.judging": "judge",
     "studies.priors": "Prior",

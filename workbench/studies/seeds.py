@@ -75,7 +75,10 @@ def claims_of(pages: Sequence[Page]) -> dict[str, dict[str, Any]]:
 
 
 def faults(story: str, pages: Sequence[Page]) -> list[str]:
-    """What the pages of one study say wrong, a line each. story: the text of its `story.md`."""
+    """What the pages of one study, or its story alone, say wrong, a line each. story: the text of its
+    `story.md`."""
+    if not pages:
+        return _same_words(story)
     return [*_said_too_often(pages), *_same_words(story), *_stay(pages), *_written_out(story, pages)]
 
 

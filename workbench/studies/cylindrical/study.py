@@ -35,6 +35,7 @@ from workbench import (
     clear_poses,
     clear_table,
     compensate,
+    counterpart,
     fit,
     judge,
     load_pairs,
@@ -110,7 +111,7 @@ def study(run: StudyRun) -> Study:
         },
     )
     numbers |= clear_numbers(clear)
-    items["clear"] = clear_table(clear)
+    items |= {"clear": clear_table(clear), "measured": counterpart("cylindrical", run)}
     shaken = np.random.default_rng([run.seed, 2]).normal(scale=SIGMA, size=wanted.shape)
     items |= {
         "stiffness": stiffness_figure(found),

@@ -28,6 +28,7 @@ from workbench import (
     clear_numbers,
     clear_poses,
     clear_table,
+    counterpart,
     diagnose,
     fit_any_order,
     fit_spring,
@@ -127,6 +128,7 @@ def study(run: StudyRun) -> Study:
     numbers |= clear_numbers(clear)
     items: dict[str, Table | Figure] = {
         "clear": clear_table(clear),
+        "measured": counterpart("kr120", run),
         "torque": figures.torque_figure(robot, stretched, RIG.load, RIG.tool),
         "gas_table": changed_gas(arm, ANGLES, figures.reach(arm, 1)),
         "linkages": linkage_figure(drawn),

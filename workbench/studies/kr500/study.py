@@ -26,6 +26,7 @@ from workbench import (
     clear_numbers,
     clear_poses,
     clear_table,
+    counterpart,
     diagnose,
     draw_many,
     judge,
@@ -89,6 +90,7 @@ def study(run: StudyRun) -> Study:
         "scatter": shown.scatter_table(best),
         "seen": seen,
         "clear": clear_table(clear),
+        "measured": counterpart("kr500", run),
         "verdicts": named.verdicts_table(outcomes),
         "named": named.curve_figure(curve),
     }

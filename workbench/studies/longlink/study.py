@@ -23,6 +23,7 @@ from workbench import (
     clear_numbers,
     clear_poses,
     clear_table,
+    counterpart,
     judge,
     load_robot,
     needs_table,
@@ -128,6 +129,7 @@ def study(run: StudyRun) -> Study:
     numbers |= clear_numbers(clear)
     items: dict[str, Table | Figure] = {
         "clear": clear_table(clear),
+        "measured": counterpart("longlink", run),
         **told(arms, judged),
         "twelve": twelve_figure(miss, numbers["noise_mean_mm"]),
         "recursion": recursion_table(path),

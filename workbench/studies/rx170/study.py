@@ -31,6 +31,7 @@ from workbench import (
     clear_poses,
     clear_table,
     compensate_file,
+    counterpart,
     judge,
     load_robot,
     needs_table,
@@ -121,6 +122,7 @@ def study(run: StudyRun) -> Study:
     numbers |= clear_numbers(clear)
     items = shown(judged, drawn) | {
         "clear": clear_table(clear),
+        "measured": counterpart("rx170", run),
         "stiffness": figures.stiffness_figure(local, share),
         **figures.sweep_figures(apart, "joint 2"),
         "orders": figures.line_table(apart, "joint 2"),
