@@ -150,8 +150,10 @@ def test_all_studies_in_full(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 
 def test_pages_of_several_seeds_beside_each_other() -> None:
-    """A sentence that stays though its claim turned, one that is said too often, a number that is written out."""
-    story = "# A: [if high]High.[else]High.[end]\n\nIt is 1.234 mm and {error_mm:mm}.\n\n## Assumed\n- x | 5.678 | y"
+    """A page that stays though its claim turned, one that says it too often, a number written out."""
+    story = (
+        "# A: [if high]High.[else]High.[end]\n\nIt is 1.234 mm, {error_mm:mm}.\n\n## Assumed\n- x | 5.678 | y"
+    )
 
     def page(seed: int, stands: bool, error: float, text: str, share: float) -> seeds.Page:
         claim = {"words": "high", "share": share, "draws": 100, "here": stands, "stands": stands}

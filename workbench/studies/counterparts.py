@@ -189,8 +189,8 @@ def compliance_by_angle(data: Halves) -> Table:
     differ = "differ by more than their intervals" if chi2 > CHI2_5 else "agree within their intervals"
     note = (
         "UR10, whose joint has no gravity compensator: compliance of the shoulder lift from gravity, each "
-        f"range with a geometry of its own, 95 % by what is left. The six {differ} (χ² = {decimals(chi2, 0)}, "
-        "5 dof)."
+        f"range with a geometry of its own, 95 % by what is left. The six {differ} "
+        f"(χ² = {decimals(chi2, 0)}, 5 dof)."
     )
     return Table(TITLE, ("Shoulder lift", "Poses", "Compliance, µrad/(N·m)", "95 %, ±"), rows, note)
 

@@ -135,12 +135,7 @@ def study(run: StudyRun) -> Study:
         "carries": linkage_tornado(drawn),
         "plans": figures.plan_figure(plan),
         "stiffness": figures.stiffness_figure(arm, ANGLES, springs["one_sigma"]),
-        "accounts": accounts_table(judged),
-        "odds_table": odds_table(judged),
-        "odds": odds_figure(judged),
-        "needs": allowed_table(judged),
-        "pattern": pattern_figure(judged, SHOWN),
-        "patterns": pattern_table(made, told),
+        **shown_accounts(judged, made),
         "bias": figures.bias_figure(robot, stretched),
         "deciding": deciding_table(decided),
     }
@@ -158,6 +153,18 @@ def stood_in(shown: Campaign, pool: int, deciding: Campaign) -> dict[str, Array]
             [plans.plan(i).problem.q[:CONFIGURATIONS] for i in range(pool)]
         ),
         "measurement that decides": deciding.poses.q[:DECIDING],
+    }
+
+
+def shown_accounts(judged: Judged, made: Draws) -> dict[str, Table | Figure]:
+    """The accounts of Table I and what their machines do, as tables and figures."""
+    return {
+        "accounts": accounts_table(judged),
+        "odds_table": odds_table(judged),
+        "odds": odds_figure(judged),
+        "needs": allowed_table(judged),
+        "pattern": pattern_figure(judged, SHOWN),
+        "patterns": pattern_table(made, judged.accounts),
     }
 
 
