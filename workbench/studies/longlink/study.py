@@ -48,7 +48,7 @@ from .circular import arm_draws, arm_numbers, arms_table
 from .detection import hidden_draws, what_shows
 from .figures import twelve_figure
 from .printed import FITTED, NUMBERS
-from .recursion import compensated, recursion_table
+from .recursion import compensated, recursion_numbers, recursion_table
 from .said import ODDS, stands
 from .stories import ITEMS, OWN, TOLERANCE, YIELDING, accounts
 from .tables import two_tables
@@ -115,12 +115,7 @@ def study(run: StudyRun) -> Study:
         }
     )
     path = compensated(assumed, share)
-    first = next(iter(path.values()))
-    numbers |= {
-        "known_none_mm": float(first[0]),
-        "known_once_mm": float(first[1]),
-        "known_twice_mm": float(first[2]),
-    }
+    numbers |= recursion_numbers(path)
 
     run.say("asking what data would show flexibility")
     hidden = hidden_draws(share, run.draws(20, 1), run)

@@ -103,6 +103,7 @@ def study(run: StudyRun) -> Study:
     write_path(folder / "spiral.csv", spirals.path)
     compensate_file(folder / "spiral.csv", folder / "model.toml", "val3", folder, start=ELBOW_UP)
 
+    clear = clear_poses(robot, stood_in(seed, spirals.slow.q))
     numbers = {
         **NUMBERS,
         "turns": float(turns),
@@ -115,11 +116,8 @@ def study(run: StudyRun) -> Study:
         **by_joint("g", 1.96 * spread, "_half"),
         **drawn.by_name(),
         **judged.numbers(),
+        **clear_numbers(clear),
     }
-    numbers["ra_gain"] = numbers["ra_both_slow"] / numbers["ra_none_slow"]
-    numbers["rz_gain"] = numbers["rz_both_slow"] / numbers["rz_none_slow"]
-    clear = clear_poses(robot, stood_in(seed, spirals.slow.q))
-    numbers |= clear_numbers(clear)
     items = shown(judged, drawn) | {
         "clear": clear_table(clear),
         "measured": counterpart("rx170", run),
