@@ -58,7 +58,7 @@ from .hidden import hidden
 from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness, stood_in
 from .printed import NUMBERS, POSES, SPIRAL_TURNS, TABLE_1
 from .said import OF_DRAWS, OF_RUN
-from .spiral import draw_spirals, printed_numbers, spiral_numbers
+from .spiral import Spirals, draw_spirals, printed_numbers, spiral_numbers
 from .superposed import ELBOW_UP
 
 FILES = {
@@ -118,15 +118,13 @@ def study(run: StudyRun) -> Study:
         **judged.numbers(),
         **clear_numbers(clear),
     }
-    items = shown(judged, drawn) | {
+    items = shown(judged, drawn) | spiral_shown(spirals, numbers)
+    items |= {
         "clear": clear_table(clear),
         "measured": counterpart("rx170", run),
         "stiffness": figures.stiffness_figure(local, share),
         **figures.sweep_figures(apart, "joint 2"),
         "orders": figures.line_table(apart, "joint 2"),
-        "slow": figures.along_figure("slow", spirals, numbers),
-        "fast": figures.along_figure("fast", spirals, numbers),
-        "heights": figures.ra_rz_figure(numbers),
     }
     stands = checked(OF_RUN, numbers) | checked(OF_DRAWS, numbers, drawn)
     story = Path(__file__).with_name("story.md")
@@ -142,6 +140,15 @@ def shown(judged: Judged, drawn: Draws) -> dict[str, Table | Figure]:
         "oddsfigure": odds_figure(judged),
         "needs": needs_table(judged),
         "tornado": tornado(drawn, "ra_base", "tornado", "Ra of the last run, counted from the base, mm"),
+    }
+
+
+def spiral_shown(spirals: Spirals, by_name: Mapping[str, float]) -> dict[str, Table | Figure]:
+    """The spiral at both speeds."""
+    return {
+        "slow": figures.along_figure("slow", spirals, by_name),
+        "fast": figures.along_figure("fast", spirals, by_name),
+        "heights": figures.ra_rz_figure(by_name),
     }
 
 
