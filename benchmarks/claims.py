@@ -1,7 +1,7 @@
 """Runs published studies quickly under ten seeds: python benchmarks/claims.py reports/claims [SEEDS [NAME..]]
 
-Says of every claim in how many seeds it holds and is said, and writes `benchmarks/results/claims.json` with
-the faults that `workbench.studies.seeds` finds. A study that was run under a seed is read, not run again.
+Says of every claim in how many seeds it holds and is said, and puts it into `benchmarks/results/claims.json`
+with the faults that `workbench.studies.seeds` finds. A study that was run under a seed is read, not run again.
 `read.txt` beside the runs lists the sentences that compare and are said under every seed, for a reader.
 """
 
@@ -42,12 +42,13 @@ def main(folder: Path, count: int, names: tuple[str, ...]) -> int:
         print(*(f"  FAULT {fault}" for fault in faults[name]), sep="\n")
     read = [f"{name}: {sentence}" for name in names for sentence in seeds.to_read(pages[name])]
     (folder / "read.txt").write_text("\n".join(read) + "\n", encoding="utf-8")
-    if set(names) == set(PUBLISHED):
-        commit = subprocess.run(
-            ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True
-        ).stdout.strip()
-        kept = {"commit": commit, "seeds": count, "quick": True, "claims": claims, "faults": faults}
-        RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.strip()
+    kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.is_file() else {}
+    for name in names:
+        kept[name] = {"commit": commit, "seeds": count, "claims": claims[name], "faults": faults[name]}
+    RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     return int(any(faults.values()))
 
 
