@@ -159,7 +159,7 @@ def test_claims_hold_for_other_seeds(found: Study, tmp_path: Path, seed: int) ->
 
 
 def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
-    assert len(found.tables) == 11
+    assert len(found.tables) == 13
     for name in ("index.html", "report.pdf", "scene.html", "result.json"):
         assert (folder / name).stat().st_size > 500, name
     finite = {key: value for key, value in found.numbers.items() if np.isfinite(value)}

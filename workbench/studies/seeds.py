@@ -2,7 +2,8 @@
 
 A sentence about what a run found stands in a choice on a claim, or gives numbers and no more. Faults are: a
 claim that is said though it fails in too many of all seeds' draws, a choice whose two sentences are the same,
-a page that stays the same though a claim turned, a number of the run that is written out in the story.
+a page that stays the same though a claim turned, a number of the run that is written out in the story, two
+sentences that a choice left without a space.
 """
 
 from __future__ import annotations
@@ -79,7 +80,13 @@ def faults(story: str, pages: Sequence[Page]) -> list[str]:
     `story.md`."""
     if not pages:
         return _same_words(story)
-    return [*_said_too_often(pages), *_same_words(story), *_stay(pages), *_written_out(story, pages)]
+    return [
+        *_stuck(pages),
+        *_said_too_often(pages),
+        *_same_words(story),
+        *_stay(pages),
+        *_written_out(story, pages),
+    ]
 
 
 def to_read(pages: Sequence[Page]) -> list[str]:
@@ -91,6 +98,11 @@ def to_read(pages: Sequence[Page]) -> list[str]:
         if len(said) > 1 and COMPARES.search(masked):
             out.append(masked)
     return out
+
+
+def _stuck(pages: Sequence[Page]) -> list[str]:
+    stuck = {s for page in pages for s in page.sentences if re.search(r"[a-z]{3}[.!?][A-Z][a-z]", s)}
+    return [f"no space between two sentences: {sentence}" for sentence in sorted(stuck)]
 
 
 def _said_too_often(pages: Sequence[Page]) -> list[str]:

@@ -107,7 +107,7 @@ def study(run: StudyRun) -> Study:
         robot,
         {
             "identification": loaded_poses(robot, run.seed, 1.0).poses.q[:POSES],
-            "circle": nominal_joints(robot, CIRCLE),
+            "circle, evenly": nominal_joints(robot, CIRCLE)[::100],
         },
     )
     numbers |= clear_numbers(clear)
