@@ -1,7 +1,7 @@
 """Runs published studies quickly under ten seeds: python benchmarks/claims.py reports/claims [SEEDS [NAME..]]
 
 Says of every claim in how many seeds it holds and is said, and puts it into `benchmarks/results/claims.json`
-with the faults that `workbench.studies.seeds` finds. A study that was run under a seed is read, not run again.
+with the faults that `workbench.studies.seeds` finds. What was run under a seed is read, not run again.
 `read.txt` beside the runs lists the sentences that compare and are said under every seed, for a reader.
 """
 
