@@ -195,7 +195,7 @@ def test_the_campaign_tells_the_robot_as_it_was_diagnosed(found: Study, folder: 
 
 
 def test_what_is_said_follows_the_claims(found: Study) -> None:
-    said = "that stiffness varies is not shown" in found.headline
+    said = "That stiffness varies is not shown" in found.headline
     assert said is found.claims["undecided"].stands
     n = found.numbers
     close = 0.05 < n["p_varies"] < 0.95
