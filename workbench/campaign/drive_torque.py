@@ -13,6 +13,12 @@ from ..robot.kinematics import Array
 from .problem import Problem
 
 SHOWS = 0.5  # share of a joint's torque that the model must explain for the column to be believed
+FEWEST = 10  # torques of a joint from which its noise is taken
+TAKEN = 3  # numbers that are taken out: offset, scale and side
+FREE = 0.5  # share of the poses that must be left when wrong loads are taken out as well
+TILT = 5e-3  # rad: how far the axis of a joint may lie from the model's
+LEAST = 1e-6  # N·m, N: of a joint without any load
+FAINT = 1e-3  # of the torque: a load that makes less of it in its usual size is no part of it
 
 
 def project(problem: Problem, values: Array) -> Array:
@@ -35,19 +41,40 @@ def project(problem: Problem, values: Array) -> Array:
     return out
 
 
-def noise(problem: Problem) -> Array:
+def axis_error(problem: Problem) -> Array:
+    """(n,) [N·m, N] torque (RMS) that the stated loads make at each joint if its axis is off by `TILT`: no
+    model of the torques is better, and at a vertical axis there is hardly any other."""
+    slot, component = np.divmod(problem.arm.axial, 6)
+    load = problem.nominal_load.local.reshape(len(problem.q), -1, 2, 3)
+    own = load[:, slot, component // 3]
+    return np.asarray(TILT * np.sqrt((own**2).sum(axis=2).mean(axis=0)) + LEAST)
+
+
+def noise(problem: Problem, moved: Array | None = None) -> Array:
     """(n,) one sigma of each joint's torque about the model [N·m, N]; infinite where the model explains
-    less than `SHOWS` of it (no load on that joint, or a column that means something else)."""
+    less than `SHOWS` of it (no load on that joint, or a column that means something else).
+
+    moved: (N, n, p) what every load that may be wrong makes of the torques, in its usual size, as `project`
+    leaves it: none of that is noise, so a wrong load does not hide itself. The largest parts of it are taken
+    out, as long as `FREE` of the poses are left to judge by.
+    """
     measured = problem.campaign.poses.torque
     assert measured is not None
     left = project(problem, np.nan_to_num(measured)[..., None])[..., 0]
-    sigma = np.full(measured.shape[1], np.inf)
+    sigma, least = np.full(measured.shape[1], np.inf), axis_error(problem)
     for j in range(len(sigma)):
         seen = np.isfinite(measured[:, j])
-        if seen.sum() < 10:
+        count = int(seen.sum())
+        if count < FEWEST:
             continue
         total = float(np.std(measured[seen, j]))
-        rms = float(np.sqrt(np.sum(left[seen, j] ** 2) / max(seen.sum() - 3, 1)))
-        if total > 0 and rms**2 < (1 - SHOWS) * total**2:
-            sigma[j] = max(rms, 1e-6 * total)
+        rest, free = left[seen, j], count - TAKEN
+        if moved is not None:
+            U, size, _ = np.linalg.svd(moved[seen, j], full_matrices=False)
+            most = max(int((1 - FREE) * count) - TAKEN, 0)
+            U = U[:, : min(most, int((size > FAINT * np.sqrt(count) * total).sum()))]
+            rest, free = rest - U @ (U.T @ rest), free - U.shape[1]
+        rms = max(float(np.sqrt(np.sum(rest**2) / free)), float(least[j]))
+        if rms**2 < (1 - SHOWS) * total**2:
+            sigma[j] = rms
     return sigma

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..campaign import Campaign, drive_torque, join
+from ..campaign import Campaign, join
 from ..campaign.problem import Problem, problem
 from ..effects.given import Given, exclusions, given_facts
 from ..effects.records import stated_effects
@@ -21,6 +21,7 @@ from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import check_corrections, check_plausible, check_rest, enough_poses
+from ..identification.torque_noise import torque_noise
 from .moved_setup import jump, split_setup, step_in_time
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .result import FaultFound, Noise
@@ -164,7 +165,7 @@ def _fitted(sound: _Sound) -> Prepared:
     if not known:
         covariance, noise = from_residual(geometry)
     if problem.drives:
-        covariance = replace(covariance, torque=drive_torque.noise(problem))
+        covariance = replace(covariance, torque=torque_noise(geometry))
     if not known or problem.drives:
         geometry = fit(model, geometry.state, covariance)
     check_corrections(geometry)

@@ -29,8 +29,12 @@ MOST = 3  # ambiguous findings that are worked out, the strongest
 POOL = 120  # candidate records
 POSES = Attempts(first=24, fewest=6, most=60, times=4, margin=1.1)  # of a follow-up
 DRAWS = 3  # of random poses with torques
-FEWEST_TORQUES = 12  # poses from which a joint's offset, scale and friction are taken out of its torques
-TORQUE_TERMS = 3  # a joint's offset, scale and friction
+TORQUES = (
+    16,
+    24,
+    30,
+    60,
+)  # poses with torques: offsets, scales, friction and their noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
 Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
@@ -112,15 +116,13 @@ def _settled(space: DesignSpace, tie: Tie, now: float) -> tuple[int, float] | No
 
 def _settled_by_torque(torques: Torques, tie: Tie, now: float) -> tuple[int, float] | None:
     """Random poses with drive torques that settle it, and λ after them, the least of some draws; what is
-    common to a joint's torques is taken out of those poses alone. The noise of the torques is what the stated
-    robot leaves of them, the cause itself in it: n poses tell no more than a λ of n − 3."""
-    for count in (FEWEST_TORQUES, POSES.first, POSES.most):
+    common to a joint's torques is taken out of those poses alone."""
+    for count in TORQUES:
         reached = []
         for draw in range(DRAWS):
             order = np.random.default_rng([23, draw]).permutation(POOL)
             space = torques(np.sort(order[:count]))
-            gain = least(space, space.before + information(space.rows), tie) - now
-            reached.append(now + gain / (1 + gain / (count - TORQUE_TERMS)))
+            reached.append(least(space, space.before + information(space.rows), tie))
         if min(reached) >= settled_at(now):
             return count, min(reached)
     return None
