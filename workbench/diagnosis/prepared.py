@@ -21,10 +21,10 @@ from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import check_corrections, check_plausible, check_rest, enough_poses
-from ..identification.torque_noise import torque_noise
 from .moved_setup import jump, split_setup, step_in_time
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .result import FaultFound, Noise
+from .torque_noise import torque_noise
 from .wild_points import Acting, clean, least_sigma, without_gross, without_impossible
 
 SIX_DOF = 3  # targets that make a 6-D measurement

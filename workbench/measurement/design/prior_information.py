@@ -32,7 +32,6 @@ from ...robot.kinematics import Array
 from ...robot.schema import stated_load
 
 ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tracker
-DRIVE_TORQUE = 0.03  # of a joint's largest torque: noise of what motor currents say
 WIDE = 30.0  # prior of an effect's parameter, in its typical sizes: wide, but no arm is made of rubber
 OFTEN = 0.5  # share of the poses that must show a target for a plan to count on it
 
@@ -140,7 +139,7 @@ class PriorInformation:
                     *torque.shape[:1], -1, len(values)
                 )
                 torque = torque + np.abs(change[:, axial] * [p.typical for p in effect.params]).sum(axis=2)
-        return np.hypot(DRIVE_TORQUE * torque.max(axis=0), drive_torque.axis_error(problem))
+        return np.hypot(drive_torque.ACCURACY * torque.max(axis=0), drive_torque.axis_error(problem))
 
     def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:
         """(D0, P) rows [m] of poses that will have to be right, by the names of `of_records`: what the
