@@ -119,8 +119,10 @@ class PriorInformation:
         return None if self.fit is None else _sensitivity_of(self.fit, effects)
 
     def of_records(self, records: Campaign, effects: ValuedEffects) -> Sensitivity:
-        """Sensitivity of new records, in a set-up of their own; where they have a column of drive torques,
-        these count as good as motor currents are."""
+        """Sensitivity of new records, in a set-up of their own; where they have a column of drive torques, or
+        the campaign has (a record of them takes no time), these count as good as motor currents are."""
+        if self.problem.drives and records.poses.torque is None:
+            records = records.with_poses(torque=np.zeros_like(records.poses.q))
         sigma = np.tile(self.sigma[self.shown], (len(records.poses.q), 1))
         noise = Covariance(sigma, self.joint, np.ones(len(records.poses.q)), turn_ratio=self.turn_ratio)
         if records.poses.torque is not None:
