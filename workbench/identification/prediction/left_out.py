@@ -70,10 +70,12 @@ class Leaver:
         return joined([self.leave(fold == f, inside, variance) for f in range(fold.max() + 1)])
 
     def by_part(self, variance: float) -> LeftOut:
-        """The poses of each part of the campaign, in the order of measurement, that lie inside of what the
-        others saw: a part may stand elsewhere than its neighbours, and later."""
-        problem = self.fit.model.problem
-        part = np.arange(len(problem.q)) * PARTS // len(problem.q)
+        """The poses of each part of the campaign, in the order of measurement within its set-ups: a part may
+        stand elsewhere than its neighbours, and later."""
+        problem, setup = self.fit.model.problem, self.fit.model.problem.campaign.poses.setup
+        part = np.zeros(len(setup), dtype=np.int64)
+        for own in (np.flatnonzero(setup == k) for k in np.unique(setup)):
+            part[own] = np.arange(len(own)) * PARTS // len(own)
         unit, out = np.where(problem.arm.prismatic, 3.0, 1.0), []
         for k in range(PARTS):
             others = problem.q[part != k]

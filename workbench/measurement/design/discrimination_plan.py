@@ -16,11 +16,12 @@ from .t_optimal import Pair
 
 @dataclass(frozen=True)
 class Power:
-    """λ and what a diagnosis makes of it, as the blind study has it."""
+    """λ beside the hardest rival, and what a diagnosis makes of it (`benchmarks/results/power.json`): at 20 it
+    names the cause in about half of the campaigns, at 40 and 80 in five of six, and none wrongly."""
 
-    least: float = 10.0  # below, it hardly ever names the cause (3 to 8 % of the cases)
-    mostly: float = 40.0  # from here it finds the cause always, and names it mostly
-    surely: float = 80.0  # from here it names the right one in most campaigns, and never the wrong one
+    least: float = 10.0  # below, it hardly ever names the cause (3 to 8 % of the cases of the blind study)
+    mostly: float = 40.0  # from here it names the cause mostly
+    surely: float = 80.0  # and here, if it has no rival without a name
 
 
 LEVELS = Power()

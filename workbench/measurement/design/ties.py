@@ -7,7 +7,7 @@ it best in what was measured. Settled is λ ≥ `LEVELS.mostly`, from where a di
 A rival may contain the cause, as a map of a joint contains the sine of its wheel: no pose tells the sine
 from that. What refutes the map is that nothing else of it is seen: with S the information on its other
 numbers in the size s that imitates the cause, twice the log Bayes factor against it is expected to be
-Σ log(1 + s² S_k) − s² S_k/(1 + s² S_k) over the eigenvalues (Kass and Raftery 1995). Its λ is that of the
+Σ log(1 + s² S_k) − s² S_k/(1 + s² S_k) over the eigenvalues (Kass & Raftery 1995). Its λ is that of the
 rest of it, in that size.
 """
 
