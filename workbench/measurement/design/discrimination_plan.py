@@ -16,7 +16,7 @@ from .t_optimal import Pair
 
 @dataclass(frozen=True)
 class Power:
-    """λ beside the hardest rival, and what a diagnosis makes of it. Of faults drawn as in the blind study, none
+    """λ beside the hardest rival, and what a diagnosis makes of it. Of faults drawn as in the blind study none
     was named wrongly, and rightly as `benchmarks/results/power.json` has it: at 20 in 12 of 22, at 40 in 17
     of 20, at 80 in 15 of 18."""
 
