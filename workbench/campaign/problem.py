@@ -68,8 +68,7 @@ class Problem:
     @cached_property
     def positions(self) -> NDArray[np.int64]:
         """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
-        table = np.column_stack([np.round(self.q, 9), self.campaign.poses.setup])
-        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+        return self.campaign.poses.positions
 
     @cached_property
     def rigid(self) -> Frames:
