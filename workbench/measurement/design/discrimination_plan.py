@@ -18,8 +18,8 @@ from .t_optimal import Pair
 class Power:
     """λ beside the hardest rival, and what a diagnosis makes of it.
 
-    Of faults drawn as in the blind study none was named wrongly, and rightly, as `benchmarks/results/power.json`
-    has it, at 20 12 of 22, at 40 17 of 20, at 80 15 of 18.
+    Of faults drawn as in the blind study none was named wrongly, and rightly at 20 in 12 of 22, at 40 in 17
+    of 20, at 80 in 15 of 18 (`benchmarks/results/power.json`).
     """
 
     least: float = 10.0  # below, it hardly ever names the cause (3 to 8 % of the blind study's cases)
