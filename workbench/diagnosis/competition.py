@@ -92,7 +92,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
     misfit = misfit or any(components[m.component].nameless for m in members)
     if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
-        shares = replicated(at, components, members, shares, noise_dof)
+        shares = replicated(best.at, components, members, shares, noise_dof)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     shown = [
         share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
@@ -186,7 +186,7 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
         if not noise_known:
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
         found = _fitted(at, effects, base)
-        tried.append(_Round(found, competition, members, rms_mm(heldout(found))))
+        tried.append(_Round(at, found, competition, members, rms_mm(heldout(found))))
         left = remainder(found, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
@@ -210,8 +210,10 @@ def _no_better(errors: Sequence[float]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Round:
-    """One round: the set that it found, the fit with that, and the error of this held out."""
+    """One round: the fit at which the components were compared, the set that this found, the fit with that,
+    and the error of this held out."""
 
+    at: Fit
     found: Fit
     competition: Competition
     members: list[Member]
