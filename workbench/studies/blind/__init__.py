@@ -108,13 +108,15 @@ def blind(
     resume: bool = False,
     quick: bool = False,
     keys: Sequence[str] | None = None,
+    scheduler: str | None = None,
 ) -> BlindStudy:
     """Runs the study and writes `results.json`, `index.html`, figures and `blind.sqlite` into `out`.
 
     keys: these cases only. With `resume` cases that are done stay; more draws may be asked for.
+    scheduler: address of a Dask scheduler whose workers do the cases.
     """
     keys = case_keys(draws, quick) if keys is None else keys
-    study = run_cases(BlindStudy, "blind", run_case, keys, out, seed, workers, resume)
+    study = run_cases(BlindStudy, "blind", run_case, keys, out, seed, workers, resume, scheduler)
     _write(study)
     return study
 
