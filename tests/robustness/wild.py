@@ -1,8 +1,8 @@
 """One wrong number in every campaign: prints whether it is found, and what it changes in the diagnosis.
 
-`python tests/robustness/wild.py ../shared/data/* [--poses 80] [--only a-point-300-m-off ...]`. Each campaign
-is diagnosed as it is, with something spoilt, and with just that left out: a spoilt one that is cleaned rightly
-is the one with it left out. `--simulated` adds campaigns out of Drake with something hidden in the robot.
+`python tests/robustness/wild.py ../shared/data/* [--poses 80] [--only zeros ...]`. Each campaign is diagnosed
+as it is, with something spoilt, and with just that left out: a spoilt one that is cleaned rightly is the one
+with it left out. `--simulated` adds campaigns out of Drake with something hidden in the robot.
 """
 
 from __future__ import annotations
