@@ -29,7 +29,7 @@ HEAD = """| campaign | poses | wrong | faults | causes as without | as left out 
 SHARE = 0.4  # of the way through the campaign
 SIMULATED = {
     "kr500, gear": ("kr500", ("gear_eccentricity:joint=joint_2,variant=1,amplitude=4e-4,phase=0.4",)),
-    "ur5, compliance": ("ur5", ("joint_compliance:joint=joint_2,relative=0.5",)),
+    "ur5, compliance": ("ur5", ("joint_compliance:joint=shoulder_lift_joint,relative=0.5",)),
     "cylindrical, gear": ("cylindrical", ("gear_ratio:joint=joint_1,relative=2e-4",)),
     "kr500, clean": ("kr500", ()),
 }
