@@ -8,6 +8,7 @@ that were in it are tried again, each at most `TRIES` times.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import sqlite3
@@ -60,6 +61,7 @@ def run_tasks(
     again by the next run. workers: processes, all cores by default; 1: in this process. scheduler: address
     of a Dask scheduler, whose workers do it instead.
     """
+    gc.collect()  # what is left of Drake's objects ends here: in the thread of a pool it ends the process
     pool = spawn_pool if scheduler is None else cluster_pool(scheduler)
     with closing(_open(store, study, resume)) as table:
         have = _read(table)
