@@ -19,6 +19,7 @@ from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.place import Where
 from workbench.effects.records import record
+from workbench.effects.thermal_growth import ThermalGrowth
 from workbench.files.faults import InputError
 from workbench.report.numbers import mm
 from workbench.robot.compensator import compensator_law
@@ -122,6 +123,24 @@ def test_statics_are_the_arms(name, robot):
     for slot, X in enumerate(done.links[-1]):  # what the scene shows of base and links
         assert np.abs(X[:3, 3] - where.p[slot][0]).max() < 1e-6
         assert np.abs(X[:3, :3] - where.R[slot][0] @ arm.R_link[slot]).max() < 1e-6
+
+
+def test_a_warming_arm_grows_while_it_is_simulated():
+    """Held still while the temperature of the path rises by 10 K."""
+    robot = extended(load_robot("kr500"), [(ThermalGrowth(), [1.15e-5])])
+    q = np.tile(POSES["kr500"], (2, 1))
+    path = Path(np.array([0.0, 0.3]), q=q, temperature=np.array([20.0, 30.0]))
+    whole = Problem(robot, arrays(robot), path_campaign(robot, path, q, LOADS))
+    whole = replace(whole, compensator=compensator_law(robot, whole.arm))
+    ext = extended_arm(whole)
+    arm, pull = ext.loads(ext.problem)
+    direct = ext.direct(ext.problem)
+    wanted = equilibrium(arm, q, direct, pull, ext.acting.yielding(arm).motion)[1].p[-1]
+    truth = mechanics(robot, path, q, LOADS)
+    done = run(truth, nominal_mechanics(robot, truth), motion(path.time, q), loop=SMOOTH)
+    grown = done.tool[-1, :3, 3] - done.tool[0, :3, 3]
+    assert np.linalg.norm(grown) > 1e-4
+    assert np.abs(grown - (wanted[1] - wanted[0])).max() < 2e-6
 
 
 RIPPLE = GearKinematicError(Where(joint="joint_2", order=800.0)), [5e-5, 2e-5]
@@ -231,7 +250,7 @@ def test_gear_and_spring_have_one_potential():
     """What spring and motor feel is the gradient of U(e − δ(q))."""
     truth, _, moved = moving()
     drive = drives(truth, moved.q[0], SMOOTH)
-    built = machine(truth, drive.rotor)
+    built = machine(truth, drive)
     gears = Gears(truth, moved.q)
     j, k = truth.arm.names.index("joint_2"), len(moved.q) // 2
     at, motor, e = int(built.own_at[built.own[j]]), int(built.motors[j]), 3e-4
@@ -240,7 +259,7 @@ def test_gear_and_spring_have_one_potential():
         dynamics = Dynamics(truth, built, drive, SMOOTH, gears, Along(), 5e-4, reaction)
         force, x = np.zeros(dynamics.size), np.zeros(2 * dynamics.size)
         x[built.motors], x[at] = moved.q[k], e
-        dynamics.springs.add(x, x.tolist(), dynamics.side, force)
+        dynamics.springs.add(x[dynamics.size :], x.tolist(), dynamics.side, force)
         force[at] -= built.stiffness[built.own[j]] * e  # the plant's own spring
         felt.append(force)
 
@@ -255,6 +274,29 @@ def test_gear_and_spring_have_one_potential():
     assert (felt[0] - felt[1])[motor] == pytest.approx(-by_motor, rel=1e-3)
 
 
+def test_gear_and_damper_lose_what_slides():
+    """Spring and motor together lose c (ė − δ′ q̇)², with the damper that the plant itself has."""
+    truth, _, moved = moving()
+    drive = drives(truth, moved.q[0], Loop(viscous=0.0))
+    built = machine(truth, drive)
+    j, q, e = truth.arm.names.index("joint_2"), moved.q[len(moved.q) // 2], 3e-4
+    i = built.own[j]
+    at, motor = int(built.own_at[i]), int(built.motors[j])
+    dynamics = Dynamics(truth, built, drive, Loop(viscous=0.0), Gears(truth, moved.q), Along(), 5e-4)
+    size, still, fast = dynamics.size, np.zeros(dynamics.size), np.zeros(dynamics.size)
+    x = np.zeros(2 * size)
+    x[built.motors], x[at] = q, e
+    dynamics.springs.add(x[size:], x.tolist(), dynamics.side, still)
+    x[size + at], x[size + motor] = 2e-3, 0.3
+    dynamics.springs.add(x[size:], x.tolist(), dynamics.side, fast)
+    step = np.eye(truth.arm.n)[j] * 1e-7
+    ahead, behind = (truth.gear_error((q + s * step)[None], q[None])[0, j] for s in (1, -1))
+    slides = 2e-3 - (ahead - behind) / 2e-7 * 0.3
+    assert (fast - still)[at] - drive.damping[j] * 2e-3 == pytest.approx(-drive.damping[j] * slides, rel=1e-4)
+    lost = (fast - still)[at] * 2e-3 - drive.damping[j] * 2e-3**2 + (fast - still)[motor] * 0.3
+    assert lost == pytest.approx(-drive.damping[j] * slides**2, rel=1e-4)
+
+
 def test_two_runs_are_bitwise_equal():
     truth, nominal, moved = moving()
     first, second = (run(truth, nominal, moved) for _ in range(2))
@@ -267,6 +309,8 @@ def test_an_encoders_steps_show_a_little():
     coarse = run(truth, nominal, moved, loop=Loop(encoder_steps=65536.0))
     off = np.linalg.norm(fine.tool[:, :3, 3] - coarse.tool[:, :3, 3], axis=1)
     assert 1e-9 < off.max() < 2e-5
+    rough, smooth = (np.abs(np.diff(done.torque, n=2, axis=0)).max(axis=0) for done in (coarse, fine))
+    assert (rough > 5 * smooth).all()  # every count is a jump of the speed that is seen
 
 
 def test_iso_figures():

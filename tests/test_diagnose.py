@@ -10,6 +10,7 @@ from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.result import Diagnosis
+from workbench.diagnosis.run import diagnose
 from workbench.effects.records import from_record, record
 from workbench.effects.unnamed import KINDS, Product, Warmth, unnamed
 from workbench.identification.fit import fit
@@ -261,6 +262,12 @@ def test_faults_of_the_data_are_found_and_do_no_harm(honest, change, expected):
     assert named(diagnosis) == {GEAR_JOINT: "named"}
     assert diagnosis.causes[0].parameters[0].value == pytest.approx(2e-4, rel=0.15)
     assert diagnosis.stages[-1].heldout_max_mm < 0.3
+
+
+def test_a_test_after_the_instrument_was_moved_is_not_judged_in_the_frame_before(honest):
+    after = spoilt(honest, lambda points: points.__iadd__([8e-5, -6e-5, 0.0]))
+    test = diagnose(spoilt(honest, moved), test=after).diagnosis.test
+    assert test.after_rms_mm < 1.2 * 1e3 * np.sqrt(3) * SIGMA
 
 
 # ---------------------------------------------------------------- noise

@@ -1,6 +1,8 @@
 """The exported robot in other programs: Drake's parser, MuJoCo, Pinocchio."""
 
+import ast
 import importlib.util
+import sys
 from dataclasses import replace
 
 import mujoco
@@ -21,6 +23,7 @@ from workbench.robot.schema import GEOMETRY, EffectRecord
 from workbench.simulation.export import export
 from workbench.simulation.export.coil import nearest_coil
 from workbench.simulation.export.content import content_of
+from workbench.simulation.export.drake_package import MODULE
 from workbench.simulation.random_robot import write_random_robot
 
 LOAD = Conditions("heavy", 40.0, (0.05, 0.02, 0.15), 5.0, (0.0, 0.01, 0.05))
@@ -296,10 +299,22 @@ EFFECTS = (
 
 def package(folder):
     """The module of an exported package, loaded as a user's would be."""
-    spec = importlib.util.spec_from_file_location("extended_robot", folder / "extended_robot.py")
+    name, init = f"of_{folder.name}_{len(sys.modules)}", folder / "extended_robot" / "__init__.py"
+    spec = importlib.util.spec_from_file_location(name, init)
     module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+def test_the_drake_package_needs_drake_and_numpy_alone():
+    known = {"__future__", "collections", "dataclasses", "math", "pathlib", "typing", "numpy", "pydrake"}
+    for file in MODULE.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 1 or (node.level == 0 and str(node.module).split(".")[0] in known)
+            elif isinstance(node, ast.Import):
+                assert {alias.name.split(".")[0] for alias in node.names} <= known
 
 
 @pytest.mark.parametrize("name", ["kr500", "rx170", "longlink", "cylindrical"])

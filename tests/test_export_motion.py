@@ -13,6 +13,7 @@ from test_export import package
 from workbench.correction import Conditions, compensate
 from workbench.correction.path_shapes import Run, line, work_frame
 from workbench.robot.description import load_robot
+from workbench.robot.extended_robot.effects import BANDWIDTH
 from workbench.robot.loop import Loop
 from workbench.robot.schema import EffectRecord
 from workbench.simulation.closed_loop.drives import drives
@@ -39,8 +40,8 @@ EFFECTS = (
 )
 
 
-def simulated(folder, q, wanted):
-    """Tool poses (M, 4, 4) of the exported Diagram under Drake's Simulator; its reflected rotor inertias."""
+def simulated(folder, q, wanted, step):
+    """Tool poses (M, 4, 4) of the exported Diagram under Drake's Simulator; step None: as it comes."""
     module, builder = package(folder), DiagramBuilder()
     added = module.AddExtendedRobot(builder)
     source = builder.AddSystem(TrajectorySource(wanted))
@@ -49,23 +50,21 @@ def simulated(folder, q, wanted):
     context = diagram.CreateDefaultContext()
     module.Settle(added, context, q)
     simulator = Simulator(diagram, context)
-    ResetIntegratorFromFlags(simulator, "runge_kutta3", STEP)
-    simulator.get_mutable_integrator().set_fixed_step_mode(True)
+    if step is not None:
+        ResetIntegratorFromFlags(simulator, "runge_kutta3", step)
+        simulator.get_mutable_integrator().set_fixed_step_mode(True)
     simulator.Initialize()
     port, own, poses = added.GetOutputPort("tool_pose"), added.GetMyContextFromRoot(context), []
     for k in range(round(LENGTH / STEP / EVERY) + 1):
         simulator.AdvanceTo(EVERY * k * STEP)
         poses.append(port.Eval(own).GetAsMatrix4())
-    plant = added.GetSubsystemByName("plant")
-    names = [str(name) for name in np.load(folder / "effects.npz")["joints"]]
-    actuators = [plant.GetJointActuatorByName(name) for name in names]
-    rotor = [a.default_rotor_inertia() * a.default_gear_ratio() ** 2 for a in actuators]
-    return np.array(poses), np.array(rotor), module.BANDWIDTH
+    return np.array(poses)
 
 
-def ours(truth, drive, q, wanted, bandwidth):
+def ours(truth, q, wanted):
     """The same of the machine that `verify` steps, by the same rule, under the exported drives' law."""
-    built = machine(truth, drive.rotor)
+    drive = drives(truth, q[0], FREE)
+    built = machine(truth, drive)
     dynamics = Dynamics(truth, built, drive, FREE, Gears(truth, q), Along(), STEP)
     rest(dynamics, q[0])
     size, n = dynamics.size, truth.arm.n
@@ -76,7 +75,7 @@ def ours(truth, drive, q, wanted, bandwidth):
         force = dynamics.drakes()
         if dynamics.bodies.active:
             force += dynamics.bodies.at(0, None)
-        dynamics.springs.add(dynamics.x, dynamics.x.tolist(), dynamics.side, force)
+        dynamics.springs.add(v, dynamics.x.tolist(), dynamics.side, force)
         return force
 
     def rate(t, x):
@@ -84,7 +83,7 @@ def ours(truth, drive, q, wanted, bandwidth):
         hold = -forces(x, np.zeros(size))[built.motors]
         force = forces(x, x[size:])
         off, slow = told[:n] - x[:size][built.motors], told[n:] - x[size:][built.motors]
-        force[built.motors] += hold + inertia * (bandwidth**2 * off + 2 * bandwidth * slow)
+        force[built.motors] += hold + inertia * (BANDWIDTH**2 * off + 2 * BANDWIDTH * slow)
         M = built.plant.CalcMassMatrix(dynamics.context)
         return np.concatenate([x[size:], np.linalg.solve(M, force)])
 
@@ -112,8 +111,7 @@ def test_the_exported_diagram_moves_as_verify_does(tmp_path, name):
     moved = motion(path.time, command.q_command)
     states = np.hstack([moved.q, moved.v]).T
     wanted = PiecewisePolynomial.FirstOrderHold(moved.times, states)
-    there, rotor, bandwidth = simulated(tmp_path, moved.q[0], wanted)
-    drive = drives(truth, moved.q[0], FREE)
-    found = ours(truth, replace(drive, rotor=rotor), moved.q, wanted, bandwidth)
+    there, found = simulated(tmp_path, moved.q[0], wanted, STEP), ours(truth, moved.q, wanted)
     assert np.ptp(there[:, :3, 3], axis=0).max() > 1e-3  # it moves
     assert np.abs(there - found).max() < 1e-9
+    assert np.abs(simulated(tmp_path, moved.q[0], wanted, None) - found).max() < 1e-8  # as the header says

@@ -20,13 +20,15 @@ from workbench.robot.find import list_robots
 from workbench.robot.kinematics import frames
 from workbench.robot.loads import Loads
 from workbench.robot.loop import Loop
+from workbench.robot.plant_diagram import plant_diagram
 from workbench.simulation.closed_loop import dynamics as dynamics_module
 from workbench.simulation.closed_loop import verify
+from workbench.simulation.closed_loop.cascade import Cascade, Gains
 from workbench.simulation.closed_loop.control import inertial_torque, nominal_mechanics
 from workbench.simulation.closed_loop.drives import drives
 from workbench.simulation.closed_loop.dynamics import Along, Dynamics
 from workbench.simulation.closed_loop.elastic import inertial_wrenches, with_elastic_lead
-from workbench.simulation.closed_loop.friction import gone_over, mean_on_the_way
+from workbench.simulation.closed_loop.friction import Rubbing, gone_over, mean_on_the_way
 from workbench.simulation.closed_loop.gains import gains, spectral_radius
 from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.limits import OverLimit
@@ -115,7 +117,7 @@ def free(name, compensator=lambda law: law):
     truth = replace(truth, compensator=compensator(truth.compensator))
     drive = drives(truth, q[0], FREE)
     drive = replace(drive, damping=np.zeros_like(drive.damping))
-    return truth, machine(truth, drive.rotor), drive, q
+    return truth, machine(truth, drive), drive, q
 
 
 def falling(truth, built, drive, q, step):
@@ -148,12 +150,13 @@ def test_it_swings_as_in_drakes_simulator(name, monkeypatch):
     monkeypatch.setattr(dynamics_module, "SEEN", 0.0)
     truth, built, drive, q = free(name)
     found = [falling(truth, built, drive, q, step) for step in (1e-4, 5e-5)]
-    simulator = Simulator(built.diagram)
+    diagram = plant_diagram(built.plant, None, built.cylinder)
+    simulator = Simulator(diagram)
     ResetIntegratorFromFlags(simulator, "runge_kutta3", 1e-4)
     simulator.get_mutable_integrator().set_target_accuracy(1e-8)
     root = simulator.get_mutable_context()
-    built.diagram.GetInputPort("joint_force").FixValue(root, np.zeros(built.plant.num_velocities()))
-    built.diagram.GetInputPort("wrench").FixValue(root, [])
+    diagram.GetInputPort("joint_force").FixValue(root, np.zeros(built.plant.num_velocities()))
+    diagram.GetInputPort("wrench").FixValue(root, [])
     context = built.plant.GetMyMutableContextFromRoot(root)
     start = np.zeros(built.plant.num_positions())
     start[built.motors] = q[0]
@@ -169,13 +172,92 @@ def test_it_swings_as_in_drakes_simulator(name, monkeypatch):
 def test_friction_along_a_step_is_the_mean_of_its_states():
     way = 2e-5
     for s, dx in ((0.3, 1e-5), (-0.9, 8e-5), (0.0, -3e-5), (1.0, -1e-6)):
-        states = [gone_over(s, part * dx, way) for part in np.linspace(0, 1, 2001).tolist()]
-        mean, slope = mean_on_the_way(s, dx, way)
+        states = [gone_over(s, part * dx / way) for part in np.linspace(0, 1, 2001).tolist()]
+        mean, slope = mean_on_the_way(s, dx / way)
         assert mean == pytest.approx(np.trapezoid(states, dx=1 / 2000), abs=2e-4)
         assert slope >= 0
-        still, stiff = mean_on_the_way(s, 0.0, way)
+        still, stiff = mean_on_the_way(s, 0.0)
         assert still == pytest.approx(s, abs=1e-4)
-        assert stiff == pytest.approx(0.5 / way, rel=1e-3)
+        assert stiff == pytest.approx(0.5, rel=1e-3)
+
+
+def test_dry_friction_is_coulombs_and_higher_at_rest():
+    """Of a motor that turns its link, and of a spring that stretches; viscous friction stands elsewhere."""
+    truth, _, _, q = short("kr500")
+    loop = Loop(stiction=1.3, load_side=0.2)
+    drive = drives(truth, q[0], loop)
+    built = machine(truth, drive)
+    for speed, factor in ((1.0, 1.0), (1e-9, 1.3)):
+        rubbing = Rubbing(built, drive, loop, 5e-4)
+        rubbing.memory[:] = 1.0
+        v, force = np.zeros(built.plant.num_velocities()), np.zeros(built.plant.num_velocities())
+        v[built.motors] = speed
+        rubbing.take(v, force)
+        assert force[built.motors] == pytest.approx(-factor * drive.coulomb, rel=1e-3)
+        assert force[built.own_at] == pytest.approx(-factor * 0.2 * drive.coulomb, rel=1e-3)
+
+
+def test_a_turning_drive_is_slowed_by_its_viscous_friction():
+    truth, _, _, q = short("kr500")
+    drive = drives(truth, q[0], Loop())
+    built = machine(truth, drive)
+    dynamics = Dynamics(truth, built, drive, Loop(), Gears(truth, q), Along(), 5e-4)
+    v, force = np.linspace(0.1, 1.0, dynamics.size), np.zeros(dynamics.size)
+    dynamics.springs.add(v, [*dynamics.q, *v], dynamics.side, force)
+    assert force[built.motors] == pytest.approx(-drive.viscous * v[built.motors])
+    assert (drive.viscous > 0).all()
+
+
+def test_a_torque_acts_after_its_delay():
+    """Drives of other gains on slack springs: the same motion until the first torques that differ act."""
+    truth, nominal, moved, q = short("kr500", length=0.1)
+    loop = Loop(delay=2e-3)
+    drive = drives(truth, q[0], loop)
+    tuned = gains(truth, drive, loop, q[:1])
+    soft, stiff = (
+        run(truth, nominal, moved, loop=loop, tuned=replace(tuned, kp=k * tuned.kp), at_rest=False).states
+        for k in (0.5, 1.0)
+    )
+    assert np.array_equal(soft[:6], stiff[:6])  # speeds are seen at the first tick, and 2 ms are four more
+    assert not np.array_equal(soft[6], stiff[6])
+
+
+def test_the_velocity_is_filtered():
+    loop = Loop(velocity_filter=7.5e-4)
+    none = np.zeros(1)
+    cascade = Cascade.at_rest(loop, Gains(none, none, none, none, none), none, none)
+    seen = []
+    for k in range(1, 9):
+        cascade.measure(np.array([loop.drive_period * k]))  # 1 rad/s
+        seen.append(cascade.speed[0])
+    assert seen == pytest.approx(1 - 0.6 ** np.arange(1, 9))  # share 0.5 / (0.5 + 0.75)
+
+
+def test_a_fast_stroke_heats_the_gas():
+    """Without loss the pressure goes with the polytropic exponent of the loop, not with the law's at rest."""
+    truth, _, _, q = short("kr500")
+    law = truth.compensator
+    drive, loop = drives(truth, q[0], FREE), Loop(gas_exponent=1.4, gas_time=1e9)
+    built = machine(truth, drive)
+    dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), 5e-4)
+    place = np.zeros(dynamics.size)
+    place[built.motors] = q[0]
+    for k in range(401):
+        place[built.motors[1]] = q[0, 1] + 0.3 * k / 400
+        dynamics.set(place, np.zeros(dynamics.size))
+        force = dynamics.bodies.at(k, 1e-3 if k else None)
+        if k == 0:
+            start = dynamics.bodies.gas.length
+    polytropic = law.data.model_copy(update={"exponent": 1.4})
+    same_at_start = (law.data.gas_length / start) ** (law.data.exponent - 1.4)
+    other = replace(truth, compensator=replace(law, data=polytropic, charge=same_at_start))
+    exact = Dynamics(other, machine(other, drive), drive, loop, Gears(truth, q), Along(), 5e-4)
+    exact.set(place, np.zeros(dynamics.size))
+    cold = Dynamics(truth, built, drive, FREE, Gears(truth, q), Along(), 5e-4)
+    cold.set(place, np.zeros(dynamics.size))
+    wanted, isothermal = (one.bodies.at(0, None)[built.motors[1]] for one in (exact, cold))
+    assert abs(wanted - isothermal) > 0.01 * abs(wanted)
+    assert force[built.motors[1]] == pytest.approx(wanted, abs=0.02 * abs(wanted - isothermal))
 
 
 def test_a_motor_crosses_its_play_before_the_joint_follows():
@@ -199,7 +281,7 @@ def test_a_turned_round_joint_is_wound_up_by_friction_behind_its_gear():
     drive = drives(truth, q[0], loop)
     j, angle = 0, []
     for way in (1.0, -1.0):
-        built = machine(truth, drive.rotor)
+        built = machine(truth, drive)
         dynamics = Dynamics(truth, built, drive, loop, Gears(truth, q), Along(), 5e-4)
         dynamics.rubbing.memory = np.full(2 * truth.arm.n, way)
         rest(dynamics, q[0])

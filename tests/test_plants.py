@@ -20,6 +20,8 @@ from workbench.robot.loads import Loads
 from workbench.robot.picture import picture
 from workbench.robot.plants import rigid_arm_plant
 from workbench.robot.rigid_plant import arrays, link_poses, rigid_twin
+from workbench.robot.schema import EffectRecord
+from workbench.simulation.closed_loop.drives import drives
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.random_robot import write_random_robot
@@ -50,11 +52,10 @@ def test_all_plants_have_the_links_of_the_urdf(tmp_path, kind):
     flange = twin.plant.GetFrameByName(robot.flange).CalcPoseInWorld(twin.context)
     still = Path(np.array([0.0, 1.0]), q=np.tile(q, (2, 1)))
     true = mechanics(robot, still, still.q, Conditions())
-    motors = [f"{name}_motor" for name in robot.joint_names]
     plants = {
         "rigid": (rigid_arm_plant(arm), robot.joint_names),
-        "elastic": (elastic_twin(arm, robot).built, motors),
-        "closed loop": (machine(true, np.ones(arm.n)).built, motors),
+        "elastic": (elastic_twin(arm, robot).built, [f"{name}_motor" for name in robot.joint_names]),
+        "closed loop": (machine(true, drives(true, q, robot.loop)).built, robot.joint_names),
     }
     for grown, joints in plants.values():
         context = drives_alone(grown, joints)
@@ -144,3 +145,33 @@ def test_every_scene_has_the_compensator():
             draw_robot(meshcat, load_robot(name), np.zeros(6), f"/{name}")
             drawn = [body for body in NAMES if meshcat.HasPath(f"/{name}/{name}/{body}")]
             assert drawn == list(bodies)
+
+
+@pytest.mark.parametrize("name", ["kr500", "rx170"])
+def test_the_loops_plant_has_the_springs_dampers_and_rotors_that_are_stated(name):
+    """By Drake's own forces and mass matrix: −K e − C ė at each spring, the reflected rotor at each motor."""
+    robot = load_robot(name)
+    tilts = EffectRecord(cause="bearing_tilt", joint="joint_2", values={"compliance": 2e-8})
+    robot = replace(robot, effects=(tilts,))
+    still = Path(np.array([0.0, 1.0]), q=np.full((2, 6), 0.3))
+    light = replace(mechanics(robot, still, still.q, Conditions()), compensator=None)
+    light = replace(light, arm=replace(light.arm, gravity=np.zeros(3)))
+    drive = drives(light, still.q[0], robot.loop)
+    built = machine(light, drive)
+    plant, context, forces = built.plant, built.plant.CreateDefaultContext(), MultibodyForces(built.plant)
+    size = plant.num_velocities()
+    stiffness = [1 / law.compliance for law in light.axial] + [1 / 2e-8] * 2
+    for i, at in enumerate(built.springs):
+        q, v = np.zeros(size), np.zeros(size)
+        q[at], v[at] = 1e-3, 2e-3
+        plant.SetPositionsAndVelocities(context, np.concatenate([q, v]))
+        plant.CalcForceElementsContribution(context, forces)
+        felt = plant.CalcGeneralizedForces(context, forces)[at]
+        damping = drive.damping[i] if i < 6 else 6e-4 * stiffness[i]
+        assert felt == pytest.approx(-1e-3 * stiffness[i] - 2e-3 * damping, rel=1e-9)
+    plant.SetPositions(context, np.zeros(size))
+    bare = machine(light, replace(drive, rotor=0 * drive.rotor))
+    more = plant.CalcMassMatrix(context) - bare.plant.CalcMassMatrix(bare.plant.CreateDefaultContext())
+    wanted = np.zeros((size, size))
+    wanted[built.motors, built.motors] = [j.data.rotor_inertia * j.data.gear_ratio**2 for j in robot.joints]
+    assert more == pytest.approx(wanted, abs=1e-9 * wanted.max())

@@ -7,8 +7,12 @@ import numpy as np
 import pytest
 from diagnosis_cases import measured, with_points
 
+from workbench import Truth, load_robot, parse_effect, planned, random_poses, simulate
 from workbench.campaign import write_campaign
+from workbench.campaign.parted import parted
+from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
+from workbench.diagnosis import prepared
 from workbench.diagnosis.run import diagnose
 from workbench.measurement.design import plan
 from workbench.measurement.design.prior_information import from_campaign
@@ -79,3 +83,31 @@ def test_plan_and_diagnosis_start_from_the_same(change, options):
     assert np.array_equal(ours.noise.joint, theirs.noise.joint)
     assert np.array_equal(ours.whitener, theirs.whitener)
     assert known.faults == outcome.diagnosis.faults
+
+
+def test_a_campaign_of_many_poses_is_fitted_on_a_part_and_tried_on_another(monkeypatch):
+    robot = load_robot("cylindrical")
+    q = np.repeat(random_poses(robot, 60, np.random.default_rng(3)), 2, axis=0)
+    plan = planned(robot, q)
+    wheel = parse_effect("gear_eccentricity:joint=joint_1,variant=1,amplitude=5e-4", problem_of(plan))
+    campaign = simulate(plan, Truth(effects=(wheel,), sigma=2e-5), seed=4)
+    monkeypatch.setattr(prepared, "MOST_POSES", 50)
+    found = diagnose(campaign).diagnosis
+    assert [finding.label for finding in found.causes] == ["gear_eccentricity(joint_1)"]
+    assert found.n_poses == 50
+    assert found.test is not None
+    assert found.test.n_points == 50 * len(campaign.targets)
+    assert found.test.after_rms_mm < 1.5 * 1e3 * 2e-5 * np.sqrt(3)
+    assert any("fitted on 50 poses" in note for note in found.notes)
+
+
+def test_repeats_stay_in_one_part_unless_they_are_most_of_it():
+    robot = load_robot("cylindrical")
+    q = random_poses(robot, 30, np.random.default_rng(3))
+    own, rest = parted(planned(robot, np.concatenate([q, q])), 40)
+    assert rest is not None
+    assert (len(own.poses), len(rest.poses)) == (40, 20)
+    assert not {tuple(row) for row in own.poses.q} & {tuple(row) for row in rest.poses.q}
+    one_place = planned(robot, np.repeat(q[:1], 60, axis=0))
+    assert [len(part.poses) for part in parted(one_place, 40) if part] == [40, 20]
+    assert parted(one_place, 60) == (one_place, None)

@@ -50,6 +50,12 @@ class Poses:
         """Only these poses, in this order."""
         return replace(self, **{name: _some(column, chosen) for name, column in self.columns().items()})  # type: ignore[arg-type]
 
+    @property
+    def positions(self) -> IntArray:
+        """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
+        table = np.column_stack([np.round(self.q, 9), self.setup])
+        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+
     def repeat(self, count: int) -> Poses:
         """All poses `count` times, one round after the other; the ids stay those of the first round."""
         return self.some(np.tile(np.arange(len(self), dtype=np.int64), count))

@@ -69,8 +69,7 @@ class Problem:
     @cached_property
     def positions(self) -> NDArray[np.int64]:
         """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
-        table = np.column_stack([np.round(self.q, 9), self.campaign.poses.setup])
-        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+        return self.campaign.poses.positions
 
     def drawn(self, seed: int = 0) -> Array:
         """(N,) a number from 0 to 1 drawn at random for each joint position within its set-up: equal for its

@@ -18,9 +18,9 @@ from ..effects.base import Effect
 from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
-from .components import Component, cause_components, nameless_components
-from .reduced import Reduced, columns_of, explained
-from .screen import effective_dof, reduce_columns
+from .components import Component, Form, cause_components, nameless_components
+from .reduced import Reduced, explained, products_of, slices_of
+from .screen import effective_dof
 from .sets import Chosen, Competition
 
 ROUNDS = 25
@@ -38,7 +38,7 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     some = np.arange(0, every, step)
     near = [e for e in candidates if e.key not in {own.key for own in final.model.effects}]
     components = [*cause_components(final, near), *nameless_components(final, unnamed(problem))]
-    blocks = [block[some] for block in _worth_trying(final, components)]
+    blocks = [form.columns[some] * form.sizes for form in _worth_trying(final, components)]
     J = final.J[some] * final.columns.prior
     r = (final.r + explained(final))[some]
     own = J.shape[2]
@@ -55,15 +55,16 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     return 1e3 * float(np.sqrt(np.mean(length**2)))
 
 
-def _worth_trying(final: Fit, components: Sequence[Component]) -> list[Array]:
-    """Columns (N, D, p) in prior sizes: the likeliest form of each component that has any evidence."""
-    blocks, parts = columns_of(components)
-    S, u, _ = reduce_columns(final, np.concatenate(blocks, axis=2))
-    reduced = Reduced(parts, S, u, final.chi2, effective_dof(final), 0.0)
+def _worth_trying(final: Fit, components: Sequence[Component]) -> list[Form]:
+    """The likeliest form of each component that has any evidence."""
+    forms = [form for component in components for form in component.forms]
+    products = products_of(forms, final.J * final.columns.prior, final.r, np.arange(len(final.r)))
+    Z = solve_triangular(final.upper, products.JG, trans="T", check_finite=False)
+    dof = effective_dof(final)
+    reduced = Reduced(slices_of(components), products.GG - Z.T @ Z, products.Ge, final.chi2, dof, 0.0)
     weights = Competition(reduced, components).beside(Chosen(reduced, []))
-    first = np.cumsum([0, *(len(component.forms) for component in components)])
     return [
-        blocks[first[k] + weight.form]
+        components[k].forms[weight.form]
         for k, weight in weights.items()
         if weight.log_odds - components[k].log_odds > SPEAKS
     ]

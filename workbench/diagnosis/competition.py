@@ -101,9 +101,8 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     members = [m for m, there in zip(members, shown, strict=True) if there]
     shares = [share for share, there in zip(shares, shown, strict=True) if there]
     scatter = np.sqrt(np.maximum(at.noise.joint**2 - geometry.noise.joint**2, 0.0))
-    return Selection(
-        final, tuple(components), tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter
-    )
+    light = tuple(component.without_columns() for component in components)
+    return Selection(final, light, tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter)
 
 
 def _refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
@@ -167,35 +166,49 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
     more than that, is what it leaves: else the data would be believed in what no member can say.
     """
-    base, lines, tried = geometry.noise, list[Line](), list[_Round]()
-    stated = base
+    base, lines, errors = geometry.noise, list[Line](), list[float]()
+    stated, best, labels, before = base, None, list[str](), set[Effect]()
     at = _fitted(geometry, [], base)
     for _ in range(ROUNDS):
         lines = _with_lines(at, lines)
-        components = [
-            *cause_components(at, candidates),
-            *(_line(at, line) for line in lines),
-            *nameless_components(at, [*unnamed(at.model.problem), *_of_scattering(at, base)]),
-        ]
-        competition = Competition(reduce(at, components, noise_dof), components)
-        before = (
-            [tried[-1].competition.components[m.component].label for m in tried[-1].members] if tried else []
-        )
-        members = competition.best(before)
+        functions = [*unnamed(at.model.problem), *_of_scattering(at, base)]
+        competition, members = _searched(at, candidates, lines, functions, noise_dof, labels)
         effects, noise = _effects(competition, members), at.noise
         if not noise_known:
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
         found = _fitted(at, effects, base)
-        tried.append(_Round(at, found, competition, members, rms_mm(heldout(found))))
+        errors.append(rms_mm(heldout(found)))
+        labels = [competition.components[m.component].label for m in members]
+        if best is None or errors[-1] < min(errors[:-1]):
+            best = _Round(at, found, competition, members)
+        del competition  # the columns of all components take much room
         left = remainder(found, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
             found = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
-        same = len(tried) > 1 and set(effects) == set(tried[-2].found.model.effects)
-        at = found
-        if (same and alike(noise, at.noise)) or _no_better([one.heldout_mm for one in tried]):
+        at, same, before = found, set(effects) == before, set(effects)
+        if (same and alike(noise, at.noise)) or _no_better(errors):
             break
-    return min(tried, key=lambda one: one.heldout_mm)
+    assert best is not None, "no round"
+    return best
+
+
+def _searched(
+    at: Fit,
+    candidates: Sequence[Effect],
+    lines: Sequence[Line],
+    functions: Sequence[Effect],
+    noise_dof: float,
+    before: Sequence[str],
+) -> tuple[Competition, list[Member]]:
+    """The likeliest set at a fit, and what it competed in; before: labels of the set of the last round."""
+    components = [
+        *cause_components(at, candidates),
+        *(_line(at, line) for line in lines),
+        *nameless_components(at, functions),
+    ]
+    competition = Competition(reduce(at, components, noise_dof), components)
+    return competition, competition.best(before)
 
 
 def _misfit(left: Remainder, noise_dof: float) -> float:
@@ -210,14 +223,12 @@ def _no_better(errors: Sequence[float]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Round:
-    """One round: the fit at which the components were compared, the set that this found, the fit with that,
-    and the error of this held out."""
+    """One round: the fit at which the components were compared, the set that this found, the fit with that."""
 
     at: Fit
     found: Fit
     competition: Competition
     members: list[Member]
-    heldout_mm: float
 
 
 def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:

@@ -65,6 +65,10 @@ class Component:
     def nameless(self) -> bool:
         return self.key[0] == UNKNOWN
 
+    def without_columns(self) -> Component:
+        """What stays when its weight is known: the columns take much room."""
+        return replace(self, forms=tuple(replace(form, columns=np.zeros((0, 0, 0))) for form in self.forms))
+
     @property
     def label(self) -> str:
         effect = self.forms[0].effects[0]

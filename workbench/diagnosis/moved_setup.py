@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from .screen import effective_dof, quadratic, reduce_columns
 
 LEAST_BEFORE = 8  # poses before and after a jump
 JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
+WAVES = 3  # cosines in the order of measurement: what a drift may look like
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Step:
 def step_in_time(result: Fit) -> Step | None:
     """A moved instrument, or a tool that was mounted anew; None when nothing steps.
 
-    Every place in the measured order is tried; a step must beat a steady drift clearly.
+    Every place in the measured order is tried; a step must stand out of a smooth drift clearly.
     """
     c = result.model.problem.campaign
     if len(c.setup_names) > 1 or len(c.poses.q) < 20:
@@ -90,9 +91,6 @@ def jump(problem: Problem) -> Step | None:
 def _step(result: Fit, kind: str, base: Array) -> Step | None:
     """The best step of the motions base: (N, D, 6), whitened; None when none is clear."""
     n_poses = len(base)
-    ramp = np.linspace(-1, 1, n_poses)
-    S, u, own = reduce_columns(result, base * ramp[:, None, None])
-    drift, _ = quadratic(S, u, np.maximum(own, 1e-300))
     before = _prefix(result, base)
     gains = []
     for k in range(5, n_poses - 4):
@@ -101,9 +99,12 @@ def _step(result: Fit, kind: str, base: Array) -> Step | None:
     gain, first = max(gains), 5 + int(np.argmax(gains))
     # against what the residual scatters anyway: an unknown effect is no step
     scatter = max(1.0, result.chi2 / effective_dof(result))
-    if gain < 60 * scatter or gain < drift + 40 * scatter:
-        return None
     step = base * (np.arange(n_poses) < first)[:, None, None]
+    drift = [
+        base * np.cos(k * np.pi * np.linspace(0, 1, n_poses))[:, None, None] for k in range(1, WAVES + 1)
+    ]
+    if gain < 60 * scatter or _beside(result, step, drift) < 40 * scatter:
+        return None
     if _beside_joints(result, step) < 60 * scatter:
         return None
     S, u, own = before(first)
@@ -116,14 +117,17 @@ def _beside_joints(result: Fit, step: Array) -> float:
 
     Poses measured joint by joint, or load by load, would else let their errors look like a step.
     """
-    smooth = np.concatenate(
-        [result.whitened(e) for e in [*_of_one_joint(result.model.problem), *_of_load(result.model.problem)]],
-        axis=2,
-    )
-    if result.J.shape[2] + smooth.shape[2] > 0.6 * result.point_rows:
+    problem = result.model.problem
+    return _beside(result, step, [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem)]])
+
+
+def _beside(result: Fit, step: Array, smooth: Sequence[Array]) -> float:
+    """Statistic of a step (N, D, 6) when other columns are taken out first; none where these are as many as
+    the data."""
+    n = sum(columns.shape[2] for columns in smooth)
+    if result.J.shape[2] + n > 0.6 * result.point_rows:
         return 0.0
-    S, u, own = reduce_columns(result, np.concatenate([smooth, step], axis=2))
-    n = smooth.shape[2]
+    S, u, own = reduce_columns(result, np.concatenate([*smooth, step], axis=2))
     length = np.sqrt(np.maximum(own, 1e-12 * own.max()))  # what moves nothing stays nothing
     S, u = S / np.outer(length, length), u / length
     solved = np.linalg.solve(S[:n, :n] + 1e-8 * np.eye(n), np.column_stack([S[:n, n:], u[:n]]))
@@ -162,5 +166,15 @@ def split_setup(problem: Problem, first: int) -> Problem:
     c = problem.campaign
     setup: NDArray[np.int64] = c.poses.setup.copy()
     setup[first:] = len(c.setup_names)
-    names = (*c.setup_names, f"{c.setup_names[0] or 'setup'} after pose {c.poses.ids[first - 1]}")
+    names = (*c.setup_names, f"{_after(c.setup_names[0])}{c.poses.ids[first - 1]}")
     return replace(problem, campaign=replace(c.with_poses(setup=setup), setup_names=names))
+
+
+def was_split(name: str, names: Sequence[str]) -> bool:
+    """Whether a set-up of this name is one of two parts among these names: which one another campaign means
+    by it cannot be known."""
+    return any(other.startswith(_after(name)) for other in names)
+
+
+def _after(name: str) -> str:
+    return f"{name or 'setup'} after pose "

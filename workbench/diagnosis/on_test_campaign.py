@@ -15,6 +15,7 @@ from ..identification.noise import Covariance
 from ..identification.plausible import check_plausible
 from ..identification.registration import register
 from ..robot.kinematics import Array
+from .moved_setup import was_split
 from .result import FaultFound, TestFigures
 from .wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
 
@@ -23,8 +24,9 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     """Errors before (nominal robot) and after (final model) on `campaign`.
 
     Frame and targets come from the fitted set-up of the same name; only set-ups that the fitted
-    campaigns do not have get their own, fitted on the test poses. Data faults are left out by the rules of
-    the fit; the figures of all points stand beside. Raises InputError where it is of another robot.
+    campaigns do not have, or have in two parts, get their own, fitted on the test poses. Data faults are
+    left out by the rules of the fit; the figures of all points stand beside. Raises InputError where it is
+    of another robot.
     """
     fitted = final.model.problem
     if campaign.robot.joint_names != fitted.robot.joint_names:
@@ -96,9 +98,8 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)
     state = _carried(problem, result)
-    new = [
-        name for name in problem.campaign.setup_names if name not in result.model.problem.campaign.setup_names
-    ]
+    fitted = result.model.problem.campaign.setup_names
+    new = [n for n in problem.campaign.setup_names if n not in fitted or was_split(n, fitted)]
     if new:
         state = _own_setups(model, state, new)
     predicted = model.predict(state)

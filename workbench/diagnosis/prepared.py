@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..campaign import Campaign, drive_torque, join
+from ..campaign.parted import parted
 from ..campaign.problem import Problem, problem
 from ..effects.given import Given, exclusions, given_facts
 from ..effects.records import stated_effects
@@ -27,6 +28,7 @@ from .result import FaultFound, Noise
 from .wild_points import Acting, clean, least_sigma, without_gross, without_impossible
 
 SIX_DOF = 3  # targets that make a 6-D measurement
+MOST_POSES = 4000  # that a fit is made on: more say hardly more, and take room and time
 
 Progress = Callable[[str], None]
 
@@ -37,7 +39,8 @@ class Prepared:
 
     problem: without the data faults, set-ups split where the instrument or the tool moved; covariance: the
     noise that the fits use, noise: the same for people; known_effects: those that the robot's own TOML
-    states, with their values; geometry, nominal: fits of the whole geometry, of frames and targets only.
+    states, with their values; geometry, nominal: fits of the whole geometry, of frames and targets only;
+    spare: poses of a large campaign that nothing was fitted on.
     """
 
     problem: Problem
@@ -48,6 +51,7 @@ class Prepared:
     nominal: Fit
     faults: tuple[FaultFound, ...]
     notes: tuple[str, ...]
+    spare: Campaign | None = None
 
     @property
     def noise_known(self) -> bool:
@@ -72,18 +76,25 @@ def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambd
     """Campaigns of one robot, joined and prepared. Raises InputError where the data are unusable."""
     campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
     progress("loading the robot")
+    campaign, spare = parted(campaign, MOST_POSES)
     read = problem(campaign)
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     try:
         sound = _without_faults(read, tuple(stated_effects(read)))
         progress("fitting geometry")
-        return _fitted(sound)
+        prepared = _fitted(sound)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
             raise
         what = f"no robot of this kind moves as these data say ({error})"
         raise InputError(Fault(str(campaign.path), what, "check loads, stiffness and points")) from error
+    if spare is None or set(spare.setup_names) - set(prepared.problem.campaign.setup_names):
+        return prepared
+    note = (
+        f"fitted on {len(campaign.poses)} poses, drawn at random; tried on {len(spare.poses)} of the others"
+    )
+    return replace(prepared, spare=spare, notes=(*prepared.notes, note))
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 
 
 @dataclass(frozen=True)
@@ -34,3 +36,16 @@ class Priors:
 
 
 PRIORS = Priors()
+
+
+@contextmanager
+def varied(**values: float) -> Iterator[None]:
+    """Other values for some constants meanwhile, in this process: to see what each moves."""
+    before = asdict(PRIORS)
+    try:
+        for name, value in values.items():
+            object.__setattr__(PRIORS, name, value)
+        yield
+    finally:
+        for name in values:
+            object.__setattr__(PRIORS, name, before[name])

@@ -13,9 +13,10 @@ from scipy.linalg import solve_triangular
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
 from ..robot.kinematics import Array
-from .components import Component
+from .components import Component, Form
 
 Index = NDArray[np.int64]
+BLOCK = 400  # poses whose columns stand side by side at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,21 +40,53 @@ def reduce(
     The fit stops within a hundredth of a standard deviation: one exact linear step is taken here, or columns
     that the background nearly swallows get a false score. poses: only these count.
     """
-    blocks, parts = columns_of(components)
-    some = slice(None) if poses is None else poses
-    G = np.concatenate(blocks, axis=2)[some]
-    e = (fit.r + explained(fit))[some].ravel()
+    forms = [form for component in components for form in component.forms]
+    some = np.arange(len(fit.r)) if poses is None else poses
     n = fit.columns.background
-    J = fit.J[some, :, :n].reshape(-1, n) * fit.columns.prior[:n]
+    J, e = fit.J[some, :, :n] * fit.columns.prior[:n], (fit.r + explained(fit))[some]
     offset = offset_of(fit.model, fit.columns, fit.state)[:n]
     rows = int((np.abs(fit.whitener[some]).sum(axis=2) > 0).sum())
-    return Reduced(parts, *without_background(J, offset, G.reshape(-1, G.shape[2]), e, rows), noise_dof)
+    left = without_background(J.reshape(-1, n), offset, e.ravel(), rows, products_of(forms, J, e, some))
+    return Reduced(slices_of(components), *left, noise_dof)
 
 
-def columns_of(components: Sequence[Component]) -> tuple[list[Array], tuple[tuple[slice, ...], ...]]:
-    """Columns (N, D, p) of every form in prior sizes, and each component's slices of them side by side."""
-    blocks = [form.columns * form.sizes for component in components for form in component.forms]
-    return blocks, parts_of([len(form.sizes) for form in component.forms] for component in components)
+@dataclass(frozen=True)
+class Products:
+    """Scalar products of columns G (R, g). GG: (g, g) with each other; JG: (n, g) with columns J of a
+    background; Ge: (g,) with the data."""
+
+    GG: Array
+    JG: Array
+    Ge: Array
+
+    @classmethod
+    def of(cls, J: Array, G: Array, e: Array) -> Products:
+        return cls(G.T @ G, J.T @ G, G.T @ e)
+
+    def __add__(self, other: Products) -> Products:
+        return Products(self.GG + other.GG, self.JG + other.JG, self.Ge + other.Ge)
+
+
+def products_of(forms: Sequence[Form], J: Array, e: Array, poses: Index) -> Products:
+    """Products of the columns of forms in their prior sizes with J (M, D, n) and e (M, D) of these poses
+    (M,); a block of poses at a time: the columns never stand side by side for all."""
+    total = None
+    for at in range(0, len(poses), BLOCK):
+        here = slice(at, at + BLOCK)
+        G = np.concatenate([form.columns[poses[here]] * form.sizes for form in forms], axis=2)
+        own = Products.of(_flat(J[here]), _flat(G), e[here].ravel())
+        total = own if total is None else total + own
+    assert total is not None, "a campaign without poses"
+    return total
+
+
+def _flat(X: Array) -> Array:
+    return X.reshape(-1, X.shape[2])
+
+
+def slices_of(components: Sequence[Component]) -> tuple[tuple[slice, ...], ...]:
+    """Where each component's forms stand among the columns of all."""
+    return parts_of([len(form.sizes) for form in component.forms] for component in components)
 
 
 def parts_of(widths: Iterable[Iterable[int]]) -> tuple[tuple[slice, ...], ...]:
@@ -75,16 +108,16 @@ def explained(fit: Fit) -> Array:
 
 
 def without_background(
-    J: Array, offset: Array, G: Array, e: Array, rows: int
+    J: Array, offset: Array, e: Array, rows: int, of: Products
 ) -> tuple[Array, Array, float, float]:
-    """S (g, g), u (g,), χ² and degrees of freedom that a background leaves of columns G (R, g) and data e
-    (R,).
+    """S (g, g), u (g,), χ² and degrees of freedom that a background leaves of columns G, by their products,
+    and of data e (R,).
 
     J: (R, n) the background in its priors, offset: (n,) how far it is from their means; rows: with data."""
     n = J.shape[1]
     upper = np.linalg.cholesky(J.T @ J + np.eye(n)).T
-    Z = solve_triangular(upper, J.T @ G, trans="T", check_finite=False)
+    Z = solve_triangular(upper, of.JG, trans="T", check_finite=False)
     z = solve_triangular(upper, J.T @ e - offset, trans="T", check_finite=False)
     inverse = solve_triangular(upper, np.eye(n), trans="T", check_finite=False)
     dof = rows - (n - float((inverse**2).sum()))
-    return G.T @ G - Z.T @ Z, G.T @ e - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof
+    return of.GG - Z.T @ Z, of.Ge - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof

@@ -74,6 +74,7 @@ def diagnose(
     test = None if test is None else _loaded(test)
     loaded = [_loaded(one) for one in several]
     prepared = prepare([with_known(loaded[0], known), *loaded[1:]], progress)
+    test = test or prepared.spare
     progress("testing causes")
     candidates, not_testable = testable(prepared.problem)
     found = search_with_given(prepared, candidates, partial(_search, seed=seed), progress)

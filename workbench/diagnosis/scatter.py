@@ -46,5 +46,6 @@ def positions(fit: Fit) -> int:
 
 
 def alike(one: Covariance, other: Covariance) -> bool:
-    """Whether two noises differ by less than a tenth in any joint."""
-    return bool(np.allclose(one.joint, other.joint, rtol=0.1, atol=1e-7))
+    """Whether two noises differ by less than a tenth, the instrument's and in any joint."""
+    joints = np.allclose(one.joint, other.joint, rtol=0.1, atol=1e-7)
+    return bool(joints and np.isclose(one.usual, other.usual, rtol=0.1))

@@ -16,7 +16,6 @@ from .reduced import Reduced
 
 SCALES = np.array(PRIORS.scales)
 WEIGHTS = np.log(SCALES / (1 + SCALES**2)) - logsumexp(np.log(SCALES / (1 + SCALES**2)))
-TOO_LARGE = PRIORS.largest < SCALES
 Blocks = Callable[[NDArray[np.int64]], tuple[Array, Array]]
 
 
@@ -66,7 +65,7 @@ class Forms:
             if not len(here):
                 continue
             table = self._table(*left_of(index[here]), explained, one_sided[here])
-            table[np.ix_(named[here], TOO_LARGE)] = -np.inf
+            table[np.ix_(named[here], PRIORS.largest < SCALES)] = -np.inf
             for row, k, f in zip(table, owner[here], form[here], strict=True):
                 tables.setdefault(int(k), []).append((int(f), row))
         out = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -11,13 +11,12 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from .base import Param
-from .harmonics import SIN_COS, amplitude_phase, sin_cos
-from .kinds import TransmissionEffect
+from .harmonics import Harmonic, amplitude_phase
 from .place import Parameter, Where
 
 
 @dataclass(frozen=True)
-class GearEccentricity(TransmissionEffect):
+class GearEccentricity(Harmonic):
     """Δq = a sin(k q) + b cos(k q), k = 1 or 2 cycles per joint turn (`variant`).
 
     Run-out of the output gear or of an encoder on the output.
@@ -54,20 +53,9 @@ class GearEccentricity(TransmissionEffect):
             for variant in ("1", "2")
         ]
 
-    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
-        angle = self.cycles * q[:, joints.index(str(self.where.joint))]
-        return np.stack([np.sin(angle), np.cos(angle)], axis=1)
-
     def companions(self, problem: Problem) -> Sequence[tuple[float, GearEccentricity]]:
         """A real run-out has the other of one and two cycles as well."""
         return [(0.3, replace(self, variant=str(3 - self.cycles)))]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return SIN_COS
-
-    def given(self, numbers: Mapping[str, float]) -> Array:
-        return sin_cos(numbers)
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)

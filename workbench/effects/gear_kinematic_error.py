@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,13 +11,12 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from .base import Param
-from .harmonics import SIN_COS, amplitude_phase, sin_cos
-from .kinds import TransmissionEffect
+from .harmonics import Harmonic, amplitude_phase
 from .place import Parameter, Where
 
 
 @dataclass(frozen=True)
-class GearKinematicError(TransmissionEffect):
+class GearKinematicError(Harmonic):
     """Δq = a sin(k q) + b cos(k q), k = `where.order` cycles per joint turn, q in rad, a and b in rad.
 
     A harmonic drive errs 2 times per motor turn (k = 2 × ratio), with weaker parts at 1 and 4 times;
@@ -37,7 +36,7 @@ class GearKinematicError(TransmissionEffect):
     }
 
     @property
-    def order(self) -> float:
+    def cycles(self) -> float:
         if self.where.order is None:
             raise ValueError("gear_kinematic_error needs an order (cycles per joint turn)")
         return self.where.order
@@ -68,26 +67,15 @@ class GearKinematicError(TransmissionEffect):
         turning = [joint.name for joint in problem.robot.joints if joint.kind == "revolute"]
         return [*cls.sites(problem), *(cls(Where(joint=name)) for name in turning)]
 
-    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
-        angle = self.order * q[:, joints.index(str(self.where.joint))]
-        return np.stack([np.sin(angle), np.cos(angle)], axis=1)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return SIN_COS
-
-    def given(self, numbers: Mapping[str, float]) -> Array:
-        return sin_cos(numbers)
-
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)
         return (
-            Parameter("amplitude", a, sa, "rad", f"of {self.order:g} cycles per joint turn"),
+            Parameter("amplitude", a, sa, "rad", f"of {self.cycles:g} cycles per joint turn"),
             Parameter("phase", f, sf, "rad", "at joint zero"),
         )
 
     def sentence(self, values: Array) -> str:
         size = np.hypot(*values) * 1e6
         turns = {"1": ", once per motor turn", "2": ", twice per motor turn", "4": ", 4 times per motor turn"}
-        cycles = f"{self.order:g} cycles per joint turn{turns.get(self.variant, '')}"
+        cycles = f"{self.cycles:g} cycles per joint turn{turns.get(self.variant, '')}"
         return f"The gear of {self.where.joint} errs by {size:.0f} µrad in {cycles}."

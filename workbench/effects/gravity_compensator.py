@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
-from ..robot.compensator import ATMOSPHERE
+from ..robot.extended_robot.cylinder import ATMOSPHERE
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
 from .base import Depends, Param, Rest

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..robot.kinematics import Array
+from .kinds import TransmissionEffect
 
 SIN_COS = ("amplitude", "phase", "sin", "cos")
 
@@ -28,3 +31,23 @@ def amplitude_phase(values: Array, covariance: Array) -> tuple[tuple[float, floa
     across = np.array([-b, a]) / amplitude**2
     std = float(np.sqrt(along @ covariance @ along)), float(np.sqrt(across @ covariance @ across))
     return (amplitude, std[0]), (float(np.arctan2(b, a)), std[1])
+
+
+@dataclass(frozen=True)
+class Harmonic(TransmissionEffect):
+    """Δq = a sin(k q) + b cos(k q): k `cycles` per joint turn."""
+
+    @property
+    @abstractmethod
+    def cycles(self) -> float: ...
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        angle = self.cycles * q[:, joints.index(str(self.where.joint))]
+        return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return SIN_COS
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        return sin_cos(numbers)

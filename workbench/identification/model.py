@@ -160,9 +160,14 @@ class Model:
         on, setup = self.problem.on, self.problem.campaign.poses.setup
         n_poses, n_targets = prediction.base.shape[:2]
         turn = state.R[setup]
-        J = point_jacobian(where.axes, where.origin, prediction.base, on)
-        G = point_jacobian(where.geometry_axes, where.geometry_origin, prediction.base, on)
-        J, G = (np.matmul(turn[:, None], X).reshape(n_poses, 3 * n_targets, -1) for X in (J, G))
+        back = turn.transpose(0, 2, 1)
+
+        def seen(axes: Array, origin: Array) -> Array:
+            turned = np.matmul(axes.reshape(n_poses, -1, 3), back).reshape(axes.shape)
+            J = point_jacobian(turned, np.matmul(origin, back), np.matmul(prediction.base, back), on)
+            return J.reshape(n_poses, 3 * n_targets, -1)
+
+        J, G = seen(where.axes, where.origin), seen(where.geometry_axes, where.geometry_origin)
         rows, Phi = self.acting(state).yielding(arm).slope(load.local)
         torque = np.zeros((n_poses, 3 * n_targets, len(rows)))
         answer = np.zeros((n_poses, len(rows), len(rows)))

@@ -54,7 +54,7 @@ class Covariance:
 def stated_noise(problem: Problem) -> Covariance | None:
     """Noise as the campaign and the robot state it; None where the campaign states none."""
     c = problem.campaign
-    joint = np.array([item.data.repeatability or 0.0 for item in problem.robot.joints])
+    joint = problem.robot.repeatability
     if c.sigma is not None and np.isfinite(c.sigma[problem.seen]).any():
         sigma = np.sqrt(np.nanmean(np.where(np.isfinite(c.sigma), c.sigma, np.nan)[problem.seen] ** 2))
         each = np.where(problem.seen, np.sqrt(np.mean(np.nan_to_num(c.sigma, nan=sigma) ** 2, axis=2)), sigma)
@@ -151,7 +151,7 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
         return None
     kept = weight > 0
     d = deviation.reshape(len(weight), -1)[kept]
-    ratio = np.array([joint.data.repeatability or 0.0 for joint in problem.robot.joints])
+    ratio = problem.robot.repeatability
     ratio = ratio / ratio.max() if ratio.any() else np.where(problem.arm.prismatic, 0.0, 1.0)
     J = axial[kept] * ratio * np.repeat(problem.seen, 3, axis=1)[kept][..., None]
     total = max(float(np.sqrt((d**2).sum() / dof)), 1e-9)

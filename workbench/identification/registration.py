@@ -16,6 +16,7 @@ from ..robot.rotations import body_jacobian, from_vectors
 STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists
 UNKNOWN_TARGET = 1.0  # m, how far an unknown target may be from its frame
 GOOD = 0.02  # of the spread of the points: with a smaller misfit no other start is tried
+STILL = 1e-7  # m, rad: a step below which a registration has arrived
 ROUGHLY = 8  # iterations from each of many directions, of which the
 PROMISING = 4  # best are followed to the end
 FAR = 50.0  # times the usual distance from the middle: farther points are not looked at
@@ -176,7 +177,7 @@ def _refine(
         t = t + step[:3]
         targets = targets + step[6:-1].reshape(-1, 3)
         size = size * float(np.exp(np.clip(step[-1], -1.0, 1.0)))
-        if float(np.abs(step).max()) < 1e-9 or (iteration > 15 and misfit > 0.999 * last):
+        if float(np.abs(step).max()) < STILL or (iteration > 15 and misfit > 0.999 * last):
             break
     every = np.asarray(np.isfinite(seen.points).all(axis=2))
     left = np.clip(np.where(every[..., None], seen.points, np.nan) - points, -1e100, 1e100)

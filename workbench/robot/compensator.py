@@ -8,10 +8,9 @@ from typing import TypeVar
 import numpy as np
 
 from .description import Robot
+from .extended_robot.cylinder import gas_force
 from .kinematics import Arm, Array, Frames
 from .schema import Compensator
-
-ATMOSPHERE = 101325.0  # Pa
 
 
 @dataclass(frozen=True)
@@ -73,9 +72,7 @@ def _force(data: Compensator, s: Length) -> tuple[Length, Length, float]:
     assert data.precharge
     assert data.gas_length
     assert data.reference is not None
-    length = data.gas_length - (s - data.reference)
-    gas = data.piston_area * data.precharge * (data.gas_length / length) ** data.exponent
-    return gas, gas * data.exponent / length, -data.piston_area * ATMOSPHERE
+    return gas_force(s, data.piston_area, data.precharge, data.gas_length, data.reference, data.exponent)
 
 
 def compensator_law(robot: Robot, arm: Arm) -> CompensatorLaw | None:

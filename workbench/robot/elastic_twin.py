@@ -15,10 +15,11 @@ from pydrake.systems.framework import Context, Diagram
 
 from .compensator import CompensatorLaw
 from .equilibrium import NoRest
+from .extended_robot.cylinder import add_applied
 from .force_systems import Cylinder, SlotSprings
 from .kinematics import Arm, Array
 from .loads import Loads
-from .plant_diagram import add_applied, applied_wrench
+from .plant_diagram import applied_wrench
 from .plant_parts import link_inertia, point_inertia, slot_pose
 from .plants import ArmPlant
 from .schema import GEOMETRY
@@ -129,7 +130,7 @@ class ElasticTwin:
         plant, context = self.plant, self.context
         sum_ = MultibodyForces(plant)
         plant.CalcForceElementsContribution(context, sum_)
-        add_applied(plant, context, sum_)
+        add_applied(plant, context, sum_, plant.get_applied_spatial_force_input_port().Eval(context))
         at_port: Any = plant.get_applied_generalized_force_input_port().Eval(context)
         return np.asarray(plant.CalcGeneralizedForces(context, sum_) + at_port)
 

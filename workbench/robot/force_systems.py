@@ -15,16 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from .compensator import CompensatorLaw
+from .extended_robot.cylinder import between, pulled
 from .kinematics import Array
 from .yielding import Yielding
 
-_NO_TORQUE: Any = np.zeros(3)
 RIGID = 1e-16  # rad/(N·m), m/N: what a direction yields in which the slot's own law does not
 
 
@@ -123,7 +122,6 @@ class Cylinder(LeafSystem):
         super().__init__()
         self.law, self.pivots = law, pivots
         self._bodies = tuple(body.index() for body in bodies)
-        self._frames = tuple(body.body_frame() for body in bodies)
         self._poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())
         start: Any = [float(np.mean(law.charge)), law.preload]
         self.DeclareNumericParameter(BasicVector(start))
@@ -136,22 +134,9 @@ class Cylinder(LeafSystem):
         both: Any = [charge, preload]
         context.get_mutable_numeric_parameter(0).SetFromVector(both)
 
-    def distance(self, plant: MultibodyPlant, context: Context) -> float:
-        """Of the pivots [m], in the plant's own Context."""
-        far: Any = plant.CalcRelativeTransform(context, *self._frames) @ self.pivots[1]
-        return float(np.linalg.norm(far - self.pivots[0]))
-
     def _calc(self, context: Context, output: Any) -> None:
         poses: Any = self._poses.Eval(context)
         charge, preload = context.get_numeric_parameter(0).get_value()
-        ends = [poses[int(body)] @ pivot for body, pivot in zip(self._bodies, self.pivots, strict=True)]
-        way = ends[1] - ends[0]
-        s = math.sqrt(way @ way)
-        pull = self.law.pull(s, charge, preload) / s * way
-        forces = []
-        for body, pivot, force in zip(self._bodies, self.pivots, (pull, -pull), strict=True):
-            one: Any = ExternallyAppliedSpatialForce()
-            one.body_index, one.p_BoBq_B = body, pivot
-            one.F_Bq_W = SpatialForce(_NO_TORQUE, force)
-            forces.append(one)
-        output.set_value(forces)
+        way = between([poses[int(body)] for body in self._bodies], self.pivots)
+        pull = self.law.pull(math.sqrt(way @ way), charge, preload)
+        output.set_value(pulled(self._bodies, self.pivots, way, pull))

@@ -11,8 +11,8 @@ from pydrake.multibody.plant import (
     ExternallyAppliedSpatialForceMultiplexer,
     MultibodyPlant,
 )
-from pydrake.multibody.tree import MultibodyForces, RigidBody
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.multibody.tree import RigidBody
+from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Adder
 
 from .compensator import CompensatorLaw
@@ -57,12 +57,3 @@ def applied_wrench(body: RigidBody, wrench: Array) -> ExternallyAppliedSpatialFo
     out.body_index, out.p_BoBq_B = body.index(), np.zeros(3)
     out.F_Bq_W = SpatialForce(pushed[3:], pushed[:3])
     return out
-
-
-def add_applied(plant: MultibodyPlant, context: Context, forces: MultibodyForces) -> None:
-    """Adds what the plant's port for forces on bodies says in its Context."""
-    applied: Any = plant.get_applied_spatial_force_input_port().Eval(context)
-    for one in applied:
-        body = plant.get_body(one.body_index)
-        lever = body.EvalPoseInWorld(context).rotation() @ one.p_BoBq_B
-        body.AddInForce(context, lever, one.F_Bq_W, plant.world_frame(), forces)

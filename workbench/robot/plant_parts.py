@@ -18,7 +18,6 @@ from pydrake.multibody.tree import (
     RevoluteJoint,
     RevoluteSpring,
     RigidBody,
-    ScrewJoint,
     SpatialInertia,
     UnitInertia,
 )
@@ -80,23 +79,16 @@ def axial_joint(
     return component_joint(plant, name, frame, int(arm.axial[slot - 1]) % 6, damping)
 
 
-def screw_joint(
-    plant: MultibodyPlant, name: str, frame: Frame, axis: Array, point: Array, pitch: float | None
+def give_joint(
+    plant: MultibodyPlant, name: str, frame: Frame, axis: Array, point: Array | None, damping: float = 0.0
 ) -> Joint:
-    """A joint that turns about `axis` (3,) through `point` (3,) [m] and shifts by `pitch` [m/rad] with it;
-    pitch None: that shifts only."""
+    """A joint that turns about `axis` (3,) through `point` (3,) [m], or shifts along it (None)."""
     body = plant.AddRigidBody(f"{name}_body", SpatialInertia.Zero())
-    X = RigidTransform(point)
+    X = RigidTransform(np.zeros(3) if point is None else point)
     on_parent = plant.AddFrame(FixedOffsetFrame(f"{name}_parent", frame, X))
     on_child = plant.AddFrame(FixedOffsetFrame(f"{name}_child", body.body_frame(), X))
-    joint: Joint
-    if pitch is None:
-        joint = PrismaticJoint(name, on_parent, on_child, axis)
-    elif pitch:
-        joint = ScrewJoint(name, on_parent, on_child, axis, 2 * np.pi * pitch, 0.0)
-    else:
-        joint = RevoluteJoint(name, on_parent, on_child, axis)
-    return plant.AddJoint(joint)
+    kind = PrismaticJoint if point is None else RevoluteJoint
+    return plant.AddJoint(kind(name, on_parent, on_child, axis, damping=damping))
 
 
 def add_rotor(plant: MultibodyPlant, joint: Joint, inertia: float, gear_ratio: float = 1.0) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import FixedOffsetFrame, Frame, RigidBody, SpatialInertia
+from pydrake.multibody.tree import FixedOffsetFrame, Frame, LinearSpringDamper, RigidBody, SpatialInertia
 
 from .compensator import CompensatorLaw
 from .description import Robot
@@ -56,13 +56,14 @@ class ArmPlant:
 
     bodies: base, links (named and placed as in the URDF), then "tool and payload" at the flange.
     slots: (S,) frames L behind the slots, as `kinematics` has them. corrected: (S,) frames at the slots with
-    their corrections G, in the frame behind the slot before.
+    their corrections G, in the frame behind the slot before. coil: the compensator's.
     """
 
     plant: MultibodyPlant
     bodies: tuple[RigidBody, ...]
     slots: tuple[Frame, ...]
     corrected: tuple[FixedOffsetFrame, ...]
+    coil: LinearSpringDamper | None = None
 
 
 def arm_plant(
@@ -99,10 +100,11 @@ def arm_plant(
         bodies.append(body)
         slots.append(parent)
         corrected.append(frame)
+    coil = None
     if compensator is not None and compensator.coil is not None:
-        add_coil(plant, tuple(bodies), arm, compensator)
+        coil = add_coil(plant, tuple(bodies), arm, compensator)
     plant.Finalize()
-    return ArmPlant(plant, tuple(bodies), tuple(slots), tuple(corrected))
+    return ArmPlant(plant, tuple(bodies), tuple(slots), tuple(corrected), coil)
 
 
 def rigid_arm_plant(arm: Arm, payload: SpatialInertia | None = None) -> ArmPlant:

@@ -13,7 +13,7 @@ from ...robot.kinematics import Array
 from ..competition import LOOSE
 from ..power import MANY, POWER
 from ..priors import PRIORS
-from ..reduced import without_background
+from ..reduced import Products, without_background
 from ..weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
 from .decision import Decided, label_of
@@ -98,8 +98,8 @@ def within_mm(decided: Decided) -> float:
 def _beside_local(system: System, columns: Array, more: Sequence[Array] = ()) -> Array:
     """What frames and targets (and `more`) leave of columns (R, p): (p, p)."""
     local = np.concatenate([system.J[:, : system.common.start], *(LOOSE * c for c in more)], axis=1)
-    zero = np.zeros(local.shape[1])
-    return without_background(local, zero, columns, np.zeros(len(columns)), 0)[0]
+    zero, nothing = np.zeros(local.shape[1]), np.zeros(len(columns))
+    return without_background(local, zero, nothing, 0, Products.of(local, columns, nothing))[0]
 
 
 def _per_root(system: System, pattern: Array) -> float:

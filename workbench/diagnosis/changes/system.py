@@ -13,7 +13,7 @@ from scipy.linalg import qr, solve_triangular
 from ...identification.fit import fit
 from ...identification.rows import moved
 from ...robot.kinematics import Array
-from ..reduced import Reduced, parts_of, without_background
+from ..reduced import Products, Reduced, parts_of, without_background
 from .candidates import Candidate, Shape, own_of
 from .occasions import Occasion, numbers_of
 
@@ -89,8 +89,9 @@ def reduced_of(
     some = np.ones(len(system.e), bool) if rows is None else rows
     parts = parts_of([len(shape.sizes) for shape in candidate.shapes] for candidate in candidates)
     G = np.concatenate([shape.columns[some] for c in candidates for shape in c.shapes], axis=1)
-    J = system.J[some]
-    left = without_background(J, np.zeros(J.shape[1]), G, system.e[some], int(system.used[some].sum()))
+    J, e = system.J[some], system.e[some]
+    products = Products.of(J, G, e)
+    left = without_background(J, np.zeros(J.shape[1]), e, int(system.used[some].sum()), products)
     return Reduced(parts, *left, noise_dof)
 
 

@@ -8,7 +8,7 @@ from itertools import permutations
 import numpy as np
 from scipy import stats
 
-from ...robot.compensator import ATMOSPHERE
+from ...robot.extended_robot.cylinder import ATMOSPHERE
 from ...robot.kinematics import Array
 from .gas_spring import Linkage
 

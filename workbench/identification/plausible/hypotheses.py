@@ -205,11 +205,9 @@ def _targets(problem: Problem) -> Iterator[Hypothesis]:
 
 def _robots(problem: Problem) -> Iterator[Hypothesis]:
     """Other robots that come with the workbench and have as many joints of the same kinds."""
-    sliding = problem.arm.prismatic.tolist()
     for path in list_robots():
         robot = load_robot(path)
-        kinds = [joint.kind == "prismatic" for joint in robot.joints]
-        if robot.urdf == problem.robot.urdf or kinds != sliding:
+        if robot.urdf == problem.robot.urdf or robot.sliding != problem.robot.sliding:
             continue
         arm, ours = arrays(robot), problem.robot
         what = f"the points fit {robot.title} ({robot.name}), not {ours.title} ({ours.name})"

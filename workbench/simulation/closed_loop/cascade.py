@@ -104,7 +104,7 @@ def set_points(motion: Motion, torque: Array, drive: Drives, loop: Loop) -> SetP
     seen = t - T / 2 - loop.velocity_filter
     acts = t + loop.delay + T / 2
     v, a = curve(acts, 1), curve(acts, 2)
-    dry = stribeck(v, drive.coulomb, loop.stiction, loop.stribeck_speed)
+    dry = stribeck(v / loop.stribeck_speed, drive.coulomb, (loop.stiction - 1) * drive.coulomb)
     rubbing = dry * np.tanh(v / (TURNING * loop.stribeck_speed)) + drive.viscous * v
     feed = interpolated(acts, motion.times, torque) + drive.rotor * a + loop.friction_known * rubbing
     return SetPoints(curve(t), np.where(seen[:, None] < 0, 0.0, curve(np.maximum(seen, 0.0), 1)), feed)

@@ -14,7 +14,7 @@ from ...robot.kinematics import Array, frames
 from ...robot.loads import Loads, wrenches
 from ...robot.loop import Loop
 from ...robot.rigid_plant import arrays
-from .machine import rigid_machine
+from .drives import rigid_machine
 from .mechanics import Mechanics
 from .motion import Motion, interpolated
 
@@ -71,4 +71,4 @@ def nominal_mechanics(robot: Robot, truth: Mechanics) -> Mechanics:
     """What the controller believes: the URDF, rigid, with the stated loads."""
     arm = arrays(robot)
     plain = arm.with_geometry(np.zeros_like(arm.geometry))
-    return replace(truth, robot=robot, arm=plain, compensator=compensator_law(robot, arm), gear=(), screws=())
+    return replace(truth, robot=robot, arm=plain, compensator=compensator_law(robot, arm), gear=(), gives=())

@@ -3,14 +3,17 @@ assumed."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+from pydrake.multibody.plant import MultibodyPlant
 
-from ...robot.kinematics import Array
+from ...robot.kinematics import Arm, Array
 from ...robot.loop import Loop
+from ...robot.plant_parts import point_inertia
+from ...robot.plants import rigid_arm_plant
 from ...robot.schema import STANDARD_GRAVITY
-from .machine import rigid_machine
 from .mechanics import Mechanics
 
 TURNS = 100.0  # of a motor per joint turn, where no gear ratio is stated
@@ -22,6 +25,7 @@ class Drives:
 
     rotor: reflected inertia; arm: inertia that each joint moves, the others at rest; coulomb, viscous:
     friction; damping: of each spring; count: joint motion per encoder step (0: fine); torque, speed: limits.
+    assumed: what of rotors and dampers is not stated; notes: that, and the friction.
     """
 
     rotor: Array
@@ -32,6 +36,7 @@ class Drives:
     count: Array
     torque: Array
     speed: Array
+    assumed: tuple[str, ...]
     notes: tuple[str, ...]
 
 
@@ -41,12 +46,12 @@ def drives(mechanics: Mechanics, q: Array, loop: Loop) -> Drives:
     inertia, mass = _felt(mechanics, q)
     stated = [j.data.rotor_inertia * (j.data.gear_ratio or 0.0) ** 2 for j in robot.joints]
     rotor = np.where(np.array(stated) > 0, stated, 0.5 * inertia)
-    notes = []
+    assumed = []
     if not all(stated):
         names = ", ".join(n for n, value in zip(arm.names, stated, strict=True) if not value)
-        notes.append(f"{names}: drive's inertia not stated, taken as half of the arm's that it moves")
+        assumed.append(f"{names}: drive's inertia not stated, taken as half of the arm's that it moves")
     scale = STANDARD_GRAVITY * np.where(arm.prismatic, mass, np.sqrt(inertia * mass))
-    notes.append(
+    friction = (
         f"friction: {100 * loop.coulomb:g} % of the weight of the stretched arm as Coulomb, "
         f"{100 * loop.viscous:g} % at 1 rad/s as viscous, {100 * loop.load_side:g} % of it behind the gear"
     )
@@ -54,7 +59,7 @@ def drives(mechanics: Mechanics, q: Array, loop: Loop) -> Drives:
     given = np.array([joint.data.damping for joint in robot.joints])
     if not given.all():
         names = ", ".join(n for n, value in zip(arm.names, given, strict=True) if not value)
-        notes.append(f"{names}: damping not stated, taken as 2 % of critical")
+        assumed.append(f"{names}: damping not stated, taken as 2 % of critical")
     turns = np.array([abs(j.data.gear_ratio or TURNS) for j in robot.joints])
     return Drives(
         rotor,
@@ -65,7 +70,8 @@ def drives(mechanics: Mechanics, q: Array, loop: Loop) -> Drives:
         2 * np.pi / (turns * loop.encoder_steps) if loop.encoder_steps else np.zeros(arm.n),
         np.array([joint.effort for joint in robot.joints]),
         np.array([joint.velocity for joint in robot.joints]),
-        tuple(notes),
+        tuple(assumed),
+        (*assumed, friction),
     )
 
 
@@ -81,3 +87,9 @@ def _felt(mechanics: Mechanics, q: Array) -> tuple[Array, Array]:
     beyond = np.array([arm.mass[k:].sum() for k in range(1, arm.n + 1)]) + mechanics.mass
     floor = 1e-3 * max(float(beyond[0]), 1.0)
     return np.maximum(inertia, floor), np.maximum(beyond, 0.1)
+
+
+def rigid_machine(arm: Arm, mass: float, moment: Array) -> tuple[MultibodyPlant, NDArray[np.int64]]:
+    """The arm without springs, drives and gravity, and its joints' places: for feed-forward."""
+    plant = rigid_arm_plant(replace(arm, gravity=np.zeros(3)), point_inertia(mass, moment)).plant
+    return plant, np.array([plant.GetJointByName(name).position_start() for name in arm.names])

@@ -1,7 +1,7 @@
 """The simulated robot's equations of motion and their step: implicit midpoint on Drake's terms.
 
-Drake's plant gives mass matrix, Coriolis forces, gravity, springs, the compensator; what Drake has no
-element for (gears, friction, damping with the gear's slope, springs that are not linear) is added here.
+Drake's plant gives mass matrix, Coriolis forces, gravity, springs, dampers, the compensator; what Drake has
+no element for (gears, friction, springs that are not linear) is added here.
 Springs, dampers and friction enter implicitly, so no stiffness, however high, bounds the step, and none is
 softened or slowed for it. One linear solve per step:
 
@@ -63,19 +63,18 @@ class Dynamics:
     ) -> None:
         self.mechanics, self.machine, self.gears, self.along = mechanics, machine, gears, along
         self.plant, self.h = machine.plant, step
-        root = machine.diagram.CreateDefaultContext()
-        self.context = self.plant.GetMyMutableContextFromRoot(root)
+        self.context = self.plant.CreateDefaultContext()
         self.forces, self.size = MultibodyForces(self.plant), self.plant.num_velocities()
-        self.bodies = BodyForces(machine, root, loop, along.wrench, along.charge)
+        self.bodies = BodyForces(machine, self.context, loop, along.wrench, along.charge)
         self.springs = Springs(mechanics, machine, drive, gears, reaction)
-        self.damped = step / 2 * self.springs.damping
-        self.implicit = np.zeros((self.size, self.size))
-        self.entries = self.implicit.reshape(-1)
-        self.diagonal = self.entries[:: self.size + 1]
+        self.softness = self.springs.softness
+        self.linear = np.diag(step / 2 * self.springs.damping + step**2 / 4 * self.softness)
+        self.extra = None if along.torque is None else self._at_joints(along.torque)
         self.rubbing = Rubbing(machine, drive, loop, step)
         self.none = np.zeros(self.size)
         self.pulled = self.trend = self.none
         self.side = [0.0] * mechanics.arm.n
+        self.places = machine.motors
         self.motors: list[int] = machine.motors.tolist()
         self.x = np.zeros(2 * self.size)
         self.often, self.seen = (max(1, round(T / step)) for T in (PLACED, SEEN))
@@ -88,7 +87,7 @@ class Dynamics:
 
     def advance(self, torque: Array, k: int) -> None:
         """Step number k under the drives' torque (n,)."""
-        h, machine = self.h, self.machine
+        h = self.h
         v = self.v + 0.5 * self.dv
         if k % self.often == 0:
             self.place(k)
@@ -97,20 +96,27 @@ class Dynamics:
         at, force = self.x.tolist(), self.drakes()
         if self.bodies.active:
             force += self._at_bodies(k)
-        self.springs.add(self.x, at, self._side_halfway(at), force)
-        self.implicit.fill(0.0)
-        self.diagonal[:] = self.damped + (h**2 / 4) * self.springs.softness
-        self.rubbing.add(v, force, self.entries)
-        force[machine.motors] += torque
-        if self.along.torque is not None:
-            extra = self.along.torque[k]
-            force[machine.motors] += extra
-            force[machine.own_at] += extra[machine.sprung]
-        right = h * force + self.implicit @ self.dv
-        _, dv, failed = dposv((M.T + self.implicit).T, right, overwrite_a=True)
+        self.springs.add(v, at, self._side_halfway(at), force)
+        for one in self.springs.bent:
+            self.linear[one.at, one.at] = h / 2 * one.damping + h**2 / 4 * self.softness[one.at]
+        implicit = self.linear
+        if self.rubbing.active:
+            implicit = implicit + self.rubbing.take(v, force)
+        force[self.places] += torque
+        if self.extra is not None:
+            force += self.extra[k]
+        right = h * force + implicit @ self.dv
+        _, dv, failed = dposv((M.T + implicit).T, right, overwrite_a=True)
         if failed:
             raise ArithmeticError("the simulation diverged")
         self._go(dv)
+
+    def _at_joints(self, torque: Array) -> Array:
+        """(K, V) of torques (K, n) at motors and springs."""
+        out = np.zeros((len(torque), self.size))
+        out[:, self.machine.motors] = torque
+        out[:, self.machine.own_at] = torque[:, self.machine.sprung]
+        return out
 
     def _at_bodies(self, k: int) -> Array:
         """Compensator and process force in step k."""
@@ -155,6 +161,5 @@ class Dynamics:
 
     def drakes(self) -> Array:
         """(V,) gravity, Coriolis forces and force elements of the plant."""
-        self.forces.SetZero()
         self.plant.CalcForceElementsContribution(self.context, self.forces)
         return -np.asarray(self.plant.CalcInverseDynamics(self.context, self.none, self.forces))

@@ -28,9 +28,11 @@ class Rubbing:
         self.of_velocity[n + machine.sprung, machine.own_at] = 1.0
         self.on_places = self.of_velocity.T.copy()
         pairs = np.einsum("ki,kj->ijk", self.of_velocity, self.of_velocity).reshape(size**2, 2 * n)
-        self.touched = np.flatnonzero(pairs.any(axis=1))
-        self.on_entries = step**2 / 2 * pairs[self.touched]
+        self.on_entries = step**2 / 2 / loop.presliding * pairs
+        self.ways = 1 / loop.presliding * self.of_velocity
+        self.scaled = np.concatenate([step * self.ways, self.of_velocity / loop.stribeck_speed])
         self.dry = np.concatenate([(1 - loop.load_side) * drive.coulomb, loop.load_side * drive.coulomb])
+        self.more = (loop.stiction - 1) * self.dry
         self.active = bool(self.dry.any())
         self.memory = np.zeros(2 * n)
 
@@ -40,42 +42,39 @@ class Rubbing:
         n = len(self.dry) // 2
         return np.asarray(self.dry[n:] * self.loop.stiction * self.memory[n:])
 
-    def add(self, v: Array, force: Array, implicit: Array) -> None:
-        """Takes its mean over a step at velocities v (V,) off the force (V,); adds how that falls with the
-        velocities' change to a matrix, flat (V V,).
+    def take(self, v: Array, force: Array) -> Array:
+        """Takes its mean over a step at velocities v (V,) off the force (V,); how that falls with the
+        velocities' change: (V, V).
 
         It is linearised about the way that the step before makes likely, whose slope by Δv is h/2, not h/4
         as a spring's: twice as soft.
         """
-        if not self.active:
-            return
-        loop = self.loop
-        speed = self.of_velocity @ v
-        mean, slope = mean_on_the_way(self.memory, self.h * speed, loop.presliding)
-        rubs = stribeck(speed, self.dry, loop.stiction, loop.stribeck_speed)
+        scaled = self.scaled @ v
+        mean, slope = mean_on_the_way(self.memory, scaled[: len(self.dry)])
+        rubs = stribeck(scaled[len(self.dry) :], self.dry, self.more)
         force -= self.on_places @ (rubs * mean)
-        implicit[self.touched] += self.on_entries @ (rubs * slope)
+        return np.asarray(self.on_entries @ (rubs * slope)).reshape(len(v), len(v))
 
     def go(self, moved: Array) -> None:
         """Remembers a motion (V,)."""
-        self.memory = gone_over(self.memory, self.of_velocity @ moved, self.loop.presliding)
+        self.memory = gone_over(self.memory, self.ways @ moved)
 
 
-def gone_over(s: Array, dx: Array, way: float) -> Array:
-    """States after motions dx [rad, m] from states s."""
+def gone_over(s: Array, dx: Array) -> Array:
+    """States after motions dx, in ways over which friction builds up, from states s."""
     sign = np.sign(dx)
-    return np.asarray(sign + (s - sign) * np.exp(np.abs(dx) * (-1 / way)))
+    return np.asarray(sign + (s - sign) * np.exp(-np.abs(dx)))
 
 
-def mean_on_the_way(s: Array, dx: Array, way: float) -> tuple[Array, Array]:
-    """Means of the states along motions dx, and their slopes by dx [1/rad, 1/m]; none is negative."""
+def mean_on_the_way(s: Array, dx: Array) -> tuple[Array, Array]:
+    """Means of the states along motions dx as above, and how steeply they go with dx; none is negative."""
     sign = np.sign(dx)
-    a = np.abs(dx) * (1 / way) + 1e-4
+    a = np.abs(dx) + 1e-4
     left = np.exp(-a)
     share = (1 - left) / a
-    return sign + (s - sign) * share, (sign * s - 1) * (left - share) / (way * a)
+    return sign + (s - sign) * share, (sign * s - 1) * (left - share) / a
 
 
-def stribeck(v: Array, coulomb: Array, stiction: float, speed: float) -> Array:
-    """Size of dry friction [N·m, N] at speeds v: higher at rest by `stiction`."""
-    return np.asarray(coulomb * (1 + (stiction - 1) * np.exp(-np.square(v * (1 / speed)))))
+def stribeck(v: Array, dry: Array, more: Array) -> Array:
+    """Size of dry friction [N·m, N] at speeds v over the Stribeck speed: `dry`, and `more` at rest."""
+    return np.asarray(dry + more * np.exp(-np.square(v)))

@@ -20,7 +20,6 @@ from .cascade import Cascade, Gains
 from .drives import Drives
 from .machine import Machine, machine, mass_matrix
 from .mechanics import Mechanics
-from .springs import spring_damping
 
 INTEGRAL = 0.2  # of the velocity loop's crossover: 11° of its phase
 SLOWER = 0.85  # per round
@@ -45,7 +44,7 @@ def gains(mechanics: Mechanics, drive: Drives, loop: Loop, poses: Array) -> Gain
     if most <= 0:
         raise ValueError("no phase is left for a velocity loop")
     scale = np.ones(n)
-    models = [_Linear(machine(mechanics, drive.rotor), mechanics, drive, loop, q) for q in poses]
+    models = [_Linear(machine(mechanics, drive), drive, loop, q) for q in poses]
     for _ in range(ROUNDS):
         found = _at(loop, drive, asked, most, scale)
         worst = _least_stable(models, found, loop)
@@ -83,7 +82,7 @@ def spectral_radius(
 ) -> float:
     """Growth of the least stable motion over a position period, at joints q (n,), with `factor` times the
     gains and `later` [s] more delay; below 1 it dies out."""
-    model = _Linear(machine(mechanics, drive.rotor), mechanics, drive, loop, q)
+    model = _Linear(machine(mechanics, drive), drive, loop, q)
     return model.least_stable(gains, factor, later)[0]
 
 
@@ -101,14 +100,14 @@ def _notes(mechanics: Mechanics, found: Gains) -> tuple[str, ...]:
 class _Linear:
     """The robot about a pose, sampled finely, and the loop around it."""
 
-    def __init__(self, built: Machine, mechanics: Mechanics, drive: Drives, loop: Loop, q: Array) -> None:
+    def __init__(self, built: Machine, drive: Drives, loop: Loop, q: Array) -> None:
         self.loop, self.n = loop, len(q)
         h = self.h = loop.drive_period / FINE
         M = mass_matrix(built, q)
         size = len(M)
         K, D = np.zeros(size), np.zeros(size)
         K[built.springs] = built.stiffness
-        D[built.springs] = spring_damping(mechanics, drive)
+        D[built.springs] = built.damping
         D[built.motors] = drive.viscous
         inverse = np.linalg.inv(M + np.diag(h / 2 * D + h**2 / 4 * K))
         dv_q, dv_v = -h * inverse * K, -inverse * (h * D + h**2 / 2 * K)

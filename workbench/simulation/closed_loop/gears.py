@@ -1,8 +1,7 @@
 """Errors of the transmissions as functions of the motors' angles, fast enough for every step.
 
-Of a transmission with error δ(q_m), V = U(e − δ): the spring pulls back with U′(e − δ) at its own
-coordinate, and the motor feels δ′ᵀ U′. Without that reaction the tool is wrong by nearly the effect itself.
-Play is a state: a motor that turns round moves by twice the half width before its joint follows.
+What they do to springs and motors stands in `extended_robot/gears.py`, for exports too. Play is a state: a
+motor that turns round moves by twice the half width before its joint follows.
 """
 
 from __future__ import annotations
@@ -11,12 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...robot.extended_robot.gears import Curve, add_up
 from ...robot.kinematics import Array
+from ..gear_curves import curves
 from .machine import Machine
 from .mechanics import Mechanics
 
-FINE = 2e-5  # rad, m: between entries of a table: 1/400 of a cycle of 800 per turn
-MOST = 400_001  # entries
 MARGIN = 5e-3  # rad, m: how far beyond its command a motor may go
 ADDITIVE = 1e-9  # rad, m: what may remain of an error that is no sum over the motors
 
@@ -24,39 +23,28 @@ ADDITIVE = 1e-9  # rad, m: what may remain of an error that is no sum over the m
 class Gears:
     """Errors (n,) of the joints by the motors' angles (n,) and sides (n,), with their slopes.
 
-    pairs: (P,) joint that errs and motor that it errs with, `by`; both index joints.
-    err: (n,) whether a joint's gear has an error at all.
+    curves: each of a joint that errs by the angle of one motor. err: (n,) whether a joint's gear has an
+    error at all.
     """
 
     def __init__(self, mechanics: Mechanics, q: Array) -> None:
-        """q: (K, n) command, whose range the tables cover."""
+        """q: (K, n) command, whose range the curves cover."""
         n = mechanics.arm.n
-        self.at_rest, none = q[0], np.zeros(n)
-        low, high = q.min(axis=0) - MARGIN, q.max(axis=0) + MARGIN
-        constant = mechanics.gear_error(q[:1], none[None])[0]
-        joint, by = [], []
-        self.tables: list[tuple[int, int, float, float, int, memoryview, memoryview]] = []
-        for j in range(n) if mechanics.gear else ():
-            count = int(np.clip(np.ceil((high[j] - low[j]) / FINE), 1000, MOST))
-            there = np.tile(q[0], (count, 1))
-            there[:, j] = np.linspace(low[j], high[j], count)
-            error = mechanics.gear_error(there, np.zeros_like(there)) - constant
-            fine = (high[j] - low[j]) / (count - 1)
-            for i in np.flatnonzero(np.ptp(error, axis=0) > 0):
-                joint.append(int(i))
-                by.append(j)
-                values, slopes = error[:, i].copy(), np.gradient(error[:, i], fine)
-                self.tables.append(
-                    (int(i), j, float(low[j]), float(fine), count - 2, values.data, slopes.data)
-                )
-        self.joint, self.by = np.array(joint, dtype=np.int64), np.array(by, dtype=np.int64)
+        constant, self.curves = np.zeros(n), []
+        if mechanics.gear:
+            order = max(effect.where.order or 0.0 for effect, _ in mechanics.gear)
+            low, high = q.min(axis=0) - MARGIN, q.max(axis=0) + MARGIN
+            constant, found = curves(
+                lambda at: mechanics.gear_error(at, np.zeros_like(at)), q[0], low, high, order
+            )
+            self.curves = [Curve(j, k, samples) for (j, k), samples in found.items()]
         eye = np.eye(n)
         play = np.stack([mechanics.gear_error(q[:1], eye[j : j + 1])[0] - constant for j in range(n)], axis=1)
         self.constant: list[float] = constant.tolist()
         self.play = [(int(i), int(j), float(play[i, j])) for i, j in np.argwhere(play)]
         self.half_width = [(j, max(abs(play[j, j]), 1e-9)) for j in np.flatnonzero(play.any(axis=0)).tolist()]
         self.err = (constant != 0) | play.any(axis=1)
-        self.err[self.joint] = True
+        self.err[[curve.joint for curve in self.curves]] = True
         self._check(mechanics, q)
 
     def _check(self, mechanics: Mechanics, q: Array) -> None:
@@ -77,26 +65,11 @@ class Gears:
         return out
 
     def errors(self, q: Sequence[float], side: Sequence[float]) -> tuple[list[float], list[float]]:
-        """Errors [n] of the joints and slopes [P] of the pairs at motors q [n] that came from `side` [n].
-
-        Numbers one by one: of so few, NumPy would take several times as long.
-        """
-        error, slope = self.constant.copy(), []
+        """Errors [n] of the joints and slopes of the curves at motors q [n] that came from `side` [n]."""
+        error = self.constant.copy()
         for i, j, width in self.play:
             error[i] += width * side[j]
-        for joint, by, low, fine, last, values, slopes in self.tables:
-            x = (q[by] - low) / fine
-            cell = min(max(int(x), 0), last)
-            x -= cell
-            error[joint] += values[cell] + x * (values[cell + 1] - values[cell])
-            slope.append(slopes[cell] + x * (slopes[cell + 1] - slopes[cell]))
-        return error, slope
-
-    def slopes(self, q: Array) -> Array:
-        """(n, n) of the joints' errors by the motors' angles."""
-        out = np.zeros((len(q), len(q)))
-        out[self.joint, self.by] = self.errors(q.tolist(), [0.0] * len(q))[1]
-        return out
+        return error, add_up(self.curves, q, error)
 
 
 def of_springs(machine: Machine, errors: Array) -> Array:

@@ -1,7 +1,7 @@
 """What the simulated robot consists of: springs, gear errors, loads, taken from its model along a path.
 
-Every slot that yields does so along a few screws: its compliance C is a sum of λ ξ ξᵀ, so a joint along
-each ξ with a spring of stiffness 1/λ yields by C · wrench. No constraint and no stiff dummy is needed.
+Every slot that yields does so about a few hinges and along a few slides: its compliance C is a sum of λ ξ ξᵀ,
+so a joint along each ξ with a spring of stiffness 1/λ yields by C · wrench. No constraint, no stiff dummy.
 """
 
 from __future__ import annotations
@@ -19,27 +19,25 @@ from ...effects.acting import Acting
 from ...effects.base import Effect
 from ...robot.compensator import CompensatorLaw, compensator_law
 from ...robot.description import Robot
-from ...robot.kinematics import RX, Arm, Array
+from ...robot.kinematics import Arm, Array
 from ...robot.rigid_plant import arrays
 from ...robot.yielding import Law as Law6
 from ...robot.yielding import Yielding, own_compliance
 
+NONE = 1e-9  # of a slot's largest: a compliance that is none
 RIGID = 1e-10  # rad/(N·m), m/N: what a joint without compliance yields, where it needs a joint at all
 TABLE = 8001  # torques at which a law that is not linear is tabulated
 
 
 @dataclass(frozen=True)
-class Screw:
-    """A motion at a slot: turn about `axis` through `point`, and shift by `pitch` per rad; or a pure shift.
-
-    axis: (3,) unit, point: (3,) [m] on the slot's axes; compliance: rad or m per its own torque or force.
-    """
+class Give:
+    """How a slot gives way: it turns about `axis` (3,), a unit vector, through `point` (3,) [m] on the slot's
+    axes, or it shifts along it. compliance: rad or m per its own torque or force."""
 
     slot: int
+    turns: bool
     axis: Array
     point: Array
-    pitch: float
-    shift: bool
     compliance: float
 
 
@@ -63,7 +61,7 @@ class Law:
 class Mechanics:
     """The simulated robot on a path of N samples: geometry and masses in `arm`, and what moves.
 
-    screws: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
+    gives: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
     placed: (N, S, 6) motions that neither load nor the drive makes (temperature, drift).
     mass, moment: tool and payload [kg, kg·m, flange frame]; wrench: (N, 6), torque: (N, n) as `Loads` has
     them. gear: the effects of the transmission. notes: what had to be assumed.
@@ -71,7 +69,7 @@ class Mechanics:
 
     robot: Robot
     arm: Arm
-    screws: tuple[Screw, ...]
+    gives: tuple[Give, ...]
     axial: tuple[Law | None, ...]
     placed: Array
     mass: float
@@ -103,11 +101,11 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
     others = extended.acting.those(lambda effect: not _of_a_gear(effect))
     placed = others.direct(here)
     erring = {str(effect.where.joint) for effect, _ in gear}
-    axial, screws = _springs(arm, extended.acting.yielding(arm), erring)
+    axial, gives = springs_of(arm, extended.acting.yielding(arm), erring)
     return Mechanics(
         robot,
         loaded,
-        screws,
+        gives,
         axial,
         placed,
         float(loads.mass.mean()),
@@ -136,12 +134,12 @@ def _along_axis(law: Law6, component: int) -> Callable[[Array], Array]:
     return axial
 
 
-def _springs(
+def springs_of(
     arm: Arm, yielding: Yielding, erring: set[str]
-) -> tuple[tuple[Law | None, ...], tuple[Screw, ...]]:
-    """The joints' own springs, and the screws for the rest of the compliance."""
+) -> tuple[tuple[Law | None, ...], tuple[Give, ...]]:
+    """The joints' own springs, and how else the slots give way. erring: joints whose gear errs."""
     axial: list[Law | None] = []
-    screws: list[Screw] = []
+    gives: list[Give] = []
     for slot in range(arm.slots):
         C = yielding.linear[slot].copy()
         if 1 <= slot <= arm.n:
@@ -151,8 +149,8 @@ def _springs(
             forms = [_along_axis(law, k) for where, _, law in yielding.bent if where == slot]
             needed = own > 0 or forms or arm.names[slot - 1] in erring
             axial.append(_law(max(own, RIGID), forms) if needed else None)
-        screws += _screws(slot, C)
-    return tuple(axial), tuple(screws)
+        gives += _gives(slot, C)
+    return tuple(axial), tuple(gives)
 
 
 def _law(compliance: float, forms: list[Callable[[Array], Array]]) -> Law:
@@ -168,21 +166,23 @@ def _law(compliance: float, forms: list[Callable[[Array], Array]]) -> Law:
     return Law(compliance, motion[low : high + 1], torque[low : high + 1])
 
 
-def _screws(slot: int, C: Array) -> list[Screw]:
-    """Principal screws of a compliance (6, 6)."""
-    values, vectors = np.linalg.eigh(C)
-    found = []
-    for value, twist in zip(values, vectors.T, strict=True):
-        if value <= 1e-9 * max(values.max(), 1e-300) or value <= 0:
-            continue
-        shift, turn = twist[:3], twist[3:]
-        angle = float(np.linalg.norm(turn))
-        if angle < 1e-9:
-            found.append(Screw(slot, shift / np.linalg.norm(shift), np.zeros(3), 0.0, True, float(value)))
-            continue
-        axis, along = turn / angle, shift / angle
-        pitch = float(axis @ along)
-        point = np.cross(axis, along)
-        found.append(Screw(slot, axis, point, pitch if abs(pitch) > 1e-9 else 0.0, False, value * angle**2))
-    order = [int(np.argmax(np.abs(screw.axis))) + (0 if screw.shift else RX) for screw in found]
-    return [found[i] for i in np.argsort(order, kind="stable")]
+def _gives(slot: int, C: Array) -> list[Give]:
+    """A slot's compliance (6, 6) as hinges and slides.
+
+    Turns about an axis e of the rotational part, with compliance λ, carry the slot along by C_tr e/λ, so
+    about a point beside it; what is left of the translational part slides.
+    """
+    none = NONE * max(float(np.abs(C).max()), 1e-300)
+    found: list[Give] = []
+    left = C[:3, :3].copy()
+    values, axes = np.linalg.eigh(C[3:, 3:])
+    for value, axis in zip(values, axes.T, strict=True):
+        if value > none:
+            along = C[:3, 3:] @ axis / value
+            left -= value * np.outer(along, along)
+            found.append(Give(slot, True, axis, np.cross(axis, along), float(value)))
+    values, axes = np.linalg.eigh(left)
+    for value, axis in zip(values, axes.T, strict=True):
+        if value > none:
+            found.append(Give(slot, False, axis, np.zeros(3), float(value)))
+    return sorted(found, key=lambda give: (give.turns, int(np.argmax(np.abs(give.axis)))))

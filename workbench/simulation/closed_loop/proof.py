@@ -124,7 +124,7 @@ def _over(path: Path, over: OverLimit) -> Fault:
 def _modes(world: World, path: Path, q: Array, count: int = 3) -> tuple[float, ...]:
     """Lowest natural frequencies [Hz] at the path's start, drives locked."""
     truth = mechanics(world.truth, path, q, world.true_conditions)
-    built = machine(truth, drives(truth, q[0], world.loop).rotor)
+    built = machine(truth, drives(truth, q[0], world.loop))
     return tuple(float(f) for f in modes(built, q[0])[:count] / (2 * np.pi)) if len(built.springs) else ()
 
 

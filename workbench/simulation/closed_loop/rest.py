@@ -21,7 +21,7 @@ def rest(dynamics: Dynamics, q: Array) -> Array:
     dynamics.put(q)
     errors, slope = dynamics.gears.errors(q.tolist(), dynamics.side)
     error, last = of_springs(machine, np.array(errors)), np.inf
-    laws = [(machine.own[one.joint], one.table) for one in dynamics.springs.erring if one.table is not None]
+    laws = [(machine.own[j], table) for j, table in dynamics.springs.tables.items()]
     extra = -dynamics.rubbing.wound
     if dynamics.along.torque is not None:
         extra = extra + dynamics.along.torque[0]
@@ -51,5 +51,5 @@ def rest(dynamics: Dynamics, q: Array) -> Array:
     if dynamics.springs.reaction:
         for one in dynamics.springs.erring:
             for pair, _ in one.pairs:
-                needed[dynamics.gears.by[pair]] -= slope[pair] * load[machine.own[one.joint]]
+                needed[dynamics.gears.curves[pair].by] -= slope[pair] * load[machine.own[one.joint]]
     return np.asarray(needed)

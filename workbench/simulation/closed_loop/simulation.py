@@ -80,7 +80,7 @@ def run(
     told = set_points(motion, feed_forward(nominal, motion, loop), drive, loop)
     parts = 1 if step is None else int(np.ceil(loop.drive_period / step - 1e-9))
     step = loop.drive_period / parts
-    built = machine(truth, drive.rotor)
+    built = machine(truth, drive)
     count = (len(told.q) - 1) * parts
     dynamics = Dynamics(
         truth,

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import io
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...effects.acting import Acting
+from ...robot import extended_robot
 from ...robot.kinematics import Array
 from ...robot.plant_parts import pivots
+from ..gear_curves import curves
 from .content import Content, Part
 from .sdf import sdf_of
+from .simulated import Simulated, simulated
 from .text import commented
-from .tree import tree_of, ways
 from .urdf import Files, mesh_files, xml_text
 
-MODULE = Path(__file__).with_name("extended_robot.py")
-SAMPLES = 2001  # of a curve over a joint's range, at least
-PER_PERIOD = 60  # samples, of an error with an order
+MODULE = Path(extended_robot.__file__).parent
 
 PACKAGE = """<?xml version="1.0"?>
 <package format="2">
@@ -42,33 +41,34 @@ DIRECTIVES = """directives:
 
 
 def write(content: Content, header: list[str]) -> Files:
-    """package.xml, NAME.dmd.yaml, NAME.sdf, extended_robot.py, effects.npz and the meshes."""
-    name, tree, law = content.robot.name, tree_of(content, elastic=True), content.compensator
-    if law is not None and law.coil is None:
-        tree = replace(tree, coil=None)
-    meshes = mesh_files(content.robot.urdf)
+    """package.xml, NAME.dmd.yaml, NAME.sdf, extended_robot/, effects.npz and the meshes."""
+    name, whole = content.robot.name, simulated(content, content.compensator)
+    tree, meshes = whole.tree(content.robot), mesh_files(content.robot.urdf)
     root = sdf_of(content, tree, meshes)
-    texts: dict[str, str | bytes] = {
+    files: dict[str, str | bytes] = {
         "package.xml": PACKAGE.format(name=name, title=content.robot.title.replace("&", "&amp;")),
         f"{name}.dmd.yaml": commented(header) + DIRECTIVES.format(name=name, root=tree.bodies[0].name),
         f"{name}.sdf": xml_text(root, header),
-        "extended_robot.py": commented(header) + MODULE.read_text(encoding="utf-8"),
-        "effects.npz": effects(content),
+        "effects.npz": effects(content, whole),
     }
-    return texts | {mesh: path.read_bytes() for mesh, path in meshes.items()}
+    for file in sorted(MODULE.glob("*.py")):
+        said = commented(header) if file.stem == "__init__" else ""
+        files[f"{MODULE.name}/{file.name}"] = said + file.read_text(encoding="utf-8")
+    return files | {mesh: path.read_bytes() for mesh, path in meshes.items()}
 
 
-def effects(content: Content) -> bytes:
+def effects(content: Content, whole: Simulated) -> bytes:
     """What SDF cannot say, as `extended_robot` reads it."""
-    robot, arm, law = content.robot, content.arm, content.compensator
-    own = np.array([ways(content, slot)[0] for slot in range(1, arm.n + 1)])
+    robot, arm, law, built = content.robot, content.arm, content.compensator, whole.machine
+    springs = np.zeros((2, arm.n))
+    springs[:, built.sprung] = [array[: len(built.sprung)] for array in (built.stiffness, built.damping)]
     data: dict[str, Any] = {
         "name": robot.name,
         "joints": list(robot.joint_names),
         "flange": robot.flange,
         "gravity": np.array(robot.gravity),
-        "stiffness": np.divide(1.0, own, out=np.zeros(arm.n), where=own > 0),
-        "damping": np.array([joint.data.damping for joint in robot.joints]),
+        "stiffness": springs[0],
+        "damping": springs[1],
     }
     if law is not None and law.coil is None:
         d = law.data
@@ -79,33 +79,25 @@ def effects(content: Content) -> bytes:
     for kind in ("gear", "torque"):
         for i, (item, found) in enumerate(zip(content.extended.acting, content.kinds, strict=True)):
             if found == kind:
-                for (j, k), curve in curves(content, item, kind).items():
+                for (j, k), curve in _curves(content, item, kind).items():
                     data[f"{kind}/{j}/{k}/{i}"] = curve
     file = io.BytesIO()
     np.savez_compressed(file, **data)
     return file.getvalue()
 
 
-def curves(content: Content, item: Part, kind: str) -> dict[tuple[int, int], Array]:
-    """(joint, joint that it depends on) → (2, M) the latter's positions, and the error or torque there.
+def _curves(content: Content, item: Part, kind: str) -> dict[tuple[int, int], Array]:
+    """The curves of one effect over the joints' ranges; what they share at zero goes with the last."""
+    ends = np.clip([(joint.lower, joint.upper) for joint in content.robot.joints], -2 * np.pi, 2 * np.pi)
 
-    The parts of one effect add up over the joints; what they share at zero goes with the first.
-    """
-    arm, robot = content.arm, content.robot
+    def values(q: Array) -> Array:
+        return _at(content, item, kind, q)
+
     order = item[0].where.order or 0.0
-    out: dict[tuple[int, int], Array] = {}
-    rest = _at(content, item, kind, np.zeros((1, arm.n)))[0]
-    for k, joint in enumerate(robot.joints):
-        low, high = max(joint.lower, -2 * np.pi), min(joint.upper, 2 * np.pi)
-        count = max(SAMPLES, int(PER_PERIOD * order * (high - low) / (2 * np.pi)))
-        q = np.zeros((count, arm.n))
-        q[:, k] = np.linspace(low, high, count)
-        values = _at(content, item, kind, q)
-        for j in np.flatnonzero((np.ptp(values, axis=0) > 0) | ((k == arm.n - 1) & (rest != 0))):
-            out[int(j), k] = np.stack([q[:, k], values[:, j] - rest[j]])
-    for j in np.flatnonzero(rest):
-        first = min(key for key in out if key[0] == j)
-        out[first][1] += rest[j]
+    rest, out = curves(values, np.zeros(content.arm.n), ends[:, 0], ends[:, 1], order)
+    for j in np.flatnonzero(rest).tolist():
+        last = (j, content.arm.n - 1)
+        out.setdefault(last, np.stack([np.linspace(ends[-1, 0], ends[-1, 1], 3), np.zeros(3)]))[1] += rest[j]
     return out
 
 

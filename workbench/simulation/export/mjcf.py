@@ -9,8 +9,9 @@ import numpy as np
 from ...robot.kinematics import Array
 from ...robot.rotations import quaternions
 from .content import Content
+from .simulated import elastic_tree
 from .text import number, numbers
-from .tree import LEAST, Body, Coil, Joint, tree_of
+from .tree import LEAST, Body, Coil, Joint
 from .urdf import Files, xml_text
 
 KINDS = {"revolute": "hinge", "prismatic": "slide"}
@@ -18,7 +19,7 @@ KINDS = {"revolute": "hinge", "prismatic": "slide"}
 
 def write(content: Content, header: list[str]) -> Files:
     """NAME.xml. Pictures are left out: MuJoCo reads no glTF."""
-    tree = tree_of(content, elastic=True)
+    tree = elastic_tree(content)
     root = ET.Element("mujoco", {"model": tree.name})
     ET.SubElement(root, "compiler", {"angle": "radian", "autolimits": "true"})
     ET.SubElement(root, "option", {"gravity": numbers(content.arm.gravity)})

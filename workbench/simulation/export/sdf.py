@@ -10,8 +10,9 @@ import numpy as np
 from ...files.faults import read_text
 from ...robot.kinematics import Array
 from .content import Content
+from .simulated import elastic_tree
 from .text import number, numbers
-from .tree import LEAST, Body, Coil, Joint, Tree, tree_of
+from .tree import LEAST, Body, Coil, Joint, Tree
 from .urdf import Files, mesh_files, rpy, xml_text
 
 DRAKE = "http://drake.mit.edu"  # the name space of Drake's own elements
@@ -21,7 +22,7 @@ DRIVES = frozenset({"revolute", "prismatic"})
 def write(content: Content, header: list[str]) -> Files:
     """NAME.sdf and its meshes."""
     meshes = mesh_files(content.robot.urdf)
-    root = sdf_of(content, tree_of(content, elastic=True), meshes)
+    root = sdf_of(content, elastic_tree(content), meshes)
     return {f"{content.robot.name}.sdf": xml_text(root, header)} | {
         k: p.read_bytes() for k, p in meshes.items()
     }

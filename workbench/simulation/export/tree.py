@@ -1,31 +1,28 @@
 """The robot as a tree of bodies and joints, as robot file formats have it.
 
-Bodies stand in the frames of the URDF's links. At a joint the tree first has a joint for each way in which
-the slot gives way beside its axis (a hinge about a line, a slide along one), then the joint itself, then its
-spring.
+It is written down from the Drake plant that `verify` simulates. Bodies stand in the frames of the URDF's
+links. At a joint the tree first has a joint for each way in which the slot gives way beside its axis (a hinge
+about a line, a slide along one), then the joint itself, then its spring.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from pydrake.multibody.tree import SpatialInertia
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import Joint as DrakeJoint
+from pydrake.multibody.tree import PrismaticJoint, RevoluteJoint, RigidBody, WeldJoint
 
+from ...robot.description import Robot
 from ...robot.kinematics import Array
-from ...robot.plant_parts import link_inertia, pivots, point_inertia, slot_pose
-from ...robot.rotations import pose
-from ...robot.yielding import own_compliance
-from ..closed_loop.springs import SCREW_DAMPING
-from .coil import nearest_coil
-from .content import Content
+from ...robot.plants import ArmPlant
 
 Kind = Literal["revolute", "prismatic", "fixed"]
 GROUND = "ground"  # carries a base that yields
 LEAST = 1e-9  # kg, kg·m²: what some programs want at least of a body
-FASTEST = 2 * np.pi * 100  # rad/s: of a drive on its spring, where the robot's TOML states no rotor inertia
-NONE = 1e-12  # of the largest: a compliance that is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,137 +83,104 @@ class Tree:
     coil: Coil | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Give:
-    """How a slot gives way: about (or along) `axis` (3,) through `point` (3,) [m], on the slot's axes."""
+def tree_of(robot: Robot, built: ArmPlant, springs: Mapping[str, float] | None = None) -> Tree:
+    """The bodies and joints of a plant: the robot's links, and its tool and payload as its flange.
 
-    turns: bool
-    axis: Array
-    point: Array
-    compliance: float
-
-
-def tree_of(content: Content, *, elastic: bool) -> Tree:
-    """The calibrated robot, rigid or with what yields in proportion to its load."""
-    arm, robot = content.arm, content.robot
-    names = (*arm.links, robot.flange)
-    bodies: list[Body] = []
-    joints: list[Joint] = []
-    parent, X_parent = GROUND, np.eye(4)
-    for slot, link in enumerate(names):
-        X_link = pose(np.zeros(3), arm.R_link[slot])
-        placed = X_parent @ slot_pose(arm, slot, arm.geometry[slot]).GetAsMatrix4() @ X_link
-        steps = _steps(content, slot, elastic)
-        if slot == 0 and len(steps) == 1:
-            steps = []  # nothing moves the base: it is the tree's root
-        elif slot == 0:
-            bodies.append(_massless(GROUND))
-        for i, (name, step) in enumerate(steps):
-            last = i == len(steps) - 1
-            child = link if last else f"{name}_body"
-            joints.append(replace(step, name=name, parent=parent, child=child, pose=placed @ step.pose))
-            if not last:
-                bodies.append(_massless(child, between=True))
-            parent, placed = child, np.linalg.inv(step.pose)
-        bodies.append(_payload(content) if slot > arm.n else _link(content, slot))
-        parent, X_parent = link, X_link.T
-    return Tree(robot.name, tuple(bodies), tuple(joints), coil_of(content) if elastic else None)
-
-
-def _steps(content: Content, slot: int, elastic: bool) -> list[tuple[str, Joint]]:
-    """The joints at a slot with their names, on the axes of the URDF's link, each where it turns."""
-    arm, R = content.arm, content.arm.R_link[slot].T
-    own, gives = ways(content, slot) if elastic else (0.0, [])
-    out = []
-    for i, give in enumerate(gives, start=1):
-        kind: Kind = "revolute" if give.turns else "prismatic"
-        at = pose(R @ give.point, np.eye(3))
-        spring = 1 / give.compliance
-        out.append(
-            (
-                f"{arm.slot_names[slot]}_yield_{i}",
-                Joint("", kind, "", "", at, R @ give.axis, stiffness=spring, damping=SCREW_DAMPING * spring),
-            )
-        )
-    if not 1 <= slot <= arm.n:
-        name = f"{content.robot.flange}_joint" if slot else "base_joint"
-        return [*out, (name, Joint("", "fixed", "", "", np.eye(4), np.zeros(3)))]
-    said, axis = content.robot.joints[slot - 1], R @ [0.0, 0.0, 1.0]
-    rotor, ratio = said.data.rotor_inertia, said.data.gear_ratio or 1.0
-    if own and not rotor:
-        rotor, ratio = 1 / own / FASTEST**2, 1.0
-    drive = Joint(
-        "", said.kind, "", "", np.eye(4), axis, said.lower, said.upper, said.velocity,
-        rotor=rotor, ratio=ratio, driven=True,
-    )  # fmt: skip
-    out.append((said.name, drive))
-    if own:
-        yields = Joint("", said.kind, "", "", np.eye(4), axis, stiffness=1 / own, damping=said.data.damping)
-        out.append((f"{said.name}_spring", yields))
-    return out
-
-
-def ways(content: Content, slot: int) -> tuple[float, list[Give]]:
-    """A slot's compliance as springs: the joint's own [rad/(N·m), m/N], and hinges and slides for the rest.
-
-    Turns about an axis e of the rotational part, with compliance λ, carry the slot along by C_tr e/λ, so
-    about a point beside it; what is left of the translational part slides.
+    springs: joint → stiffness [N·m/rad, N/m].
     """
-    arm, C = content.arm, content.compliance[slot].copy()
-    none = NONE * max(float(np.abs(C).max()), 1e-300)
-    own = 0.0
-    if 1 <= slot <= arm.n:
-        k = int(arm.axial[slot - 1]) % 6
-        own = own_compliance(C, k)
-        own = own if own > none else 0.0
-        C[k, k] -= own
-    gives: list[Give] = []
-    left = C[:3, :3].copy()
-    values, axes = np.linalg.eigh(C[3:, 3:])
-    for value, axis in zip(values, axes.T, strict=True):
-        if value > none:
-            along = C[:3, 3:] @ axis / value
-            left -= value * np.outer(along, along)
-            gives.append(Give(True, axis, np.cross(axis, along), float(value)))
-    values, axes = np.linalg.eigh(left)
-    slides = [Give(False, a, np.zeros(3), float(v)) for v, a in zip(values, axes.T, strict=True) if v > none]
-    order = sorted([*slides, *gives], key=lambda give: (give.turns, int(np.argmax(np.abs(give.axis)))))
-    return own, order
+    reading = _Reading(robot, built, springs or {})
+    reading.behind(built.plant.world_body(), None, RigidTransform())
+    coil, names = None, reading.names
+    if (spring := built.coil) is not None:
+        points: Any = spring.p_AP(), spring.p_BQ()
+        ends = names[spring.bodyA().index()], names[spring.bodyB().index()]
+        coil = Coil(ends, points, spring.stiffness(), spring.free_length())
+    return Tree(robot.name, tuple(reading.bodies), tuple(reading.joints), coil)
 
 
-def assumed(content: Content) -> list[str]:
-    """What the elastic tree had to assume, a line each."""
-    joints = [
-        joint.name
-        for slot, joint in enumerate(content.robot.joints, start=1)
-        if not joint.data.rotor_inertia and ways(content, slot)[0]
-    ]
-    if not joints:
-        return []
-    return [
-        f"assumed: rotor inertia of {', '.join(joints)}, so that the drive on its spring swings at 100 Hz"
-    ]
+class _Reading:
+    """Bodies and joints as they are found from the base on."""
+
+    def __init__(self, robot: Robot, built: ArmPlant, springs: Mapping[str, float]) -> None:
+        self.robot, self.springs = robot, springs
+        names = [*(body.name() for body in built.bodies[:-1]), robot.flange]
+        self.names = dict(zip((body.index() for body in built.bodies), names, strict=True))
+        self.carried = {body.index() for body in built.bodies[1:-1]}  # by a joint of the robot, or its spring
+        plant = built.plant
+        self.rotors = {
+            (actuator := plant.get_joint_actuator(i)).joint().index(): (
+                actuator.default_rotor_inertia(),
+                actuator.default_gear_ratio(),
+            )
+            for i in plant.GetJointActuatorIndices()
+        }
+        self.outboard: dict[Any, list[DrakeJoint]] = {}
+        for i in plant.GetJointIndices():
+            joint = plant.get_joint(i)
+            self.outboard.setdefault(joint.parent_body().index(), []).append(joint)
+        self.bodies: list[Body] = []
+        self.joints: list[Joint] = []
+
+    def behind(self, body: RigidBody, name: str | None, X_BT: RigidTransform) -> None:
+        """Notes what a body carries. name: the body's in the tree, None for one that is not in it; X_BT: its
+        frame in the tree."""
+        for joint in self.outboard.get(body.index(), []):
+            child = joint.child_body()
+            if name is None and isinstance(joint, WeldJoint):  # nothing moves the base: it is the tree's root
+                self.bodies.append(_body(self.names[child.index()], child))
+                self.behind(child, self.bodies[-1].name, RigidTransform())
+                continue
+            if name is None:
+                name = GROUND
+                self.bodies.append(_massless(GROUND))
+            self._joint(joint, child, name, X_BT)
+
+    def _joint(self, joint: DrakeJoint, child: RigidBody, parent: str, X_BT: RigidTransform) -> None:
+        X_BF = joint.frame_on_parent().GetFixedPoseInBodyFrame()
+        X_CM = joint.frame_on_child().GetFixedPoseInBodyFrame()
+        carried, X_CL = self._carried(child)
+        said = self.names.get((carried or child).index())
+        if said is None:  # it stands between two joints, in the frame of the first
+            there = _massless(child.name(), between=True)
+            X_CT = X_CM
+        else:
+            there, X_CT = _body(said, carried or child), X_CL
+        pose = X_BT.inverse() @ X_BF @ X_CM.inverse() @ X_CT
+        turn = (X_CT.inverse() @ X_CM).rotation()
+        self.bodies.append(there)
+        self.joints.append(self._written(joint, parent, there.name, pose.GetAsMatrix4(), turn))
+        self.behind(carried or child, there.name, RigidTransform() if said else X_CT)
+
+    def _carried(self, body: RigidBody) -> tuple[RigidBody | None, RigidTransform]:
+        """The link that a body without mass is welded to, at its joint, and the link's pose in it."""
+        for joint in self.outboard.get(body.index(), []):
+            if isinstance(joint, WeldJoint) and joint.child_body().index() in self.carried:
+                X_LM = joint.frame_on_child().GetFixedPoseInBodyFrame()
+                X_BF = joint.frame_on_parent().GetFixedPoseInBodyFrame()
+                return joint.child_body(), X_BF @ joint.X_FM() @ X_LM.inverse()
+        return None, RigidTransform()
+
+    def _written(self, joint: DrakeJoint, parent: str, child: str, pose: Array, turn: Any) -> Joint:
+        if isinstance(joint, WeldJoint):
+            name = "base_joint" if child == self.robot.base else f"{child}_joint"
+            return Joint(name, "fixed", parent, child, pose, np.zeros(3))
+        kind: Kind = "revolute" if isinstance(joint, RevoluteJoint) else "prismatic"
+        assert isinstance(joint, RevoluteJoint | PrismaticJoint)
+        along = joint.revolute_axis() if isinstance(joint, RevoluteJoint) else joint.translation_axis()
+        axis = np.asarray(turn @ along)
+        rotor, ratio = self.rotors.get(joint.index(), (0.0, 1.0))
+        damping, stiffness = joint.default_damping(), self.springs.get(joint.name())
+        if joint.name() not in self.robot.joint_names:
+            return Joint(joint.name(), kind, parent, child, pose, axis, stiffness=stiffness, damping=damping)
+        own = self.robot.joint(joint.name())
+        return Joint(
+            own.name, kind, parent, child, pose, axis, own.lower, own.upper, own.velocity,
+            rotor=rotor, ratio=ratio, driven=True,
+        )  # fmt: skip
 
 
-def coil_of(content: Content) -> Coil | None:
-    """The compensator as a coil spring, or the nearest that there is."""
-    law = nearest_coil(content)
-    if law is None or law.coil is None:
-        return None
-    links = content.arm.links
-    return Coil((links[law.body], links[law.arm]), pivots(content.arm, law), *law.coil)
-
-
-def _link(content: Content, slot: int) -> Body:
-    inertia = link_inertia(content.arm, slot)
-    return _body(content.arm.links[slot], inertia)
-
-
-def _payload(content: Content) -> Body:
-    return _body(content.robot.flange, point_inertia(*content.payload))
-
-
-def _body(name: str, inertia: SpatialInertia) -> Body:
+def _body(name: str, body: RigidBody) -> Body:
+    inertia = body.default_spatial_inertia()
     mass = inertia.get_mass()
     if mass <= 0:
         return _massless(name)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...files.faults import read_text
 from ...robot.kinematics import Array
+from ...robot.plants import rigid_arm_plant
 from ...robot.rigid_plant import rigid_twin
 from ...robot.rotations import zyx_angles
 from .content import Content
@@ -24,7 +25,7 @@ def write(content: Content, header: list[str]) -> Files:
     robot = content.robot
     root = ET.fromstring(read_text(robot.urdf))
     nominal = rigid_twin(robot)
-    for joint in tree_of(content, elastic=False).joints:
+    for joint in tree_of(robot, rigid_arm_plant(content.arm)).joints:
         if joint.name not in robot.joint_names:
             continue
         (element,) = (e for e in root.iter("joint") if e.get("name") == joint.name)

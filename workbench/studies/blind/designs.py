@@ -149,7 +149,7 @@ def _draw_cell(
 def _repeatability(robot: Robot, stated: bool, rng: np.random.Generator) -> tuple[Robot, Array]:
     """The robot as its TOML has it and its joints' true repeatability: as in the TOML, or near it."""
     n = len(robot.joints)
-    said = np.array([joint.data.repeatability or 0.0 for joint in robot.joints])
+    said = robot.repeatability
     if not said.any() and rng.random() < 0.5:
         said = np.full(n, np.exp(rng.uniform(np.log(2e-6), np.log(1e-5))))
         if stated:

@@ -173,16 +173,17 @@ def _order_right(case: Case, found: Sequence[Finding]) -> bool | None:
 
 
 def _intervals(case: Case, outcome: Outcome) -> Record:
-    """How many standard deviations the true causes' main parameters are off: z from what data without
-    noise would give in the catalogue's form, z_form from what was hidden."""
+    """How many standard deviations the main parameters of true causes that are reported are off: z from what
+    data without noise would give in the catalogue's form, z_form from what was hidden."""
     accepted = outcome.fit.model.effects
     out: Record = {"z": {}, "z_form": {}}
     if not accepted or not case.hidden or outcome.problem.campaign.setup_names != ("",):
         return out
-    ideal = case.sight.products([case.sight.shift(case.hidden, case.sizes)], accepted).values()
+    reported = {key_of(finding) for finding in outcome.diagnosis.causes}
+    ideal = case.sight.values(case.sight.shift(case.hidden, case.sizes), accepted)
     for item, size in zip(case.hidden, case.sizes, strict=True):
         for i, effect in enumerate(accepted):
-            if effect != item.effect or effect.cause == "lost_motion":
+            if effect != item.effect or effect.key not in reported or effect.cause == "lost_motion":
                 continue
             values, covariance = outcome.fit.effect_values(i)
             said = effect.report(values, covariance)

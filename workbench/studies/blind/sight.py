@@ -57,6 +57,17 @@ class Sight:
         S, _, own = reduce_columns(self.fit, G)
         return Products(S, own, len(shifts), tuple(effects), tuple(parts))
 
+    def values(self, shift: Array, effects: Sequence[Effect]) -> list[Array]:
+        """Parameters of effects, fitted together to a shift (N, T, 3): what data without noise would give.
+        Held by the fit's priors: a free function without them would take what is the others'."""
+        products = self.products([shift], effects)
+        typical = [np.array([p.typical for p in effect.params]) for effect in effects]
+        priors = [effect.prior(self.fit.model.problem) for effect in effects]
+        S = products.S[1:, 1:].copy()
+        S[np.diag_indices_from(S)] += (np.concatenate(typical) / np.concatenate(priors)) ** 2
+        x = np.linalg.solve(S, products.S[1:, 0])
+        return [x[part - 1] * t for part, t in zip(products.parts, typical, strict=True)]
+
 
 @dataclass(frozen=True)
 class Products:
@@ -93,19 +104,6 @@ class Products:
         out: dict[Key, list[int]] = {}
         for k, effect in enumerate(self.effects):
             out.setdefault(effect.key, []).append(k)
-        return out
-
-    def values(self, i: int = 0) -> list[Array]:
-        """Parameters of all effects, fitted together to a shift: what data without noise would give."""
-        columns = np.concatenate(self.parts)
-        S = self.S[np.ix_(columns, columns)].copy()
-        S[np.diag_indices_from(S)] += 1e-10 * self.own[columns]
-        x = np.linalg.solve(S, self.S[columns, i])
-        out, at = [], 0
-        for effect in self.effects:
-            typical = np.array([p.typical for p in effect.params])
-            out.append(x[at : at + len(typical)] * typical)
-            at += len(typical)
         return out
 
 

@@ -53,7 +53,7 @@ def gear_kinematic_error(problem: Problem, effect: GearKinematicError, rng: np.r
     j = problem.joint(effect.where.joint)
     if rng.random() < 1 / 3:
         effect = replace(effect, where=replace(effect.where, order=float(rng.uniform(12, 330))), variant="")
-    order = effect.order
+    order = effect.cycles
     double = replace(effect, where=replace(effect.where, order=2 * order), variant="")
     phase, share, other = rng.uniform(-np.pi, np.pi), rng.uniform(0.15, 0.25), rng.uniform(-np.pi, np.pi)
 
