@@ -46,6 +46,9 @@ def _script_options(parser: argparse.ArgumentParser, folder: str) -> None:
     quick_option(parser, "fewer poses and draws; not the figures that the study is judged by")
     workers_option(parser)
     parser.add_argument("--resume", action="store_true", help="take the draws of a stopped run, and go on")
+    parser.add_argument(
+        "--measured", type=Path, metavar="DIR", help="measured campaigns (ur10-ipa), for the same question"
+    )
     json_option(parser)
 
 
@@ -119,7 +122,13 @@ def _asked(arguments: argparse.Namespace) -> StudyRun:
     from ..studies.study_run import StudyRun
 
     return StudyRun(
-        arguments.out, arguments.seed, arguments.quick, arguments.workers, arguments.resume, progress
+        arguments.out,
+        arguments.seed,
+        arguments.quick,
+        arguments.workers,
+        arguments.resume,
+        progress,
+        arguments.measured,
     )
 
 

@@ -223,7 +223,7 @@ def _no_better(errors: Sequence[float]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Round:
-    """One round: the fit at which the components were compared, the set that this found, and its fit."""
+    """One round: the fit that the components were compared at, the set that this found, the fit with it."""
 
     at: Fit
     found: Fit
