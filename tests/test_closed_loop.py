@@ -32,13 +32,17 @@ from workbench.simulation.closed_loop import verify, verify_file
 from workbench.simulation.closed_loop.control import nominal_mechanics
 from workbench.simulation.closed_loop.drives import drives
 from workbench.simulation.closed_loop.dynamics import Along, Dynamics
+from workbench.simulation.closed_loop.file import Verified
 from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.measures import figures, main_lines, path_accuracy
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.closed_loop.motion import hold, motion
 from workbench.simulation.closed_loop.page import page as whole_page
+from workbench.simulation.closed_loop.pictures import pictures, sweep_picture
+from workbench.simulation.closed_loop.repeatability import repeatability
 from workbench.simulation.closed_loop.simulation import run
+from workbench.simulation.closed_loop.verification import Sweep
 
 LOADS = Conditions(
     "heavy",
@@ -143,6 +147,7 @@ def test_a_warming_arm_grows_while_it_is_simulated():
     assert np.abs(grown - (wanted[1] - wanted[0])).max() < 2e-6
 
 
+SWEPT = ("uncorrected", "corrected", "elastic", "rigid")
 RIPPLE = GearKinematicError(Where(joint="joint_2", order=800.0)), [5e-5, 2e-5]
 TABLE = Run(work_frame((1.7, 0.2, 0.9)), speed=0.05, acceleration=0.05, period=0.02)
 
@@ -226,6 +231,39 @@ def test_repeats_scatter_by_the_joints():
     assert (before.count, before.speed) == (2, proof().series[0].speed)
     assert 0.001 < after.rt_mm < 0.1
     assert after.at_mm < before.at_mm
+
+
+def test_the_data_sheets_repeatability_stands_beside_every_residual():
+    found = proof()
+    assert found.repeatability.data_sheet_mm == 0.08  # the KR 500's, not what its joints' makes
+    joints = found.repeatability.joints_mm
+    assert 0.02 < joints < 0.08
+    said = "repeatability 0.080 mm by data sheet"
+    text = Verified(found, ()).text
+    assert text.count(said) == len(found.series)
+    assert f"data sheet 0.080 mm, the joints' own {mm(joints)} mm at the tool" in text
+    written = whole_page(found)
+    assert written.count(said) >= 2 * len(found.series)  # tile and table
+    along = pictures(found)[0]
+    sweep = sweep_picture(Sweep(np.array([0.01, 1.0]), dict.fromkeys(SWEPT, np.array([0.05, 0.5]))),
+                          found.repeatability)  # fmt: skip
+    for drawn in (along, sweep):
+        assert "repeatability by data sheet" in drawn.svg
+        assert "repeatability of the joints" in drawn.svg
+    numbers = found.to_json()
+    assert numbers["pose_repeatability_mm"] == 0.08
+    assert numbers["joints_repeatability_mm"] == pytest.approx(joints, rel=1e-5)
+
+
+def test_unknown_repeatability_is_said_to_be():
+    robot = load_robot("longlink")  # a paper's arm, without a data sheet; its joints' is stated
+    q = np.tile(POSES["longlink"], (2, 1))
+    assert repeatability(robot, q).short.endswith("by the joints, no data sheet's")
+    found = replace(proof(), repeatability=repeatability(load_robot("cylindrical"), np.zeros((2, 3))))
+    assert "repeatability not known" in whole_page(found)
+    assert "not known, neither a data sheet's nor the joints'" in Verified(found, ()).text
+    assert "repeatability of" not in pictures(found)[0].svg
+    assert found.to_json()["pose_repeatability_mm"] is None
 
 
 def moving():
