@@ -16,6 +16,7 @@ from workbench.correction.path_shapes import Run, line, work_frame
 from workbench.correction.paths import Path, write_path
 from workbench.effects import catalogue
 from workbench.effects.gear_kinematic_error import GearKinematicError
+from workbench.effects.hose_torque import HoseTorque
 from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.place import Where
 from workbench.effects.records import record
@@ -24,6 +25,7 @@ from workbench.files.faults import InputError
 from workbench.report.numbers import mm
 from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
+from workbench.robot.elastic_plant import elastic_twin
 from workbench.robot.equilibrium import equilibrium
 from workbench.robot.loop import Loop
 from workbench.robot.rigid_plant import arrays, link_poses, rigid_twin
@@ -127,6 +129,24 @@ def test_statics_are_the_arms(name, robot):
     for slot, X in enumerate(done.links[-1]):  # what the scene shows of base and links
         assert np.abs(X[:3, 3] - where.p[slot][0]).max() < 1e-6
         assert np.abs(X[:3, :3] - where.R[slot][0] @ arm.R_link[slot]).max() < 1e-6
+
+
+def test_the_drives_bear_what_a_hose_pulls():
+    """At rest they ask for what Drake's elastic twin says, and with that the arm stays where it is."""
+    path, loads, whole = standing("kr500")
+    robot = extended(load_robot("kr500"), [(HoseTorque(Where(joint=f"joint_{j}")), [300.0]) for j in (4, 5)])
+    whole = replace(whole, robot=robot, arm=arrays(robot))
+    ext = extended_arm(whole)
+    here = ext.at(path.q[:1], np.zeros((1, 6)), slice(0, 1))
+    arm, pull = ext.loads(here)
+    assert np.abs(pull.torque[0, 3:5]).min() > 100
+    twin = elastic_twin(arm, robot, ext.acting.yielding(arm), compensator=pull.compensator)
+    twin.equilibrium(path.q[0], ext.direct(here)[0], pull)
+    truth = mechanics(robot, path, path.q, loads)
+    done = run(truth, nominal_mechanics(robot, truth), hold(path.q[0], 0.1, np.zeros(6)), loop=SMOOTH)
+    assert done.torque[0] == pytest.approx(twin.drive_torque(), abs=1e-4)
+    assert done.torque[-1] == pytest.approx(done.torque[0], abs=1e-2)
+    assert np.abs(done.motor).max() < 1e-9
 
 
 def test_a_warming_arm_grows_while_it_is_simulated():

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...report.drawing import AFTER, BEFORE, MIDDLE, NOISE, Figure, drawing, plain_log
+from ...report.drawing import AFTER, BEFORE, MIDDLE, MUTED, NOISE, Figure, drawing, plain_log
 from ...report.numbers import mm, mm_change, significant
 from ...robot.kinematics import Array
 from .measures import spectrum
@@ -162,9 +162,10 @@ def _beside(axes: Any, repeatability: Repeatability) -> None:
     )
     for text, height, style in lines:
         if height is not None:
-            axes.axhline(height, color=NOISE, lw=0.8, ls=style)
+            axes.axhline(height, color=MUTED, lw=0.9, ls=style)
             place = (1.0, height), (-3, 3), ("axes fraction", "data"), "offset points"
-            axes.annotate(text, *place, ha="right", color=NOISE, annotation_clip=False)
+            clear = {"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}
+            axes.annotate(text, *place, ha="right", color=MUTED, bbox=clear, zorder=5, annotation_clip=False)
 
 
 def speed_text(speed: float) -> str:
