@@ -24,6 +24,10 @@ from workbench import (
     write_fit,
 )
 from workbench.cli.main import main
+from workbench.effects.unnamed import unnamed
+from workbench.identification.fit import refit
+from workbench.identification.lasting import lasting
+from workbench.identification.prediction import uncertainty
 from workbench.identification.prediction.bound import length_bound
 
 SIGMA = 2e-5
@@ -150,6 +154,49 @@ def test_volume(model, tmp_path, capsys):
     said = capsys.readouterr().out
     assert "mean of 40 poses" in said
     assert "Inside 10 mm with 95 %: at 100 % of these poses" in said
+
+
+def test_volume_as_it_was_measured(model, tmp_path, capsys):
+    call = ["predict", str(model), "--volume", "60", "--out", str(tmp_path)]
+    assert main([*call, "--measured"]) == 0
+    assert "All poses lie inside of what was measured" in capsys.readouterr().out
+    page = (tmp_path / "index.html").read_text()
+    assert "What is left after correction (95 % bound)" in page
+    assert "measured poses" in page
+    assert "mathdefault" not in page
+    assert main([*call[:2], "--poses", "poses.csv", "--measured"]) == 2
+    assert "goes with --volume" in capsys.readouterr().err
+
+
+def test_the_model_keeps_where_it_was_measured(model, truth):
+    kept = load_robot(model).uncertainty.measured
+    places = measured(load_robot("cylindrical"), replace(truth, sigma=0.0), 60, 1).points[:, 0]
+    assert kept == pytest.approx(places, abs=1e-2)  # mm that geometry and base share
+
+
+def test_what_passes_and_has_no_name_is_not_in_the_model(truth):
+    """A function of bearing takes what a cause that is lacking makes: the model is fitted without it."""
+    campaign = measured(load_robot("cylindrical"), truth, 60, 1)
+    plain = fitted(campaign, PLAY)
+    bearing = next(e for e in unnamed(plain.model.problem) if not e.lasting and "bearing" in e.variable)
+    with_it = refit(plain, [*plain.model.effects, bearing.sized(10.0)])
+    assert np.sum(with_it.r**2) < 0.7 * np.sum(plain.r**2)
+    assert np.abs(with_it.state.geometry - plain.state.geometry).max() > 1e-5
+    left = lasting(with_it)
+    assert left.model.effects == plain.model.effects
+    assert left.state.geometry == pytest.approx(plain.state.geometry, abs=2e-6)
+    assert lasting(plain) is plain
+
+
+def test_parts_of_a_campaign_that_differ_widen_the_bound(truth):
+    """A base that moved by 0.2 mm for a fifth of the poses: random groups of poses hardly see it."""
+    campaign = measured(load_robot("cylindrical"), truth, 60, 1)
+    points = campaign.points.copy()
+    points[48:] += [2e-4, 0.0, 0.0]
+    same, moved = (
+        uncertainty(fitted(one, WHEEL, PLAY)) for one in (campaign, replace(campaign, points=points))
+    )
+    assert moved.tempering * moved.rest > 1.5 * same.tempering * max(same.rest, SIGMA)
 
 
 def test_a_model_that_does_not_say_how_sure_it_is_is_refused(tmp_path, capsys):

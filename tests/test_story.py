@@ -66,6 +66,18 @@ def told(folder: Path, text: str = STORY, high: float = 0.96) -> Study:
     return tell(story, load_robot("kr500"), NUMBERS, items, shown, "curve", claims=claims)
 
 
+def test_a_figure_says_how_it_was_made(tmp_path: Path) -> None:
+    study = told(tmp_path, STORY.replace("[[curve]]", "[[curve: A KR 500, {count:.0} draws: in mm.]]"))
+    (drawn,) = study.figures
+    assert drawn.note == "A KR 500, 31 draws: in mm."
+    assert study.picture.note == ""
+    write_study(study, tmp_path / "out")
+    page = (tmp_path / "out/index.html").read_text(encoding="utf-8")
+    assert '<span class="made">A KR 500, 31 draws: in mm.</span>' in page
+    with pytest.raises(ValueError, match="list is a table"):
+        told(tmp_path, STORY.replace("[[list]]", "[[list: how]]"))
+
+
 def test_words_get_their_numbers(tmp_path: Path) -> None:
     study = told(tmp_path)
     assert (study.name, study.title, study.headline) == ("case", "A robot", "It is 1.23 mm off")

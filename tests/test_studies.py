@@ -15,7 +15,9 @@ import pytest
 
 import workbench
 from workbench.cli.main import main
-from workbench.studies import PUBLISHED
+from workbench.studies import PUBLISHED, seeds
+from workbench.studies.running import run_published
+from workbench.studies.study_run import StudyRun
 
 STUDIES = Path(__file__).resolve().parents[1] / "workbench" / "studies"
 
@@ -145,3 +147,47 @@ def test_all_studies_in_full(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         assert result["headline"] in said
         for file in ("index.html", "report.pdf", "scene.html"):
             assert (tmp_path / name / file).is_file()
+
+
+def test_pages_of_several_seeds_beside_each_other() -> None:
+    """A page that stays though its claim turned, one that says it too often, a number written out."""
+    story = (
+        "# A: [if high]High.[else]High.[end]\n\nIt is 1.234 mm, {error_mm:mm}.\n\n## Assumed\n- x | 5.678 | y"
+    )
+
+    def page(seed: int, stands: bool, error: float, text: str, share: float) -> seeds.Page:
+        claim = {"words": "high", "share": share, "draws": 100, "here": stands, "stands": stands}
+        return seeds.Page(seed, {"claims": {"high": claim}, "numbers": {"error_mm": error}}, [text])
+
+    pages = [page(0, True, 1.234, "High.", 0.95), page(1, False, 2.0, "High.", 0.5)]
+    found = "\n".join(seeds.faults(story, pages))
+    assert len(found.splitlines()) == 4
+    for said in ("both sentences", "the page stays", "holds in 72% of all draws", "1.234 is written out"):
+        assert said in found
+    assert seeds.claims_of(pages)["high"]["holds"] == seeds.claims_of(pages)["high"]["said"] == 1
+    sound = [
+        page(0, True, 1.0, "It is high by 1.0 mm.", 0.95),
+        page(1, True, 2.0, "It is high by 2.0 mm.", 0.93),
+    ]
+    assert seeds.faults("[if high]It is high by {error_mm:mm} mm.[else]It is not.[end]", sound) == []
+    assert seeds.to_read(
+        [page(0, True, 1.0, "It falls by 1.0 mm.", 1.0), page(1, True, 2.0, "It falls by 2.0 mm.", 1.0)]
+    )
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_a_choice_of_a_story_has_two_sentences(name: str) -> None:
+    story = (STUDIES / name / "story.md").read_text(encoding="utf-8")
+    assert not [fault for fault in seeds.faults(story, []) if "both sentences" in fault]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_no_sentence_is_false_under_three_seeds(name: str, tmp_path: Path) -> None:
+    """Whole quick runs: `benchmarks/claims.py` does it for ten."""
+    pages = []
+    for seed in (1, 2, 3):
+        where = tmp_path / str(seed)
+        run_published((name,), StudyRun(where, seed=seed, quick=True, workers=1))
+        pages.append(seeds.read_page(where, seed))
+    assert seeds.faults((STUDIES / name / "story.md").read_text(encoding="utf-8"), pages) == []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from workbench.cli.main import main
 from workbench.report.study import Study
 from workbench.studies.cylindrical.accounts import accounts, moved_out
 from workbench.studies.cylindrical.deflections import HAND_TARGETS, LENGTH, STROKE, pool
-from workbench.studies.cylindrical.headline import CLAIMS, draws
+from workbench.studies.cylindrical.headline import OF_DRAWS, draws
 from workbench.studies.cylindrical.printed import FORCE, TABLE_1
 from workbench.studies.cylindrical.study import IN_BASE
 from workbench.studies.running import run_published
@@ -88,7 +89,7 @@ def test_stiffness_is_found_within_what_the_noise_allows(found: Study) -> None:
 def test_claims_hold_for_other_seeds(found: Study, tmp_path: Path, seed: int) -> None:
     """What the page says of draws it says for other draws too."""
     others = draws(StudyRun(tmp_path, seed=seed, quick=True, workers=1))
-    for claim in CLAIMS:
+    for claim in OF_DRAWS:
         held = np.mean([claim.holds({**found.numbers, **one}) for one in others.each()])
         assert found.claims[claim.name].stands == (held >= 0.9 and found.claims[claim.name].here), claim.name
 
@@ -125,3 +126,16 @@ def test_a_study_by_name_gives_its_result_alone(
     result = json.loads(capsys.readouterr().out)
     assert (result["study"], result["robot"], result["schema"]) == ("cylindrical", "cylindrical", 1)
     assert all(result["box"].values())
+
+
+def test_captions_stand_alone(found: Study) -> None:
+    """Robot, and how many draws or that there are none, under which seed."""
+    for figure in found.figures:
+        assert figure.note.startswith("Cylindrical robot"), figure.name
+        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+
+
+def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
+    n = found.numbers
+    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
+    assert n["clear_both"] >= 1.0 * n["clear_poses"]

@@ -4,6 +4,7 @@ measurement."""
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -171,3 +172,16 @@ def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
     stated = load_robot("kr120").compensator
     assert stated is not None
     assert campaign.robot.compensator.piston_area == stated.piston_area
+
+
+def test_captions_stand_alone(found: Study) -> None:
+    """Robot, and how many draws or that there are none, under which seed."""
+    for figure in found.figures:
+        assert figure.note.startswith("KUKA KR 120"), figure.name
+        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+
+
+def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
+    n = found.numbers
+    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
+    assert n["clear_both"] >= 0.95 * n["clear_poses"]

@@ -4,6 +4,7 @@ load."""
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -179,3 +180,16 @@ def test_sag_of_the_pool_is_the_deflection() -> None:
     whole = deflection(planned(linear.assumed(), q, targets=arm.ARM.targets[:1]))[:, 0]
     parts = sum(part[:20].sum(axis=1) for part in linear.pool(90, False).parts.values())
     assert np.linalg.norm(parts - whole, axis=1).max() < 0.03 * np.linalg.norm(whole, axis=1).max()
+
+
+def test_captions_stand_alone(found: Study) -> None:
+    """Robot, and how many draws or that there are none, under which seed."""
+    for figure in found.figures:
+        assert figure.note.startswith("Seven-joint arm"), figure.name
+        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+
+
+def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
+    n = found.numbers
+    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
+    assert n["clear_both"] >= 0.4 * n["clear_poses"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,8 +16,9 @@ from workbench.report.study import Study
 from workbench.robot.description import load_robot
 from workbench.studies.running import run_script
 from workbench.studies.rx170 import study as rx170
-from workbench.studies.rx170.accounts import CLAIMS, accounts, draws
+from workbench.studies.rx170.accounts import accounts, draws
 from workbench.studies.rx170.printed import ACCELERATION, HEIGHT, SPEED, SPIRAL, SPIRAL_TURNS
+from workbench.studies.rx170.said import OF_DRAWS
 from workbench.studies.rx170.superposed import BASE_TO_JOINT_2, ELBOW_UP, GEARS, SPACING, heights_at
 from workbench.studies.study_run import StudyRun
 
@@ -148,7 +150,7 @@ def test_accounts_with_a_zero_of_each_run_s_own_are_out(found: Study) -> None:
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_claims_hold_for_other_seeds(found: Study, tmp_path: Path, seed: int) -> None:
     others = draws(StudyRun(tmp_path, seed=seed, quick=True, workers=1))
-    for claim in CLAIMS:
+    for claim in OF_DRAWS:
         held = np.mean([claim.holds({**found.numbers, **one}) for one in others.each()])
         stand = found.claims[claim.name]
         assert stand.share == pytest.approx(held, abs=0.12), claim.name
@@ -157,7 +159,7 @@ def test_claims_hold_for_other_seeds(found: Study, tmp_path: Path, seed: int) ->
 
 
 def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
-    assert len(found.tables) == 11
+    assert len(found.tables) == 13
     for name in ("index.html", "report.pdf", "scene.html", "result.json"):
         assert (folder / name).stat().st_size > 500, name
     finite = {key: value for key, value in found.numbers.items() if np.isfinite(value)}
@@ -168,3 +170,16 @@ def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
     assert [joint.name for joint in corrected.joints if joint.data.stiffness] == ["joint_2"]
     assert {effect.joint for effect in corrected.effects} == {"joint_2"}
     assert load_robot(folder / "model_stiffness.toml").effects == ()
+
+
+def test_captions_stand_alone(found: Study) -> None:
+    """Robot, and how many draws or that there are none, under which seed."""
+    for figure in found.figures:
+        assert figure.note.startswith("Stäubli RX170"), figure.name
+        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+
+
+def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
+    n = found.numbers
+    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
+    assert n["clear_both"] >= 0.9 * n["clear_poses"]

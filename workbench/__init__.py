@@ -139,8 +139,16 @@ if TYPE_CHECKING:
     from .studies.accounts import Account as Account
     from .studies.accounts import Item as Item
     from .studies.accounts import Judged as Judged
+    from .studies.calibration import Calibrated as Calibrated
+    from .studies.calibration import calibrated as calibrated
+    from .studies.calibration import calibrated_table as calibrated_table
+    from .studies.calibration import stated_table as stated_table
     from .studies.claims import Claim as Claim
     from .studies.claims import checked as checked
+    from .studies.clearance import clear_numbers as clear_numbers
+    from .studies.clearance import clear_poses as clear_poses
+    from .studies.clearance import clear_table as clear_table
+    from .studies.counterparts import counterpart as counterpart
     from .studies.draws import Draws as Draws
     from .studies.draws import draw_many as draw_many
     from .studies.draws import tornado as tornado
@@ -211,7 +219,10 @@ _MODULES = {
     "studies": "as_package",
     "studies.account_tables": "accounts_table needs_table odds_figure odds_table",
     "studies.accounts": "Account Item Judged",
+    "studies.calibration": "Calibrated calibrated calibrated_table stated_table",
     "studies.claims": "Claim checked",
+    "studies.clearance": "clear_numbers clear_poses clear_table",
+    "studies.counterparts": "counterpart",
     "studies.draws": "Draws draw_many tornado",
     "studies.judging": "judge",
     "studies.priors": "Prior",

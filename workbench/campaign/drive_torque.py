@@ -13,6 +13,15 @@ from ..robot.kinematics import Array
 from .problem import Problem
 
 SHOWS = 0.5  # share of a joint's torque that the model must explain for the column to be believed
+FEWEST = 10  # torques of a joint from which its noise is taken
+TAKEN = 3  # numbers that are taken out: offset, scale and side
+ROUNDS = 2  # of a load's size and what it leaves
+ACCURACY = (
+    0.03  # of a joint's largest torque: what motor currents say of it, friction and masses in the model
+)
+WIDE = 1e3  # usual sizes of a load that nothing holds
+TILT = 5e-3  # rad: how far the axis of a joint may lie from the model's
+LEAST = 1e-6  # N·m, N: of a joint without any load
 
 
 def project(problem: Problem, values: Array) -> Array:
@@ -35,19 +44,50 @@ def project(problem: Problem, values: Array) -> Array:
     return out
 
 
-def noise(problem: Problem) -> Array:
-    """(n,) one sigma of each joint's torque about the model [N·m, N]; infinite where the model explains
-    less than `SHOWS` of it (no load on that joint, or a column that means something else)."""
+def axis_error(problem: Problem) -> Array:
+    """(n,) [N·m, N] torque (RMS) that the stated loads make at each joint if its axis is off by `TILT`: no
+    model of the torques is better, and at a vertical axis there is hardly any other."""
+    slot, component = np.divmod(problem.arm.axial, 6)
+    load = problem.nominal_load.local.reshape(len(problem.q), -1, 2, 3)
+    own = load[:, slot, component // 3]
+    return np.asarray(TILT * np.sqrt((own**2).sum(axis=2).mean(axis=0)) + LEAST)
+
+
+def scatter(problem: Problem, moved: Array | None = None, largest: float = np.inf) -> Array:
+    """(n,) [N·m, N] RMS of what the model leaves of each joint's torques, not less than `axis_error`;
+    infinite where there are fewer than `FEWEST`.
+
+    moved: (N, n, p) what a wrong load makes of the torques, as `project` leaves it, taken out as far as one
+    size of it explains all joints, and not below the torques' `ACCURACY`; nothing of it where it would have
+    to be larger than `largest`.
+    """
     measured = problem.campaign.poses.torque
     assert measured is not None
-    left = project(problem, np.nan_to_num(measured)[..., None])[..., 0]
-    sigma = np.full(measured.shape[1], np.inf)
-    for j in range(len(sigma)):
-        seen = np.isfinite(measured[:, j])
-        if seen.sum() < 10:
-            continue
-        total = float(np.std(measured[seen, j]))
-        rms = float(np.sqrt(np.sum(left[seen, j] ** 2) / max(seen.sum() - 3, 1)))
-        if total > 0 and rms**2 < (1 - SHOWS) * total**2:
-            sigma[j] = max(rms, 1e-6 * total)
-    return sigma
+    seen, least = np.isfinite(measured), axis_error(problem)
+    known = np.nan_to_num(measured)
+    left = project(problem, known[..., None])[..., 0]
+    enough = seen.sum(axis=0) >= FEWEST
+    free = np.maximum(seen.sum(axis=0) - TAKEN, 1)
+    rms = np.maximum(np.sqrt((left**2).sum(axis=0) / free), least)
+    least = np.maximum(least, np.minimum(rms, ACCURACY * np.abs(known).max(axis=0)))
+    if moved is None:
+        return np.where(enough, rms, np.inf)
+    found, held = rms, np.eye(moved.shape[2]) / min(largest, WIDE)
+    for _ in range(ROUNDS):
+        columns = np.concatenate([(moved / found[:, None])[:, enough].reshape(-1, len(held)), held])
+        wanted = np.concatenate([(left / found)[:, enough].ravel(), np.zeros(len(held))])
+        size = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+        found = np.maximum(np.sqrt(((left - moved @ size) ** 2).sum(axis=0) / free), least)
+    if np.abs(size).max(initial=0.0) <= largest:
+        rms = found
+    return np.where(enough, rms, np.inf)
+
+
+def noise(problem: Problem, moved: Array | None = None, largest: float = np.inf) -> Array:
+    """(n,) one sigma of each joint's torque about the model [N·m, N], as `scatter`; infinite where that
+    explains less than `SHOWS` of it (no load on that joint, or a column that means something else)."""
+    measured = problem.campaign.poses.torque
+    assert measured is not None
+    rms = scatter(problem, moved, largest)
+    total = np.array([np.nanstd(column) if np.isfinite(column).any() else 0.0 for column in measured.T])
+    return np.where(rms**2 < (1 - SHOWS) * total**2, rms, np.inf)

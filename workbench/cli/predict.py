@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..files.faults import Fault, InputError
 from .arguments import Commands, above_zero, check_folder, json_option, out_option, positive, seed_option
 from .status import progress
 
@@ -32,6 +33,10 @@ def add(commands: Commands) -> None:
         metavar="N",
         help=f"N random poses within the joints' limits ({POSES})",
     )
+    parser.add_argument(
+        "--measured", action="store_true",
+        help="with --volume: within the range in which each joint was measured, not within its limits",
+    )  # fmt: skip
     parser.add_argument(
         "--payload", default="", metavar="NAME", help="what the arm carries, where the file says nothing"
     )
@@ -62,9 +67,14 @@ def run(arguments: argparse.Namespace) -> None:
     out: Path = arguments.out
     check_folder(out)
     robot = load_robot(arguments.model)
-    required_uncertainty(robot)
+    told = required_uncertainty(robot)
+    if arguments.measured and arguments.volume is None:
+        raise InputError(Fault("--measured", "goes with --volume", "leave it out: the file says the poses"))
     if arguments.volume is not None:
-        q = random_poses(robot, arguments.volume, np.random.default_rng(arguments.seed), share=1.0)
+        rng, count = np.random.default_rng(arguments.seed), arguments.volume
+        q = random_poses(robot, count, rng, share=1.0)
+        if arguments.measured:
+            q = rng.uniform(told.lower, told.upper, q.shape)
         errors = predict(robot, q, arguments.payload)
     else:
         errors = predict(robot, _told(robot, arguments))

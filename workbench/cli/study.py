@@ -46,6 +46,9 @@ def _script_options(parser: argparse.ArgumentParser, folder: str) -> None:
     quick_option(parser, "fewer poses and draws; not the figures that the study is judged by")
     workers_option(parser)
     parser.add_argument("--resume", action="store_true", help="take the draws of a stopped run, and go on")
+    parser.add_argument(
+        "--measured", type=Path, metavar="DIR", help="measured campaigns (ur10-ipa), for the same question"
+    )
     json_option(parser)
 
 
@@ -66,6 +69,11 @@ def _add_blind(studies: Commands) -> None:
     size = parser.add_mutually_exclusive_group()
     size.add_argument("--draws", type=positive, default=20, metavar="N", help="draws per cause (20)")
     size.add_argument("--quick", action="store_true", help="faster: two cases of a few causes")
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="a Dask scheduler, whose workers on other machines do the cases",
+    )
     _case_options(parser, "reports/blind")
     parser.set_defaults(run=run_blind)
 
@@ -114,7 +122,13 @@ def _asked(arguments: argparse.Namespace) -> StudyRun:
     from ..studies.study_run import StudyRun
 
     return StudyRun(
-        arguments.out, arguments.seed, arguments.quick, arguments.workers, arguments.resume, progress
+        arguments.out,
+        arguments.seed,
+        arguments.quick,
+        arguments.workers,
+        arguments.resume,
+        progress,
+        arguments.measured,
     )
 
 
@@ -137,6 +151,7 @@ def run_blind(arguments: argparse.Namespace) -> None:
         arguments.workers,
         arguments.resume,
         arguments.quick,
+        scheduler=arguments.scheduler,
     )
     print(json.dumps(result.to_json()) if arguments.json else result.text)
 

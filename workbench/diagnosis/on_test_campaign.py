@@ -10,6 +10,7 @@ from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit
+from ..identification.lasting import lasting
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import check_plausible
@@ -21,13 +22,14 @@ from .wild_points import ROUNDS, mended, wild_limit, without_gross, without_impo
 
 
 def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
-    """Errors before (nominal robot) and after (final model) on `campaign`.
+    """Errors before (nominal robot) and after (what lasts of the final model) on `campaign`.
 
     Frame and targets come from the fitted set-up of the same name; only set-ups that the fitted
     campaigns do not have, or have in two parts, get their own, fitted on the test poses. Data faults are
     left out by the rules of the fit; the figures of all points stand beside. Raises InputError where it is
     of another robot.
     """
+    final = lasting(final)
     fitted = final.model.problem
     if campaign.robot.joint_names != fitted.robot.joint_names:
         raise InputError(

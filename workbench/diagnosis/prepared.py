@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..campaign import Campaign, drive_torque, join
+from ..campaign import Campaign, join
 from ..campaign.parted import parted
 from ..campaign.problem import Problem, problem
 from ..effects.given import Given, exclusions, given_facts
@@ -25,6 +25,7 @@ from ..identification.plausible import check_corrections, check_plausible, check
 from .moved_setup import jump, split_setup, step_in_time
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .result import FaultFound, Noise
+from .torque_noise import torque_noise
 from .wild_points import Acting, clean, least_sigma, without_gross, without_impossible
 
 SIX_DOF = 3  # targets that make a 6-D measurement
@@ -175,7 +176,7 @@ def _fitted(sound: _Sound) -> Prepared:
     if not known:
         covariance, noise = from_residual(geometry)
     if problem.drives:
-        covariance = replace(covariance, torque=drive_torque.noise(problem))
+        covariance = replace(covariance, torque=torque_noise(geometry))
     if not known or problem.drives:
         geometry = fit(model, geometry.state, covariance)
     check_corrections(geometry)

@@ -59,12 +59,14 @@ STYLE: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture and the sentence that it shows. `alt` says it to those who cannot see it."""
+    """A picture and the sentence that it shows. `alt` says it to those who cannot see it; note: how it was
+    made, for a reader who reads nothing else."""
 
     name: str
     title: str
     alt: str
     svg: str
+    note: str = ""
 
 
 @contextmanager

@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from ..files.tables import table_text
-from ..identification.prediction import ToolErrors
+from ..identification.prediction import ToolErrors, required_uncertainty
 from ..robot.description import Robot
 from ..robot.kinematics import Array
-from .drawing import AFTER, BEFORE, MIDDLE, Figure, dots, drawing
+from .drawing import AFTER, BEFORE, MIDDLE, Figure, drawing, plain_log
 from .folder import json_bytes, write_together
 from .markup import render
 from .scene import Shown, scene_of
+from .workspace_map import workspace_map
 
 HEAD = (
     "pose_id", "target", "x_mm", "y_mm", "z_mm", "dx_mm", "dy_mm", "dz_mm",
@@ -127,7 +128,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
         words=WORDS,
         outside=expected.outside,
         notes=list(e.notes),
-        figures=[_shares(expected), _map(expected)],
+        figures=[_shares(expected), *_maps(expected)],
         version=version("robot-workbench"),
     )
     flat = e.places.reshape(-1, 3)
@@ -171,32 +172,20 @@ def _shares(expected: Expected) -> Figure:
         if expected.tolerance is not None:
             axes.axvline(1e3 * expected.tolerance, color=MIDDLE, lw=1)
         axes.set_xscale("log")
+        plain_log(axes.xaxis)
         axes.set_xlabel("95 % bound of the error (mm)")
         axes.set_ylabel("poses inside (%)")
         axes.legend()
     return Figure("shares", "At how many poses the tool stays inside", expected.headline, svg[0])
 
 
-def _map(expected: Expected) -> Figure:
-    """The poses from the side and from above, by what is left."""
-    e = expected.errors
-    places, worst = e.places.mean(axis=1), e.worst
-    if expected.tolerance is None:
-        low, high = np.quantile(worst, [1 / 3, 2 / 3])
-        label = [f"below {1e3 * low:.3f} mm", "between", f"above {1e3 * high:.3f} mm"]
-    else:
-        low = high = expected.tolerance  # nothing is between
-        inside = f"inside {1e3 * low:.3g} mm"
-        label = [inside, "", f"not {inside}"]
-    level = np.searchsorted([low, high], worst)
-    with drawing("map", 3.6, columns=2) as (axes, svg):
-        for ax, (a, b) in zip(axes, ((0, 2), (0, 1)), strict=True):
-            for k, colour in enumerate((AFTER, MIDDLE, BEFORE)):
-                if (level == k).any():
-                    dots(ax, places[level == k, a], places[level == k, b], colour, label[k])
-            ax.set_xlabel(f"{'xyz'[a]} (m)")
-            ax.set_ylabel(f"{'xyz'[b]} (m)")
-            ax.set_aspect("equal", adjustable="datalim")
-        axes[0].legend()
-    title = "What is left after correction (95 % bound), from the side and from above"
-    return Figure("map", title, title, svg[0])
+def _maps(expected: Expected) -> list[Figure]:
+    """What an uncorrected program misses, and what is left after correction, over the workspace."""
+    e, measured = expected.errors, required_uncertainty(expected.robot).measured
+    places, outside = e.places.mean(axis=1), ~e.measured
+    missed = "What an uncorrected program misses (mean of the tool's points)"
+    left = "What is left after correction (95 % bound)"
+    return [
+        workspace_map("missed", missed, places, e.length.mean(axis=1), outside, measured),
+        workspace_map("left", left, places, e.worst, outside, measured),
+    ]

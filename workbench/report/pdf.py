@@ -25,7 +25,7 @@ def typeset(template: str, said: Mapping[str, Any], figures: Mapping[str, Figure
     """A PDF from a template of this folder, which finds its text in `data.json` and figures by name."""
     import typst
 
-    shown = {name: {"title": f.title, "alt": f.alt} for name, f in figures.items()}
+    shown = {name: {"title": f.title, "alt": f.alt, "note": f.note} for name, f in figures.items()}
     with tempfile.TemporaryDirectory(prefix="report") as room:
         place = Path(room)
         text = json.dumps(legible({**said, "figures": shown}), ensure_ascii=False)

@@ -8,7 +8,8 @@
     - Label of a tile | before | after | unit | note
 
     ## A section
-    Paragraphs, and lines like [[stiffness]] where a table or figure of that name stands. Or a table:
+    Paragraphs, and lines like [[stiffness]] where a table or figure of that name stands, a figure with how
+    it was made: [[stiffness: KUKA KR 500, {draws:.0} draws.]] Or a table:
 
     **Its title**
     | Joint | Printed | Ours |
@@ -38,7 +39,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..robot.description import Robot
@@ -49,7 +50,7 @@ from .study import BOX_TITLES, Box, Section, Stand, Study, Table, Tile
 
 Item = Table | Figure
 LISTS = ("Box", "Assumed", "References")
-ITEM = re.compile(r"\[\[(.+)\]\]")
+ITEM = re.compile(r"\[\[([^:\]]+)(?::\s*(.+))?\]\]")
 CHOICE = re.compile(r"\[if (not )?(\w+)\](.*?)(?:\[else\](.*?))?\[end\]", re.DOTALL)
 
 
@@ -168,24 +169,35 @@ def _chosen(story: Path, text: str, claims: Mapping[str, Stand]) -> str:
 def _parts(story: Path, text: str, items: Mapping[str, Item]) -> list[_Part]:
     """The story by its headings, of any level."""
     parts: list[_Part] = []
+    told: list[str] = []
     for block in filter(str.strip, re.split(r"\n\s*\n", text)):
         for piece in _pieces(block):
             if piece.startswith("#"):
                 parts.append(_Part(piece.lstrip("# ")))
             elif found := ITEM.fullmatch(piece):
-                if found[1] not in items:
-                    raise ValueError(f"{story.name}: there is no table or figure {found[1]!r}")
-                parts[-1].content.append(items[found[1]])
+                told.append(found[1])
+                parts[-1].content.append(_item(story, found[1], found[2] or "", items))
             elif piece.startswith("- "):
                 parts[-1].lines.append([cell.strip() for cell in piece[2:].split("|")])
             elif "\n|" in piece:
                 parts[-1].content.append(_table(piece))
             else:
                 parts[-1].content.append(re.sub(r"[ \n]+", " ", piece).strip())
-    told = [piece for part in parts for piece in part.content if not isinstance(piece, str)]
-    if missing := [name for name, item in items.items() if item not in told]:
+    if missing := [name for name in items if name not in told]:
         raise ValueError(f"{story.name} leaves out {', '.join(missing)}")
     return parts
+
+
+def _item(story: Path, name: str, made: str, items: Mapping[str, Item]) -> Item:
+    """A table or figure by name, the figure with how it was made."""
+    if name not in items:
+        raise ValueError(f"{story.name}: there is no table or figure {name!r}")
+    item = items[name]
+    if not made:
+        return item
+    if isinstance(item, Table):
+        raise ValueError(f"{story.name}: {name} is a table, which has its own note")
+    return replace(item, note=made)
 
 
 def _pieces(block: str) -> list[str]:

@@ -60,6 +60,7 @@ class Tile:
 
 
 LEAST = 0.9  # of the draws a sentence has to hold in
+FEWEST = 5  # draws that a sentence about draws is said from
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,8 @@ class Stand:
 
     @property
     def stands(self) -> bool:
-        """May be said: it holds here, and in nine of ten draws."""
-        return self.here and self.share >= LEAST
+        """May be said: it holds here, and in nine of ten draws, which are not too few to say so."""
+        return self.here and self.share >= LEAST and not 0 < self.draws < FEWEST
 
 
 BOX_TITLES = {

@@ -56,6 +56,16 @@ class Uncertainty(_Table):
     """m: largest standard deviation at a measured pose that comes from the fitted numbers"""
     instrument_inside: bool
     """nobody knows the instrument's noise: it is in the bounds as well"""
+    measured_mm: tuple[str, ...] = ()
+    """where the first of the points was measured, in the base frame: a place on each line, some of them"""
+
+    @field_validator("measured_mm")
+    @classmethod
+    def _places(cls, lines: tuple[str, ...]) -> tuple[str, ...]:
+        numbers = [line.split() for line in lines]
+        if any(len(one) != 3 for one in numbers) or not np.isfinite(np.array(numbers, dtype=float)).all():
+            raise ValueError("has lines that are not three finite numbers")
+        return lines
 
     @field_validator("factor")
     @classmethod
@@ -72,6 +82,11 @@ class Uncertainty(_Table):
         """(P, k) square root of the covariance of the P numbers `names`."""
         numbers = np.array(" ".join(self.factor).split(), dtype=np.float64)
         return numbers.reshape(len(self.names), -1)
+
+    @cached_property
+    def measured(self) -> NDArray[np.float64]:
+        """(M, 3) [m] places where the tool was measured."""
+        return 1e-3 * np.array(" ".join(self.measured_mm).split(), dtype=np.float64).reshape(-1, 3)
 
 
 def factor_lines(F: NDArray[np.float64]) -> tuple[str, ...]:

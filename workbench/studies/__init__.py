@@ -22,6 +22,8 @@ What such a page says it has to earn:
 
 - `judge(accounts, items, draws, run)` holds several accounts of how the print came to be, the authors' own
   among them, against all that is printed; `accounts_table`, `odds_table` and so on show it.
+- `calibrated(judged, items)` gives odds that are as right as they say, for few draws of many numbers: worlds
+  drawn from the accounts are judged as the print is (`calibrated_table`, `stated_table`).
 - `draw_many(work, priors, draws, run)` draws the headline over seeds and over what had to be assumed;
   `tornado` shows which assumption carries it, `.by_name()` gives a story medians and 5 to 95 %.
 - `checked(claims, numbers, draws)` says how often each sentence holds; `tell(..., claims=...)` has the story

@@ -222,13 +222,16 @@ class Judged:
         return low, middle, high
 
     def numbers(self, *, without: bool = True) -> dict[str, float]:
-        """For a story: p_ACCOUNT its probability, p_ACCOUNT_without_ITEM; log10_ACCOUNT and
-        log10_ACCOUNT_error its evidence; share_ACCOUNT_ITEM and far_ACCOUNT_ITEM its standings (ITEM: all for
-        all together); ACCOUNT_VALUE, ACCOUNT_VALUE_low and ACCOUNT_VALUE_high what it needs.
+        """For a story: seed; account_draws, of each account; p_ACCOUNT its probability,
+        p_ACCOUNT_without_ITEM; log10_ACCOUNT and log10_ACCOUNT_error its evidence; share_ACCOUNT_ITEM and
+        far_ACCOUNT_ITEM its standings (ITEM: all for all together); ACCOUNT_VALUE, ACCOUNT_VALUE_low and
+        ACCOUNT_VALUE_high what it needs.
 
         without: with the probabilities without each item.
         """
         found = {f"p_{name}": p for name, p in self.probabilities().items()}
+        drawn = len(next(iter(self.first.values())).shares)
+        found |= {"seed": float(self.seed), "account_draws": float(drawn)}
         left_out = self.without if without else {}
         for account in self.accounts:
             a = account.name

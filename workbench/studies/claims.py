@@ -22,7 +22,10 @@ class Claim:
 
 
 def checked(claims: Sequence[Claim], numbers: Numbers, draws: Draws | None = None) -> dict[str, Stand]:
-    """Each claim in this run, and over the draws: a draw's numbers take the place of the run's own."""
+    """Each claim in this run, and over the draws: a draw's numbers take the place of the run's own. Of no
+    draws at all none holds."""
+    if draws is not None and not draws.count:
+        return {claim.name: Stand(claim.words, 0.0, 0, False) for claim in claims}
     found = {}
     for claim in claims:
         here = bool(claim.holds(numbers))

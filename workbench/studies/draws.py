@@ -46,8 +46,8 @@ class Draws:
 
     @property
     def middle(self) -> dict[str, float]:
-        """The median of each number."""
-        return {name: self.range(name)[1] for name in self.numbers}
+        """The median of each number, where there are draws."""
+        return {name: self.range(name)[1] for name in self.numbers} if self.count else {}
 
     def only(self, at: Array) -> Draws:
         """Some of the draws; at: (D,) bool."""

@@ -20,19 +20,26 @@ ROUNDS = 3
 
 
 def judge(
-    accounts: Sequence[Account], items: Sequence[Item], draws: int, run: StudyRun, chunk: int = CHUNK
+    accounts: Sequence[Account],
+    items: Sequence[Item],
+    draws: int,
+    run: StudyRun,
+    chunk: int = CHUNK,
+    nearer: int | None = None,
 ) -> Judged:
     """Each account held against all items; resumable, on all cores.
 
     draws: of each account per round; the first round draws from the priors, the others near the print (an
-    account without free values has one round). chunk: draws per task. Raises RuntimeError where an account
+    account without free values has one round). chunk: draws per task; nearer: draws in the later rounds, as
+    many as in the first by default. Raises RuntimeError where an account
     fails, with the end of its traceback.
     """
     found: dict[str, list[Round]] = {account.name: [] for account in accounts}
     for number in range(ROUNDS):
         drawn = [a for a in accounts if a.priors or number == 0]
         towards = {a.name: _nearer(a, items, found[a.name][-1], run.seed) for a in drawn if number > 0}
-        for name, made in _round(drawn, items, towards, draws, run, chunk, number).items():
+        count = draws if number == 0 or nearer is None else nearer
+        for name, made in _round(drawn, items, towards, count, run, chunk, number).items():
             found[name].append(made)
     first, last = ({name: rounds[at] for name, rounds in found.items()} for at in (0, -1))
     return Judged(accounts, items, first, last, run.seed)

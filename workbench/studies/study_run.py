@@ -16,7 +16,8 @@ class StudyRun:
     """What a study's script gets.
 
     folder: for its results; quick: few draws; workers: processes, all cores by default; resume: take what a
-    stopped run drew; say: what is being done, for people.
+    stopped run drew; say: what is being done, for people; measured: folder of measured campaigns, for the
+    question of each study on a measured robot.
     """
 
     folder: Path
@@ -25,6 +26,7 @@ class StudyRun:
     workers: int | None = None
     resume: bool = False
     say: Callable[[str], None] = silent
+    measured: Path | None = None
 
     def draws(self, full: int, quick: int) -> int:
         """How many draws: `full`, or `quick` in a quick run."""

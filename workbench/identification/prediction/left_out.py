@@ -13,6 +13,7 @@ from ..fit import Fit
 from ..heldout import folds_of, without_rows
 
 FOLDS = 10
+PARTS = 5  # of the campaign, one after the other
 END = 0.15  # share of the positions that lie at an end of a joint's range
 
 
@@ -30,6 +31,12 @@ class LeftOut:
     scatter: Array
     seen: Array
     beyond: Array
+
+    @property
+    def inside(self) -> LeftOut:
+        """Those that lie inside of what their fit saw."""
+        here = self.beyond == 0
+        return LeftOut(*(getattr(self, name)[here] for name in LeftOut.__annotations__))
 
 
 class Leaver:
@@ -58,9 +65,24 @@ class Leaver:
 
     def by_position(self, variance: float, seed: int = 0) -> LeftOut:
         """Every pose once, in groups of positions drawn at random."""
-        fold = folds_of(self.fit.model.problem.positions, FOLDS, seed)
+        fold = folds_of(self.fit.model.problem, FOLDS, seed)
         inside = np.zeros(len(fold))
         return joined([self.leave(fold == f, inside, variance) for f in range(fold.max() + 1)])
+
+    def by_part(self, variance: float) -> LeftOut:
+        """The poses of each part of the campaign, in the order of measurement within its set-ups: a part may
+        stand elsewhere than its neighbours, and later."""
+        problem, setup = self.fit.model.problem, self.fit.model.problem.campaign.poses.setup
+        part = np.zeros(len(setup), dtype=np.int64)
+        for own in (np.flatnonzero(setup == k) for k in np.unique(setup)):
+            part[own] = np.arange(len(own)) * PARTS // len(own)
+        unit, out = np.where(problem.arm.prismatic, 3.0, 1.0), []
+        for k in range(PARTS):
+            others = problem.q[part != k]
+            low, high = others.min(axis=0), others.max(axis=0)
+            beyond = (np.maximum(low - problem.q, problem.q - high) * unit).max(axis=1)
+            out.append(self.leave(part == k, np.maximum(beyond, 0.0), variance))
+        return joined(out)
 
     def by_end(self, variance: float) -> Iterator[LeftOut]:
         """The poses at each end of each joint's range."""

@@ -25,6 +25,7 @@ from .tool import tool_motion, tool_problem
 SAMPLES = 100  # poses within the limits that say which directions move the tool
 FAINT = 0.01  # of the tool's spread at the measured poses: what leaving directions out may cost
 SEED = 0
+PLACES = 200  # measured ones that are kept for a map
 LEAST = 20  # held-out points that can be said to hold in 95 %
 
 
@@ -65,6 +66,7 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         upper=_numbers(problem.q.max(axis=0)),
         farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
         instrument_inside=not known,
+        measured_mm=_some(at.points[:, 0]),
     )
 
 
@@ -180,6 +182,12 @@ def _nominal(problem: Problem, told: Problem, points: Array) -> tuple[Array, Arr
     noise = Covariance(np.full(points.shape[:2], 1e-4), np.zeros(problem.arm.n), np.ones(len(points)))
     state = fit(Model(nominal), start_state(nominal), noise, geometry=False).state
     return np.concatenate([state.t[0], vectors(state.R)[0]]), state.targets[0] @ problem.arm.R_link[-1]
+
+
+def _some(places: Array) -> tuple[str, ...]:
+    """At most `PLACES` of the places (N, 3) [m], evenly from first to last, in mm."""
+    rows = np.unique(np.linspace(0, len(places) - 1, min(PLACES, len(places))).astype(int))
+    return tuple(" ".join(f"{1e3 * value:.1f}" for value in row) for row in places[rows].tolist())
 
 
 def _numbers(values: Array) -> tuple[float, ...]:

@@ -32,6 +32,13 @@ class Tempering:
         covariance = fitted + other + self.rest**2 * np.eye(3)
         return length_bound(covariance * stretch[..., None, None] ** 2, mean)
 
+    def stretch(self, out: LeftOut, instrument_known: bool) -> float:
+        """The conformal quantile of error over bound."""
+        bound = self.bound(out.fitted, out.scatter + out.seen * instrument_known, out.beyond)
+        ratio = np.sort(np.linalg.norm(out.error, axis=1) / bound)
+        rank = int(np.ceil((len(ratio) + 1) * LEVEL))
+        return float(ratio[min(rank, len(ratio)) - 1]) if len(ratio) else 0.0
+
 
 def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     """From held-out errors; and their variance over the noise, which the fitted numbers' covariance takes.
@@ -51,9 +58,8 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     other = out.scatter + out.seen * instrument_known
     left = (squared - _trace(out.fitted + other))[usual].mean() / 3
     rest = float(np.sqrt(max(left, 0.0)))
-    stretch = np.sort(np.sqrt(squared) / Tempering(rest, 1.0, 0.0).bound(out.fitted, other, out.beyond))
-    rank = int(np.ceil((len(stretch) + 1) * LEVEL)) - 1
-    factor = float(stretch[min(rank, len(stretch) - 1)])
+    plain = Tempering(rest, 1.0, 0.0)
+    factor = max(plain.stretch(one, instrument_known) for one in (out, leaver.by_part(variance).inside))
     growth = _growth(Tempering(rest, factor, 0.0), list(leaver.by_end(variance)), instrument_known)
     return Tempering(rest, factor, growth), variance
 

@@ -20,17 +20,21 @@ from ...effects.base import Effect
 from ...effects.records import effect_text
 from .candidates import candidates, reach_of
 from .causes import varied
-from .fedorov import Records, Search, information
+from .fedorov import Records, Search
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, design_space
-from .ties import Attempts, Tie, at_zero, fewest, least, settled_at, tie_of, unexplained
+from .ties import Attempts, Tie, at_zero, contains, fewest, least, settled_at, share_of, tie_of, unexplained
 
 MOST = 3  # ambiguous findings that are worked out, the strongest
 POOL = 120  # candidate records
 POSES = Attempts(first=24, fewest=6, most=60, times=4, margin=1.1)  # of a follow-up
 DRAWS = 3  # of random poses with torques
-FEWEST_TORQUES = 12  # poses from which a joint's offset, scale and friction are taken out of its torques
-TORQUE_TERMS = 3  # a joint's offset, scale and friction
+TORQUES = (
+    16,
+    24,
+    30,
+    60,
+)  # poses with torques: offsets, scales, friction and their noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
 Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
@@ -84,13 +88,13 @@ def _decisions(
     now = least(space, space.before, tie)
     tell = ",".join([_found(tie), *dict.fromkeys(_text(rival) for rival in tie.rivals)])
     found = []
-    poses = _settled(space, tie, now)
+    poses = _settled(space, tie)
     if poses is not None:
         count, after = poses
         words = f"{count} more poses, chosen for it"
         command = f"workbench plan {path} --tell {quote(tell)} --poses {count} --out follow-up"
         found.append(Decision("poses", words, command, count, now, after))
-    if with_torque is not None and (torque := _settled_by_torque(with_torque, tie, now)) is not None:
+    if with_torque is not None and (torque := _settled_by_torque(with_torque, tie)) is not None:
         count, after = torque
         if poses is None or count < poses[0]:
             words = f"the torques of the drives (columns tau1 ...) at {count} more poses"
@@ -98,32 +102,47 @@ def _decisions(
             found.append(Decision("drive_torque", words, command, count, now, after))
     found += _readings(problem, tie, space, now)
     if poses is None:
+        found += [
+            Decision("other", _whole(tie, rival), None, None, now, None) for rival in _wholes(space, tie)
+        ]
         said = (separation(tie.effect.cause, rival.cause) for rival in tie.rivals)
         words_of = dict.fromkeys(filter(None, said))
         found += [Decision("other", words, None, None, now, None) for words in words_of]
     return tuple(found)
 
 
-def _settled(space: DesignSpace, tie: Tie, now: float) -> tuple[int, float] | None:
+def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float] | None:
     """Poses that settle it, and λ after them; None where it takes more than `POSES.most`."""
-    chosen, share = fewest(space, [(tie, now)], Search(POOL, 1, 0), POSES)
+    chosen, share = fewest(space, [tie], Search(POOL, 1, 0), POSES)
     return (len(chosen), least(space, space.measured(chosen), tie)) if share >= 1 else None
 
 
-def _settled_by_torque(torques: Torques, tie: Tie, now: float) -> tuple[int, float] | None:
+def _settled_by_torque(torques: Torques, tie: Tie) -> tuple[int, float] | None:
     """Random poses with drive torques that settle it, and λ after them, the least of some draws; what is
-    common to a joint's torques is taken out of those poses alone. The noise of the torques is what the stated
-    robot leaves of them, the cause itself in it: n poses tell no more than a λ of n − 3."""
-    for count in (FEWEST_TORQUES, POSES.first, POSES.most):
+    common to a joint's torques is taken out of those poses alone."""
+    for count in TORQUES:
         reached = []
         for draw in range(DRAWS):
             order = np.random.default_rng([23, draw]).permutation(POOL)
             space = torques(np.sort(order[:count]))
-            gain = least(space, space.before + information(space.rows), tie) - now
-            reached.append(now + gain / (1 + gain / (count - TORQUE_TERMS)))
-        if min(reached) >= settled_at(now):
-            return count, min(reached)
+            reached.append((share_of(space, space.everything, tie), least(space, space.everything, tie)))
+        if min(reached)[0] >= 1:
+            return count, min(power for _, power in reached)
     return None
+
+
+def _wholes(space: DesignSpace, tie: Tie) -> list[Effect]:
+    """The rivals that contain the cause, one for each place."""
+    found = [rival for rival in tie.rivals if contains(space, rival, tie.effect)]
+    return list({rival.key: rival for rival in found}.values())
+
+
+def _whole(tie: Tie, rival: Effect) -> str:
+    """Why no few poses settle a cause beside a rival that contains it."""
+    return (
+        f"{tie.effect.label} is a case of {rival.label}: no pose tells them apart, only that nothing else "
+        f"shows at many more angles of {rival.where}; {POSES.most} poses are too few"
+    )
 
 
 def _readings(problem: Problem, tie: Tie, space: DesignSpace, now: float) -> list[Decision]:

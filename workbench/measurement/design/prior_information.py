@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...campaign import Campaign
+from ...campaign import Campaign, drive_torque
 from ...campaign.known import with_known
 from ...campaign.planned import TARGETS, planned
 from ...campaign.problem import Problem, problem_of
@@ -28,10 +28,10 @@ from ...identification.noise import Covariance
 from ...identification.parameters import effect_names
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from ...robot.loads import wrenches
 from ...robot.schema import stated_load
 
 ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tracker
-DRIVE_TORQUE = 0.03  # of a joint's torque (RMS): noise of what motor currents say
 WIDE = 30.0  # prior of an effect's parameter, in its typical sizes: wide, but no arm is made of rubber
 OFTEN = 0.5  # share of the poses that must show a target for a plan to count on it
 
@@ -119,15 +119,31 @@ class PriorInformation:
         return None if self.fit is None else _sensitivity_of(self.fit, effects)
 
     def of_records(self, records: Campaign, effects: ValuedEffects) -> Sensitivity:
-        """Sensitivity of new records, in a set-up of their own; where they have a column of drive torques,
-        these count as good as motor currents are."""
+        """Sensitivity of new records, in a set-up of their own; where they have a column of drive torques, or
+        the campaign has (a record of them takes no time), these count as good as motor currents are."""
+        if self.problem.drives and records.poses.torque is None:
+            records = records.with_poses(torque=np.zeros_like(records.poses.q))
         sigma = np.tile(self.sigma[self.shown], (len(records.poses.q), 1))
         noise = Covariance(sigma, self.joint, np.ones(len(records.poses.q)), turn_ratio=self.turn_ratio)
         if records.poses.torque is not None:
-            axial = replace(self.problem, campaign=records).nominal_load.local
-            torque = axial.reshape(len(sigma), -1)[:, self.problem.arm.axial]
-            noise = replace(noise, torque=DRIVE_TORQUE * np.sqrt((torque**2).mean(axis=0)) + 1e-9)
+            noise = replace(noise, torque=self._torque_noise(records, effects))
         return self._sensitivity(records, noise, effects)
+
+    def _torque_noise(self, records: Campaign, effects: ValuedEffects) -> Array:
+        """(n,) one sigma of torques by motor currents [N·m, N]: a share of the largest that the stated loads
+        and these effects, in their usual sizes, make at a joint."""
+        problem = replace(self.problem, campaign=records)
+        axial, nominal = problem.arm.axial, problem.nominal_load.local
+
+        def at_joints(local: Array) -> Array:
+            return np.abs(local.reshape(len(local), -1)[:, axial])
+
+        torque = at_joints(nominal)
+        for effect, _ in effects:
+            typical = np.array([p.typical for p in effect.params])
+            arm, loads = effect.apply(problem, problem.arm, problem.loads, typical)
+            torque = torque + at_joints(wrenches(arm, problem.rigid, loads).local - nominal)
+        return np.hypot(drive_torque.ACCURACY * torque.max(axis=0), drive_torque.axis_error(problem))
 
     def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:
         """(D0, P) rows [m] of poses that will have to be right, by the names of `of_records`: what the

@@ -23,10 +23,10 @@ from .candidates import candidates, random_rows, take
 from .causes import EXAMPLE, has_size, named_causes, split_causes, varied
 from .discrimination import MOST_MEASURED, advice
 from .discrimination_plan import Discrimination, DiscriminationPlan
-from .fedorov import Search, information
+from .fedorov import Search
 from .prior_information import PriorInformation
 from .t_optimal import design_space
-from .ties import Attempts, Tie, at_zero, fewest, least, settled_at, tie_between
+from .ties import Attempts, Tie, at_zero, fewest, least, share_of, tie_between
 
 POSES = Attempts(first=24, fewest=6, most=120, times=5, margin=1.05)
 PLACES = (*PLACE, "order")
@@ -52,9 +52,8 @@ def plan_settling(
     rng = np.random.default_rng([search.seed, 21])
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
-    everything = space.before + information(space.rows)
     now = [least(space, space.before, tie) for tie in ties]
-    can = [least(space, everything, tie) >= settled_at(n) for tie, n in zip(ties, now, strict=True)]
+    can = [share_of(space, space.everything, tie) >= 1 for tie in ties]
     some = [(tie, n) for tie, n, resolved in zip(ties, now, can, strict=True) if resolved]
     lost = tuple((t.effect, t.rivals[0]) for t, resolved in zip(ties, can, strict=True) if not resolved)
     words = advice([(tie.effect, rival) for tie in ties for rival in tie.rivals])
@@ -62,7 +61,7 @@ def plan_settling(
     if not some:
         return made
     attempts = POSES if count is None else replace(POSES, first=count, times=1)
-    chosen, share = fewest(space, some, search, attempts)
+    chosen, share = fewest(space, [tie for tie, _ in some], search, attempts)
     needed = None
     if share >= 1 or share > len(chosen) / MOST_MEASURED:
         needed = int(np.ceil(len(chosen) / min(share, 1.0)))

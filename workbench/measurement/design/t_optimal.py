@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +54,11 @@ class DesignSpace:
     def measured(self, chosen: Records) -> Array:
         """(P, P) information of the campaign and of some records."""
         return self.before + information(self.rows[chosen])
+
+    @cached_property
+    def everything(self) -> Array:
+        """(P, P) information of the campaign and of all candidates."""
+        return self.before + information(self.rows)
 
     def left(self, data: Array) -> Array:
         """(g, g) information on the effects that frames, targets and geometry leave (Schur complement)."""

@@ -31,12 +31,17 @@ from workbench import (
     catalogue,
     charts,
     checked,
+    clear_numbers,
+    clear_poses,
+    clear_table,
     compensate,
+    counterpart,
     fit,
     judge,
     load_pairs,
     load_robot,
     needs_table,
+    nominal_joints,
     odds_figure,
     odds_table,
     path_shapes,
@@ -57,7 +62,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 
 from .accounts import ITEMS, accounts
 from .deflections import CIRCLE_RADIUS, GRAVITY, HAND_TARGETS, LENGTH, STROKE
-from .headline import CLAIMS, draws, in_sigma
+from .headline import OF_DRAWS, OF_RUN, draws, in_sigma
 from .printed import FORCE, NUMBERS, POSES, SIGMA, TABLE_1, TABLE_2
 
 IN_BASE = np.eye(3)[None], np.zeros((1, 3))  # an instrument that stands in the robot's base
@@ -98,6 +103,15 @@ def study(run: StudyRun) -> Study:
     run.say("drawing the circle under load, in Drake")
     wanted, error, circles = under_load(robot, {"exact": exact, "printed": TABLE_2, "ours": ours}, run.seed)
     numbers |= circles
+    clear = clear_poses(
+        robot,
+        {
+            "identification": loaded_poses(robot, run.seed, 1.0).poses.q[:POSES],
+            "circle, evenly": nominal_joints(robot, CIRCLE)[::100],
+        },
+    )
+    numbers |= clear_numbers(clear)
+    items |= {"clear": clear_table(clear), "measured": counterpart("cylindrical", run)}
     shaken = np.random.default_rng([run.seed, 2]).normal(scale=SIGMA, size=wanted.shape)
     items |= {
         "stiffness": stiffness_figure(found),
@@ -112,7 +126,7 @@ def study(run: StudyRun) -> Study:
         "Campaign, light load": "light/campaign.toml",
         "Model": "model.toml",
     }
-    stands = checked(CLAIMS, numbers, drawn)
+    stands = checked(OF_DRAWS, numbers, drawn) | checked(OF_RUN, numbers)
     story = Path(__file__).with_name("story.md")
     told = tell(story, robot, numbers, items, shown, "oddsfigure", files, stands)
     hidden = dict(zip(robot.joint_names, TABLE_1.tolist(), strict=True))

@@ -10,12 +10,11 @@ from zlib import crc32
 
 import numpy as np
 
-from ...campaign import Campaign
+from ...campaign import Campaign, drive_torque
 from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome, diagnose
 from ...effects.base import UNKNOWN
 from ...measurement.design import follow_up, what_decides
-from ...measurement.design.prior_information import DRIVE_TORQUE
 from ...measurement.design.ties import Tie, settled_at, tie_of, told_apart
 from ...simulation.virtual_campaign import simulate
 from ..blind.cases import Case, draw_case, true_robot
@@ -110,7 +109,7 @@ def _measured(case: Case, records: Campaign, seed: int, torque: bool) -> Campaig
         truth,
         seed=seed,
         state_sigma=case.design.stated,
-        torque_sigma=DRIVE_TORQUE if torque else None,
+        torque_sigma=drive_torque.ACCURACY if torque else None,
     )
 
 

@@ -106,7 +106,7 @@ def stiffness_figure(problem: Problem, angles: Array, needed: FittedSpring) -> F
         ),
         "Table I": charts.Series(1e-6 / k, 1e-6 / (k + half), 1e-6 / (k - half), charts.PRINTED, "o"),
     }
-    title = "The robot's gas spring leaves joint 2's stiffness flat; the one nearest to Table I misses it"
+    title = "Joint 2's stiffness: with the robot's gas spring, with the one nearest to Table I, as printed"
     x, y = "joint 2, ° (angles and order assumed)", "stiffness, MN·m/rad"
     return charts.curves("stiffness", title, np.degrees(angles), series, x, y, height=3.4)
 
@@ -142,7 +142,7 @@ def torque_figure(robot: Robot, q: Array, load: load_pairs.Load, tool: load_pair
         f"with compensator and {load[0]:.0f} kg": charts.Series(1e-3 * torque(robot, "load")),
         "weight alone": charts.Series(1e-3 * torque(bare, ""), colour=charts.MIDDLE),
     }
-    title = f"What the compensator changes is the torque that joint {joint + 1}'s gear works at"
+    title = f"The torque that joint {joint + 1}'s gear works at, with the compensator and without"
     x = f"joint {joint + 1}, °"
     return charts.curves("torque", title, np.degrees(q[:, joint]), series, x, "torque, arm stretched, kN·m")
 
@@ -156,6 +156,6 @@ def bias_figure(robot: Robot, q: Array, shares: Sequence[float] = (-0.05, -0.1, 
     force = law.force(s)[2]  # per unit of charge
     shift = 1e3 * reach(problem, joint) * force * slope / stiffness  # mm
     series = {f"{100 * share:.0f} %".replace("-", "−"): charts.Series(-share * shift) for share in shares}
-    title = "A lost charge moves the unloaded tool; loaded minus unloaded does not see it"
+    title = "How far a lost charge moves the unloaded tool"
     x, y = f"joint {joint + 1}, °", "shift of the flange, mm"
     return charts.curves("bias", title, np.degrees(q[:, joint]), series, x, y)

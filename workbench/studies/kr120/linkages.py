@@ -93,7 +93,8 @@ def linkage_figure(draws: Draws) -> Figure:
     change = 1e-3 * draws.numbers["change"]
     most, needed = numbers.significant(float(change.max()), 2), numbers.significant(1e-3 * CHANGE_1, 3)
     title = (
-        f"No gas spring within {numbers.decimals(1e-3 * MOST_TORQUE, 0)} kN·m changes joint 2's stiffness "
+        f"None of {numbers.decimals(len(change), 0)} gas springs within "
+        f"{numbers.decimals(1e-3 * MOST_TORQUE, 0)} kN·m changes joint 2's stiffness "
         "by more "
         f"than {most} kN·m/rad; Table I needs {needed}"
     )

@@ -12,7 +12,6 @@ from .patterns import RANGE_1, SEEN, large_ones
 
 TENTH = 0.1
 ODDS = 100.0  # against an account, beyond its error, that exclude it
-FEWEST = 5  # draws
 
 LINKAGES = (
     Claim(
@@ -63,9 +62,6 @@ def stands(
     )  # fmt: skip
     found: dict[str, Stand] = {}
     for claims, draws in each:
-        if draws.count < FEWEST:  # too few of these to say anything
-            found |= {claim.name: Stand(claim.words, 0.0, 0, False) for claim in claims}
-            continue
         found |= checked(claims, {**numbers, **draws.middle}, draws)
     return found | checked(of_odds(judged), numbers)
 
@@ -78,6 +74,8 @@ def of_odds(judged: Judged) -> tuple[Claim, ...]:
     return (
         Claim("gas_out", "odds of 100 to 1 against a gas spring that the arm can hold",
               lambda _: judged.excluded("gas", ODDS)),
+        Claim("soft_not_best", "another account has higher odds than a soft gear, beyond their error",
+              lambda _: judged.excluded("soft", 1.0)),
         Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
               lambda _: len(left) > 1),
         Claim("yardstick", "no named account excludes a scatter without a name",

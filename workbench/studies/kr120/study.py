@@ -14,6 +14,7 @@ import numpy as np
 
 from workbench import (
     Array,
+    Campaign,
     Draws,
     Figure,
     FittedSpring,
@@ -24,6 +25,10 @@ from workbench import (
     Table,
     accounts_table,
     as_package,
+    clear_numbers,
+    clear_poses,
+    clear_table,
+    counterpart,
     diagnose,
     fit_any_order,
     fit_spring,
@@ -47,7 +52,7 @@ from workbench import (
 if not __package__:  # run as a script: the chapters lie beside it
     __package__ = as_package(__file__)
 
-from . import figures
+from . import figures, plans
 from .assumed import OWN, common
 from .compensator import changed_gas, charge_by_witness, gauged
 from .decides import (
@@ -60,6 +65,7 @@ from .decides import (
     deciding_table,
     truths,
 )
+from .decides import POSES as DECIDING
 from .linkages import linkage_figure, linkage_numbers, linkages
 from .patterns import (
     blind_to_charge,
@@ -118,19 +124,18 @@ def study(run: StudyRun) -> Study:
     best = diagnose(campaign, seed=seed)
     write_fit(folder / "model.toml", best.fit)
 
+    clear = clear_poses(robot, stood_in(plan.campaign, run.draws(POOL, QUICK_POOL), campaign))
+    numbers |= clear_numbers(clear)
     items: dict[str, Table | Figure] = {
+        "clear": clear_table(clear),
+        "measured": counterpart("kr120", run),
         "torque": figures.torque_figure(robot, stretched, RIG.load, RIG.tool),
         "gas_table": changed_gas(arm, ANGLES, figures.reach(arm, 1)),
         "linkages": linkage_figure(drawn),
         "carries": linkage_tornado(drawn),
         "plans": figures.plan_figure(plan),
         "stiffness": figures.stiffness_figure(arm, ANGLES, springs["one_sigma"]),
-        "accounts": accounts_table(judged),
-        "odds_table": odds_table(judged),
-        "odds": odds_figure(judged),
-        "needs": allowed_table(judged),
-        "pattern": pattern_figure(judged, SHOWN),
-        "patterns": pattern_table(made, told),
+        **shown_accounts(judged, made),
         "bias": figures.bias_figure(robot, stretched),
         "deciding": deciding_table(decided),
     }
@@ -138,6 +143,29 @@ def study(run: StudyRun) -> Study:
     claims = stands(numbers, judged, drawn, made, soft, decided)
     shown = shown_of(best.diagnosis, best.problem.q[0])
     return tell(Path(__file__).with_name("story.md"), robot, numbers, items, shown, "linkages", FILES, claims)
+
+
+def stood_in(shown: Campaign, pool: int, deciding: Campaign) -> dict[str, Array]:
+    """What poses are for → their joints (N, n) [rad]."""
+    return {
+        "plan that is shown": shown.poses.q[:CONFIGURATIONS],
+        f"pool of {pool} plans": np.concatenate(
+            [plans.plan(i).problem.q[:CONFIGURATIONS] for i in range(pool)]
+        ),
+        "measurement that decides": deciding.poses.q[:DECIDING],
+    }
+
+
+def shown_accounts(judged: Judged, made: Draws) -> dict[str, Table | Figure]:
+    """The accounts of Table I and what their machines do, as tables and figures."""
+    return {
+        "accounts": accounts_table(judged),
+        "odds_table": odds_table(judged),
+        "odds": odds_figure(judged),
+        "needs": allowed_table(judged),
+        "pattern": pattern_figure(judged, SHOWN),
+        "patterns": pattern_table(made, judged.accounts),
+    }
 
 
 def needed_springs(problem: Problem) -> dict[str, FittedSpring]:

@@ -33,6 +33,9 @@ ITEMS = {
     "signs": ("No negative K", "table 1"),
 }
 RATIOS = {"raw", "left", "gains", "largest", "kinematics", "constant", "agree", "scatter", "halves", "step"}
+WEIGHED = ("raw", "left", "gains", "largest", "agree", "scatter")
+"""Items of the odds, chosen before the print was held against a draw: how far the load bends, what each model
+leaves, how uneven that is, whether K1 agrees, and how K scatters. The rest is in the tables alone."""
 FINER = {"kinematics": 0.01, "gains": 0.03, "raw": 0.03, "left": 0.05, "largest": 0.05, "signs": 0.5}
 
 

@@ -50,26 +50,6 @@ def _stands(judged: Judged, account: str, item: str | None) -> str:
     return f"{numbers.decimals(found.distance, 1)} σ" if np.isfinite(found.distance) else "too few draws"
 
 
-def odds_table(judged: Judged) -> Table:
-    """Evidence of each account, and whether its error leaves the order to the best decided."""
-    rows = []
-    for account in judged.accounts:
-        behind, error = judged.odds(account.name)
-        order = "behind" if -behind > 2 * error else "not decided"
-        own = judged.evidence[account.name].error
-        odds = f"{numbers.decimals(behind, 1)} ± {numbers.decimals(own, 1)}" if np.isfinite(behind) else "–"
-        words = "highest" if account.name == judged.best else order
-        rows.append([account.words, str(len(account.priors)), odds, words])
-    head = ("Account", "Free values", "log₁₀ odds to the highest", "Order")
-    note = (
-        "All accounts as probable before, and no other thought of. The likelihood of all printed numbers is "
-        f"averaged over each account’s free values, from {len(judged.last['plain'].shares)} draws in the "
-        "last of three rounds that are led towards the print. ±: one standard deviation of its Monte-Carlo "
-        "error, or what a kernel half as wide changes. Not decided: both lie within twice their error."
-    )
-    return Table("Odds of the accounts, from all that is printed", head, rows, note)
-
-
 def ranges_table(judged: Judged) -> Table:
     """What is not printed, and the range that it is drawn from."""
     every = {key: prior for account in judged.accounts for key, prior in account.priors.items()}

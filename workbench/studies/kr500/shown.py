@@ -78,6 +78,15 @@ def nearest(judged: Judged, name: str) -> NDArray[np.int64]:
     return np.argsort(np.nan_to_num((far**2).sum(axis=1), nan=np.inf), kind="stable")
 
 
+def stood_in(some: Sequence[Best]) -> dict[str, Array]:
+    """What poses are for → their joints (N, n) [rad], of accounts at their best."""
+    found = {}
+    for one in some:
+        for words, problem in (("identification", one.world.grid), ("verification", one.world.check)):
+            found[f"{one.words}, {words}"] = problem.q[: len(problem.q) // 2]
+    return found
+
+
 def hidden(w: World) -> dict[str, object]:
     """What the robot of a soft zone has that its file does not say."""
     values = w.values

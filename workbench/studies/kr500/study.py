@@ -20,11 +20,18 @@ from workbench import (
     StudyRun,
     Table,
     as_package,
+    calibrated,
+    calibrated_table,
     checked,
+    clear_numbers,
+    clear_poses,
+    clear_table,
+    counterpart,
     diagnose,
     draw_many,
     judge,
     run_study,
+    stated_table,
     stored,
     tell,
     write_campaign,
@@ -34,7 +41,7 @@ if not __package__:  # run as a script: the chapters lie beside it
     __package__ = as_package(__file__)
 
 from . import gains, named, odds, shown
-from .accounts import KINDS, accounts, items
+from .accounts import KINDS, WEIGHED, accounts, items
 from .claims import OF_ACCOUNTS, OF_DRAWS, told
 from .printed import NUMBERS
 from .seen import identifiable
@@ -49,7 +56,8 @@ def study(run: StudyRun) -> Study:
     """Accounts of the print judged, what cells gain in each, and what a diagnosis says of their robots."""
     seed = run.seed
     run.say("accounts: the paper's protocol, with all that it does not give drawn")
-    judged = judge(accounts(), items(), run.draws(100, 20), run, chunk=5)
+    judged = judge(accounts(), items(), run.draws(150, 40), run, chunk=5, nearer=run.draws(60, 15))
+    weighed = calibrated(judged, WEIGHED)
     run.say("what cells gain in robots that differ in one thing")
     draws = gains.reached(draw_many(gains.gained, gains.ASSUMED, run.draws(70, 12), run, "gains"))
     run.say("accounts at their best, in Drake")
@@ -58,13 +66,18 @@ def study(run: StudyRun) -> Study:
     curve = named.curve(run)
     outcomes, sealed = diagnosed(judged, run)
 
+    first = best[0]
     seen, singular = identifiable()
-    n = NUMBERS | judged.numbers(without=False) | draws.by_name() | singular | told(judged, draws, curve)
+    n = NUMBERS | judged.numbers(without=False) | draws.by_name() | singular
+    n |= told(judged, weighed, draws, curve)
+    clear = clear_poses(first.world.grid.robot, shown.stood_in(best if not run.quick else best[:1]))
+    n |= clear_numbers(clear)
     n["drake_um"] = 1e6 * max(one.difference for one in best)
     items_: dict[str, Table | Figure] = {
         "load known": odds.standings_table(judged, True),
         "moment left out": odds.standings_table(judged, False),
-        "odds": odds.odds_table(judged),
+        "odds": calibrated_table(weighed, judged),
+        "stated": stated_table(weighed),
         "ranges": odds.ranges_table(judged),
         "gains": gains.gains_figure(draws),
         "carried": gains.carried(
@@ -76,10 +89,11 @@ def study(run: StudyRun) -> Study:
         "table 1": shown.cells_table(best[0]),
         "scatter": shown.scatter_table(best),
         "seen": seen,
+        "clear": clear_table(clear),
+        "measured": counterpart("kr500", run),
         "verdicts": named.verdicts_table(outcomes),
         "named": named.curve_figure(curve),
     }
-    first = best[0]
     half = len(first.moved)
     place = first.world.check.rigid.points(first.world.check.stated_targets, first.world.check.on)[:half, 0]
     stages = {words: first.tried.true[key] for key, words in STAGES.items()}

@@ -33,6 +33,7 @@ FORTY = 40  # points, where thirteen are too few
 RATIO = np.array([3e-4, -2e-4, 5e-4, 1e-4, -4e-4, 8e-4, -3e-4])  # true travel over commanded, minus one
 HOME, SPANS = np.radians([0, -70, 70, 0, 0, 0, 0]), np.radians([100, 50, 50, 100, 100, 100, 100])
 STOPS = 21
+ANY = 300  # of the random poses, looked at for collisions
 MARK = Target("mark", (0.15, 0.0, 0.05), fixed=True)
 AXIAL = [3, 0]  # columns d, θ
 
@@ -72,6 +73,17 @@ def measured(folder: Path, robot: Robot, seed: int) -> Measured:
         for name, c in {"circles": circles, "thirteen": thirteen}.items()
     )
     return Measured(circles, thirteen, forty, judged)
+
+
+def stood_in(data: Measured, seed: int) -> dict[str, Array]:
+    """What poses are for → their joints (N, 7) [rad]."""
+    return {
+        "one joint at a time": data.circles.poses.q,
+        "13 points": data.thirteen.poses.q,
+        "40 points": data.forty.poses.q,
+        "12 points that judge": data.judged.poses.q,
+        "difference of the tables, the first": ARM.poses(ANY, seed),
+    }
 
 
 def identified(data: Measured, robot: Robot, seed: int, shakes: int) -> Identified:

@@ -72,9 +72,11 @@ def plans_figure(plans: Mapping[str, Array], joints: Sequence[str], gain: float)
     series = {
         name: charts.Series(100 * x, colour=c) for (name, x), c in zip(plans.items(), colours, strict=True)
     }
-    times = numbers.decimals(gain, 1)
+    times = numbers.decimals(max(gain, 1 / gain), 1)
+    than = "smaller" if gain > 1 else "larger"
     title = (
-        f"A payload put on and off shows the outer joints {times} times better than as many unloaded points"
+        f"With a payload put on and off, what shows of the outer joints is {times} times {than} than with as "
+        "many unloaded points"
     )
     label = "smallest detectable excess compliance, % of the model's"
     return charts.rows("plans", title, [joint.replace("_", " ") for joint in joints], series, label, log=True)

@@ -30,6 +30,13 @@ def compensated(assumed: Robot, share: float) -> dict[str, Array]:
     return {name: _rounds(true, model, path) for name, model in models.items()}
 
 
+def recursion_numbers(found: dict[str, Array]) -> dict[str, float]:
+    """Errors [mm] where the compliance is known: uncompensated, after (26) once, and twice."""
+    known = next(iter(found.values()))
+    words = ("none", "once", "twice")
+    return {f"known_{key}_mm": float(error) for key, error in zip(words, known, strict=False)}
+
+
 def circle() -> Array:
     """(P, 3) [m] a circle about the tip's place in the first pose, upright and square to the arm."""
     centre = dh.chain(TABLE_3, START[None])[0, -1, :3, 3]

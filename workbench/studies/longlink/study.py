@@ -20,6 +20,10 @@ from workbench import (
     Table,
     accounts_table,
     as_package,
+    clear_numbers,
+    clear_poses,
+    clear_table,
+    counterpart,
     judge,
     load_robot,
     needs_table,
@@ -39,12 +43,12 @@ if not __package__:  # run as a script: the chapters lie beside it
 
 from .arm import SIGMA, STATION
 from .bending import what_bends
-from .calibration import axial_numbers, circle_numbers, identified, measured, miss_numbers, stages
+from .calibration import axial_numbers, circle_numbers, identified, measured, miss_numbers, stages, stood_in
 from .circular import arm_draws, arm_numbers, arms_table
 from .detection import hidden_draws, what_shows
 from .figures import twelve_figure
 from .printed import FITTED, NUMBERS
-from .recursion import compensated, recursion_table
+from .recursion import compensated, recursion_numbers, recursion_table
 from .said import ODDS, stands
 from .stories import ITEMS, OWN, TOLERANCE, YIELDING, accounts
 from .tables import two_tables
@@ -111,17 +115,16 @@ def study(run: StudyRun) -> Study:
         }
     )
     path = compensated(assumed, share)
-    first = next(iter(path.values()))
-    numbers |= {
-        "known_none_mm": float(first[0]),
-        "known_once_mm": float(first[1]),
-        "known_twice_mm": float(first[2]),
-    }
+    numbers |= recursion_numbers(path)
 
     run.say("asking what data would show flexibility")
     hidden = hidden_draws(share, run.draws(20, 1), run)
     showing = what_shows(folder, robot, hidden, run)
+    clear = clear_poses(assumed, stood_in(data, seed))
+    numbers |= clear_numbers(clear)
     items: dict[str, Table | Figure] = {
+        "clear": clear_table(clear),
+        "measured": counterpart("longlink", run),
         **told(arms, judged),
         "twelve": twelve_figure(miss, numbers["noise_mean_mm"]),
         "recursion": recursion_table(path),

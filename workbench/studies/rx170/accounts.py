@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from workbench import Account, Array, Claim, Draws, Item, Prior, StudyRun, draw_many
+from workbench import Account, Array, Draws, Item, Prior, StudyRun, draw_many
 
 from .printed import (
     GEAR_PEAK,
@@ -48,27 +48,6 @@ ITEMS = (
     Item("rz", "Rz, three runs", TABLE_2["rz"], SCATTER * np.array(TABLE_2["rz"]), "Table II", ratio=True),
     Item("sweep", "yield in the sweep", SWEEP_SPAN, SWEEP_SPAN_SD, "section III.d", ratio=True),
     Item("peak", "gear error of joint 2", GEAR_PEAK, GEAR_PEAK_SD, "section III.d", ratio=True),
-)
-
-
-CLAIMS = (
-    Claim(
-        "constant", "nine tenths of the first Ra are a constant height", lambda n: n["constant_share"] > 0.9
-    ),
-    Claim(
-        "fixed",
-        "z = 0 is neither each run's mean nor its best plane",
-        lambda n: n["p_mean"] + n["p_level"] < 0.01,
-    ),
-    Claim(
-        "open", "Table II does not tell which joints err", lambda n: max(n["p_own"], n["p_sagging"]) < 0.95
-    ),
-    Claim(
-        "still",
-        "counted from the base, the other joints would yield less than a quarter of our model's",
-        lambda n: not n["base_sag_high"] > 0.25,
-    ),
-    Claim("deeper", "the corrections lower Ra more than Rz", lambda n: n["ra_gain"] < n["rz_gain"]),
 )
 
 

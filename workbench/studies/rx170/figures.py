@@ -54,7 +54,8 @@ def stiffness_figure(local: Sequence[LocalStiffness], share: Array) -> Figure:
         "true, simulated": charts.Series(share, colour=charts.MODEL),
         "identified, 95 %": charts.Series(value, low, high, charts.OURS),
     }
-    title = "Loaded by itself, each joint shows its own stiffness"
+    inside = int(((low <= share) & (share <= high)).sum())
+    title = f"Each joint loaded by itself: {inside} of {len(local)} intervals hold the true stiffness"
     names = [found.joint.replace("_", " ") for found in local]
     return charts.rows("stiffness", title, names, series, "stiffness over Table I")
 
@@ -119,9 +120,11 @@ def _gear_figures(found: Separation, angle: str) -> dict[str, Figure]:
     }
     largest = numbers.decimals(float(np.abs(first).max()), 1)
     orders = ", ".join(numbers.decimals(line.order, 1) for line in found.lines)
+    whole_rms = numbers.decimals(float(gear[near].std()), 1)
+    left = numbers.decimals(float((gear - lines)[near].std()), 1)
     titles = {
         "gear": f"Without the load's part: a fundamental of {largest}/1000°",
-        "close": f"The same over {np.rad2deg(CLOSE):.0f}°: the lines follow what was measured",
+        "close": f"The same over {np.rad2deg(CLOSE):.0f}°: the lines leave {left}/1000° RMS of {whole_rms}",
         "lines": f"The scan finds {orders} cycles per joint turn",
     }
     x, stands_out = "cycles per joint turn", "how far a line stands out, σ"
@@ -208,6 +211,6 @@ def ra_rz_figure(by_name: Mapping[str, float]) -> Figure:
         "ours, ten times as fast": charts.Series(fast, colour=charts.NOISE),
     }
     names = [f"R{r[1]}, {CORRECTIONS[key].lower()}" for r, key in which]
-    ours, theirs = (f"{numbers.mm(ra[0])} to {numbers.mm(ra[4])} mm" for ra in (slow, printed))
-    title = f"Ra falls from {ours}; printed: {theirs}"
+    ours, theirs = (f"{numbers.mm(ra[0])} and {numbers.mm(ra[4])} mm" for ra in (slow, printed))
+    title = f"Ra without correction and with both: {ours}; printed: {theirs}"
     return charts.rows("heights", title, names, series, "mm", log=True)

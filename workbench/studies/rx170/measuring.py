@@ -51,6 +51,8 @@ SWEEPS = {
     "joint_5": ((-50, 50), (0, 0, 90, 0, 0, 0), Target("bar", (0.0, 0.0, 0.5), "link_5")),
 }
 
+COUNTED = 101  # poses of a sweep or path that are looked at for collisions
+
 
 def stiffness(robot: Robot, truth: Robot, joint: str, rounds: int, seed: int) -> LocalStiffness:
     """One joint's stiffness: the load goes up in ten steps and down again, `rounds` times."""
@@ -68,11 +70,33 @@ def stiffness(robot: Robot, truth: Robot, joint: str, rounds: int, seed: int) ->
     return axis_by_axis.identify(replace(seen, robot=robot), joint, levelled=level)
 
 
+def scattered(rng: np.random.Generator, count: int) -> Array:
+    """(count, 6) [rad] poses of the global method."""
+    return np.deg2rad(
+        rng.uniform([-90, -50, 40, -180, -90, -180], [90, 50, 130, 180, 90, 180], size=(count, 6))
+    )
+
+
+def stood_in(seed: int, spiral: Array) -> dict[str, Array]:
+    """What poses are for → their joints (N, 6) [rad]. spiral: (M, 6) [rad] along it."""
+    swept = {}
+    for joint, (ends, q, _) in SWEEPS.items():
+        every = np.tile(np.deg2rad(q), (COUNTED, 1))
+        every[:, int(joint[-1]) - 1] = np.deg2rad(np.linspace(*ends, COUNTED))
+        swept[f"sweep of {joint.replace('_', ' ')}, evenly"] = every
+    return {
+        "joints loaded one by one": np.deg2rad([pose for pose, *_ in LOCAL.values()]),
+        "all joints at once": scattered(np.random.default_rng([seed, 1]), COUNTED),
+        **swept,
+        "spiral, evenly": spiral[:: max(1, len(spiral) // COUNTED)],
+    }
+
+
 def all_at_once(robot: Robot, truth: Robot, count: int, seed: int) -> tuple[Array, Array]:
     """The paper's global method, eq. (1): forces from all sides at the flange, its motion under the tracker.
     All six stiffnesses [N·m/rad] and their relative standard deviations, each (6,)."""
     rng = np.random.default_rng([seed, 1])
-    q = np.deg2rad(rng.uniform([-90, -50, 40, -180, -90, -180], [90, 50, 130, 180, 90, 180], size=(count, 6)))
+    q = scattered(rng, count)
     pull = rng.normal(size=(count, 3))
     pull *= GLOBAL_FORCE / np.linalg.norm(pull, axis=1)[:, None]
     targets = [Target(f"F{i}", xyz) for i, xyz in enumerate(FLANGE_PLACES)]

@@ -84,7 +84,8 @@ def spiral_numbers(spirals: Spirals, seed: int) -> Numbers:
             numbers |= {f"{key}_{name}_{speed}": value for key, value in found.items()}
     for key, z in spirals.causes.items():
         numbers |= {f"{key}_mean": float(1e3 * z.mean()), f"{key}_pv": float(1e3 * np.ptp(z))}
-    return numbers | {"lowered": -numbers["yield_others_mean"]}
+    gains = {f"{r}_gain": numbers[f"{r}_both_slow"] / numbers[f"{r}_none_slow"] for r in ("ra", "rz")}
+    return numbers | gains | {"lowered": -numbers["yield_others_mean"]}
 
 
 def printed_numbers(robot: Robot, spirals: Spirals) -> Numbers:

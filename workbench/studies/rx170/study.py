@@ -27,7 +27,11 @@ from workbench import (
     as_package,
     by_joint,
     checked,
+    clear_numbers,
+    clear_poses,
+    clear_table,
     compensate_file,
+    counterpart,
     judge,
     load_robot,
     needs_table,
@@ -49,11 +53,12 @@ if not __package__:  # run as a script: the chapters lie beside it
     __package__ = as_package(__file__)
 
 from . import figures
-from .accounts import CLAIMS, ITEMS, accounts, draws
+from .accounts import ITEMS, accounts, draws
 from .hidden import hidden
-from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness
+from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness, stood_in
 from .printed import NUMBERS, POSES, SPIRAL_TURNS, TABLE_1
-from .spiral import draw_spirals, printed_numbers, spiral_numbers
+from .said import OF_DRAWS, OF_RUN
+from .spiral import Spirals, draw_spirals, printed_numbers, spiral_numbers
 from .superposed import ELBOW_UP
 
 FILES = {
@@ -98,6 +103,7 @@ def study(run: StudyRun) -> Study:
     write_path(folder / "spiral.csv", spirals.path)
     compensate_file(folder / "spiral.csv", folder / "model.toml", "val3", folder, start=ELBOW_UP)
 
+    clear = clear_poses(robot, stood_in(seed, spirals.slow.q))
     numbers = {
         **NUMBERS,
         "turns": float(turns),
@@ -110,18 +116,17 @@ def study(run: StudyRun) -> Study:
         **by_joint("g", 1.96 * spread, "_half"),
         **drawn.by_name(),
         **judged.numbers(),
+        **clear_numbers(clear),
     }
-    numbers["ra_gain"] = numbers["ra_both_slow"] / numbers["ra_none_slow"]
-    numbers["rz_gain"] = numbers["rz_both_slow"] / numbers["rz_none_slow"]
-    items = shown(judged, drawn) | {
+    items = shown(judged, drawn) | spiral_shown(spirals, numbers)
+    items |= {
+        "clear": clear_table(clear),
+        "measured": counterpart("rx170", run),
         "stiffness": figures.stiffness_figure(local, share),
         **figures.sweep_figures(apart, "joint 2"),
         "orders": figures.line_table(apart, "joint 2"),
-        "slow": figures.along_figure("slow", spirals, numbers),
-        "fast": figures.along_figure("fast", spirals, numbers),
-        "heights": figures.ra_rz_figure(numbers),
     }
-    stands = checked(CLAIMS, numbers, drawn)
+    stands = checked(OF_RUN, numbers) | checked(OF_DRAWS, numbers, drawn)
     story = Path(__file__).with_name("story.md")
     told = tell(story, robot, numbers, items, spirals.shown, "oddsfigure", FILES, stands)
     return replace(told, sealed={"campaign/campaign.toml": {"effects": as_told(truth, "joint_2")}})
@@ -135,6 +140,15 @@ def shown(judged: Judged, drawn: Draws) -> dict[str, Table | Figure]:
         "oddsfigure": odds_figure(judged),
         "needs": needs_table(judged),
         "tornado": tornado(drawn, "ra_base", "tornado", "Ra of the last run, counted from the base, mm"),
+    }
+
+
+def spiral_shown(spirals: Spirals, by_name: Mapping[str, float]) -> dict[str, Table | Figure]:
+    """The spiral at both speeds."""
+    return {
+        "slow": figures.along_figure("slow", spirals, by_name),
+        "fast": figures.along_figure("fast", spirals, by_name),
+        "heights": figures.ra_rz_figure(by_name),
     }
 
 

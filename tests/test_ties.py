@@ -1,0 +1,70 @@
+"""What settles a tie: λ beside a rival, or beside one that contains the cause what else would have shown."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench import Truth, load_robot, parse_effect, planned, random_poses, simulate
+from workbench.effects.joint_map import JointMap
+from workbench.measurement.design.candidates import Factors, candidates
+from workbench.measurement.design.fedorov import Search
+from workbench.measurement.design.prior_information import from_campaign
+from workbench.measurement.design.t_optimal import design_space
+from workbench.measurement.design.ties import (
+    Attempts,
+    at_zero,
+    contains,
+    fewest,
+    least,
+    share_of,
+    tie_between,
+)
+
+POOL = 100
+
+
+@pytest.fixture(scope="module")
+def tied():
+    """A sine of joint 4 beside a map of it, on 15 poses; the sine, the map, and a space of further poses."""
+    robot = load_robot("kr500")
+    plan = planned(robot, random_poses(robot, 15, np.random.default_rng(3)))
+    campaign = replace(simulate(plan, Truth(sigma=3e-5), seed=1), noise_sigma=3e-5)
+    prior = from_campaign(campaign)
+    sine, values = parse_effect(
+        "gear_eccentricity:joint=joint_4,variant=2,amplitude=3e-4,phase=1", prior.problem
+    )
+    whole = next(e for e in JointMap.sites(prior.problem) if e.where == sine.where and e.variant == "smooth")
+    valued = at_zero([tie_between(sine, values, (whole,))])
+    offered = candidates(prior, POOL, Factors(), np.random.default_rng(0))
+    return sine, values, whole, design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
+
+
+def test_a_map_contains_a_sine(tied):
+    sine, values, whole, space = tied
+    assert contains(space, whole, sine)
+    assert not contains(space, sine, whole)
+    assert tie_between(sine, values, (whole,)).pairs(space) == [(whole, sine)]
+
+
+def test_poses_refute_what_contains_the_cause(tied):
+    """By what else it would show: the more poses, the surer; odds that are known already spare some."""
+    sine, values, whole, space = tied
+    tie = tie_between(sine, values, (whole,))
+    shares = [share_of(space, space.measured(np.arange(n)), tie) for n in (0, 10, 40, POOL)]
+    assert shares[0] == pytest.approx(0.0, abs=1e-9)
+    assert shares == sorted(shares)
+    assert shares[-1] > 0.2
+    sure = replace(tie, odds=(4.0,))
+    assert share_of(space, space.everything, sure) > shares[-1]
+
+
+def test_a_map_that_was_found_is_settled_beside_the_sine_in_it(tied):
+    """The sine beside the map shows nothing, and is not asked for."""
+    sine, _, whole, space = tied
+    size = np.zeros(len(whole.params))
+    size[[1, 4]] = 1.5
+    tie = tie_between(whole, size * [p.typical for p in whole.params], (sine,))
+    chosen, share = fewest(space, [tie], Search(POOL, 1, 0), Attempts(24, 6, 60, 4, 1.1))
+    assert share >= 1
+    assert least(space, space.measured(chosen), tie) >= 40
