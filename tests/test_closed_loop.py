@@ -268,8 +268,8 @@ def test_the_data_sheets_repeatability_stands_beside_every_residual():
     sweep = sweep_picture(Sweep(np.array([0.01, 1.0]), dict.fromkeys(SWEPT, np.array([0.05, 0.5]))),
                           found.repeatability)  # fmt: skip
     for drawn in (along, sweep):
-        assert "repeatability by data sheet" in drawn.svg
-        assert "repeatability of the joints" in drawn.svg
+        assert "Repeatability by data sheet" in drawn.svg
+        assert "Repeatability of the joints" in drawn.svg
     numbers = found.to_json()
     assert numbers["pose_repeatability_mm"] == 0.08
     assert numbers["joints_repeatability_mm"] == pytest.approx(joints, rel=1e-5)
@@ -282,7 +282,7 @@ def test_unknown_repeatability_is_said_to_be():
     found = replace(proof(), repeatability=repeatability(load_robot("cylindrical"), np.zeros((2, 3))))
     assert "repeatability not known" in whole_page(found)
     assert "not known, neither a data sheet's nor the joints'" in Verified(found, ()).text
-    assert "repeatability of" not in pictures(found)[0].svg
+    assert "Repeatability" not in pictures(found)[0].svg
     assert found.to_json()["pose_repeatability_mm"] is None
 
 

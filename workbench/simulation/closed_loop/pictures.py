@@ -39,18 +39,18 @@ def pictures(found: Verification) -> list[Figure]:
 def _along(series: Series, number: int, repeatability: Repeatability) -> Figure:
     """Error of each command over time, logarithmic."""
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
-    with drawing(f"along{number}", 2.7) as (axes, svg):
+    with drawing(f"along{number}", 3.0) as (axes, svg):
         for name, trial in series.trials.items():
             size = np.maximum(1e3 * np.linalg.norm(trial.error, axis=1), LEAST_SHOWN)
-            t, shown = _thinned(series.time, size)
+            t, size = _thinned(series.time, size)
             style = "--" if name == "perfect" else "-"
-            axes.plot(t, shown, style, color=COMMAND_COLOURS[name], lw=1.4, label=COMMAND_NAMES[name])
+            axes.plot(t, size, style, color=COMMAND_COLOURS[name], lw=1.4, label=COMMAND_NAMES[name])
         axes.set_yscale("log")
         plain_log(axes.yaxis)
         axes.set(xlabel="time along the path, s", ylabel="3-D error of the tool, mm")
-        low = min(trial.figures.mean_mm for trial in series.trials.values())
+        shown = _beside(axes, repeatability)
+        low = min(*shown, *(trial.figures.mean_mm for trial in series.trials.values()))
         axes.set_ylim(bottom=max(LEAST_SHOWN, 0.2 * low))
-        _beside(axes, repeatability)
         axes.set_xlim(0, series.time[-1])
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return Figure(
@@ -142,7 +142,7 @@ def sweep_picture(sweep: Sweep, repeatability: Repeatability) -> Figure:
         ("elastic", "… and elastic feed-forward", LED, "o-"),
         ("rigid", "An arm that does not yield", NOISE, "o--"),
     )
-    with drawing("sweep", 3.0) as (axes, svg):
+    with drawing("sweep", 3.2) as (axes, svg):
         for name, label, colour, style in lines:
             axes.plot(sweep.speeds, sweep.rms_mm[name], style, color=colour, lw=1.6, ms=4, label=label)
         _beside(axes, repeatability)
@@ -154,18 +154,18 @@ def sweep_picture(sweep: Sweep, repeatability: Repeatability) -> Figure:
     return Figure("sweep", said[0].upper() + said[1:], "RMS error of the tool by its speed", svg[0])
 
 
-def _beside(axes: Any, repeatability: Repeatability) -> None:
-    """Lines at the repeatability of data sheet and joints, each with its name."""
+def _beside(axes: Any, repeatability: Repeatability) -> list[float]:
+    """Lines at the repeatability of data sheet and joints, named in the legend; their heights [mm]."""
     lines = (
-        ("repeatability by data sheet", repeatability.data_sheet_mm, "-"),
-        ("repeatability of the joints", repeatability.joints_mm, ":"),
+        ("Repeatability by data sheet", repeatability.data_sheet_mm, "-"),
+        ("Repeatability of the joints", repeatability.joints_mm, ":"),
     )
-    for text, height, style in lines:
+    heights = []
+    for label, height, style in lines:
         if height is not None:
-            axes.axhline(height, color=MUTED, lw=0.9, ls=style)
-            place = (1.0, height), (-3, 3), ("axes fraction", "data"), "offset points"
-            clear = {"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}
-            axes.annotate(text, *place, ha="right", color=MUTED, bbox=clear, zorder=5, annotation_clip=False)
+            axes.axhline(height, color=MUTED, lw=1.2, ls=style, label=label)
+            heights.append(height)
+    return heights
 
 
 def speed_text(speed: float) -> str:
