@@ -66,6 +66,9 @@ class DrivingData(_Section):
     """that all bodies keep from each other"""
     check_every: Annotated[int, Field(ge=0)] = 15
     """poses between two returns to the check pose; 0: no check pose"""
+    reflector_s: NotNegative = 3.0
+    """for each reflector after the first at a standstill: about 3 where the tracker turns to them by itself,
+    20 and more where one is moved by hand, 0 where all are seen at once"""
     load_change_min: NotNegative = 10.0
     """to mount another load"""
     pull_min: NotNegative = 5.0

@@ -1,8 +1,9 @@
-"""Poses, loads, pulls and stops on the way chosen together, for the most information in a time.
+"""Poses, targets, loads, pulls and stops on the way chosen together, for the most information in a time.
 
 Poses of an exchange lie far from each other, and a large arm spends most of the time on its way. So fewer of
 them are chosen, and the arm stops between them as well, where that is worth more per second; a load stays
-away where it is not worth mounting. What a plan is worth is 1/e², e the expected error after it
+away where it is not worth mounting, and a target where it is not worth the instrument's turning to it. What a
+plan is worth is 1/e², e the expected error after it
 (`accuracy`), or λ (`t_optimal`); what it costs is the time that driving it takes, worked out in full for
 every trial.
 """
@@ -10,6 +11,7 @@ every trial.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,10 +22,12 @@ from ...campaign import Campaign
 from ...files.faults import Fault, InputError
 from ..driving.drive import Drive, drive
 from ..driving.ways import Ways
+from .candidates import random_rows
 
 STOPS = (1, 2, 3)  # between two poses of the exchange, as they are tried
 FEWEST = 6  # poses of the exchange
 TRIAL = 20  # poses of the exchange from which the time of one is taken
+SAMPLE = 40  # random records that say which target is missed least
 NEAR, CLOSER = 0.05, 4  # how far from the time a plan may end, of it, and how often it is mended
 
 Rows = NDArray[np.int64]
@@ -40,6 +44,21 @@ class Question(ABC):
         poses = self.offered.poses
         table = np.column_stack([(poses.wrench != 0).any(axis=1), poses.payload])
         return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+
+    def fewer(self) -> Question | None:
+        """The same without the target on the arm that some random records miss least; None where one is
+        left."""
+        every = [target.name for target in self.offered.targets]
+        moving = [target.name for target in self.offered.targets if target.on != "base"]
+        if self.offered.six_dof or len(moving) < 2:
+            return None
+        some = self.offered.some(random_rows(len(self.offered.poses), SAMPLE, 0))
+        without = [[name for name in every if name != gone] for gone in moving]
+        return self.looking_at(max(without, key=lambda names: self.worth(some.looking_at(names))))
+
+    @abstractmethod
+    def looking_at(self, names: Collection[str]) -> Question:
+        """The same where of the targets these alone are measured."""
 
     @abstractmethod
     def chosen(self, among: Rows, count: int) -> Rows:
@@ -66,27 +85,32 @@ class Trial:
 
 
 def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tuple[Trial, Trial]:
-    """The plan of most information in a time, and the best of poses alone: with a single load, without stops.
-    Raises `InputError` where the time is too short."""
+    """The plan of most information in a time, and the best of poses alone: with a single load, without stops,
+    all targets measured. Raises `InputError` where the time is too short."""
     every = tuple(int(k) for k in np.unique(question.levels))
 
-    def trial(levels: tuple[int, ...], stops: int) -> Trial | None:
-        return _fitted(question, ways, dwell, seconds, levels, stops)
+    def trial(asked: Question, levels: tuple[int, ...], stops: int) -> Trial | None:
+        return _fitted(asked, ways, dwell, seconds, levels, stops)
 
-    alone = trial(every[:1], 0)
+    alone = trial(question, every[:1], 0)
     if alone is None:
         what = f"{seconds / 60:.0f} min are too short for {FEWEST} poses"
         raise InputError(Fault("--minutes", what, "give more time, or a larger speed_share in [driving]"))
-    best = alone
+    best, asked = alone, question
+    while (fewer := asked.fewer()) is not None:
+        tried = trial(fewer, best.levels, 0)
+        if tried is None or tried.rate <= best.rate:
+            break
+        best, asked = tried, fewer
     for stops in STOPS:
-        tried = trial(best.levels, stops)
+        tried = trial(asked, best.levels, stops)
         if tried is not None and tried.rate > best.rate:
             best = tried
         else:
             break
     open_levels = [levels for levels in _sets(every) if levels != best.levels]
     for levels in open_levels:
-        tried = trial(levels, best.stops)
+        tried = trial(asked, levels, best.stops)
         if tried is not None and tried.rate > best.rate:
             best = tried
     return best, alone

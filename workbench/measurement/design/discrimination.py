@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, product
 
@@ -39,6 +39,11 @@ class TellSpace(Question):
     unseen: tuple[Effect, ...]
     separate_by: str
     search: Search
+
+    def looking_at(self, names: Collection[str]) -> TellSpace:
+        offered = self.offered.looking_at(names)
+        rows = self.prior.of_records(offered, self.effects).on(self.space.names)
+        return replace(self, offered=offered, space=replace(self.space, rows=rows))
 
     def chosen(self, among: Records, count: int) -> Records:
         """The records (count,) with the largest λ of the hardest pair."""

@@ -56,9 +56,9 @@ def plan(
     it was found; or the path of a `result.json`, all ties of which are to be settled. What was found is
     settled by as few poses as do it where none are said. known: facts as `--known` takes them. seed: of the
     poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the campaign
-    says); minutes: in place of a number of poses the time that they may take, loads and stops on the way
-    chosen with them; dwell: [s] of a standstill. progress: is told each step in words. Raises `InputError`
-    where there is no plan.
+    says); minutes: in place of a number of poses the time that they may take, loads, stops on the way and
+    targets chosen with them; dwell: [s] of a standstill with one target. progress: is told each step in
+    words. Raises `InputError` where there is no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -135,4 +135,7 @@ def _driven(
     if made.records is None or made.random is None:
         return made
     progress("looking for the shortest way")
-    return made.with_drive(drive(made.records, ways, dwell), drive(made.random, ways, dwell))
+    driven, random = drive(made.records, ways, dwell), drive(made.random, ways, dwell)
+    skipped = tuple(name for name in random.targets if name not in driven.targets)
+    made = replace(made, reach=around.looking_at(driven.targets), skipped=skipped)
+    return made.with_drive(driven, random)
