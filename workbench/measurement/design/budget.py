@@ -11,7 +11,7 @@ every trial.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,7 +24,7 @@ from ..driving.drive import Drive, drive
 from ..driving.ways import Ways
 from .candidates import random_rows
 
-STOPS = (1, 2, 3)  # between two poses of the exchange, as they are tried
+MOST_STOPS = 3  # between two poses of the exchange
 FEWEST = 6  # poses of the exchange
 TRIAL = 20  # poses of the exchange from which the time of one is taken
 SAMPLE = 40  # random records that say which target is missed least
@@ -45,15 +45,20 @@ class Question(ABC):
         table = np.column_stack([(poses.wrench != 0).any(axis=1), poses.payload])
         return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
 
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """What is measured."""
+        return tuple(target.name for target in self.offered.targets)
+
+    @cached_property
     def fewer(self) -> Question | None:
         """The same without the target on the arm that some random records miss least; None where one is
         left."""
-        every = [target.name for target in self.offered.targets]
         moving = [target.name for target in self.offered.targets if target.on != "base"]
         if self.offered.six_dof or len(moving) < 2:
             return None
         some = self.offered.some(random_rows(len(self.offered.poses), SAMPLE, 0))
-        without = [[name for name in every if name != gone] for gone in moving]
+        without = [[name for name in self.targets if name != gone] for gone in moving]
         return self.looking_at(max(without, key=lambda names: self.worth(some.looking_at(names))))
 
     @abstractmethod
@@ -71,12 +76,19 @@ class Question(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A plan that was tried: which levels, how many stops between two poses, how it is driven, its worth."""
+    """A plan that was tried: of which targets, which levels, how many stops between two poses, how it is
+    driven, its worth."""
 
+    question: Question
     levels: tuple[int, ...]
     stops: int
     drive: Drive
     worth: float
+
+    @property
+    def choice(self) -> tuple[tuple[str, ...], tuple[int, ...], int]:
+        """Targets, levels and stops."""
+        return self.question.targets, self.levels, self.stops
 
     @property
     def rate(self) -> float:
@@ -85,35 +97,41 @@ class Trial:
 
 
 def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tuple[Trial, Trial]:
-    """The plan of most information in a time, and the best of poses alone: with a single load, without stops,
-    all targets measured. Raises `InputError` where the time is too short."""
+    """The plan of most information in a time, found by changing one factor after the other, and the best of
+    poses alone: with a single load, without stops, all targets that there is time
+    for. Raises `InputError` where the time is too short."""
     every = tuple(int(k) for k in np.unique(question.levels))
-
-    def trial(asked: Question, levels: tuple[int, ...], stops: int) -> Trial | None:
-        return _fitted(asked, ways, dwell, seconds, levels, stops)
-
-    alone = trial(question, every[:1], 0)
+    first: Question | None = question
+    alone = None
+    while first is not None and alone is None:
+        alone, first = _fitted(first, ways, dwell, seconds, every[:1], 0), first.fewer
     if alone is None:
         what = f"{seconds / 60:.0f} min are too short for {FEWEST} poses"
         raise InputError(Fault("--minutes", what, "give more time, or a larger speed_share in [driving]"))
-    best, asked = alone, question
-    while (fewer := asked.fewer()) is not None:
-        tried = trial(fewer, best.levels, 0)
-        if tried is None or tried.rate <= best.rate:
-            break
-        best, asked = tried, fewer
-    for stops in STOPS:
-        tried = trial(asked, best.levels, stops)
-        if tried is not None and tried.rate > best.rate:
-            best = tried
-        else:
-            break
-    open_levels = [levels for levels in _sets(every) if levels != best.levels]
-    for levels in open_levels:
-        tried = trial(asked, levels, best.stops)
-        if tried is not None and tried.rate > best.rate:
-            best = tried
+    best, tried, better = alone, {alone.choice}, True
+    while better:
+        better = False
+        for asked, levels, stops in _beside(best, every):
+            if (asked.targets, levels, stops) in tried:
+                continue
+            tried.add((asked.targets, levels, stops))
+            made = _fitted(asked, ways, dwell, seconds, levels, stops)
+            if made is not None and made.rate > best.rate:
+                best, better = made, True
+                break
     return best, alone
+
+
+def _beside(trial: Trial, every: tuple[int, ...]) -> Iterator[tuple[Question, tuple[int, ...], int]]:
+    """What differs from a trial in one factor."""
+    asked, levels, stops = trial.question, trial.levels, trial.stops
+    if asked.fewer is not None:
+        yield asked.fewer, levels, stops
+    for other in (stops + 1, stops - 1):
+        if 0 <= other <= MOST_STOPS:
+            yield asked, levels, other
+    for some in _sets(every):
+        yield asked, some, stops
 
 
 def _sets(every: tuple[int, ...]) -> list[tuple[int, ...]]:
@@ -145,7 +163,7 @@ def _fitted(
         if wanted == count:
             break
         count = wanted
-    return None if made is None else Trial(levels, stops, made, question.worth(made.plan))
+    return None if made is None else Trial(question, levels, stops, made, question.worth(made.plan))
 
 
 def _with_stops(plan: Campaign, ways: Ways, stops: int) -> Campaign:
