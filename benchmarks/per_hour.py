@@ -2,7 +2,7 @@
 
 Information per hour of `plan --minutes` over that of random poses, and over that of the best poses alone (no
 load, no stops on the way, all targets), for robots of the blind study's drawing: nothing measured yet or a
-first campaign of 24 unloaded poses; asked for accuracy, or to tell a cause from the one that imitates it best.
+first campaign of 24 unloaded poses; asked for accuracy, or to tell a cause from what imitates it best.
 Loads are the drawn ones; a pull as heavy as the heaviest of them can be rigged. Writes
 `benchmarks/results/per_hour.json` after every state.
 """
