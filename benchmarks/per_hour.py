@@ -27,6 +27,7 @@ RESULTS = Path(__file__).resolve().parent / "results/per_hour.json"
 SEED = 11
 MINUTES = 20.0
 TWIN = 0.02  # share of λ alone that a rival leaves: below, no poses tell them apart
+TELLS = 1.0  # λ below which a plan tells nothing, so that there is nothing to compare
 GRAVITY = 9.81
 
 
@@ -59,7 +60,7 @@ def source(case: Case, measured: bool) -> Campaign | Robot:
 
 
 def state(key: str, measured: bool, tell: bool) -> dict[str, object] | None:
-    """Both figures for one robot; None where its cause has no rival that poses tell it from."""
+    """Both figures for one robot; None where no plan of that time tells its cause from another."""
     with TemporaryDirectory() as folder:
         case = draw_case(key, SEED, Path(folder))
         asked = question(case) if tell else None
@@ -70,7 +71,8 @@ def state(key: str, measured: bool, tell: bool) -> dict[str, object] | None:
         made = plan(
             source(case, measured), tell=asked, minutes=MINUTES, cell=CellData(driving=driving), seed=SEED
         )
-    if made.drive is None:
+    least = getattr(made, "least", None)
+    if made.drive is None or (least is not None and least < TELLS):
         return None
     return {
         "key": key,
@@ -83,6 +85,7 @@ def state(key: str, measured: bool, tell: bool) -> dict[str, object] | None:
         "records": len(made.drive.own.poses),
         "stops": made.stops,
         "loads": [block.name for block in made.drive.blocks],
+        "lambda": least,
         "targets": made.drive.targets,
         "left_out": list(made.skipped),
     }

@@ -73,8 +73,8 @@ class DrivingData(_Section):
     """to mount another load"""
     pull_min: NotNegative = 5.0
     """to rig a horizontal pull, and to take it away"""
-    warm_up_min: NotNegative = 60.0
-    """to work the arm warm, or to let it cool"""
+    warm_up_min: NotNegative = 120.0
+    """to work the arm warm, or to let it cool: from one session of a plan to the next"""
     pull_N: Positive | None = None
     """of a horizontal pull at the flange that can be rigged; absent: none can"""
 

@@ -74,7 +74,7 @@ class AccuracySpace(Question):
 def accuracy_space(prior: PriorInformation, search: Search) -> AccuracySpace:
     """Candidates for accuracy. Raises InputError where there are none."""
     rng = np.random.default_rng([search.seed, 21])
-    offered = candidates(prior, search.pool, Factors(pull=search.pull), rng, search.draw)
+    offered = candidates(prior, search.pool, Factors().possible(search.driving), rng, search.draw)
     effects = _effects(prior)
     new, before = prior.of_records(offered, effects), prior.of_campaign(effects)
     typical = candidates(prior, TYPICAL, Factors(), rng)

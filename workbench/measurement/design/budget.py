@@ -1,11 +1,10 @@
 """Poses, targets, loads, pulls and stops on the way chosen together, for the most information in a time.
 
 Poses of an exchange lie far from each other, and a large arm spends most of the time on its way. So fewer of
-them are chosen, and the arm stops between them as well, where that is worth more per second; a load stays
-away where it is not worth mounting, and a target where it is not worth the instrument's turning to it. What a
-plan is worth is 1/e², e the expected error after it
-(`accuracy`), or λ (`t_optimal`); what it costs is the time that driving it takes, worked out in full for
-every trial.
+them are chosen, and the arm stops between them as well, where that is worth more per second; a load or a
+session stays away where it is not worth mounting or waiting for, and a target where it is not worth the
+instrument's turning to it. What a plan is worth is 1/e², e the expected error after it (`accuracy`), or λ
+(`t_optimal`); what it costs is the time that driving it takes, worked out in full for every trial.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...files.faults import Fault, InputError
-from ..driving.drive import Drive, drive
+from ..driving.drive import Drive, drive, sessions
 from ..driving.ways import Ways
 from .candidates import random_rows
 
@@ -28,9 +27,11 @@ MOST_STOPS = 3  # between two poses of the exchange
 FEWEST = 6  # poses of the exchange
 TRIAL = 20  # poses of the exchange from which the time of one is taken
 SAMPLE = 40  # random records that say which target is missed least
+SESSIONS = 2  # place of the sessions among a plan's levels
 NEAR, CLOSER = 0.05, 4  # how far from the time a plan may end, of it, and how often it is mended
 
 Rows = NDArray[np.int64]
+Levels = tuple[tuple[int, ...], ...]  # the pulls, the loads and the sessions of a plan
 
 
 class Question(ABC):
@@ -40,10 +41,10 @@ class Question(ABC):
 
     @cached_property
     def levels(self) -> Rows:
-        """(C,) number of each candidate's load and pull, without anything first."""
+        """(C, 3) numbers of each candidate's pull, load and session, without anything first."""
         poses = self.offered.poses
-        table = np.column_stack([(poses.wrench != 0).any(axis=1), poses.payload])
-        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+        session = np.unique(sessions(self.offered), return_inverse=True)[1].ravel()
+        return np.column_stack([(poses.wrench != 0).any(axis=1), poses.payload, session]).astype(np.int64)
 
     @property
     def targets(self) -> tuple[str, ...]:
@@ -80,13 +81,13 @@ class Trial:
     driven, its worth."""
 
     question: Question
-    levels: tuple[int, ...]
+    levels: Levels
     stops: int
     drive: Drive
     worth: float
 
     @property
-    def choice(self) -> tuple[tuple[str, ...], tuple[int, ...], int]:
+    def choice(self) -> tuple[tuple[str, ...], Levels, int]:
         """Targets, levels and stops."""
         return self.question.targets, self.levels, self.stops
 
@@ -100,11 +101,12 @@ def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tup
     """The plan of most information in a time, found by changing one factor after the other, and the best of
     poses alone: with a single load, without stops, all targets that there is time
     for. Raises `InputError` where the time is too short."""
-    every = tuple(int(k) for k in np.unique(question.levels))
+    every = tuple(tuple(int(k) for k in np.unique(column)) for column in question.levels.T)
+    nothing = tuple(some[:1] for some in every)
     first: Question | None = question
     alone = None
     while first is not None and alone is None:
-        alone, first = _fitted(first, ways, dwell, seconds, every[:1], 0), first.fewer
+        alone, first = _fitted(first, ways, dwell, seconds, nothing, 0), first.fewer
     if alone is None:
         what = f"{seconds / 60:.0f} min are too short for {FEWEST} poses"
         raise InputError(Fault("--minutes", what, "give more time, or a larger speed_share in [driving]"))
@@ -122,7 +124,7 @@ def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tup
     return best, alone
 
 
-def _beside(trial: Trial, every: tuple[int, ...]) -> Iterator[tuple[Question, tuple[int, ...], int]]:
+def _beside(trial: Trial, every: Levels) -> Iterator[tuple[Question, Levels, int]]:
     """What differs from a trial in one factor."""
     asked, levels, stops = trial.question, trial.levels, trial.stops
     if asked.fewer is not None:
@@ -130,21 +132,24 @@ def _beside(trial: Trial, every: tuple[int, ...]) -> Iterator[tuple[Question, tu
     for other in (stops + 1, stops - 1):
         if 0 <= other <= MOST_STOPS:
             yield asked, levels, other
-    for some in _sets(every):
-        yield asked, some, stops
+    for k, there in enumerate(every):
+        for some in _sets(there):
+            if k != SESSIONS or some[0] == there[0]:  # what is later comes after the first
+                yield asked, (*levels[:k], some, *levels[k + 1 :]), stops
 
 
 def _sets(every: tuple[int, ...]) -> list[tuple[int, ...]]:
-    """Sets of levels that are tried: each alone, the first with each other, and all."""
+    """Sets of a factor's levels that are tried: each alone, the first with each other, and all."""
     found = [(k,) for k in every] + [(every[0], k) for k in every[1:]] + [every]
     return list(dict.fromkeys(found))
 
 
 def _fitted(
-    question: Question, ways: Ways, dwell: float, seconds: float, levels: tuple[int, ...], stops: int
+    question: Question, ways: Ways, dwell: float, seconds: float, levels: Levels, stops: int
 ) -> Trial | None:
     """As many records of these levels as fit into the time; None where hardly any does."""
-    among = np.flatnonzero(np.isin(question.levels, levels))
+    inside = [np.isin(column, some) for column, some in zip(question.levels.T, levels, strict=True)]
+    among = np.flatnonzero(np.all(inside, axis=0))
     count, made = min(TRIAL, len(among)), None
     for _ in range(CLOSER):
         records = question.offered.some(question.chosen(among, count))
@@ -170,8 +175,7 @@ def _with_stops(plan: Campaign, ways: Ways, stops: int) -> Campaign:
     """The records of a plan in the order of its drive, with stops on the way from each to the next of the
     same load, where these can be measured."""
     poses = plan.poses
-    session = np.zeros(len(poses)) if poses.temperature is None else poses.temperature
-    loads = np.column_stack([poses.payload, poses.wrench, session])
+    loads = np.column_stack([poses.payload, poses.wrench, sessions(plan)])
     start = np.flatnonzero((loads[1:] == loads[:-1]).all(axis=1))
     share = np.arange(1, stops + 1) / (stops + 1)
     q = (poses.q[start, None] + share[:, None] * (poses.q[start + 1] - poses.q[start])[:, None]).reshape(

@@ -128,7 +128,7 @@ def _offered(prior: PriorInformation, text: str, search: Search) -> tuple[Campai
     InputError where a cause is given or excluded."""
     causes = named_causes(text)
     everything = candidates(prior, 0, Factors(True, True, True), np.random.default_rng(search.seed))
-    needed = replace(factors(causes, replace(prior.problem, campaign=everything)), pull=search.pull)
+    needed = factors(causes, replace(prior.problem, campaign=everything)).possible(search.driving)
     offered = candidates(prior, search.pool, needed, np.random.default_rng([search.seed, 21]), search.draw)
     problem = replace(prior.problem, campaign=offered)
     found = [[e for e in cause.effects(problem) if prior.is_open(e)] for cause in causes]

@@ -82,8 +82,7 @@ def plan(
         count = _likely(around, seconds, dwell)
     fast = quick or minutes is not None  # in time, many plans are tried
     pool, per_pose, starts = (QUICK_POOL, QUICK_PER_POSE, QUICK_STARTS) if fast else (POOL, PER_POSE, STARTS)
-    pull = around.cell.driving.pull_N or 0.0
-    search = Search(max(pool, per_pose * count), starts, seed, around.draw, pull)
+    search = Search(max(pool, per_pose * count), starts, seed, around.draw, around.cell.driving)
     ways = Ways(around)
     what = f"{count}" if minutes is None else f"for {minutes:g} min"
     progress(f"choosing {what} of about {search.pool} possible records")

@@ -128,7 +128,7 @@ def drive(plan: Campaign, ways: Ways, dwell: float) -> Drive:
 def _blocks(plan: Campaign) -> list[NDArray[np.int64]]:
     """Rows of each session and load and pull; loads of every second session in turned order, so that what is
     mounted last stays on."""
-    session = _sessions(plan)
+    session = sessions(plan)
     out: list[NDArray[np.int64]] = []
     for k, start in enumerate(np.unique(session)):
         here = np.flatnonzero(session == start)
@@ -139,7 +139,7 @@ def _blocks(plan: Campaign) -> list[NDArray[np.int64]]:
     return out
 
 
-def _sessions(plan: Campaign) -> Array:
+def sessions(plan: Campaign) -> Array:
     """(N,) [s] when the session of each record begins."""
     return np.zeros(len(plan.poses)) if plan.poses.time is None else plan.poses.time
 
@@ -210,7 +210,7 @@ def _timed(
         inside = slice(block.start, block.stop)
         like[inside] = rows[inside][~check[inside]][0]
     with_load = plan.poses.some(like)
-    payload, wrench, starts = with_load.payload, with_load.wrench, _sessions(plan)[like]
+    payload, wrench, starts = with_load.payload, with_load.wrench, sessions(plan)[like]
     q, sides = records.poses.q, _sides(records)
     approach = ways.reach.approaches(q, sides)
     via: list[tuple[Array, ...]] = [()]
