@@ -81,6 +81,20 @@ def test_a_load_that_takes_too_long_to_mount_stays_away(loaded):
     assert made.drive.mounting_s == 0
 
 
+def test_an_arm_is_worked_warm_where_there_is_time_for_it():
+    def made(wait):
+        cell = CellData(driving=DrivingData(warm_up_min=wait))
+        told = "thermal_growth,gear_ratio:joint=joint_2"
+        return plan(load_robot("irb120"), tell=told, minutes=5, cell=cell)
+
+    quick = made(0.5)
+    assert quick.drive.total_s < 5.5 * 60
+    assert set(quick.records.poses.temperature) == {20.0, 30.0}
+    assert quick.least > 10
+    with pytest.raises(InputError, match="5 min are too short for poses warm and cold"):
+        made(300.0)
+
+
 def test_a_time_that_is_too_short_is_refused(loaded):
     with pytest.raises(InputError, match="are too short for"):
         plan(loaded, minutes=0.2, cell=SLOW)

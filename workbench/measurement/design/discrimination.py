@@ -15,7 +15,7 @@ from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from ..driving.ways import Ways
 from .accuracy import DRAWS
-from .budget import Question, in_time
+from .budget import SESSIONS, Question, in_time
 from .candidates import Factors, candidates, random_rows, take
 from .causes import EXAMPLE, factors, named_causes
 from .discrimination_plan import LEVELS, Discrimination, DiscriminationPlan
@@ -23,6 +23,7 @@ from .fedorov import Records, Search, check_count, information
 from .prior_information import PriorInformation, ValuedEffects
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 
+TELLS = 1.0  # λ below which a plan tells nothing
 MOST_MEASURED = 1000  # poses that anyone would measure for this
 
 
@@ -100,6 +101,10 @@ def plan_discrimination_in_time(
     if not space.pairs:
         return _plan(space, None, 0)
     best, alone = in_time(space, ways, dwell, seconds)
+    if best.worth < TELLS and len(best.levels[SESSIONS]) < len(np.unique(space.levels[:, SESSIONS])):
+        what = f"{seconds / 60:.0f} min are too short for poses warm and cold, or early and late"
+        mend = "give more time: from one to the next it takes warm_up_min of [driving]"
+        raise InputError(Fault("--minutes", f"{what}, and others do not tell these causes apart", mend))
     made = _plan(space, best.drive.plan, len(best.drive.plan.poses))
     return replace(made, over_poses=best.rate / max(alone.rate, 1e-300), stops=best.stops)
 
