@@ -38,7 +38,9 @@ class DrivenPlan(ABC):
     @property
     def not_measured(self) -> list[str]:
         """Which targets are left out, in words."""
-        return [f"Leave out {', '.join(self.skipped)}: more poses are worth more."] if self.skipped else []
+        if not self.skipped:
+            return []
+        return [f"Leave out {', '.join(self.skipped)}: more poses are worth more. Random poses are with all."]
 
     def drive_json(self) -> dict[str, Any]:
         """How it is driven, as `plan.json` has it."""
