@@ -33,6 +33,7 @@ demo: $(STAMP)
 example: demo
 	mkdir -p reports/example
 	cp $(addprefix reports/demo/,report.pdf scene.html result.json model.toml) reports/example
+	cp -r reports/demo/urdf reports/example
 	sed -e 's|<a href="path/verify.html">\(.*\)</a>|\1|' -e '/href="first\/index.html"/d' \
 		reports/demo/index.html > reports/example/index.html
 

@@ -12,7 +12,7 @@ from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.place import Where
 from workbench.identification.fit import fit, refit, start_state
-from workbench.identification.heldout import heldout
+from workbench.identification.heldout import folds_of, heldout
 from workbench.identification.model import Model
 from workbench.identification.noise import Covariance
 from workbench.robot.description import load_robot
@@ -267,7 +267,8 @@ def test_held_out_residuals_equal_refits_without_the_fold(count):
     job, _ = measured(poses=60, targets=TARGETS[:count], seed=12, judge=1)
     result = fitted(job)
     quick = heldout(result, folds=5, seed=3)
-    fold = (np.random.default_rng(3).permutation(60) % 5)[job.positions]
+    fold = folds_of(job, 5, seed=3)
+    assert np.bincount(fold).tolist() == [12] * 5
     slow = np.empty_like(quick)
     for f in range(5):
         other = fit(Model(job), result.state, noise_of(job).without(fold == f), tolerance=1e-4)
@@ -275,6 +276,15 @@ def test_held_out_residuals_equal_refits_without_the_fold(count):
     assert np.abs(quick - slow).max() < 0.01 * np.sqrt(np.mean(slow**2))
     assert abs(np.mean(quick**2) / np.mean(slow**2) - 1) < 0.01
     assert np.mean(quick**2) > np.mean(result.residual**2)
+
+
+def test_one_pose_less_leaves_the_others_where_they_are_held_out():
+    job, _ = measured(poses=60, targets=TARGETS[:1], seed=12, judge=1)
+    before = folds_of(job, 5, seed=3)
+    rest = np.delete(np.arange(60), 20)
+    after = folds_of(problem_of(job.campaign.some(rest)), 5, seed=3)
+    assert (after != before[rest]).sum() <= 5
+    assert (folds_of(job, 5, seed=4) != before).sum() > 30
 
 
 def test_loads_and_repeats_of_a_pose_are_held_out_together():

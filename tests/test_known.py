@@ -19,6 +19,7 @@ from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.model_file import fit_files
 from workbench.identification.noise import required_noise
+from workbench.measurement.design.discrimination_plan import LEVELS
 
 CHARGE = "gravity_compensator:variant=charge,relative=-0.07"
 SLACK = "backlash:joint=joint_5,half_width=2.5e-4"
@@ -123,7 +124,7 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     offered = {one.kind: one for one in open_.decide}
     assert "precharge_bar to ± 2 bar" in offered["reading"].words
     assert "--known" in offered["reading"].command
-    assert offered["reading"].lambda_before < 1 < offered["reading"].lambda_after
+    assert offered["reading"].lambda_before < LEVELS.least < LEVELS.mostly <= offered["reading"].lambda_after
     assert offered["other"].words in open_.separate_by
 
 

@@ -9,8 +9,9 @@ from diagnosis_cases import found, measured, named, with_points
 
 from workbench.campaign import write_campaign
 from workbench.cli.main import main
+from workbench.diagnosis.components import cause_components
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.run import diagnose, testable
 from workbench.files.faults import InputError, read_text
 from workbench.files.toml import read_toml
 from workbench.robot.description import load_robot
@@ -116,6 +117,16 @@ def test_the_test_campaign_is_cleaned_by_the_same_rules():
     assert after.after_rms_mm == pytest.approx(before.after_rms_mm, rel=0.1)
     assert after.all_rms_mm == pytest.approx(300 / np.sqrt(15), rel=0.01)
     assert other.points.shape == campaign.points.shape
+
+
+def test_a_joint_that_bears_nothing_but_rounding_is_no_cause_of_a_yield():
+    _, prepared = clean()
+    borne = np.abs(prepared.geometry.line.prediction.load.local[:, -2, 5])
+    assert 0 < borne.max() < 1e-12  # N·m: the hand's weight is on the last axis
+    found = cause_components(prepared.geometry, testable(prepared.problem)[0])
+    yielding = {one.key[1].joint for one in found if one.key[0] == "joint_compliance"}
+    assert yielding
+    assert prepared.problem.arm.names[-1] not in yielding
 
 
 def test_six_dof_targets_that_were_not_said_are_noticed():

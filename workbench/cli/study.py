@@ -69,6 +69,11 @@ def _add_blind(studies: Commands) -> None:
     size = parser.add_mutually_exclusive_group()
     size.add_argument("--draws", type=positive, default=20, metavar="N", help="draws per cause (20)")
     size.add_argument("--quick", action="store_true", help="faster: two cases of a few causes")
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="a Dask scheduler, whose workers on other machines do the cases",
+    )
     _case_options(parser, "reports/blind")
     parser.set_defaults(run=run_blind)
 
@@ -146,6 +151,7 @@ def run_blind(arguments: argparse.Namespace) -> None:
         arguments.workers,
         arguments.resume,
         arguments.quick,
+        scheduler=arguments.scheduler,
     )
     print(json.dumps(result.to_json()) if arguments.json else result.text)
 

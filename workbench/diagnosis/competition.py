@@ -92,7 +92,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
     misfit = misfit or any(components[m.component].nameless for m in members)
     if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
-        shares = replicated(at, components, members, shares, noise_dof)
+        shares = replicated(best.at, components, members, shares, noise_dof)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     shown = [
         share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
@@ -180,7 +180,7 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
         errors.append(rms_mm(heldout(found)))
         labels = [competition.components[m.component].label for m in members]
         if best is None or errors[-1] < min(errors[:-1]):
-            best = _Round(found, competition, members)
+            best = _Round(at, found, competition, members)
         del competition  # the columns of all components take much room
         left = remainder(found, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
@@ -223,8 +223,9 @@ def _no_better(errors: Sequence[float]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Round:
-    """One round: the set that it found, and the fit with that."""
+    """One round: the fit that the components were compared at, the set that this found, the fit with it."""
 
+    at: Fit
     found: Fit
     competition: Competition
     members: list[Member]

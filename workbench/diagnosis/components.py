@@ -20,6 +20,8 @@ from ..robot.kinematics import Array
 from .priors import PRIORS
 
 Key = tuple[str, Where]
+NO_LOAD = 1e-6  # of the largest load in the arm: what bears less does so by rounding, or by a turn of µrad
+UNSEEN = 1e-6  # of the noise: a form that moves no point by more, in its usual size, shows nothing
 EVERY_FINER = 3  # of an effect's finer settings, every third is a form of its own
 
 
@@ -39,6 +41,11 @@ class Form:
     def main(self) -> int:
         """Number of its main columns."""
         return sum(len(effect.params) for effect in self.effects)
+
+    @property
+    def shows(self) -> bool:
+        """Whether any point is moved by it."""
+        return bool((np.abs(self.columns * self.sizes) > UNSEEN).any())
 
     @property
     def held(self) -> bool:
@@ -86,7 +93,7 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
         forms = [form_of(fit, (effect,)) for effect in (*effects, *finer)]
         if effects[0].together and len(effects) > 1:
             forms.append(form_of(fit, tuple(effects)))
-        forms = [form for form in forms if form.columns.any()]
+        forms = [form for form in forms if form.shows]
         if forms:
             out.append(Component(key, tuple(forms), log_odds_of(effects[0], sites[key[0]])))
     return out
@@ -106,7 +113,7 @@ def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component
     out = []
     for one in every:
         form = form_of(fit, (one,))
-        if form.columns.any():
+        if form.shows:
             out.append(Component(one.key, (form,), float(np.log(PRIORS.free / counts[type(one)]))))
     return out
 
@@ -141,6 +148,6 @@ def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:
         return typical
     rest = fit.line.prediction
     drawn = effect.drawn(fit.model.problem, rest, np.ones(1))
-    most = float(np.abs(drawn.size).max(initial=0.0))
+    most, arm = float(np.abs(drawn.size).max(initial=0.0)), float(np.abs(rest.load.local).max(initial=0.0))
     usual = PRIORS.joint_yields if effect.axial else PRIORS.tilt_yields
-    return typical if most <= 0 else np.array([usual / most])
+    return typical if most <= NO_LOAD * arm else np.array([usual / most])

@@ -27,6 +27,7 @@ from .result import Noise
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
 RIGID = 0.1  # of the noise: measured targets change their distances by more
+EXACT = 1e-9  # of a variance that is fitted
 WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
 
@@ -143,18 +144,22 @@ def _two_parts(result: Fit) -> Covariance:
     u, s, _ = np.linalg.svd(J, full_matrices=False)
     projected = np.einsum("nij,ni->nj", u, d)
     rest = float((d**2).sum() - (projected**2).sum())
-    free = float(mask.sum() - (s > 1e-9 * s.max()).sum())
-    live = s > 1e-9 * s.max()
+    free = float(mask.sum() - s.size)  # a direction that no joint moves has the instrument's variance alone
     lost = mask.sum() / max(mask.sum() - result.rank, 1)
 
-    def cost(x: Array) -> float:
-        v = np.exp(x[0]) + np.exp(x[1]) * s**2
-        logs = np.sum(np.log(v[live])) + free * x[0]
-        return float(logs + lost * (np.sum((projected**2 / v)[live]) + rest / np.exp(x[0])))
+    def cost(x: Array) -> tuple[float, Array]:
+        """Twice the negative log likelihood of the variances' logarithms, and its gradient."""
+        own, by_joints = np.exp(x[0]), np.exp(x[1]) * s**2
+        v = own + by_joints
+        fitting = 1 - lost * projected**2 / v
+        value = np.sum(np.log(v)) + free * x[0] + lost * (np.sum(projected**2 / v) + rest / own)
+        by_own = np.sum(own / v * fitting) + free - lost * rest / own
+        return float(value), np.array([by_own, np.sum(by_joints / v * fitting)])
 
     total = float((d**2).sum() / mask.sum())
-    reach = float(np.mean(s[live] ** 2))
-    x = minimize(cost, np.log([0.5 * total, 0.5 * total / reach]), method="Nelder-Mead").x
+    reach = float(np.mean(s**2))
+    start = np.log([0.5 * total, 0.5 * total / reach])
+    x = minimize(cost, start, jac=True, method="BFGS", options={"gtol": EXACT * mask.sum()}).x
     sigma, joint = float(np.exp(x[0] / 2)), float(np.exp(x[1] / 2))
     return replace(result.noise, sigma=np.full(problem.seen.shape, sigma), joint=joint * turning)
 

@@ -44,7 +44,7 @@ def replicated(
 
 def parts_of(problem: Problem) -> list[Index]:
     """Poses of each set-up, where two or more have poses enough to show a cause; else the earlier and the
-    later half, and the poses with odd and with even numbers, of every set-up and payload."""
+    later half, and two halves drawn at random, of every set-up and payload."""
     setup = problem.campaign.poses.setup
     each = [np.flatnonzero(setup == k) for k in range(int(setup.max(initial=0)) + 1)]
     enough = POSES_PER_JOINT * problem.arm.n
@@ -55,5 +55,6 @@ def parts_of(problem: Problem) -> list[Index]:
     which = np.unique(np.column_stack([poses.setup, poses.payload]), axis=0, return_inverse=True)[1].ravel()
     groups = [np.flatnonzero(which == group) for group in range(int(which.max()) + 1)]
     early, late = [own[: len(own) // 2] for own in groups], [own[len(own) // 2 :] for own in groups]
-    odd, even = [own[::2] for own in groups], [own[1::2] for own in groups]
-    return [np.sort(np.concatenate(part)) for part in (early, late, odd, even)]
+    mixed = [own[np.argsort(problem.drawn()[own], kind="stable")] for own in groups]
+    one, other = [own[: len(own) // 2] for own in mixed], [own[len(own) // 2 :] for own in mixed]
+    return [np.sort(np.concatenate(part)) for part in (early, late, one, other)]

@@ -7,15 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from .fit import Fit
 
 
-def folds_of(positions: NDArray[np.int64], folds: int, seed: int) -> NDArray[np.int64]:
-    """(N,) number of the group that each pose is held out with, of positions (N,) drawn at random."""
-    blocks = int(positions.max()) + 1
-    groups = np.random.default_rng(seed).permutation(blocks) % min(folds, blocks)
-    return np.asarray(groups[positions])
+def folds_of(problem: Problem, folds: int, seed: int) -> NDArray[np.int64]:
+    """(N,) number of the group that each pose is held out with: joint positions drawn at random into groups
+    of one size, so that a pose more or less leaves nearly all others where they were."""
+    _, first, block = np.unique(problem.positions, return_index=True, return_inverse=True)
+    rank = np.argsort(np.argsort(problem.drawn(seed)[first]))
+    return np.asarray((rank * min(folds, len(first)) // len(first))[block.ravel()])
 
 
 def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] = ()) -> Array:
@@ -26,7 +28,7 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] 
     full solution: exact to the second order of the change.
     """
     problem, cols = result.model.problem, result.columns
-    fold = folds_of(problem.positions, folds, seed)
+    fold = folds_of(problem, folds, seed)
     plain = result.motions
     kept = np.ones(len(cols.names), bool)
     gone = np.zeros(len(cols.names))

@@ -129,7 +129,10 @@ def likelihoods(made: Mapping[str, Array], prints: Array, sd: Array) -> Array:
 
 
 def calibrated_table(found: Calibrated, judged: Judged) -> Table:
-    """Each account's probability as computed and as calibrated, and how often its own worlds tell it."""
+    """Each account's probability as computed and as calibrated, and how often its own worlds tell it.
+
+    found: as `calibrated` gives it for judged, which `judge` gave.
+    """
     rows = []
     highest = found.worlds.argmax(axis=1)
     for i, account in enumerate(judged.accounts):

@@ -52,6 +52,7 @@ def run_cases(
     seed: int,
     workers: int | None,
     resume: bool,
+    scheduler: str | None = None,
 ) -> Counted:
     """The study of these cases, kept in `<name>.sqlite`; work(key, seed=seed) is a case's record."""
     done = run_tasks(
@@ -62,6 +63,7 @@ def run_cases(
         workers=workers,
         resume=resume,
         label=name,
+        scheduler=scheduler,
     )
     failed = {key: item.error for key, item in done.items() if item.error is not None}
     return study(out, seed, tuple(item.result for item in done.values() if item.error is None), failed)

@@ -8,6 +8,7 @@ that were in it are tried again, each at most `TRIES` times.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import sqlite3
@@ -16,7 +17,7 @@ import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -25,6 +26,7 @@ from typing import Any
 
 from ..files.faults import Fault, InputError
 from ..simulation.processes import one_thread_each, spawn_pool
+from .cluster import cluster_pool
 
 TRIES = 3
 LINE_EVERY = 15.0  # s between progress lines where there is no terminal
@@ -50,21 +52,24 @@ def run_tasks(
     workers: int | None = None,
     resume: bool = False,
     label: str = "tasks",
-    pool: Callable[[int], Executor] = spawn_pool,
+    scheduler: str | None = None,
 ) -> dict[str, Done]:
     """All tasks' results by key, in the order of `keys`.
 
     study: what the results depend on besides the key (seed, ...): a file of another study is not
     resumed. Without `resume` the file starts anew. Failed tasks are kept with their error, and tried
-    again by the next run. workers: processes, all cores by default; 1: in this process. Another `pool`
-    (a cluster's executor) may stand in for the processes.
+    again by the next run. workers: processes, all cores by default; 1: in this process. scheduler: address
+    of a Dask scheduler, whose workers do it instead.
     """
+    gc.collect()  # what is left of Drake's objects ends here: in the thread of a pool it ends the process
+    pool = spawn_pool if scheduler is None else cluster_pool(scheduler)
     with closing(_open(store, study, resume)) as table:
         have = _read(table)
         todo = [key for key in dict.fromkeys(keys) if key not in have or have[key].error is not None]
-        count = max(1, min(workers or os.cpu_count() or 1, len(todo)))
+        most = (workers or os.cpu_count() or 1) if scheduler is None else len(todo)
+        count, here = max(1, min(most, len(todo))), scheduler is None and min(most, len(todo)) < 2
         with one_thread_each(), _Progress(label, len(keys), len(keys) - len(todo)) as progress:
-            done = _here(work, todo) if count == 1 else _there(work, todo, lambda: pool(count), count)
+            done = _here(work, todo) if here else _there(work, todo, lambda: pool(count), count)
             for item in done:
                 _write(table, item)
                 have[item.key] = item
@@ -101,7 +106,7 @@ def _there(work: Work, keys: Sequence[str], pool: Callable[[], Executor], worker
                     running[executor.submit(_attempt, work, waiting[0])] = waiting[0]
                     waiting.popleft()  # only now: a broken pool takes nothing
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    done = future.result()
+                    done = _result(future, running[future])
                     del running[future]
                     yield done
         except BrokenProcessPool:
@@ -116,6 +121,18 @@ def _there(work: Work, keys: Sequence[str], pool: Callable[[], Executor], worker
                     yield Done(key, None, f"its worker died {TRIES} times", 0.0)
         finally:
             executor.shutdown(wait=False, cancel_futures=True)
+
+
+def _result(future: Future[Done], key: str) -> Done:
+    """What came of a task; where a cluster's workers died of it, that."""
+    try:
+        error = future.exception()
+    except CancelledError as gone:
+        mend = "what is done is kept: start it again, and go on with --resume"
+        raise InputError(Fault("--scheduler", "it is gone", mend)) from gone
+    if error is None or isinstance(error, BrokenProcessPool):
+        return future.result()
+    return Done(key, None, f"{type(error).__name__}: {error}", 0.0)
 
 
 def _open(store: Path, study: Mapping[str, Any], resume: bool) -> sqlite3.Connection:

@@ -65,7 +65,7 @@ class Leaver:
 
     def by_position(self, variance: float, seed: int = 0) -> LeftOut:
         """Every pose once, in groups of positions drawn at random."""
-        fold = folds_of(self.fit.model.problem.positions, FOLDS, seed)
+        fold = folds_of(self.fit.model.problem, FOLDS, seed)
         inside = np.zeros(len(fold))
         return joined([self.leave(fold == f, inside, variance) for f in range(fold.max() + 1)])
 

@@ -21,7 +21,6 @@ from ...diagnosis.prepared import Prepared, prepare
 from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
 from ...effects.given import Given, exclusions, given_facts
-from ...effects.kinds import LoadEffect
 from ...effects.records import stated_effects
 from ...identification.fit import Fit, fit
 from ...identification.model import Model, State
@@ -29,6 +28,7 @@ from ...identification.noise import Covariance
 from ...identification.parameters import effect_names
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from ...robot.loads import wrenches
 from ...robot.schema import stated_load
 
 ASSUMED_SIGMA = 3e-5  # m per axis, of a robot that nobody measured: a laser tracker
@@ -138,14 +138,16 @@ class PriorInformation:
         """(n,) one sigma of torques by motor currents [N·m, N]: a share of the largest that the stated loads
         and these effects, in their usual sizes, make at a joint."""
         problem = replace(self.problem, campaign=records)
-        axial, load = problem.arm.axial, problem.nominal_load.local
-        torque = np.abs(load.reshape(len(load), -1)[:, axial])
-        for effect, values in effects:
-            if isinstance(effect, LoadEffect):
-                change = effect.wrench(problem, problem.rigid, problem.loads).reshape(
-                    *torque.shape[:1], -1, len(values)
-                )
-                torque = torque + np.abs(change[:, axial] * [p.typical for p in effect.params]).sum(axis=2)
+        axial, nominal = problem.arm.axial, problem.nominal_load.local
+
+        def at_joints(local: Array) -> Array:
+            return np.abs(local.reshape(len(local), -1)[:, axial])
+
+        torque = at_joints(nominal)
+        for effect, _ in effects:
+            typical = np.array([p.typical for p in effect.params])
+            arm, loads = effect.apply(problem, problem.arm, problem.loads, typical)
+            torque = torque + at_joints(wrenches(arm, problem.rigid, loads).local - nominal)
         return np.hypot(drive_torque.ACCURACY * torque.max(axis=0), drive_torque.axis_error(problem))
 
     def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...files.whole import put
+from ...files.whole import put_all
 from ..case_study import CaseStudy, Record, run_cases
 from .blind_page import miss_cells, page
 from .cases import FORMS
-from .plots import write_figures
+from .plots import figures_of
 from .score import run_case
 from .tally import Rate, aims, by_cause, by_strength, confusion, figures, missed, reliability
 from .unknowns import UNKNOWNS
@@ -108,23 +108,27 @@ def blind(
     resume: bool = False,
     quick: bool = False,
     keys: Sequence[str] | None = None,
+    scheduler: str | None = None,
 ) -> BlindStudy:
     """Runs the study and writes `results.json`, `index.html`, figures and `blind.sqlite` into `out`.
 
     keys: these cases only. With `resume` cases that are done stay; more draws may be asked for.
+    scheduler: address of a Dask scheduler whose workers do the cases.
     """
     keys = case_keys(draws, quick) if keys is None else keys
-    study = run_cases(BlindStudy, "blind", run_case, keys, out, seed, workers, resume)
+    study = run_cases(BlindStudy, "blind", run_case, keys, out, seed, workers, resume, scheduler)
     _write(study)
     return study
 
 
 def _write(study: BlindStudy) -> None:
-    folder = study.folder
-    drawn = write_figures(study.cases, study.rates, folder)
+    drawn, files = figures_of(study.cases, study.rates)
     misses = [case for case in study.cases if missed(case)]
     title = f"Blind study: {len(study.cases)} cases diagnosed without knowing what is hidden"
-    put(folder / "index.html", page(title, study.text, drawn, misses).encode())
     lines = [" | ".join(miss_cells(case)) for case in misses]
-    put(folder / "misses.txt", "\n".join([*lines, ""]).encode())
-    put(folder / "results.json", study.results)
+    files |= {
+        "index.html": page(title, study.text, drawn, misses).encode(),
+        "misses.txt": "\n".join([*lines, ""]).encode(),
+        "results.json": study.results,
+    }
+    put_all({study.folder / name: data for name, data in files.items()})

@@ -3,36 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 from scipy.stats import norm
 
-from ...files.whole import put
 from ...report import reliability
 from ...report.drawing import AFTER, BEFORE, INK, MIDDLE, MUTED, NOISE, Figure, drawing, plain_log
 from ..case_study import Record
 from . import tally
 from .tally import Rate, by_strength, confusion, offsets
 
+Files = dict[str, bytes]
 
-def write_figures(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> list[Figure]:
-    """Draws all figures that the cases allow; writes `<name>.svg` and `<name>.png`."""
-    made = []
+
+def figures_of(cases: Sequence[Record], rates: Sequence[Rate]) -> tuple[list[Figure], Files]:
+    """All figures that the cases allow, and the files `<name>.svg` and `<name>.png`."""
+    made, files = [], Files()
     for draw in (_rates, _reliability, _confusion, _strength, _intervals, _errors):
-        figure = draw(cases, rates, folder)
+        figure = draw(cases, rates, files)
         if figure is not None:
-            put(folder / f"{figure.name}.svg", figure.svg.encode())
+            files[f"{figure.name}.svg"] = figure.svg.encode()
             made.append(figure)
-    return made
+    return made, files
 
 
-def _png(axes: Any, folder: Path, name: str) -> None:
-    axes.figure.savefig(folder / f"{name}.png", format="png", dpi=150, facecolor="white")
+def _png(axes: Any, files: Files, name: str) -> None:
+    picture = BytesIO()
+    axes.figure.savefig(picture, format="png", dpi=150, facecolor="white")
+    files[f"{name}.png"] = picture.getvalue()
 
 
-def _rates(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figure | None:
+def _rates(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> Figure | None:
     shown = [r for r in rates if r.total]
     if not shown:
         return None
@@ -49,7 +52,7 @@ def _rates(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figu
         )
         axes.set_yticklabels([f"{r.name} ({r.total})" for r in shown], color=INK)
         axes.grid(axis="y", visible=False)
-        _png(axes, folder, "rates")
+        _png(axes, files, "rates")
     reached = sum(r.reached is True for r in shown)
     aimed = sum(r.reached is not None for r in shown)
     return Figure(
@@ -57,11 +60,11 @@ def _rates(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figu
     )
 
 
-def _reliability(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figure | None:
+def _reliability(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> Figure | None:
     return reliability.reliability(tally.reliability(cases), len(cases))
 
 
-def _confusion(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figure | None:
+def _confusion(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> Figure | None:
     rows, columns, counts = confusion(cases)
     if not rows:
         return None
@@ -78,7 +81,7 @@ def _confusion(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> 
                  ylim=(len(rows) - 0.5, -0.5), xlabel="reported first", ylabel="hidden")  # fmt: skip
         axes.set_yticklabels([_words(r) for r in rows], color=INK)
         axes.set_xticklabels([_words(c) for c in columns], rotation=55, ha="right", rotation_mode="anchor")
-        _png(axes, folder, "confusion")
+        _png(axes, files, "confusion")
     hits = sum(int(counts[i, columns.index(r)]) for i, r in enumerate(rows) if r in columns)
     hits += sum(int(counts[i, -1]) for i, r in enumerate(rows) if r.startswith("clean"))
     title = f"{hits} of {int(counts.sum())} cases are reported as what they are"
@@ -89,7 +92,7 @@ def _words(name: str) -> str:
     return name.replace("_", " ").replace("-", ", ")
 
 
-def _strength(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figure | None:
+def _strength(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> Figure | None:
     rows = by_strength(cases)
     if len(rows) < 2:
         return None
@@ -109,13 +112,13 @@ def _strength(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> F
         )
         plain_log(axes.xaxis)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        _png(axes, folder, "strength")
+        _png(axes, files, "strength")
     last = rows[-1]
     title = f"From λ = {last['from']:g} the first name is right in {100 * last['first']:.0f} % of the cases"
     return Figure("strength", title, "Shares detected, reported, and named against λ", svg[0])
 
 
-def _intervals(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figure | None:
+def _intervals(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> Figure | None:
     z = np.array([item["z"] for item in offsets(cases, "z")])
     if len(z) < 10:
         return None
@@ -127,13 +130,13 @@ def _intervals(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> 
         x = np.linspace(-5, 5, 201)
         axes.plot(x, norm.pdf(x), color=NOISE, lw=1.6)
         axes.set(xlabel="found minus true, in standard deviations", ylabel="density")
-        _png(axes, folder, "intervals")
+        _png(axes, files, "intervals")
     inside = 100 * float(np.mean(np.abs(z) < 1.96))
     title = f"{inside:.0f} % of the 95 % intervals hold the true value"
     return Figure("intervals", title, "Errors of the main parameters over their standard deviations", svg[0])
 
 
-def _errors(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Figure | None:
+def _errors(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> Figure | None:
     bounded = [c for c in cases if c["bound_mm"]]
     if len(bounded) < 10:
         return None
@@ -151,7 +154,7 @@ def _errors(cases: Sequence[Record], rates: Sequence[Rate], folder: Path) -> Fig
         )
         plain_log(axes.xaxis)
         axes.legend(loc="lower right")
-        _png(axes, folder, "errors")
+        _png(axes, files, "errors")
     middle = float(np.median([float(c["error_mm"]) / float(c["bound_mm"]) for c in bounded]))
     title = f"At other poses the model errs by {middle:.2f} times the bound in the median case"
     return Figure("errors", title, "Distribution of held-out error over the bound", svg[0])
