@@ -106,7 +106,8 @@ def plan_discrimination_in_time(
         mend = "give more time: from one to the next it takes warm_up_min of [driving]"
         raise InputError(Fault("--minutes", f"{what}, and others do not tell these causes apart", mend))
     made = _plan(space, best.drive.plan, len(best.drive.plan.poses))
-    return replace(made, over_poses=best.rate / max(alone.rate, 1e-300), stops=best.stops)
+    over = best.rate / alone.rate if alone.worth > TELLS else None
+    return replace(made, over_poses=over, stops=best.stops)
 
 
 def _plan(space: TellSpace, records: Campaign | None, count: int) -> DiscriminationPlan:
