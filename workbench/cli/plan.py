@@ -11,6 +11,7 @@ from ..files.faults import Fault, InputError
 from .arguments import (
     Commands,
     above_zero,
+    check_folder,
     json_option,
     known_option,
     load_all,
@@ -84,6 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..measurement.design import plan
 
     poses, program = _places(arguments.out, arguments.format)
+    check_folder(poses.parent)
     cell = None if arguments.cell is None else read_cell(arguments.cell)
     source = read_source(arguments.source)
     made = plan(
@@ -153,9 +155,8 @@ def _write(
 ) -> list[Path]:
     """The poses, beside them what goes into a folder, and the programs; nothing over other content silently.
     Raises InputError."""
-    from ..correction.programs import find_format, write_program
-    from ..correction.programs.files import is_folder, put_files
-    from ..files.whole import put_all
+    from ..correction.programs import find_format
+    from ..correction.programs.files import is_folder, program_files, put_files
     from ..measurement.driving.files import programs, table_files
     from ..measurement.driving.page import PlanPage, page_files
 
@@ -163,11 +164,9 @@ def _write(
     assert made.reach is not None
     keep, folder = not arguments.force, poses.parent
     whole = arguments.out is None or not arguments.out.suffix
-    tables = table_files(made.drive, made.reach, folder)
+    files = table_files(made.drive, made.reach, folder)
     if not whole:
-        tables = {poses: tables[folder / "poses.csv"]}
-    put_files(tables, keep)
-    files = list(tables)
+        files = {poses: files[folder / "poses.csv"]}
     if arguments.format:
         chosen = find_format(arguments.format)
         alone = is_folder(program, chosen)
@@ -176,17 +175,17 @@ def _write(
         for name, one in programs(
             made.drive, chosen, arguments.dwell, share, stem, arguments.as_urdf
         ).items():
-            files += write_program(one, chosen, program if alone else program.with_stem(name), keep)
+            files |= program_files(one, chosen, program if alone else program.with_stem(name))
+    pages = {}
     if whole:
         progress("drawing the scene")
         page = PlanPage(
             f"{made.reach.robot.title}: plan", made.headline, made.lines, made.gain, made.drive, made.reach,
             _facts(source, made, poses),
         )  # fmt: skip
-        pages = page_files(page)
-        put_all({folder / name: data for name, data in pages.items()})
-        files += [folder / name for name in pages]
-    return files
+        pages = {folder / name: data for name, data in page_files(page).items()}
+    put_files(files, keep, pages)
+    return [*files, *pages]
 
 
 def _facts(source: Campaign | Robot, made: Plan, out: Path) -> dict[str, Any]:

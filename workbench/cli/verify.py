@@ -10,6 +10,7 @@ from pathlib import Path
 from .arguments import (
     Commands,
     above_zero,
+    check_folder,
     conditions,
     json_option,
     load_options,
@@ -69,6 +70,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..simulation.closed_loop import verify_file
     from ..simulation.closed_loop.proof import SPEEDS
 
+    check_folder(arguments.out)
     done = verify_file(
         arguments.path,
         arguments.model,

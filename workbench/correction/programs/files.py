@@ -66,6 +66,13 @@ def write_program(program: Program, format: Format, out: Path, keep: bool = Fals
     keep: files that are there with other content stay there, and that is a fault; else a warning in the log
     says what is replaced. Other warnings go to the log too.
     """
+    files = program_files(program, format, out)
+    put_files(files, keep)
+    return list(files)
+
+
+def program_files(program: Program, format: Format, out: Path) -> dict[Path, bytes]:
+    """The files of a program that was checked, by their paths; see `write_program`."""
     text = program.name or format.legal_name(out.stem)
     if not program.name and text.casefold() != out.stem.casefold():
         log.warning("%s: the program is named %r, as %s wants names", out, text, format.title)
@@ -79,12 +86,12 @@ def write_program(program: Program, format: Format, out: Path, keep: bool = Fals
         log.warning("%s: %s", out, warning)
     written = format.write(program).items()
     files = {name: content.replace("\n", format.newline).encode() for name, content in written}
-    put_files(_places(files, format, out), keep)
-    return list(_places(files, format, out))
+    return _places(files, format, out)
 
 
-def put_files(files: Mapping[Path, bytes], keep: bool) -> None:
-    """Writes the files of a program, all or none, and nothing over other content silently."""
+def put_files(files: Mapping[Path, bytes], keep: bool, beside: Mapping[Path, bytes] | None = None) -> None:
+    """Writes the files of a program, all or none, and nothing over other content silently; `beside`, which is
+    written with them, replaces what is there."""
     other = [path for path, data in files.items() if path.is_file() and path.read_bytes() != data]
     if other and keep:
         what = "is there already, with other content"
@@ -94,7 +101,7 @@ def put_files(files: Mapping[Path, bytes], keep: bool) -> None:
     for path in other:
         log.warning("%s: replaced", path)
     try:
-        put_all(files)
+        put_all({**files, **(beside or {})})
     except OSError as error:
         place = next(iter(files))
         raise InputError(
