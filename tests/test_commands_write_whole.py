@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
+import json
 import os
 import resource
 import shutil
@@ -37,6 +39,12 @@ CALLS = {
 ONCE = {  # what would take long twice, or cannot run twice into one folder
     "compare": ("compare", "campaign.toml", "later.toml", "--out", "out"),
     "init": ("init", "tiny.urdf", "--out", "out"),
+}
+PAGES = {  # page, numbers, and the inputs whose hashes they say
+    "diagnose": ("index.html", "result.json", ("campaign.toml", "poses.csv", "points.csv", "tiny.urdf")),
+    "plan": ("index.html", "plan.json", ("tiny.toml", "tiny.urdf")),
+    "predict": ("predicted/index.html", "predicted/predict.json", ("found/model.toml", "poses.csv")),
+    "verify": ("verify.html", "verify.json", ("joints.csv", "model.toml", "tiny.urdf")),
 }
 OLD = ("campaign.toml", "poses.csv", "path.csv", "index.html", "verify.html", "model.toml", "tiny.sdf")
 
@@ -124,6 +132,12 @@ def test_the_result_is_the_old_or_the_new(
     assert all(state in (before, after) for state in states)
     assert states[0] == before
     assert after != before
+    if name in PAGES:
+        page, numbers, read = PAGES[name]
+        for file in read:
+            digest = hashlib.sha256((place / file).read_bytes()).hexdigest()
+            assert digest in after[page].decode()
+            assert digest in json.loads(after[numbers])["inputs"].values()
 
     capsys.readouterr()
     with files_below(max(map(len, after.values()))):

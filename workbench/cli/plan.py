@@ -102,7 +102,7 @@ def run(arguments: argparse.Namespace) -> None:
     )
     files = [] if made.drive is None else _write(source, made, poses, program, arguments)
     if arguments.json:
-        print(json.dumps(_facts(source, made, poses) | {"files": [str(file) for file in files]}))
+        print(json.dumps(_facts(source, made, poses, arguments) | {"files": [str(file) for file in files]}))
         return
     for fault in made.faults:
         print(f"Data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done}).")
@@ -181,19 +181,23 @@ def _write(
         progress("drawing the scene")
         page = PlanPage(
             f"{made.reach.robot.title}: plan", made.headline, made.lines, made.gain, made.drive, made.reach,
-            _facts(source, made, poses),
+            _facts(source, made, poses, arguments),
         )  # fmt: skip
         pages = {folder / name: data for name, data in page_files(page).items()}
     put_files(files, keep, pages)
     return [*files, *pages]
 
 
-def _facts(source: Campaign | Robot, made: Plan, out: Path) -> dict[str, Any]:
+def _facts(source: Campaign | Robot, made: Plan, out: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     from ..campaign import Campaign
+    from ..files.digest import digests
 
+    read = source.files if isinstance(source, Campaign) else digests(source.files)
+    beside = [Path(name) for name in (arguments.cell, arguments.tell) if name]
     return {
         "robot": source.robot.name if isinstance(source, Campaign) else source.name,
         "campaign": str(source.path) if isinstance(source, Campaign) else None,
         **made.to_json(),
         "file": None if made.records is None else str(out),
+        "inputs": {**read, **digests(beside)},
     }

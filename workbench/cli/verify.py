@@ -85,6 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
         repeats=QUICK_REPEATS if arguments.quick else REPEATS,
         seed=arguments.seed,
         workers=arguments.workers or os.cpu_count() or 1,
+        beside=[Path(name) for name in (arguments.controller, arguments.campaign) if name],
         progress=progress,
     )
     print(json.dumps(done.to_json()) if arguments.json else done.text)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -35,11 +35,12 @@ WORDS = (
 
 @dataclass(frozen=True)
 class Expected:
-    """What `predict` says. tolerance: [m], None where none was given."""
+    """What `predict` says. tolerance: [m], None where none was given; inputs: "<folder>/<file>" → SHA-256."""
 
     robot: Robot
     errors: ToolErrors
     tolerance: float | None = None
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def headline(self) -> str:
@@ -108,6 +109,7 @@ class Expected:
             }
             for name, error, nominal, bound, said in rows
         ]
+        out["inputs"] = dict(self.inputs)
         return out
 
 
@@ -129,6 +131,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
         outside=expected.outside,
         notes=list(e.notes),
         figures=[_shares(expected), *_maps(expected)],
+        inputs=expected.inputs.items(),
         version=version("robot-workbench"),
     )
     flat = e.places.reshape(-1, 3)

@@ -79,7 +79,7 @@ def run_tasks(
 
 @contextmanager
 def _faults_of(store: Path) -> Iterator[None]:
-    """What SQLite cannot do with its file (a full disk, a folder that nobody may write in), as an input error."""
+    """What SQLite cannot do with its file (a full disk, no right to write there) as an input error."""
     try:
         yield
     except sqlite3.DatabaseError as error:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -109,6 +110,7 @@ class Verification:
     same: the simulated robot is the model itself. repeatability_mm: that of the joints, at the tool, as a
     data sheet would state it (None: not stated). modes_hz: lowest of the arm on its springs, at the path's
     start. sweep: error by speed, None where it was not asked for. notes: what was assumed or left out.
+    inputs: "<folder>/<file>" → SHA-256.
     """
 
     robot: Robot
@@ -123,6 +125,7 @@ class Verification:
     modes_hz: tuple[float, ...]
     sweep: Sweep | None
     notes: tuple[str, ...]
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def caveat(self) -> str:
@@ -176,6 +179,7 @@ class Verification:
             "sweep": None if self.sweep is None else self.sweep.to_json(),
             "expected_rms_mm": _short(self.expected_mm),
             "notes": list(self.notes),
+            "inputs": dict(self.inputs),
         }
 
 
