@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from .base import Array, Program
 from .format import Format
 
 log = logging.getLogger(__name__)
+PIECE = 10_000  # samples of a table
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,32 @@ def rounding_effect(
              counts with it.
     The tool's own frame is rounded too: what the controller does is X̃ T̃⁻¹ T.
     """
+    off, turned = zip(*(_rounded(piece, format, forward) for piece in _pieces(program, format)), strict=True)
+    angle = np.concatenate(turned)
+    error = np.concatenate(off) + lever * angle
+    return RoundingEffect(1e3 * float(error.mean()), 1e3 * float(error.max()), float(np.degrees(angle.max())))
+
+
+def _pieces(program: Program, format: Format) -> Iterator[Program]:
+    """The program; a table of samples in pieces, since as texts its numbers take far more room."""
+    if not format.samples:
+        yield program
+        return
+    for start in range(0, program.count, PIECE):
+        some = slice(start, start + PIECE)
+        yield replace(
+            program,
+            X=None if program.X is None else program.X[some],
+            q=None if program.q is None else program.q[some],
+            time=None if program.time is None else program.time[some],
+            dwell=program.dwell[some] if len(program.dwell) > 1 else program.dwell,
+        )
+
+
+def _rounded(
+    program: Program, format: Format, forward: Callable[[Array], Array] | None
+) -> tuple[Array, Array]:
+    """(N,) ways [m] and angles [rad] by which the written numbers are off at the tool."""
     back = format.read(format.write(program))
     if program.kind == "joints":
         if forward is None or program.q is None or back.q is None:
@@ -53,9 +80,8 @@ def rounding_effect(
         assert back.X is not None
         tool = back.tool if format.carries_tool else program.tool
         wanted, given = program.X, back.X @ np.linalg.inv(tool) @ program.tool
-    angle = rotations.angle_between(wanted[:, :3, :3], given[:, :3, :3])
-    error = np.linalg.norm(wanted[:, :3, 3] - given[:, :3, 3], axis=1) + lever * angle
-    return RoundingEffect(1e3 * float(error.mean()), 1e3 * float(error.max()), float(np.degrees(angle.max())))
+    way = np.asarray(np.linalg.norm(wanted[:, :3, 3] - given[:, :3, 3], axis=1))
+    return way, rotations.angle_between(wanted[:, :3, :3], given[:, :3, :3])
 
 
 def write_program(program: Program, format: Format, out: Path, keep: bool = False) -> list[Path]:
