@@ -146,6 +146,18 @@ def test_the_result_is_the_old_or_the_new(
     assert content(out) == after
 
 
+def test_the_same_bytes_with_one_process_and_with_two(
+    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(place)
+    for workers in "12":
+        call = [workers if word == "1" else word for word in moved(CALLS["verify"], tmp_path / workers)]
+        assert main(call) == 0
+    one, two = (content(tmp_path / workers) for workers in "12")
+    assert one == two
+    assert len(one) == 3
+
+
 @pytest.mark.parametrize("name", ONCE)
 def test_nothing_is_written_where_the_disk_is_full(
     place: Path,
