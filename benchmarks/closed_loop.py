@@ -20,12 +20,15 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests")]
 
 from extended_example import extended_kr500  # noqa: E402
 
+from workbench.campaign.problem import Problem  # noqa: E402
 from workbench.correction import Conditions, compensate  # noqa: E402
+from workbench.correction.conditions import path_campaign  # noqa: E402
+from workbench.correction.extended_arm import extended_arm  # noqa: E402
 from workbench.correction.path_shapes import Run, circle, work_frame  # noqa: E402
+from workbench.correction.paths import Path as ToolPath  # noqa: E402
 from workbench.robot.compensator import compensator_law  # noqa: E402
-from workbench.robot.description import load_robot  # noqa: E402
+from workbench.robot.description import Robot, load_robot  # noqa: E402
 from workbench.robot.elastic_plant import elastic_twin  # noqa: E402
-from workbench.robot.loads import Loads  # noqa: E402
 from workbench.robot.rigid_plant import arrays  # noqa: E402
 from workbench.simulation.closed_loop.control import nominal_mechanics  # noqa: E402
 from workbench.simulation.closed_loop.drives import Drives, drives  # noqa: E402
@@ -52,20 +55,28 @@ def plain_plant(truth: Mechanics, drive: Drives, q: np.ndarray, step: float, sec
     return seconds / (time.process_time() - started)
 
 
-def loaded_pose() -> float:
-    """Processor time [ms] of a KR 500's loaded pose in Drake: the median pose, each at its best of five."""
-    robot = load_robot("kr500")
-    arm = arrays(robot)
-    law, none = compensator_law(robot, arm), np.zeros((1, 6))
-    loads = Loads(np.array([250.0]), np.array([[37.5, 0.0, 12.5]]), none, none, law)
-    twin = elastic_twin(arm, robot, compensator=law)
+def loaded_pose(robot: Robot, loads: Conditions) -> tuple[float, float]:
+    """Processor time [ms] of a loaded pose in Drake: the median pose and the worst, each at its best of
+    five."""
     q = np.array([0.3, -1.0, 1.2, 0.4, 0.7, 0.2]) + np.random.default_rng(0).uniform(-0.3, 0.3, (20, 6))
+    path = ToolPath(np.arange(float(len(q))), q=q)
+    law = compensator_law(robot, arrays(robot))
+    extended = extended_arm(Problem(robot, arrays(robot), path_campaign(robot, path, q, loads), law))
+    poses = []
+    for j in range(len(q)):
+        here = extended.at(q[j : j + 1], np.ones((1, 6)), slice(j, j + 1))
+        arm, pull = extended.loads(here)
+        poses.append((q[j], extended.direct(here)[0], pull))
+    still = np.abs([direct for _, direct, _ in poses]).max(axis=0)
+    moved = [(int(slot), int(component)) for slot, component in zip(*np.nonzero(still), strict=True)]
+    law = poses[0][2].compensator
+    twin = elastic_twin(arm, robot, extended.acting.yielding(arm), moved, law)
     took = np.full((5, len(q)), np.inf)
     for i, j in np.ndindex(took.shape):
         started = time.process_time()
-        twin.equilibrium(q[j], np.zeros((arm.slots, 6)), loads)
+        twin.equilibrium(*poses[j])
         took[i, j] = time.process_time() - started
-    return float(1e3 * np.median(took.min(axis=0)))
+    return float(1e3 * np.median(took.min(axis=0))), float(1e3 * took.min(axis=0).max())
 
 
 def main() -> int:
@@ -93,7 +104,9 @@ def main() -> int:
     print(f"everything on   {factor:5.2f} x real time (step 1 ms: drives sampled every 1 ms)")
     print(f"plain plant     {alone:5.2f} x real time (Runge–Kutta 3, same step)")
     print(f"ratio           {best / alone:5.2f}")
-    print(f"a loaded pose   {loaded_pose():5.2f} ms in Drake")
+    for what, one in (("its TOML's", load_robot("kr500")), ("everything", robot)):
+        middle, worst = loaded_pose(one, loads)
+        print(f"a loaded pose   {middle:5.2f} ms in Drake, {worst:.2f} ms the worst of 20 ({what})")
     return 0 if best >= WANTED else 1
 
 

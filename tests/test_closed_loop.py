@@ -16,6 +16,7 @@ from workbench.correction.path_shapes import Run, line, work_frame
 from workbench.correction.paths import Path, write_path
 from workbench.effects import catalogue
 from workbench.effects.gear_kinematic_error import GearKinematicError
+from workbench.effects.hose_torque import HoseTorque
 from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.place import Where
 from workbench.effects.records import record
@@ -24,6 +25,7 @@ from workbench.files.faults import InputError
 from workbench.report.numbers import mm
 from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
+from workbench.robot.elastic_plant import elastic_twin
 from workbench.robot.equilibrium import equilibrium
 from workbench.robot.loop import Loop
 from workbench.robot.rigid_plant import arrays, link_poses, rigid_twin
@@ -32,13 +34,17 @@ from workbench.simulation.closed_loop import verify, verify_file
 from workbench.simulation.closed_loop.control import nominal_mechanics
 from workbench.simulation.closed_loop.drives import drives
 from workbench.simulation.closed_loop.dynamics import Along, Dynamics
+from workbench.simulation.closed_loop.file import Verified
 from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.measures import figures, main_lines, path_accuracy
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.closed_loop.motion import hold, motion
 from workbench.simulation.closed_loop.page import page as whole_page
+from workbench.simulation.closed_loop.pictures import pictures, sweep_picture
+from workbench.simulation.closed_loop.repeatability import repeatability
 from workbench.simulation.closed_loop.simulation import run
+from workbench.simulation.closed_loop.verification import Sweep
 
 LOADS = Conditions(
     "heavy",
@@ -125,6 +131,24 @@ def test_statics_are_the_arms(name, robot):
         assert np.abs(X[:3, :3] - where.R[slot][0] @ arm.R_link[slot]).max() < 1e-6
 
 
+def test_the_drives_bear_what_a_hose_pulls():
+    """At rest they ask for what Drake's elastic twin says, and with that the arm stays where it is."""
+    path, loads, whole = standing("kr500")
+    robot = extended(load_robot("kr500"), [(HoseTorque(Where(joint=f"joint_{j}")), [300.0]) for j in (4, 5)])
+    whole = replace(whole, robot=robot, arm=arrays(robot))
+    ext = extended_arm(whole)
+    here = ext.at(path.q[:1], np.zeros((1, 6)), slice(0, 1))
+    arm, pull = ext.loads(here)
+    assert np.abs(pull.torque[0, 3:5]).min() > 100
+    twin = elastic_twin(arm, robot, ext.acting.yielding(arm), compensator=pull.compensator)
+    twin.equilibrium(path.q[0], ext.direct(here)[0], pull)
+    truth = mechanics(robot, path, path.q, loads)
+    done = run(truth, nominal_mechanics(robot, truth), hold(path.q[0], 0.1, np.zeros(6)), loop=SMOOTH)
+    assert done.torque[0] == pytest.approx(twin.drive_torque(), abs=1e-4)
+    assert done.torque[-1] == pytest.approx(done.torque[0], abs=1e-2)
+    assert np.abs(done.motor).max() < 1e-9
+
+
 def test_a_warming_arm_grows_while_it_is_simulated():
     """Held still while the temperature of the path rises by 10 K."""
     robot = extended(load_robot("kr500"), [(ThermalGrowth(), [1.15e-5])])
@@ -143,6 +167,7 @@ def test_a_warming_arm_grows_while_it_is_simulated():
     assert np.abs(grown - (wanted[1] - wanted[0])).max() < 2e-6
 
 
+SWEPT = ("uncorrected", "corrected", "elastic", "rigid")
 RIPPLE = GearKinematicError(Where(joint="joint_2", order=800.0)), [5e-5, 2e-5]
 TABLE = Run(work_frame((1.7, 0.2, 0.9)), speed=0.05, acceleration=0.05, period=0.02)
 
@@ -226,6 +251,39 @@ def test_repeats_scatter_by_the_joints():
     assert (before.count, before.speed) == (2, proof().series[0].speed)
     assert 0.001 < after.rt_mm < 0.1
     assert after.at_mm < before.at_mm
+
+
+def test_the_data_sheets_repeatability_stands_beside_every_residual():
+    found = proof()
+    assert found.repeatability.data_sheet_mm == 0.08  # the KR 500's, not what its joints' makes
+    joints = found.repeatability.joints_mm
+    assert 0.02 < joints < 0.08
+    said = "repeatability 0.080 mm by data sheet"
+    text = Verified(found, ()).text
+    assert text.count(said) == len(found.series)
+    assert f"data sheet 0.080 mm, the joints' own {mm(joints)} mm at the tool" in text
+    written = whole_page(found)
+    assert written.count(said) >= 2 * len(found.series)  # tile and table
+    along = pictures(found)[0]
+    sweep = sweep_picture(Sweep(np.array([0.01, 1.0]), dict.fromkeys(SWEPT, np.array([0.05, 0.5]))),
+                          found.repeatability)  # fmt: skip
+    for drawn in (along, sweep):
+        assert "Repeatability by data sheet" in drawn.svg
+        assert "Repeatability of the joints" in drawn.svg
+    numbers = found.to_json()
+    assert numbers["pose_repeatability_mm"] == 0.08
+    assert numbers["joints_repeatability_mm"] == pytest.approx(joints, rel=1e-5)
+
+
+def test_unknown_repeatability_is_said_to_be():
+    robot = load_robot("longlink")  # a paper's arm, without a data sheet; its joints' is stated
+    q = np.tile(POSES["longlink"], (2, 1))
+    assert repeatability(robot, q).short.endswith("by the joints, no data sheet's")
+    found = replace(proof(), repeatability=repeatability(load_robot("cylindrical"), np.zeros((2, 3))))
+    assert "repeatability not known" in whole_page(found)
+    assert "not known, neither a data sheet's nor the joints'" in Verified(found, ()).text
+    assert "Repeatability" not in pictures(found)[0].svg
+    assert found.to_json()["pose_repeatability_mm"] is None
 
 
 def moving():

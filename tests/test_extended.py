@@ -53,6 +53,7 @@ def test_write_load_write_is_exact(tmp_path):
     assert replace(twice, path=None, urdf=robot.urdf) == replace(once, path=None, urdf=robot.urdf)
     assert once.geometry == robot.geometry
     assert once.effects == robot.effects
+    assert once.pose_repeatability_mm == twice.pose_repeatability_mm == 0.08
     assert (once.tool, once.payloads) == (robot.tool, robot.payloads)
     strip = [text.read_text().replace("../", "") for text in (first, second)]
     assert strip[0] == strip[1]

@@ -30,7 +30,9 @@ from workbench.report.study_page import index, said_of
 from workbench.report.study_page import page as study_page
 from workbench.robot.description import load_robot
 from workbench.simulation.closed_loop.measures import Line, figures
+from workbench.simulation.closed_loop.modes import Modes
 from workbench.simulation.closed_loop.page import page as proof_page
+from workbench.simulation.closed_loop.repeatability import Repeatability
 from workbench.simulation.closed_loop.verification import Repeats, Series, Trial, Verification
 from workbench.studies.blind.blind_page import page as blind_page
 
@@ -125,8 +127,8 @@ def proof_of(text: str) -> Verification:
         repeats=(Repeats("corrected", 2, 0.05, 0.1, None),),
         expected_mm=0.01,
         same=False,
-        repeatability_mm=0.02,
-        modes_hz=(9.0, 12.0),
+        repeatability=Repeatability(0.08, 0.02),
+        modes=Modes((9.0, 12.0), (11.0, 14.0), (text,), (12.0, 15.0), (10.0, 13.0)),
         sweep=None,
         notes=(text,),
     )

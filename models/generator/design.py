@@ -76,7 +76,7 @@ LOOP = {
 @dataclass(frozen=True)
 class Design:
     """One robot. `loop`: what its controller does otherwise than `LOOP`. `mount` is roll, pitch, yaw
-    [deg] of all link frames in the base frame at q = 0."""
+    [deg] of all link frames in the base frame at q = 0. `pose_repeatability`: the maker's figure (RP), mm."""
 
     name: str
     title: str
@@ -89,6 +89,7 @@ class Design:
     joints: Sequence[str] = ()
     mount: Vector = (0.0, 0.0, 0.0)
     joint_data: Mapping[str, Vector] = field(default_factory=dict)
+    pose_repeatability: float | None = None
     compensator: Mapping[str, Any] | None = None
     loop: Mapping[str, float] = field(default_factory=dict)
     bending_stiffness: Mapping[str, float] = field(default_factory=dict)

@@ -99,6 +99,8 @@ def toml_text(design: Design) -> str:
         "flange": "flange",
         "gravity": [0.0, 0.0, -STANDARD_GRAVITY],
     }
+    if design.pose_repeatability is not None:
+        fields["pose_repeatability_mm"] = design.pose_repeatability
     lines += _table(fields)
     for i, name in enumerate(design.joint_names):
         data = {key: values[i] for key, values in design.joint_data.items()}

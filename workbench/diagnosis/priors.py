@@ -22,7 +22,7 @@ class Priors:
     cause: float = 0.03
     line: float = 0.02
     free: float = 0.01
-    unstated: float = 0.5
+    unstated: float = 0.2
     scales: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
     largest: float = 10.0
     noise_dof: float = 300.0

@@ -49,6 +49,8 @@ def model_files(path: Path, robot: Robot, geometry: Array, effects: Sequence[Eff
             {"name": joint.name, **_given(joint.data.model_dump(exclude={"name"}))} for joint in robot.joints
         ],
     }
+    if robot.pose_repeatability_mm is not None:
+        table["pose_repeatability_mm"] = robot.pose_repeatability_mm
     if robot.compensator is not None:
         table["compensator"] = _given(robot.compensator.model_dump())
     if robot.bending_stiffness:

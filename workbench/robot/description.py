@@ -45,7 +45,7 @@ class Robot:
 
     controller: how the robot's controller counts the joints, as stated; `convention` as arrays.
     tool, payloads: what the campaign behind a model.toml carried; they count only where nobody states
-    other loads (a campaign always does).
+    other loads (a campaign always does). pose_repeatability_mm: ISO 9283 RP by the maker's data sheet.
     """
 
     name: str
@@ -66,6 +66,7 @@ class Robot:
     path: Path | None = None
     loop: Loop = field(default_factory=Loop)
     uncertainty: Uncertainty | None = None
+    pose_repeatability_mm: float | None = None
 
     def __repr__(self) -> str:
         joints = ", ".join(f"{joint.name} ({joint.kind})" for joint in self.joints)
@@ -161,6 +162,7 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
         path=path,
         loop=file.controller.loop,
         uncertainty=file.prediction,
+        pose_repeatability_mm=file.pose_repeatability_mm,
     )
 
 

@@ -24,6 +24,7 @@ from .extended_robot.cylinder import between, pulled
 from .kinematics import Array
 from .yielding import Yielding
 
+ROUNDING = 1e-18  # rad, m: no position tells less apart
 RIGID = 1e-16  # rad/(N·m), m/N: what a direction yields in which the slot's own law does not
 
 
@@ -56,6 +57,8 @@ class SlotSpring:
             return np.asarray(self._way @ ((self._way.T @ motion) / self._size))
         w = self.near
         left, slope = self._left(motion, w)
+        if np.abs(left).max() <= ROUNDING:
+            return w
         for _ in range(60):
             step = np.linalg.solve(slope, left)
             share = 1.0

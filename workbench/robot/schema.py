@@ -161,6 +161,8 @@ class RobotFile(_Table):
     """link where the arm begins; absent: the URDF's root, or what stands on its `world`"""
     gravity: Vector3 | None = None
     """m/s² on the base's axes; absent: straight down in the URDF"""
+    pose_repeatability_mm: AboveZero | None = None
+    """ISO 9283 RP [mm] as the maker's data sheet states it, of the tool; absent = not known"""
     joints: tuple[JointData, ...] = ()
     """what is known of the moving joints; those not named are rigid"""
     compensator: Compensator | None = None

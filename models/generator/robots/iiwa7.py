@@ -43,6 +43,7 @@ IIWA7 = Design(
     ],
     masses=Masses(LINKS, KINEMATICS),
     base_mass=Mass(4.0, (0, 0, 80), box=(180, 180, 160)),
+    pose_repeatability=0.1,
     source={
         "kinematics": "nominal standard DH table of the public data set; flange = DH frame 7",
         "limits": "recalled from the data sheet, unverified",
@@ -50,6 +51,7 @@ IIWA7 = Design(
         "frames; inertia: assumed (cuboids); base: assumed",
         "stiffness": "not known, taken as rigid",
         "gear_ratio": "harmonic drives, ratios not known",
+        "pose_repeatability": "manufacturer's data sheet, recalled, unverified",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=iiwa,

@@ -62,6 +62,7 @@ IRB120 = Design(
     masses=Masses(LINKS),
     base_mass=Mass(6.215, (-40, 0, 80), box=(280, 180, 160)),
     controller={"make": "ABB", "names": ("J1", "J2", "J3", "J4", "J5", "J6")},
+    pose_repeatability=0.01,
     source={
         "kinematics": "nominal standard DH table, signs and zeros of the ABB controller; flange = tool0",
         "limits": "range and velocity: recalled from the data sheet, unverified; effort: assumed",
@@ -70,6 +71,7 @@ IRB120 = Design(
         "stiffness": "not known, taken as rigid",
         "gear_ratio": "not known",
         "controller": "the URDF's own signs and zeros; no parallelogram, so joint 3 is counted alone",
+        "pose_repeatability": "manufacturer's data sheet, recalled, unverified",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

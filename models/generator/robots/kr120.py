@@ -102,6 +102,7 @@ KR120 = Design(
     },
     compensator=gas_spring(joint_2_ahead=0.35, piston_area=1.0e-3, **GAUGED),
     controller={"make": "KUKA", "names": ("A1", "A2", "A3", "A4", "A5", "A6")},
+    pose_repeatability=0.06,
     source={
         "kinematics": "public URDF of the KR 120 R2500 pro (ROS-Industrial), controller signs and zeros; "
         "flange x down, z out as the controller has it",
@@ -118,6 +119,7 @@ KR120 = Design(
         "hold); charge and gas length: as gauged on a KR 300, a robot of this class (assumed to hold); area: "
         "assumed, so that the stretched, unloaded arm is nearly balanced",
         "controller": "the URDF's own signs and zeros",
+        "pose_repeatability": "manufacturer's data sheet, recalled, unverified",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

@@ -95,6 +95,7 @@ KR500 = Design(
         "names": ("A1", "A2", "A3", "A4", "A5", "A6"),
         "signs": (-1, 1, 1, -1, 1, -1),
     },
+    pose_repeatability=0.08,
     source={
         "kinematics": "public modified DH table of the KR 500 R2830 (robot kinematics catalogue), its "
         "signs and zeros; a KUKA controller counts A1, A4 and A6 the other way",
@@ -110,6 +111,7 @@ KR500 = Design(
         "charge, gas length and area: as gauged on a KR 300, a robot of this class (assumed to hold)",
         "controller": "A1, A4 and A6 count the other way than about z up and x forward: public URDFs of "
         "KUKA (ROS-Industrial)",
+        "pose_repeatability": "manufacturer's data sheet, recalled, unverified",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

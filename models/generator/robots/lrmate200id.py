@@ -68,6 +68,7 @@ LRMATE200ID = Design(
         "couplings": [{"joint": "J3", "on": "J2", "factor": -1.0}],
         "world": {"xyz_mm": (0.0, 0.0, 330.0)},
     },
+    pose_repeatability=0.02,
     source={
         "kinematics": "public URDF of the LR Mate 200iD (ROS-Industrial), its signs and zeros; flange = "
         "tool0",
@@ -78,6 +79,7 @@ LRMATE200ID = Design(
         "stiffness": "not known, taken as rigid",
         "gear_ratio": "not known",
         "controller": "joint 3 against the horizontal, world at the height of joint 2: the same public URDF",
+        "pose_repeatability": "manufacturer's data sheet, recalled, unverified",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=lambda design: heavy(design, LOOK),

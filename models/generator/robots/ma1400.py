@@ -46,6 +46,7 @@ def ma1400(side: str) -> Design:
         limits=LIMITS,
         masses=Masses(LINKS, start=-263.0),
         base_mass=Mass(250, (0, 0, 300), box=(800, 800, 600)),
+        pose_repeatability=0.08,
         source={
             "kinematics": "nominal standard DH table of the public data set, with the turntable row at E "
             "= 0; base = turntable, z up; flange = DH frame of T",
@@ -54,6 +55,7 @@ def ma1400(side: str) -> Design:
             "masses": "assumed: masses, centres of mass and inertias (cuboids) of an arm of 130 kg in all",
             "stiffness": "not known, taken as rigid",
             "gear_ratio": "not known",
+            "pose_repeatability": "manufacturer's data sheet, recalled, unverified",
             "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
         },
         look=ma1400_look,

@@ -41,6 +41,7 @@ UR10 = Design(
     base_mass=Mass(4.0, (0, 0, 50), box=(190, 190, 110)),
     joint_data={"gear_ratio": (101.0,) * 6},
     controller=CONTROLLER,
+    pose_repeatability=0.1,
     source={
         "kinematics": "nominal standard DH table of the manufacturer, controller signs and zeros",
         "limits": "range: manufacturer's data sheet; velocity and torque: recalled from it, unverified",
@@ -49,6 +50,7 @@ UR10 = Design(
         "gear_ratio": "harmonic drives, 101 on all joints: literature, unverified",
         "stiffness": "not known, taken as rigid",
         "controller": "the manufacturer's table, which is the controller's: base and flange are its too",
+        "pose_repeatability": "manufacturer's data sheet, recalled, unverified",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=ur(beside=114.9, apart=171.9, size=1.25),

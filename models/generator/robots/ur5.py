@@ -51,6 +51,7 @@ UR5 = Design(
     base_mass=Mass(4.0, (0, 0, 40), box=(150, 150, 90)),
     joint_data={"gear_ratio": (101.0,) * 6},
     controller=CONTROLLER,
+    pose_repeatability=0.1,
     source={
         "kinematics": "nominal standard DH table of the manufacturer, controller signs and zeros",
         "limits": "manufacturer's data sheet: range, velocity, torque",
@@ -58,6 +59,7 @@ UR5 = Design(
         "gear_ratio": "harmonic drives, 101 on all joints: literature, unverified",
         "stiffness": "not known, taken as rigid",
         "controller": "the manufacturer's table, which is the controller's: base and flange are its too",
+        "pose_repeatability": "manufacturer's data sheet, recalled, unverified",
         "visuals": "own shapes drawn from the kinematics, not the manufacturer's",
     },
     look=ur(beside=93.0, apart=119.7),

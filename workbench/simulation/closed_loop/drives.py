@@ -25,7 +25,8 @@ class Drives:
 
     rotor: reflected inertia; arm: inertia that each joint moves, the others at rest; coulomb, viscous:
     friction; damping: of each spring; count: joint motion per encoder step (0: fine); torque, speed: limits.
-    assumed: what of rotors and dampers is not stated; notes: that, and the friction.
+    guessed: (n,) whose inertia is assumed. assumed: what of rotors and dampers is not stated; notes: that,
+    and the friction.
     """
 
     rotor: Array
@@ -36,6 +37,7 @@ class Drives:
     count: Array
     torque: Array
     speed: Array
+    guessed: NDArray[np.bool_]
     assumed: tuple[str, ...]
     notes: tuple[str, ...]
 
@@ -45,10 +47,11 @@ def drives(mechanics: Mechanics, q: Array, loop: Loop) -> Drives:
     robot, arm = mechanics.robot, mechanics.arm
     inertia, mass = _felt(mechanics, q)
     stated = [j.data.rotor_inertia * (j.data.gear_ratio or 0.0) ** 2 for j in robot.joints]
-    rotor = np.where(np.array(stated) > 0, stated, 0.5 * inertia)
+    guessed = np.array(stated) <= 0
+    rotor = np.where(guessed, 0.5 * inertia, stated)
     assumed = []
-    if not all(stated):
-        names = ", ".join(n for n, value in zip(arm.names, stated, strict=True) if not value)
+    if guessed.any():
+        names = ", ".join(arm.names[j] for j in np.flatnonzero(guessed))
         assumed.append(f"{names}: drive's inertia not stated, taken as half of the arm's that it moves")
     scale = STANDARD_GRAVITY * np.where(arm.prismatic, mass, np.sqrt(inertia * mass))
     friction = (
@@ -70,6 +73,7 @@ def drives(mechanics: Mechanics, q: Array, loop: Loop) -> Drives:
         2 * np.pi / (turns * loop.encoder_steps) if loop.encoder_steps else np.zeros(arm.n),
         np.array([joint.effort for joint in robot.joints]),
         np.array([joint.velocity for joint in robot.joints]),
+        guessed,
         tuple(assumed),
         (*assumed, friction),
     )

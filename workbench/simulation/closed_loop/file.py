@@ -48,16 +48,13 @@ class Verified:
                 f = trial.figures
                 values = (f.mean_mm, f.rms_mm, f.p95_mm, f.max_mm, f.ra_mm, f.rz_mm)
                 lines.append(f"  {COMMAND_NAMES[name]:<31}" + "".join(f"{mm(value):>8}" for value in values))
-            lines.append(f"  {step_said(series)}")
+            lines.append(f"  {found.repeatability.short}; {step_said(series)}")
         for r in found.repeats:
             rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"
             runs = "one run" if r.count == 1 else f"{r.count} runs"
             what = f"{COMMAND_NAMES[r.name]}, {runs} at {r.speed:.3g} m/s"
             lines.append(f"  {what}: AT {mm(r.at_mm)} mm, RT {rt}")
-        if found.repeatability_mm is not None:
-            lines.append(
-                f"  the joints' repeatability makes {mm(found.repeatability_mm)} mm at the tool (RP)"
-            )
+        lines.append(f"  {found.repeatability.said}")
         if perfect := perfect_said(found.slow):
             lines.append(f"  {perfect}")
         if found.sweep is not None:

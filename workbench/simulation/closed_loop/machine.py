@@ -116,15 +116,6 @@ def mass_matrix(built: Machine, q: Array) -> Array:
     return np.asarray(built.plant.CalcMassMatrix(context))
 
 
-def modes(built: Machine, q: Array) -> Array:
-    """(K,) natural frequencies [rad/s] of the arm on its springs, drives locked at joints q (n,),
-    ascending."""
-    M = mass_matrix(built, q)[np.ix_(built.springs, built.springs)]
-    scale = 1 / np.sqrt(built.stiffness)
-    slowness = np.maximum(np.linalg.eigvalsh(scale[:, None] * M * scale), 1e-12)
-    return np.asarray(1 / np.sqrt(slowness[::-1]))
-
-
 class _Moving:
     """What moves at the slots: hinges and slides, then drive and spring; and which joint is which."""
 

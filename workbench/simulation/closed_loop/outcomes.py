@@ -1,15 +1,12 @@
-"""What runs say: errors and figures of each, repeatability and accuracy of all."""
+"""What runs say: errors and figures of each, accuracy of all."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
 
-import numpy as np
-
 from ...robot.description import Robot
-from ...robot.kinematics import Array, frames
-from ...robot.rigid_plant import arrays
+from ...robot.kinematics import Array
 from .measures import beside, figures, main_lines, normal, path_accuracy, tangents
 from .runs import Outcome
 from .verification import Repeats, Series, Trial
@@ -58,16 +55,3 @@ def accuracy(series: Series, repeated: list[Outcome], p: Array) -> tuple[Repeats
         Repeats(name, count, series.speed, *path_accuracy(across[a:b]))
         for name, (a, b) in zip(names, pairwise((0, count, 2 * count)), strict=True)
     )
-
-
-def repeatability(robot: Robot, q: Array) -> float | None:
-    """[mm] of ISO 9283's pose repeatability, l̄ + 3 S, that the joints' own makes at the middle of a path."""
-    sigma = robot.repeatability
-    if not sigma.any():
-        return None
-    arm = arrays(robot)
-    q = q[len(q) // 2]
-    scattered = q + sigma * np.random.default_rng(0).normal(size=(2000, len(q)))
-    where = frames(arm, scattered).p[-1]
-    away = 1e3 * np.linalg.norm(where - where.mean(axis=0), axis=1)
-    return float(away.mean() + 3 * away.std(ddof=1))

@@ -8,6 +8,7 @@ from ...report.markup import render
 from ...report.numbers import mm, significant
 from ...report.study import Table, Tile
 from .pictures import pictures, speed_text, sweep_picture
+from .repeatability import Repeatability
 from .verification import COMMAND_NAMES, Series, Verification, perfect_said, step_said, sweep_said
 
 
@@ -20,13 +21,16 @@ def page(found: Verification) -> str:
         path=found.path.title,
         headline=headline(found),
         lead=_lead(found),
-        tiles=[_tile(series, found.repeatability_mm) for series in found.series],
-        along=[(drawn, _numbers(series)) for drawn, series in zip(along, found.series, strict=True)],
+        tiles=[_tile(series, found.repeatability) for series in found.series],
+        along=[
+            (drawn, _numbers(series, found.repeatability))
+            for drawn, series in zip(along, found.series, strict=True)
+        ],
         heights=heights,
         roughness=_roughness(found),
         repeats=_repeats(found),
         spectrum=spectrum,
-        sweep=None if found.sweep is None else sweep_picture(found.sweep, found.repeatability_mm),
+        sweep=None if found.sweep is None else sweep_picture(found.sweep, found.repeatability),
         left=_left(found),
         facts=_facts(found),
         notes=found.notes,
@@ -51,29 +55,24 @@ def headline(found: Verification) -> str:
 def _lead(found: Verification) -> list[str]:
     said = [
         "The simulated robot ran the path in closed loop: sampled controller, drives, gears, springs, "
-        f"friction and loads, {len(found.path)} samples. Commands were corrected by what the model knows."
+        f"friction and loads, {len(found.path)} samples. Commands were corrected by what the model knows.",
+        f"Beside every residual stands the {found.repeatability.said}.",
     ]
-    if found.repeatability_mm is not None:
-        said.append(
-            f"Set beside every residual the {mm(found.repeatability_mm)} mm (ISO 9283 RP) that the stated "
-            "repeatability of the joints makes at the tool: less than that no single run shows."
-        )
     perfect = perfect_said(found.slow)
     return [*said, f"{perfect}."] if perfect else said
 
 
-def _tile(series: Series, repeatability_mm: float | None) -> Tile:
+def _tile(series: Series, repeatability: Repeatability) -> Tile:
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
-    beside = "" if repeatability_mm is None else f"; repeatability {mm(repeatability_mm)} mm"
     label, was, now = f"RMS error at {speed_text(series.speed)}", mm(before.rms_mm), mm(after.rms_mm)
     if was == now:
         label, was = f"{label}, before and after", ""
     first, last = mm(before.max_mm), mm(after.max_mm)
     largest = f"{last} mm, before and after" if first == last else f"{first} → {last} mm"
-    return Tile(label, was, now, "mm", f"largest {largest}{beside}")
+    return Tile(label, was, now, "mm", f"largest {largest}; {repeatability.short}")
 
 
-def _numbers(series: Series) -> Table:
+def _numbers(series: Series, repeatability: Repeatability) -> Table:
     rows = []
     for name, trial in series.trials.items():
         f = trial.figures
@@ -81,7 +80,7 @@ def _numbers(series: Series) -> Table:
         rows.append([COMMAND_NAMES[name], *(mm(value) for value in values)])
     return Table(
         f"At {speed_text(series.speed)}, {series.time[-1]:.3g} s. Distance of the tool from where it should "
-        "be at that instant; across: from the path, whenever it passes.",
+        f"be at that instant; across: from the path, whenever it passes; {repeatability.short}.",
         ("Command", "Mean, mm", "RMS, mm", "95 %, mm", "Largest, mm", "Largest across, mm"),
         rows,
     )
@@ -112,7 +111,8 @@ def _roughness(found: Verification) -> Table:
 def _repeats(found: Verification) -> Table:
     return Table(
         "ISO 9283 path accuracy AT (largest distance of the runs' mean from the path) and repeatability RT "
-        "(largest mean plus three standard deviations about that mean).",
+        "(largest mean plus three standard deviations about that mean); beside them, "
+        f"{found.repeatability.said}.",
         ("Command", "Runs", "Speed", "AT, mm", "RT, mm"),
         [
             [
@@ -156,9 +156,7 @@ def _facts(found: Verification) -> list[tuple[str, str]]:
         ),
         ("Servo error, largest", f"{significant(servo, 3)} µrad (or µm)"),
     ]
-    if found.modes_hz:
-        modes = ", ".join(significant(f, 3) for f in found.modes_hz)
-        facts.insert(1, ("Lowest modes at the path's start, drives locked", f"{modes} Hz"))
+    facts[len(found.series) : len(found.series)] = found.modes.facts()
     if found.sweep is not None:
         facts.append(("By speed", sweep_said(found.sweep)))
     return facts

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from ...report.drawing import AFTER, BEFORE, MIDDLE, NOISE, Figure, drawing, plain_log
+from ...report.drawing import AFTER, BEFORE, MIDDLE, MUTED, NOISE, Figure, drawing, plain_log
 from ...report.numbers import mm, mm_change, significant
 from ...robot.kinematics import Array
 from .measures import spectrum
+from .repeatability import Repeatability
 from .verification import COMMAND_NAMES, Series, Sweep, Verification, sweep_said
 
 LED, LAGGED = "#7a4fa3", "#2f7f86"
@@ -28,25 +30,26 @@ LEAST_SHOWN = 1e-4  # mm, of a logarithmic axis
 def pictures(found: Verification) -> list[Figure]:
     """All figures, in the page's order."""
     return [
-        *(_along(series, number) for number, series in enumerate(found.series)),
+        *(_along(series, number, found.repeatability) for number, series in enumerate(found.series)),
         _heights(found),
         _spectra(found.series[-1]),
     ]
 
 
-def _along(series: Series, number: int) -> Figure:
+def _along(series: Series, number: int, repeatability: Repeatability) -> Figure:
     """Error of each command over time, logarithmic."""
     before, after = (series.trials[name].figures for name in ("uncorrected", "corrected"))
-    with drawing(f"along{number}", 2.7) as (axes, svg):
+    with drawing(f"along{number}", 3.0) as (axes, svg):
         for name, trial in series.trials.items():
             size = np.maximum(1e3 * np.linalg.norm(trial.error, axis=1), LEAST_SHOWN)
-            t, shown = _thinned(series.time, size)
+            t, size = _thinned(series.time, size)
             style = "--" if name == "perfect" else "-"
-            axes.plot(t, shown, style, color=COMMAND_COLOURS[name], lw=1.4, label=COMMAND_NAMES[name])
+            axes.plot(t, size, style, color=COMMAND_COLOURS[name], lw=1.4, label=COMMAND_NAMES[name])
         axes.set_yscale("log")
         plain_log(axes.yaxis)
         axes.set(xlabel="time along the path, s", ylabel="3-D error of the tool, mm")
-        low = min(trial.figures.mean_mm for trial in series.trials.values())
+        shown = _beside(axes, repeatability)
+        low = min(*shown, *(trial.figures.mean_mm for trial in series.trials.values()))
         axes.set_ylim(bottom=max(LEAST_SHOWN, 0.2 * low))
         axes.set_xlim(0, series.time[-1])
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
@@ -131,7 +134,7 @@ def _spectra(series: Series) -> Figure:
     )
 
 
-def sweep_picture(sweep: Sweep, repeatability_mm: float | None) -> Figure:
+def sweep_picture(sweep: Sweep, repeatability: Repeatability) -> Figure:
     """RMS error by tool speed of each command, and of a rigid arm under the same controller."""
     lines = (
         ("uncorrected", "Uncorrected", BEFORE, "o-"),
@@ -139,21 +142,30 @@ def sweep_picture(sweep: Sweep, repeatability_mm: float | None) -> Figure:
         ("elastic", "… and elastic feed-forward", LED, "o-"),
         ("rigid", "An arm that does not yield", NOISE, "o--"),
     )
-    with drawing("sweep", 3.0) as (axes, svg):
+    with drawing("sweep", 3.2) as (axes, svg):
         for name, label, colour, style in lines:
             axes.plot(sweep.speeds, sweep.rms_mm[name], style, color=colour, lw=1.6, ms=4, label=label)
-        if repeatability_mm is not None:
-            axes.axhline(repeatability_mm, color=NOISE, lw=0.8)
-            axes.annotate(
-                "repeatability", (1.0, repeatability_mm), (-3, 3), ("axes fraction", "data"), "offset points",
-                ha="right", color=NOISE,
-            )  # fmt: skip
+        _beside(axes, repeatability)
         axes.set(xscale="log", yscale="log", xlabel="speed of the tool, m/s", ylabel="RMS error, mm")
         for axis in (axes.xaxis, axes.yaxis):
             plain_log(axis)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     said = sweep_said(sweep)
     return Figure("sweep", said[0].upper() + said[1:], "RMS error of the tool by its speed", svg[0])
+
+
+def _beside(axes: Any, repeatability: Repeatability) -> list[float]:
+    """Lines at the repeatability of data sheet and joints, named in the legend; their heights [mm]."""
+    lines = (
+        ("Repeatability by data sheet", repeatability.data_sheet_mm, "-"),
+        ("Repeatability of the joints", repeatability.joints_mm, ":"),
+    )
+    heights = []
+    for label, height, style in lines:
+        if height is not None:
+            axes.axhline(height, color=MUTED, lw=1.2, ls=style, label=label)
+            heights.append(height)
+    return heights
 
 
 def speed_text(speed: float) -> str:

@@ -14,11 +14,12 @@ from ...robot.kinematics import Array
 from ...robot.loop import Loop
 from .drives import drives
 from .limits import OnLimit, OverLimit
-from .machine import machine, modes
 from .measures import normal
 from .mechanics import mechanics
-from .outcomes import accuracy, orders, repeatability, trial
+from .modes import Modes, modes
+from .outcomes import accuracy, orders, trial
 from .plans import Plans
+from .repeatability import repeatability
 from .runs import FEED_FORWARD, FeedForward, World, simulate_all
 from .sweep import swept
 from .tasks import others, repeated, settling
@@ -106,8 +107,8 @@ def verify(
         repeats=accuracy(series[-1], done[place:], p),
         expected_mm=plans.expected_mm,
         same=truth is belief,
-        repeatability_mm=repeatability(truth, plans.geometry.q_nominal),
-        modes_hz=_modes(world, path, commands[0]["corrected"]),
+        repeatability=repeatability(truth, plans.geometry.q_nominal),
+        modes=_modes(world, path, commands[0]["corrected"]),
         sweep=left,
         notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *settled[0].notes, *done[0].notes])),
     )
@@ -121,11 +122,10 @@ def _over(path: Path, over: OverLimit) -> Fault:
     )
 
 
-def _modes(world: World, path: Path, q: Array, count: int = 3) -> tuple[float, ...]:
-    """Lowest natural frequencies [Hz] at the path's start, drives locked."""
+def _modes(world: World, path: Path, q: Array) -> Modes:
+    """At the path's start; q: (N, n) commands."""
     truth = mechanics(world.truth, path, q, world.true_conditions)
-    built = machine(truth, drives(truth, q[0], world.loop))
-    return tuple(float(f) for f in modes(built, q[0])[:count] / (2 * np.pi)) if len(built.springs) else ()
+    return modes(truth, drives(truth, q[0], world.loop), q[0])
 
 
 def _check_call(truth: Robot, belief: Robot, speeds: Sequence[float] | None, repeats: int) -> None:

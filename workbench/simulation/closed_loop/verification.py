@@ -13,6 +13,8 @@ from ...report.numbers import mm, significant
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from .measures import Figures, Line
+from .modes import Modes
+from .repeatability import Repeatability
 
 COMMAND_NAMES = {
     "uncorrected": "Uncorrected",
@@ -107,9 +109,9 @@ class Verification:
     """The closed loop's verdict on a path. X: (N, 4, 4) desired tool poses; normal: (3,) of R_a, R_z.
 
     series: slowest first. expected_mm: RMS that the belief itself expects of the corrected path, slow.
-    same: the simulated robot is the model itself. repeatability_mm: that of the joints, at the tool, as a
-    data sheet would state it (None: not stated). modes_hz: lowest of the arm on its springs, at the path's
-    start. sweep: error by speed, None where it was not asked for. notes: what was assumed or left out.
+    same: the simulated robot is the model itself. repeatability: of the tool, by data sheet and joints.
+    modes: the lowest, at the path's start. sweep: error by speed, None where it was not asked for.
+    notes: what was assumed or left out.
     inputs: "<folder>/<file>" → SHA-256.
     """
 
@@ -121,8 +123,8 @@ class Verification:
     repeats: tuple[Repeats, ...]
     expected_mm: float
     same: bool
-    repeatability_mm: float | None
-    modes_hz: tuple[float, ...]
+    repeatability: Repeatability
+    modes: Modes
     sweep: Sweep | None
     notes: tuple[str, ...]
     inputs: Mapping[str, str] = field(default_factory=dict)
@@ -143,8 +145,9 @@ class Verification:
             "schema": 1,
             "truth_is_model": self.same,
             "caveat": self.caveat,
-            "repeatability_mm": _short(self.repeatability_mm),
-            "modes_hz": [_short(f) for f in self.modes_hz],
+            "pose_repeatability_mm": _short(self.repeatability.data_sheet_mm),
+            "joints_repeatability_mm": _short(self.repeatability.joints_mm),
+            "modes_hz": self.modes.to_json(),
             "robot": self.robot.name,
             "path": self.path.title,
             "samples": len(self.path),

@@ -11,6 +11,10 @@ from ...robot.compensator import CompensatorLaw
 from ...robot.kinematics import Array
 from .coil import nearest_coil
 from .content import Content
+from .hinges import off_by_hinges
+
+LEAST = 1e-7  # mm: below, it is rounding
+HINGES = "that a bending link's end shifts and turns at once: hinges here, of second order in the bend"
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,7 @@ class Item:
     def __str__(self) -> str:
         if self.carried:
             return f"carried: {self.what}"
-        return f"left out: {self.what} (costs {self.mean_mm:.4f} mm on average, {self.max_mm:.4f} mm at most)"
+        return f"left out: {self.what} (costs {_far(self.mean_mm, self.max_mm)})"
 
 
 @dataclass(frozen=True)
@@ -40,10 +44,9 @@ class Cost:
 
     def lines(self) -> list[str]:
         """For a file's header."""
-        whole = f"{self.mean_mm:.4f} mm on average, {self.max_mm:.4f} mm at most"
         return [
             *(str(item) for item in self.items),
-            f"flange against the whole model: {whole}, at {self.poses}",
+            f"flange against the whole model: {_far(self.mean_mm, self.max_mm)}, at {self.poses}",
             *self.notes,
         ]
 
@@ -76,6 +79,9 @@ def cost(content: Content, carries: frozenset[str], approximated: Array | None =
     if approximated is None:
         some = content.acting(carries | {"compensator"})
         approximated = content.tool(some, rigid=not elastic, pulled=kept is not None, by=kept)
+    if elastic and (off := off_by_hinges(content)) is not None:
+        items.append(_item(HINGES, False, whole, whole + off))
+        approximated = approximated + off
     far = 1e3 * np.linalg.norm(approximated - whole, axis=1)
     return Cost(
         tuple(items), float(far.mean()), float(far.max()), content.poses, tuple(content.extended.notes)
@@ -90,3 +96,12 @@ def _calibration(content: Content) -> Item:
 def _item(what: str, carried: bool, whole: Array, without: Array) -> Item:
     far = 1e3 * np.linalg.norm(without - whole, axis=1)
     return Item(what, True) if carried else Item(what, False, float(far.mean()), float(far.max()))
+
+
+def _far(mean: float | None, most: float | None) -> str:
+    """Both [mm] in words; micrometres where they are few."""
+    said = []
+    for value in (mean or 0.0, most or 0.0):
+        few = LEAST <= value < 1e-3
+        said.append(f"{1e3 * value:.2g} µm" if few else f"{value:.4f} mm")
+    return f"{said[0]} on average, {said[1]} at most"

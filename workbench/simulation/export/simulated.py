@@ -12,7 +12,7 @@ from ...robot.kinematics import Array
 from ...robot.yielding import Yielding
 from ..closed_loop.drives import drives
 from ..closed_loop.machine import Machine, machine
-from ..closed_loop.mechanics import Mechanics, springs_of
+from ..closed_loop.mechanics import Give, Mechanics, springs_of
 from .coil import nearest_coil
 from .content import Content
 from .tree import Tree, tree_of
@@ -25,6 +25,7 @@ class Simulated:
     """The plant that `verify` would simulate, and what of it no file states."""
 
     machine: Machine
+    gives: tuple[Give, ...]
     assumed: tuple[str, ...]
 
     def tree(self, robot: Robot) -> Tree:
@@ -52,7 +53,7 @@ def simulated(content: Content, compensator: CompensatorLaw | None) -> Simulated
         notes=(),
     )
     drive = drives(parts, _middle(content), robot.loop)
-    return Simulated(machine(parts, drive), drive.assumed)
+    return Simulated(machine(parts, drive), gives, drive.assumed)
 
 
 def elastic_tree(content: Content) -> Tree:
