@@ -53,6 +53,17 @@ def test_results_figures_and_page_are_written(study):
     assert "first name right" in study.text
 
 
+def test_two_processes_give_the_same_study_but_for_its_seconds(study, tmp_path):
+    some = ("clean-stated/0", "backlash/1")
+    again = blind(tmp_path, seed=0, workers=2, keys=some)
+
+    def told(case):
+        return {name: value for name, value in case.items() if not name.startswith("seconds")}
+
+    assert [told(case) for case in again.cases] == [told(study.cases[EASY.index(key)]) for key in some]
+    assert "seconds" in again.cases[0]
+
+
 def test_a_resumed_study_goes_on(study):
     again = blind(study.folder, seed=0, workers=1, keys=[*EASY, "clean-stated/1"], resume=True)
     assert again.cases[:4] == study.cases

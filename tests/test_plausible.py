@@ -131,6 +131,47 @@ def test_targets_stated_for_one_another_are_only_remarked():
         check_plausible(problem_of(fixed))
 
 
+@pytest.mark.parametrize("order", [[1, 0, 2], [1, 2, 0]], ids=["two", "three"])
+@pytest.mark.parametrize("stated", [True, False])
+def test_names_exchanged_at_a_part_of_the_poses(order, stated):
+    def mixed(z):
+        z[18:] = z[18:][:, order]
+        return z
+
+    spoilt = points(honest(), mixed)
+    if not stated:
+        spoilt = replace(spoilt, targets=tuple(Target(target.name) for target in spoilt.targets))
+    names = "T1 and T2" if order[2] == 2 else "T1, T2 and T3"
+    with pytest.raises(InputError) as caught:
+        check_plausible(problem_of(spoilt))
+    (said,) = str(caught.value).splitlines()
+    # without stated places the order at the middle pose counts
+    count, at = (22, "19, 20, 21 … 40") if stated else (18, "1, 2, 3 … 18")
+    assert f"names of the targets {names} are exchanged at {count} of 40 poses ({at})" in said
+    assert "exchange them there in the column target" in said
+
+
+def test_targets_listed_in_another_order_are_the_same_campaign():
+    order = [2, 0, 1]
+    same = honest()
+    other = replace(
+        same,
+        points=same.points[:, order],
+        shots=same.shots[:, order],
+        targets=tuple(same.targets[i] for i in order),
+    )
+    assert check_plausible(problem_of(other)) == check_plausible(problem_of(same)) == []
+    assert judge(problem_of(other)).misfit.total == pytest.approx(judge(problem_of(same)).misfit.total)
+
+
+def test_stated_places_in_another_order_are_named_with_their_mend():
+    one, two, three = honest().targets
+    places = ((one, two.xyz), (two, three.xyz), (three, one.xyz))
+    spoilt = replace(honest(), targets=tuple(replace(target, xyz=xyz) for target, xyz in places))
+    (said,) = check_plausible(problem_of(spoilt))
+    assert "targets T1, T2, T3 are stated for one another: mend xyz_mm" in said
+
+
 def inaccurate(folder, seed):
     """A random arm, 2 mm and 2 mrad off everywhere, and the plan of a campaign with every column."""
     robot = load_robot(write_random_robot(folder, seed, ("6R", "7R", "PRRR")[seed % 3]))

@@ -27,12 +27,20 @@ from workbench.files.faults import InputError
 HEAD = """| campaign | poses | wrong | faults | causes as without | as left out | held out | left out |
 |---|---|---|---|---|---|---|---|"""
 SHARE = 0.4  # of the way through the campaign
-SIMULATED = {
-    "kr500, gear": ("kr500", ("gear_eccentricity:joint=joint_2,variant=1,amplitude=4e-4,phase=0.4",)),
-    "ur5, compliance": ("ur5", ("joint_compliance:joint=shoulder_lift_joint,relative=0.5",)),
-    "cylindrical, gear": ("cylindrical", ("gear_ratio:joint=joint_1,relative=2e-4",)),
-    "kr500, clean": ("kr500", ()),
+SIMULATED = {  # robot, load [kg], what is hidden
+    "kr500, gear": ("kr500", 250.0, "gear_eccentricity:joint=joint_2,variant=1,amplitude=4e-4,phase=0.4"),
+    "kr500, clean": ("kr500", 250.0, ""),
+    "ur5, compliance": ("ur5", 5.0, "joint_compliance:joint=shoulder_lift_joint,compliance=3e-5"),
+    "cylindrical, gear ratio": ("cylindrical", 20.0, "gear_ratio:joint=joint_1,relative=2e-4"),
+    "irb120, backlash": ("irb120", 3.0, "backlash:joint=joint_2,half_width=1e-4"),
+    "iiwa7, link mass": ("iiwa7", 7.0, "link_mass:link=link_4,mass=2.0"),
 }
+
+
+def simulated(name: str) -> Campaign:
+    robot, load, hidden = SIMULATED[name]
+    return measured(robot, (hidden,) if hidden else (), poses=40, loads=(load,))
+
 
 Points = np.ndarray
 
@@ -141,7 +149,7 @@ def main() -> None:
         f.name: lambda f=f: thinned(load_campaign(f / "campaign.toml"), arguments.poses) for f in folders
     }
     if arguments.simulated:
-        sources |= {k: lambda v=v: measured(v[0], v[1], poses=40) for k, v in SIMULATED.items()}
+        sources |= {name: lambda name=name: simulated(name) for name in SIMULATED}
     print(HEAD, flush=True)
     for name, source in sources.items():
         c = source()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..files.digest import digests
 from ..files.tables import Table, suggest
 from ..robot.description import Robot
 from ..robot.shown import urdf_notes
@@ -75,7 +75,7 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         warnings=tuple(warnings),
         cell=beside(file.cell, path),
         known=file.known.model_copy(update={"scale": 1.0}),
-        files=_hashes([path, poses.path, points.path, *([robot.path] if robot.path else []), robot.urdf]),
+        files=digests([path, poses.path, points.path, *robot.files]),
         poses=Poses(
             ids=tuple(_column(poses, "pose_id", kept)),
             q=np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)[kept],
@@ -180,14 +180,6 @@ def _joints(table: Table, stem: str, n: int, absent: float = np.nan) -> Array | 
 def _optional(values: Array | None, kept: NDArray[np.bool_]) -> Array | None:
     """The kept rows; None when not one of them has a number."""
     return None if values is None or np.isnan(values[kept]).all() else values[kept]
-
-
-def _hashes(paths: Sequence[Path]) -> dict[str, str]:
-    return {
-        f"{path.resolve().parent.name}/{path.name}": hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in paths
-        if path.is_file()
-    }
 
 
 def some(names: Sequence[str], shown: int = 5) -> str:

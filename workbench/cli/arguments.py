@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -111,9 +112,12 @@ def positive(text: str) -> int:
 
 
 def check_folder(out: Path | None) -> None:
-    """Raises InputError where a file is in the way of the folder."""
-    if out is not None and out.exists() and not out.is_dir():
-        raise InputError(Fault(str(out), "is a file, not a folder", "name a folder with --out"))
+    """Raises InputError where the folder cannot be made: a file is in the way, or nobody may write there."""
+    there = next((place for place in (out, *out.parents) if os.path.lexists(place)), None) if out else None
+    if there is not None and not there.is_dir():
+        raise InputError(Fault(str(there), "is a file, not a folder", "name another place with --out"))
+    if there is not None and not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(Fault(str(there), "nobody may write there", "name another place with --out"))
 
 
 def load_all(paths: Sequence[str]) -> list[Campaign]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from .arguments import (
     Commands,
+    check_folder,
     conditions,
     frame,
     json_option,
@@ -58,6 +59,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     from ..correction import compensate_file, compensate_program, is_program
 
+    check_folder(arguments.out.parent if arguments.out else None)
     loads = conditions(arguments.model, arguments.payload, stated(arguments.campaign))
     if is_program(Path(arguments.path)):
         written = compensate_program(

@@ -11,6 +11,7 @@ from ..files.faults import Fault, InputError
 from .arguments import (
     Commands,
     above_zero,
+    check_folder,
     json_option,
     known_option,
     load_all,
@@ -85,6 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..measurement.design import plan
 
     poses, program = _places(arguments.out, arguments.format)
+    check_folder(poses.parent)
     cell = None if arguments.cell is None else read_cell(arguments.cell)
     source = read_source(arguments.source)
     made = plan(
@@ -101,7 +103,7 @@ def run(arguments: argparse.Namespace) -> None:
     )
     files = [] if made.drive is None else _write(source, made, poses, program, arguments)
     if arguments.json:
-        print(json.dumps(_facts(source, made, poses) | {"files": [str(file) for file in files]}))
+        print(json.dumps(_facts(source, made, poses, arguments) | {"files": [str(file) for file in files]}))
         return
     for fault in made.faults:
         print(f"Data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done}).")
@@ -154,9 +156,8 @@ def _write(
 ) -> list[Path]:
     """The poses, beside them what goes into a folder, and the programs; nothing over other content silently.
     Raises InputError."""
-    from ..correction.programs import find_format, write_program
-    from ..correction.programs.files import is_folder, put_files
-    from ..files.whole import put_all
+    from ..correction.programs import find_format
+    from ..correction.programs.files import is_folder, program_files, put_files
     from ..measurement.driving.files import programs, table_files
     from ..measurement.driving.page import PlanPage, page_files
 
@@ -164,36 +165,38 @@ def _write(
     assert made.reach is not None
     keep, folder = not arguments.force, poses.parent
     whole = arguments.out is None or not arguments.out.suffix
-    tables = table_files(made.drive, made.reach, folder)
+    files = table_files(made.drive, made.reach, folder)
     if not whole:
-        tables = {poses: tables[folder / "poses.csv"]}
-    put_files(tables, keep)
-    files = list(tables)
+        files = {poses: files[folder / "poses.csv"]}
     if arguments.format:
         chosen = find_format(arguments.format)
         alone = is_folder(program, chosen)
         share = made.reach.cell.driving.speed_share
         stem = "measure" if alone else program.stem
         for name, one in programs(made.drive, chosen, share, stem, arguments.as_urdf).items():
-            files += write_program(one, chosen, program if alone else program.with_stem(name), keep)
+            files |= program_files(one, chosen, program if alone else program.with_stem(name))
+    pages = {}
     if whole:
         progress("drawing the scene")
         page = PlanPage(
             f"{made.reach.robot.title}: plan", made.headline, made.lines, made.gain, made.drive, made.reach,
-            _facts(source, made, poses),
+            _facts(source, made, poses, arguments),
         )  # fmt: skip
-        pages = page_files(page)
-        put_all({folder / name: data for name, data in pages.items()})
-        files += [folder / name for name in pages]
-    return files
+        pages = {folder / name: data for name, data in page_files(page).items()}
+    put_files(files, keep, pages)
+    return [*files, *pages]
 
 
-def _facts(source: Campaign | Robot, made: Plan, out: Path) -> dict[str, Any]:
+def _facts(source: Campaign | Robot, made: Plan, out: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     from ..campaign import Campaign
+    from ..files.digest import digests
 
+    read = source.files if isinstance(source, Campaign) else digests(source.files)
+    beside = [Path(name) for name in (arguments.cell, arguments.tell) if name]
     return {
         "robot": source.robot.name if isinstance(source, Campaign) else source.name,
         "campaign": str(source.path) if isinstance(source, Campaign) else None,
         **made.to_json(),
         "file": None if made.records is None else str(out),
+        "inputs": {**read, **digests(beside)},
     }

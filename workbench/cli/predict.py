@@ -60,6 +60,7 @@ def run(arguments: argparse.Namespace) -> None:
     import numpy as np
 
     from ..campaign.planned import random_poses
+    from ..files.digest import digests
     from ..identification.prediction import predict, required_uncertainty
     from ..report.expectation import Expected, write_expected
     from ..robot.description import load_robot
@@ -79,7 +80,8 @@ def run(arguments: argparse.Namespace) -> None:
     else:
         errors = predict(robot, _told(robot, arguments))
     tolerance = None if arguments.tolerance is None else 1e-3 * arguments.tolerance
-    expected = Expected(robot, errors, tolerance)
+    read = [*robot.files, *([] if arguments.poses is None else [Path(arguments.poses)])]
+    expected = Expected(robot, errors, tolerance, digests(read))
     progress("writing the page, the table and the scene")
     write_expected(expected, out)
     print(json.dumps(expected.to_json()) if arguments.json else f"{expected.text}\n\nopen {out}/index.html")

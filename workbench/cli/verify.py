@@ -10,6 +10,7 @@ from pathlib import Path
 from .arguments import (
     Commands,
     above_zero,
+    check_folder,
     conditions,
     json_option,
     load_options,
@@ -69,6 +70,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..simulation.closed_loop import verify_file
     from ..simulation.closed_loop.proof import SPEEDS
 
+    check_folder(arguments.out)
     done = verify_file(
         arguments.path,
         arguments.model,
@@ -83,6 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
         repeats=QUICK_REPEATS if arguments.quick else REPEATS,
         seed=arguments.seed,
         workers=arguments.workers or os.cpu_count() or 1,
+        beside=[Path(name) for name in (arguments.controller, arguments.campaign) if name],
         progress=progress,
     )
     print(json.dumps(done.to_json()) if arguments.json else done.text)

@@ -14,6 +14,7 @@ from ..robot.description import Robot
 from ..robot.kinematics import Array
 from ..robot.rotations import tool_pose
 from .conditions import Conditions, stated_conditions
+from .extended_arm import parts
 from .mirror import METHODS
 from .paths import Path
 from .programs import Program
@@ -165,7 +166,7 @@ def compensate(
         before=before.error,
         after=after.error,
         direction=direction,
-        left_out=left_out(trajectory.extended, rest.q, speed, shares, trajectory.J[:, :3]) if shares else (),
+        left_out=_left_out(trajectory, rest.q, speed, shares),
         troubles=troubles,
         notes=(*trajectory.extended.notes, *_coarse(trajectory, speed, shares)),
         rounds=rest.rounds,
@@ -194,7 +195,13 @@ def _behind_play(trajectory: Trajectory, q: Array, direction: Array) -> Array:
 def _troubles(trajectory: Trajectory, before: Rest, rest: Rest) -> tuple[Trouble, ...]:
     """What is not well; raises `InputError` when the path cannot be run."""
     robot, path = trajectory.robot, trajectory.path
-    singular = near_singular(trajectory.nominal, trajectory.tip, trajectory.J)
+    singular = [
+        trouble
+        for part in parts(len(rest.q))
+        for trouble in near_singular(
+            trajectory.nominal, trajectory.tip, trajectory.jacobian(part), part.start
+        )
+    ]
     found = unreached(before.there, "the loaded arm finds no rest: a stiffness is far too small for its load")
     names = {trouble.index for trouble in singular}
     for trouble in unreached(rest.there & before.there | ~before.there, ""):
@@ -204,6 +211,14 @@ def _troubles(trajectory: Trajectory, before: Rest, rest: Rest) -> tuple[Trouble
     if faults := impossible(path, found):
         raise InputError(faults)
     return (*singular, *too_fast(robot, rest.q, path.time))
+
+
+def _left_out(trajectory: Trajectory, q: Array, speed: Array, shares: Shares) -> tuple[LeftOut, ...]:
+    """What the shares leave at the tool."""
+    if not shares:
+        return ()
+    lever = np.concatenate([trajectory.jacobian(part)[:, :3] for part in parts(len(q))])
+    return left_out(trajectory.extended, q, speed, shares, lever)
 
 
 def _coarse(trajectory: Trajectory, speed: Array, shares: Shares) -> list[str]:

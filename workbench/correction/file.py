@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pathlib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from ..files.digest import digests
 from ..files.faults import Fault, InputError
 from ..robot.description import load_robot
 from ..robot.kinematics import Array
@@ -34,12 +36,13 @@ TOLERANCE_MM = 0.01  # of thinning on the command line: what a robot repeats to,
 @dataclass(frozen=True, eq=False)
 class Written:
     """A compensated program on disk. rounding: what the format's decimals do at the tool; points: of the
-    program, fewer than samples where legs were put together."""
+    program, fewer than samples where legs were put together; inputs: "<folder>/<file>" → SHA-256."""
 
     compensation: Compensation
     files: tuple[pathlib.Path, ...]
     rounding: RoundingEffect
     points: int
+    inputs: Mapping[str, str]
 
     def lines(self) -> list[str]:
         """What a user should know, a line each."""
@@ -70,6 +73,7 @@ class Written:
             "troubles": [{"sample": t.index, "kind": t.kind, "what": t.what} for t in done.troubles],
             "notes": list(done.notes),
             "rounding": asdict(self.rounding),
+            "inputs": dict(self.inputs),
         }
 
 
@@ -123,6 +127,7 @@ def compensate_file(
         robot, wanted, conditions, tool=tool, start=start, method=method, bandwidth_hz=bandwidth_hz, seed=seed
     )
     source = pathlib.Path(path)
+    read = digests([source, *robot.files])  # before the program is written, which may replace the path
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated{chosen.extension}")
     name = chosen.legal_name(source.stem if is_folder(place, chosen) else place.stem)
     program = _program(done, chosen, export, conditions, name)
@@ -138,7 +143,8 @@ def compensate_file(
         assert told is not None
         return done.forward(told)
 
-    return Written(done, tuple(files), rounding_effect(program, chosen, forward), program.count)
+    effect = rounding_effect(program, chosen, forward)
+    return Written(done, tuple(files), effect, program.count, read)
 
 
 def _program(

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..files.digest import digests
 from ..files.faults import Fault, InputError
 from ..robot.description import load_robot
 from ..robot.kinematics import Array
@@ -26,12 +27,14 @@ SAME_MM = 1e-3  # corrections of one target that differ by less are the same
 
 @dataclass(frozen=True, eq=False)
 class Corrected:
-    """A corrected program on disk: how many targets, how far they were moved, and what was left alone."""
+    """A corrected program on disk: how many targets, how far they were moved, and what was left alone.
+    inputs: "<folder>/<file>" → SHA-256."""
 
     compensation: Compensation
     files: tuple[pathlib.Path, ...]
     targets: int
     notes: tuple[str, ...]
+    inputs: Mapping[str, str]
 
     def lines(self) -> list[str]:
         """What a user should know, a line each."""
@@ -52,6 +55,7 @@ class Corrected:
             "before_max_mm": float(before.max()),
             "after_max_mm": float(after.max()),
             "notes": list(self.notes),
+            "inputs": dict(self.inputs),
         }
 
 
@@ -83,6 +87,7 @@ def compensate_program(
     source, robot = pathlib.Path(path), load_robot(model)
     chosen = find_format(format) if format else _by_extension(source)
     texts, codec = _texts(source)
+    read = digests([*(source.parent / name for name in texts), *robot.files])
     motions = chosen.scan(texts)
     moves = [move for move in motions.moves if move.spot is not None]
     if not moves:
@@ -101,7 +106,7 @@ def compensate_program(
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated")
     files = _written(texts, edits, codec, place, chosen)
     put_files(files, keep)
-    return Corrected(done, tuple(files), len(edits), tuple(notes))
+    return Corrected(done, tuple(files), len(edits), tuple(notes), read)
 
 
 def _by_extension(source: pathlib.Path) -> Format:

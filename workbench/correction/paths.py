@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pathlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -28,6 +29,7 @@ from .path_table import (
     stacked,
 )
 
+ROWS = 10_000  # of a table whose cells are made at a time
 PATH_DIGITS = 14  # significant ones: below 1e-12 rad on any joint, and numbers as typed come back as typed
 
 
@@ -169,5 +171,13 @@ def path_text(
         columns += zip(WRENCH_COLUMNS, path.wrench.T, strict=True)
     columns += [(TEMPERATURE, path.temperature)] if path.temperature is not None else []
     columns += [(DWELL, path.dwell)] if path.dwell is not None else []
-    cells = dict(column_cells(column, values, PATH_DIGITS) for column, values in columns)
-    return table_text(list(cells), zip(*cells.values(), strict=True))
+    header = [column_cells(column, values[:0])[0] for column, values in columns]
+    return table_text(header, _rows(columns))
+
+
+def _rows(columns: Sequence[tuple[Column, Array]]) -> Iterator[tuple[str, ...]]:
+    """The cells row by row, made some thousand rows at a time: as texts they take far more room."""
+    for start in range(0, len(columns[0][1]), ROWS):
+        some = slice(start, start + ROWS)
+        cells = [column_cells(column, values[some], PATH_DIGITS)[1] for column, values in columns]
+        yield from zip(*cells, strict=True)

@@ -42,7 +42,8 @@ class Rest:
 def settle(
     trajectory: Trajectory, q: Array, direction: Array | None, sag: Array | None = None, still: float = STILL
 ) -> Rest:
-    """Where the extended robot's tool comes to rest at commanded joints (N, n)."""
+    """Where the extended robot's tool comes to rest at commanded joints (N, n), from a guess of the sag that
+    is written over."""
     return _run(trajectory, q, direction, sag, {}, still, None)
 
 
@@ -54,12 +55,13 @@ def first_step(trajectory: Trajectory, rest: Rest, direction: Array | None, shar
         problem = trajectory.extended.at(q[part], None if direction is None else direction[part], some)
         here = {i: share[part] for i, share in shares.items()}
         scaled = trajectory.tip.scaled(rest.error[part])
-        q[part] += _step(trajectory, problem, trajectory.gain[part], scaled, here)
+        q[part] += _step(trajectory, problem, trajectory.gain(part), scaled, here)
     return q
 
 
 def correct(trajectory: Trajectory, q: Array, direction: Array | None, sag: Array, shares: Shares) -> Rest:
-    """Joints that put the extended robot's tool on the path, from a guess of joints and sag."""
+    """Joints that put the extended robot's tool on the path, from a guess of joints and of the sag, which is
+    written over."""
     return _run(trajectory, q, direction, sag, shares, STILL, TOLERANCE)
 
 
@@ -81,7 +83,7 @@ def _run(
 ) -> Rest:
     """All parts; without a tolerance the joints stay."""
     count, slots = len(q), trajectory.nominal.slots
-    sag = np.zeros((count, slots, 6)) if sag is None else sag.copy()
+    sag = np.zeros((count, slots, 6)) if sag is None else sag
     out = Rest(q.copy(), sag, np.empty((count, 6)), np.ones(count, bool), 0)
     rounds = [_part(trajectory, out, part, direction, shares, still, tolerance) for part in parts(count)]
     return replace(out, rounds=max(rounds))
@@ -98,7 +100,9 @@ def _part(
 ) -> int:
     """Rounds on one part until all its samples are at rest (and on the path); writes into `out`."""
     tip, nominal = trajectory.tip, trajectory.nominal
-    active, gain = np.arange(part.start, part.stop), trajectory.gain[part]
+    active, gain = np.arange(part.start, part.stop), np.zeros((0, 0, 0))
+    if tolerance is not None:
+        gain = trajectory.gain(part)
     for count in range(1, ROUNDS + 1):
         q, sag = out.q[active], out.sag[active]
         problem = trajectory.extended.at(q, None if direction is None else direction[active], active)

@@ -27,7 +27,7 @@ class Trajectory:
     """A path of N samples, and all that its correction starts from.
 
     nominal: the rigid arm as the controller believes it. X: (N, 4, 4) wanted tool poses; q: (N, n) joints
-    that the nominal arm takes there; J: (N, rows, n), gain: (N, n, rows) there, as `Tip` makes them.
+    that the nominal arm takes there.
     """
 
     robot: Robot
@@ -36,9 +36,15 @@ class Trajectory:
     tip: Tip
     X: Array
     q: Array
-    J: Array
-    gain: Array
     extended: ExtendedArm
+
+    def jacobian(self, part: slice) -> Array:
+        """(K, rows, n) of some samples, as `Tip` makes it."""
+        return self.tip.jacobian(self.nominal, frames(self.nominal, self.q[part]))
+
+    def gain(self, part: slice) -> Array:
+        """(K, n, rows) of some samples, as `Tip` makes it."""
+        return self.tip.gain(self.nominal, self.jacobian(part))
 
     def forward(self, q: Array) -> Array:
         """(N, 4, 4) tool poses of the nominal arm."""
@@ -73,12 +79,7 @@ def trajectory_of(
     nominal, tip, X, q = _nominal(robot, arm, path, tool, start, seed)
     campaign = path_campaign(robot, path, q, conditions)
     extended = extended_arm(Problem(robot, arm, campaign, compensator_law(robot, arm)))
-    J = np.empty((len(q), tip.rows, arm.n))
-    gain = np.empty((len(q), arm.n, tip.rows))
-    for part in parts(len(q)):
-        J[part] = tip.jacobian(nominal, frames(nominal, q[part]))
-        gain[part] = tip.gain(nominal, J[part])
-    return Trajectory(robot, path, nominal, tip, X, q, J, gain, extended)
+    return Trajectory(robot, path, nominal, tip, X, q, extended)
 
 
 def _nominal(

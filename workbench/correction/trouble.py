@@ -68,8 +68,9 @@ def too_fast(robot: Robot, q: Array, time: Array) -> list[Trouble]:
     return found
 
 
-def near_singular(arm: Arm, tip: Tip, J: Array) -> list[Trouble]:
-    """Samples where some tool motion takes far more joint motion than elsewhere. J: (N, rows, n)."""
+def near_singular(arm: Arm, tip: Tip, J: Array, first: int = 0) -> list[Trouble]:
+    """Samples where some tool motion takes far more joint motion than elsewhere. J: (N, rows, n); first: the
+    number of the first sample."""
     J = J / tip.length
     # the sum of 1/σ² over the singular values: only where it is large is the smallest one computed
     weak = np.einsum("kii->k", np.linalg.inv(J @ J.transpose(0, 2, 1) + DAMPING**2 * np.eye(tip.rows)))
@@ -79,7 +80,9 @@ def near_singular(arm: Arm, tip: Tip, J: Array) -> list[Trouble]:
         if smallest < SINGULAR:
             names = " and ".join(arm.names[j] for j in joints)
             found.append(
-                Trouble(int(i), "singular", f"near-singular ({smallest:.4f}): {names} move for little")
+                Trouble(
+                    first + int(i), "singular", f"near-singular ({smallest:.4f}): {names} move for little"
+                )
             )
     return found
 

@@ -41,6 +41,7 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
         "faults": [fault_json(fault) for fault in result.faults],
         "notes": list(result.notes),
         "given": [_given(fact) for fact in result.given],
+        "inputs": dict(result.inputs),
         "version": result.version,
     }
 

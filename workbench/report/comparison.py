@@ -74,6 +74,7 @@ def said_of(comparison: Comparison) -> dict[str, Any]:
         "apart": apart,
         "apart_lines": [" · ".join(filter(None, row)) for row in apart],
         "notes": list(comparison.notes),
+        "inputs": [list(item) for item in comparison.inputs.items()],
         "version": version("robot-workbench"),
     }
 

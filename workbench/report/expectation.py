@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -36,11 +36,12 @@ WORDS = (
 
 @dataclass(frozen=True)
 class Expected:
-    """What `predict` says. tolerance: [m], None where none was given."""
+    """What `predict` says. tolerance: [m], None where none was given; inputs: "<folder>/<file>" → SHA-256."""
 
     robot: Robot
     errors: ToolErrors
     tolerance: float | None = None
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def headline(self) -> str:
@@ -109,6 +110,7 @@ class Expected:
             }
             for name, error, nominal, bound, said in rows
         ]
+        out["inputs"] = dict(self.inputs)
         return out
 
 
@@ -130,6 +132,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
         outside=expected.outside,
         notes=list(e.notes),
         figures=[_shares(expected), *_maps(expected)],
+        inputs=expected.inputs.items(),
         version=version("robot-workbench"),
     )
     values = {MISSED: e.length.mean(axis=1), LEFT: e.worst}

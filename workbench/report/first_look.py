@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..diagnosis.first_look import SUSPICIOUS, FirstLook
+from ..files.digest import digests
 from ..robot.description import Robot
 from ..robot.kinematics import Array, Frames, frames
 from ..robot.rigid_plant import arrays
@@ -51,7 +52,12 @@ def check_robot(robot: Robot, notes: Sequence[str]) -> Checked:
     sections = {"What is known": _known(robot)} | ({"Worth a look": notes} if notes else {})
     count = len(robot.joints)
     headline = f"{count} joints from {robot.base} to {robot.flange}"
-    facts = {"robot": robot.name, "joints": list(robot.joint_names), "warnings": list(notes)}
+    facts = {
+        "robot": robot.name,
+        "joints": list(robot.joint_names),
+        "warnings": list(notes),
+        "inputs": digests(robot.files),
+    }
     return Checked(robot.title, headline, sections, facts, robot, Shown(q, none, {"nominal": none}))
 
 
@@ -88,6 +94,7 @@ def check_campaign(look: FirstLook) -> Checked:
         "warnings": [*look.remarks, *campaign.warnings],
         "wrong": [str(fault) for fault in look.wrong],
         "not_testable": [{"cause": item.cause, "why": item.why} for item in look.not_testable],
+        "inputs": dict(campaign.files),
     }
     headline = f"{len(mm)} points, {np.median(mm):.2f} mm from the nominal robot, {len(bad)} suspicious"
     shown = Shown(
@@ -146,6 +153,7 @@ def write_check(checked: Checked, folder: Path) -> None:
         sections=sections,
         figure=_picture(checked, where),
         points=len(checked.shown.points),
+        inputs=checked.facts["inputs"].items(),
         version=version("robot-workbench"),
     )
     made = {

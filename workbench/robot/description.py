@@ -73,6 +73,11 @@ class Robot:
         return f"Robot {self.name}: {self.title}, from {self.base} to {self.flange} by {joints}"
 
     @property
+    def files(self) -> tuple[Path, ...]:
+        """What it was read from: its TOML, where there is one, and its URDF."""
+        return (self.urdf,) if self.path is None else (self.path, self.urdf)
+
+    @property
     def joint_names(self) -> tuple[str, ...]:
         return tuple(joint.name for joint in self.joints)
 

@@ -19,7 +19,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -63,7 +63,7 @@ def run_tasks(
     """
     gc.collect()  # what is left of Drake's objects ends here: in the thread of a pool it ends the process
     pool = spawn_pool if scheduler is None else cluster_pool(scheduler)
-    with closing(_open(store, study, resume)) as table:
+    with _faults_of(store), closing(_open(store, study, resume)) as table:
         have = _read(table)
         todo = [key for key in dict.fromkeys(keys) if key not in have or have[key].error is not None]
         most = (workers or os.cpu_count() or 1) if scheduler is None else len(todo)
@@ -75,6 +75,16 @@ def run_tasks(
                 have[item.key] = item
                 progress.step(item)
     return {key: have[key] for key in keys}
+
+
+@contextmanager
+def _faults_of(store: Path) -> Iterator[None]:
+    """What SQLite cannot do with its file (a full disk, no right to write there) as an input error."""
+    try:
+        yield
+    except sqlite3.DatabaseError as error:
+        mend = "make room, or name another place with --out; what is done is kept for --resume"
+        raise InputError(Fault(str(store), f"{error}", mend)) from error
 
 
 def _attempt(work: Work, key: str) -> Done:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from .base import Array, Program
 from .format import Format
 
 log = logging.getLogger(__name__)
+PIECE = 10_000  # samples of a table
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,32 @@ def rounding_effect(
              counts with it.
     The tool's own frame is rounded too: what the controller does is X̃ T̃⁻¹ T.
     """
+    off, turned = zip(*(_rounded(piece, format, forward) for piece in _pieces(program, format)), strict=True)
+    angle = np.concatenate(turned)
+    error = np.concatenate(off) + lever * angle
+    return RoundingEffect(1e3 * float(error.mean()), 1e3 * float(error.max()), float(np.degrees(angle.max())))
+
+
+def _pieces(program: Program, format: Format) -> Iterator[Program]:
+    """The program; a table of samples in pieces, since as texts its numbers take far more room."""
+    if not format.samples:
+        yield program
+        return
+    for start in range(0, program.count, PIECE):
+        some = slice(start, start + PIECE)
+        yield replace(
+            program,
+            X=None if program.X is None else program.X[some],
+            q=None if program.q is None else program.q[some],
+            time=None if program.time is None else program.time[some],
+            dwell=program.dwell[some] if len(program.dwell) > 1 else program.dwell,
+        )
+
+
+def _rounded(
+    program: Program, format: Format, forward: Callable[[Array], Array] | None
+) -> tuple[Array, Array]:
+    """(N,) ways [m] and angles [rad] by which the written numbers are off at the tool."""
     back = format.read(format.write(program))
     if program.kind == "joints":
         if forward is None or program.q is None or back.q is None:
@@ -53,9 +80,8 @@ def rounding_effect(
         assert back.X is not None
         tool = back.tool if format.carries_tool else program.tool
         wanted, given = program.X, back.X @ np.linalg.inv(tool) @ program.tool
-    angle = rotations.angle_between(wanted[:, :3, :3], given[:, :3, :3])
-    error = np.linalg.norm(wanted[:, :3, 3] - given[:, :3, 3], axis=1) + lever * angle
-    return RoundingEffect(1e3 * float(error.mean()), 1e3 * float(error.max()), float(np.degrees(angle.max())))
+    way = np.asarray(np.linalg.norm(wanted[:, :3, 3] - given[:, :3, 3], axis=1))
+    return way, rotations.angle_between(wanted[:, :3, :3], given[:, :3, :3])
 
 
 def write_program(program: Program, format: Format, out: Path, keep: bool = False) -> list[Path]:
@@ -66,6 +92,13 @@ def write_program(program: Program, format: Format, out: Path, keep: bool = Fals
     keep: files that are there with other content stay there, and that is a fault; else a warning in the log
     says what is replaced. Other warnings go to the log too.
     """
+    files = program_files(program, format, out)
+    put_files(files, keep)
+    return list(files)
+
+
+def program_files(program: Program, format: Format, out: Path) -> dict[Path, bytes]:
+    """The files of a program that was checked, by their paths; see `write_program`."""
     text = program.name or format.legal_name(out.stem)
     if not program.name and text.casefold() != out.stem.casefold():
         log.warning("%s: the program is named %r, as %s wants names", out, text, format.title)
@@ -79,12 +112,12 @@ def write_program(program: Program, format: Format, out: Path, keep: bool = Fals
         log.warning("%s: %s", out, warning)
     written = format.write(program).items()
     files = {name: content.replace("\n", format.newline).encode() for name, content in written}
-    put_files(_places(files, format, out), keep)
-    return list(_places(files, format, out))
+    return _places(files, format, out)
 
 
-def put_files(files: Mapping[Path, bytes], keep: bool) -> None:
-    """Writes the files of a program, all or none, and nothing over other content silently."""
+def put_files(files: Mapping[Path, bytes], keep: bool, beside: Mapping[Path, bytes] | None = None) -> None:
+    """Writes the files of a program, all or none, and nothing over other content silently; `beside`, which is
+    written with them, replaces what is there."""
     other = [path for path, data in files.items() if path.is_file() and path.read_bytes() != data]
     if other and keep:
         what = "is there already, with other content"
@@ -94,7 +127,7 @@ def put_files(files: Mapping[Path, bytes], keep: bool) -> None:
     for path in other:
         log.warning("%s: replaced", path)
     try:
-        put_all(files)
+        put_all({**files, **(beside or {})})
     except OSError as error:
         place = next(iter(files))
         raise InputError(

@@ -8,7 +8,7 @@ that all occasions have (`sets`), so that a change is named by its probability.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...campaign import Campaign, load_campaign
@@ -52,10 +52,10 @@ def compare(campaigns: Sequence[Campaign | str | Path], progress: Progress = lam
     progress("comparing")
     decided = decide(occasions, whole, testable(whole)[0])
     progress("writing down what was found")
-    return _assembled(decided)
+    return _assembled(decided, whole.campaign.files)
 
 
-def _assembled(decided: Decided) -> Comparison:
+def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
     system = decided.system
     shapes = [decided.shape(m) for m in decided.members]
     final = relinearised(system, shapes, decided.solved)
@@ -79,6 +79,7 @@ def _assembled(decided: Decided) -> Comparison:
         beside,
         tuple(tracks(decided)),
         tuple(_notes(decided)),
+        inputs,
     )
 
 

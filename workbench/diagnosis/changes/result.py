@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from ...effects.place import Parameter, Where
@@ -128,7 +129,8 @@ class Comparison:
     """What changed between campaigns of one robot.
 
     changed: whether the robot did, with a probability of 0.95 or more. within_mm: 95 % bound of what all
-    other changes of geometry together make of the points (RMS, frame and targets fitted anew)."""
+    other changes of geometry together make of the points (RMS, frame and targets fitted anew). inputs:
+    "<folder>/<file>" → SHA-256."""
 
     robot: str
     title: str
@@ -144,6 +146,7 @@ class Comparison:
     apart: tuple[Apart, ...]
     chart: tuple[Track, ...]
     notes: tuple[str, ...]
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def exit_status(self) -> int:
@@ -191,6 +194,7 @@ class Comparison:
                 for track in self.chart
             ],
             "notes": list(self.notes),
+            "inputs": dict(self.inputs),
         }
 
 

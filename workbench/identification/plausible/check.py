@@ -14,6 +14,7 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...files.faults import Fault, InputError
+from .exchanged import exchanged_names
 from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
 from .misfit import USUAL, Misfit, Sample, misfit, sample
 
@@ -85,6 +86,8 @@ def judge(problem: Problem) -> Plausible:
         return Plausible(now)
     every, enough = list(hypotheses(problem)), min(CLEARER * now.total, RIGHT)
     tried = _tried(data, every)
+    if _least(tried) > enough and now.middle > REFUSED:
+        tried = [((h,), misfit(h.undo(data)).total) for h in exchanged_names(problem)]
     if _least(tried) > enough and now.middle > REFUSED:
         tried = _two_at_once(data, every, enough)
     if _least(tried) > enough and now.middle > REFUSED and not np.isfinite(data.stated).all():

@@ -22,7 +22,8 @@ FILES = {"scene.html": "3-D scene", "poses.csv": "Poses", "campaign.toml": "Camp
 @dataclass(frozen=True, eq=False)
 class PlanPage:
     """What the page shows. title, headline: of the plan; worth: what it brings, a line each; gain:
-    information per hour over that of random poses, None where unknown; data: for `plan.json`."""
+    information per hour over that of random poses, None where unknown; data: for `plan.json`, the inputs'
+    hashes among it."""
 
     title: str
     headline: str
@@ -46,6 +47,7 @@ def page_files(page: PlanPage) -> dict[str, bytes]:
         blocks=_blocks(page.drive),
         checked=_checked(page.reach),
         **_table(page.drive),
+        inputs=page.data["inputs"].items(),
         version=version("robot-workbench"),
     )
     return {

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ...correction import Conditions
 from ...correction.paths import load_path
+from ...files.digest import digests
 from ...files.faults import Fault, InputError
 from ...report.folder import json_bytes, write_together
 from ...report.numbers import mm
@@ -79,12 +80,13 @@ def verify_file(
     sweep: bool = False,
     seed: int = 0,
     workers: int = 1,
+    beside: Sequence[Path] = (),
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verified:
     """Reads a path, a model and the truth (default: the model), simulates, and writes the result.
 
-    Into `out` (None: nowhere): `verify.json`, `verify.html`, `scene.html`. Raises `InputError` with all
-    faults of the files; nothing is written then.
+    Into `out` (None: nowhere): `verify.json`, `verify.html`, `scene.html`. beside: files that the other
+    arguments were read from. Raises `InputError` with all faults of the files; nothing is written then.
     """
     faults: list[Fault] = []
     robots: list[Robot] = []
@@ -121,6 +123,7 @@ def verify_file(
         workers=workers,
         progress=progress,
     )
+    found = replace(found, inputs=digests([Path(path), *belief.files, *true_robot.files, *beside]))
     return Verified(found, write_verification(found, Path(out)) if out is not None else ())
 
 

@@ -44,7 +44,7 @@ def with_loop_lead(
     error = np.empty((len(q), 6))
     error[:, :3] = wanted[:, :3, 3] - predicted[:, :3, 3]
     error[:, 3:] = vectors(wanted[:, :3, :3] @ predicted[:, :3, :3].swapaxes(1, 2))
-    change = np.einsum("kij,kj->ki", trajectory.gain, trajectory.tip.scaled(error))
+    change = np.einsum("kij,kj->ki", trajectory.gain(slice(None)), trajectory.tip.scaled(error))
     t = np.append(np.arange(0.0, moved.duration, PERIOD), moved.duration)
     smooth = gaussian_filter1d(
         interpolated(t, moved.sample_times, change),

@@ -34,6 +34,7 @@ def page(found: Verification) -> str:
         left=_left(found),
         facts=_facts(found),
         notes=found.notes,
+        inputs=found.inputs.items(),
         version=version("robot-workbench"),
     )
 

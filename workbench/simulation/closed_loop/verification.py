@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -111,6 +112,7 @@ class Verification:
     same: the simulated robot is the model itself. repeatability: of the tool, by data sheet and joints.
     modes: the lowest, at the path's start. sweep: error by speed, None where it was not asked for.
     notes: what was assumed or left out.
+    inputs: "<folder>/<file>" → SHA-256.
     """
 
     robot: Robot
@@ -125,6 +127,7 @@ class Verification:
     modes: Modes
     sweep: Sweep | None
     notes: tuple[str, ...]
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def caveat(self) -> str:
@@ -179,6 +182,7 @@ class Verification:
             "sweep": None if self.sweep is None else self.sweep.to_json(),
             "expected_rms_mm": _short(self.expected_mm),
             "notes": list(self.notes),
+            "inputs": dict(self.inputs),
         }
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from ...campaign import Campaign
 from ...correction.conditions import Conditions, stated_conditions
+from ...files.digest import digests
 from ...files.whole import put_all
 from ...robot.description import Robot, load_robot
 from .content import content_of
@@ -19,12 +21,13 @@ __all__ = ["FORMATS", "Cost", "Exported", "export"]
 
 @dataclass(frozen=True, eq=False)
 class Exported:
-    """What was written. header: what stands at the top of the files."""
+    """What was written. header: what stands at the top of the files; inputs: "<folder>/<file>" → SHA-256."""
 
     format: str
     files: tuple[Path, ...]
     cost: Cost
     header: tuple[str, ...]
+    inputs: Mapping[str, str]
 
     @property
     def text(self) -> str:
@@ -34,7 +37,13 @@ class Exported:
     def to_json(self) -> dict[str, Any]:
         """The same as data."""
         files = [str(file) for file in self.files]
-        return {"schema": 1, "format": self.format, "files": files, **asdict(self.cost)}
+        return {
+            "schema": 1,
+            "format": self.format,
+            "files": files,
+            **asdict(self.cost),
+            "inputs": dict(self.inputs),
+        }
 
 
 def export(
@@ -66,4 +75,5 @@ def export(
     header = [title, *lost.lines(), *chosen.notes(content)]
     files = {Path(out) / name: data for name, data in chosen.write(content, header).items()}
     put_all(files)
-    return Exported(to, tuple(files), lost, tuple(header))
+    read = {**digests(loaded.files), **({} if campaign is None else campaign.files)}
+    return Exported(to, tuple(files), lost, tuple(header), read)
