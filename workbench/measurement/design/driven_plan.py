@@ -15,7 +15,8 @@ from ..driving.reach import Reach
 class DrivenPlan(ABC):
     """faults: of the campaign's data; reach: the robot in its cell; drive: how the records are driven,
     random_s: [s] that driving random ones takes. Of a plan in a time, over_poses: information per hour over
-    that of poses alone (None: these tell nothing); stops: between two poses; skipped: targets that are not worth their time."""
+    that of poses alone (None: these tell nothing); stops: between two poses; skipped: targets that are not
+    worth their time."""
 
     faults: tuple[FaultFound, ...] = ()
     reach: Reach | None = None
