@@ -77,7 +77,7 @@ def test_plan_writes_poses_and_program(tmp_path: Path, capsys: pytest.CaptureFix
     q = np.stack([table.numbers[f"q{i}"] for i in range(1, 7)], axis=1)
     program = measured(as_urdf(read_program(out / "measure.mod", "rapid"), robot))
     np.testing.assert_allclose(program.q, q, atol=1e-5)
-    assert program.dwell == pytest.approx(3)
+    assert program.dwell == pytest.approx(3 + 2 * 3.0)  # three reflectors
     (out / "measure.mod").write_text("mine")
     assert main([*call, "--out", str(out)]) == 2
     assert "measure.mod: is there already, with other content" in capsys.readouterr().err

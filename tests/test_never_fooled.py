@@ -9,9 +9,10 @@ from diagnosis_cases import found, measured, named, with_points
 
 from workbench.campaign import write_campaign
 from workbench.cli.main import main
+from workbench.diagnosis import run
 from workbench.diagnosis.components import cause_components
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.run import diagnose, testable
+from workbench.diagnosis.run import diagnose
 from workbench.files.faults import InputError, read_text
 from workbench.files.toml import read_toml
 from workbench.robot.description import load_robot
@@ -123,7 +124,7 @@ def test_a_joint_that_bears_nothing_but_rounding_is_no_cause_of_a_yield():
     _, prepared = clean()
     borne = np.abs(prepared.geometry.line.prediction.load.local[:, -2, 5])
     assert 0 < borne.max() < 1e-12  # N·m: the hand's weight is on the last axis
-    found = cause_components(prepared.geometry, testable(prepared.problem)[0])
+    found = cause_components(prepared.geometry, run.testable(prepared.problem)[0])
     yielding = {one.key[1].joint for one in found if one.key[0] == "joint_compliance"}
     assert yielding
     assert prepared.problem.arm.names[-1] not in yielding

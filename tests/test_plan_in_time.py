@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,13 +12,14 @@ import pytest
 
 from workbench import Truth, load_robot, plan, planned, random_poses, simulate
 from workbench.campaign.cell import CellData, DrivingData
+from workbench.cli.main import main
 from workbench.files.faults import InputError
 from workbench.measurement.design.candidates import Factors, candidates
 from workbench.measurement.design.prior_information import from_robot
 from workbench.robot.schema import LoadData
 
 HEAVY = {"heavy": LoadData(mass_kg=2.0)}
-SLOW = CellData(driving=DrivingData(speed_share=0.03))
+SLOW = CellData(driving=DrivingData(speed_share=0.03, reflector_s=0.0))
 
 
 @pytest.fixture(scope="module")
@@ -37,11 +39,60 @@ def test_a_plan_keeps_to_its_time():
     assert facts["information_per_hour_over_random"] == made.gain
 
 
+def test_a_target_that_takes_too_long_is_left_out(tmp_path, capsys):
+    """Reflectors that are moved by hand: what is measured, and for how long, stands in what is written."""
+    (tmp_path / "cell.toml").write_text("schema = 1\n[driving]\nreflector_s = 60\n")
+    call = ["plan", "irb120", "--minutes", "12", "--format", "krl", "--json"]
+    assert main([*call, "--cell", str(tmp_path / "cell.toml"), "--out", str(tmp_path)]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    measured, left_out = facts["drive"]["targets"], facts["targets_left_out"]
+    assert sorted([*measured, *left_out]) == ["T1", "T2", "T3"]
+    assert left_out
+    still = 4 + 60 * (len(measured) - 1)
+    assert facts["drive"]["standstill_s"] == still
+    records = sum(block["standstills"] for block in facts["drive"]["blocks"])
+    assert facts["drive"]["standing_minutes"] == pytest.approx(records * still / 60)
+    said = f"At every standstill, {still} s, measure {', '.join(measured)}."
+    page, campaign, program = (
+        (tmp_path / name).read_text() for name in ("index.html", "campaign.toml", "measure.src")
+    )
+    assert said in page
+    assert f"Leave out {', '.join(left_out)}" in page
+    assert said in campaign
+    assert sorted(tomllib.loads(campaign)["targets"]) == measured
+    assert f"; {said}" in program
+    assert f"WAIT SEC {still}" in program
+
+
+def test_a_further_reflector_takes_its_seconds(loaded):
+    """By hand or by a tracker that turns: the same poses take longer, the information is the same."""
+    quick, slow = (
+        plan(loaded, 8, cell=CellData(driving=DrivingData(reflector_s=s)), quick=True) for s in (0.0, 30.0)
+    )
+    count = len(quick.drive.records.poses)
+    assert slow.drive.standing_s - quick.drive.standing_s == pytest.approx(count * 2 * 30.0)
+    assert slow.plan_mm == pytest.approx(quick.plan_mm)
+
+
 def test_a_load_that_takes_too_long_to_mount_stays_away(loaded):
     driving = DrivingData(load_change_min=300.0)
     made = plan(loaded, minutes=8, cell=CellData(driving=driving))
     assert len(made.drive.blocks) == 1
     assert made.drive.mounting_s == 0
+
+
+def test_an_arm_is_worked_warm_where_there_is_time_for_it():
+    def made(wait):
+        cell = CellData(driving=DrivingData(warm_up_min=wait))
+        told = "thermal_growth,gear_ratio:joint=joint_2"
+        return plan(load_robot("irb120"), tell=told, minutes=5, cell=cell)
+
+    quick = made(0.5)
+    assert quick.drive.total_s < 5.5 * 60
+    assert set(quick.records.poses.temperature) == {20.0, 30.0}
+    assert quick.least > 10
+    with pytest.raises(InputError, match="5 min are too short for poses warm and cold"):
+        made(300.0)
 
 
 def test_a_time_that_is_too_short_is_refused(loaded):

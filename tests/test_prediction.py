@@ -1,6 +1,8 @@
 """The error at the tool: bounds that hold on a robot simulated by Drake, and what is said of them."""
 
+import base64
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -154,6 +156,30 @@ def test_volume(model, tmp_path, capsys):
     said = capsys.readouterr().out
     assert "mean of 40 poses" in said
     assert "Inside 10 mm with 95 %: at 100 % of these poses" in said
+
+
+def test_the_scene_shows_errors_and_measured_poses(model, tmp_path):
+    """Its places, classes of colour and measured poses are those of the table and the model."""
+    assert main(["predict", str(model), "--volume", "50", "--out", str(tmp_path), "--json"]) == 0
+    scene = (tmp_path / "scene.html").read_text()
+    data = json.loads(re.search(r"^  const data = (.*);$", scene, re.M).group(1))
+    told = json.loads((tmp_path / "predict.json").read_text())["poses"]
+    places, measured = (
+        np.frombuffer(base64.b64decode(data[key]), "<f4").reshape(-1, 3) for key in ("places", "measured")
+    )
+    assert data["ids"] == [pose["pose_id"] for pose in told]
+    assert data["outside"] == [pose["outside"] for pose in told]
+    rows = [line.split(",") for line in (tmp_path / "errors.csv").read_text().splitlines()[1:]]
+    table = np.array([[float(v) for v in row[2:5]] for row in rows]).reshape(50, -1, 3).mean(axis=1)
+    np.testing.assert_allclose(1e3 * places, table, atol=1e-3)
+    np.testing.assert_allclose(measured, load_robot(model).uncertainty.measured, atol=1e-5)
+    left = data["stages"][1]
+    bound = [pose["corrected_bound_mm"] for pose in told]
+    assert left["mm"] == pytest.approx(bound, abs=1e-4)
+    order = np.argsort(bound)
+    assert (np.diff(np.array(left["level"])[order]) >= 0).all()
+    assert set(left["level"]) == set(range(5))
+    assert len(left["labels"]) == len(data["colours"]) == 5
 
 
 def test_volume_as_it_was_measured(model, tmp_path, capsys):

@@ -66,12 +66,15 @@ class DrivingData(_Section):
     """that all bodies keep from each other"""
     check_every: Annotated[int, Field(ge=0)] = 15
     """poses between two returns to the check pose; 0: no check pose"""
+    reflector_s: NotNegative = 3.0
+    """for each reflector after the first at a standstill: about 3 where the tracker turns to them by itself,
+    20 and more where one is moved by hand, 0 where all are seen at once"""
     load_change_min: NotNegative = 10.0
     """to mount another load"""
     pull_min: NotNegative = 5.0
     """to rig a horizontal pull, and to take it away"""
-    warm_up_min: NotNegative = 60.0
-    """to work the arm warm, or to let it cool"""
+    warm_up_min: NotNegative = 120.0
+    """to work the arm warm, or to let it cool: from one session of a plan to the next"""
     pull_N: Positive | None = None
     """of a horizontal pull at the flange that can be rigged; absent: none can"""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -135,6 +135,17 @@ class Campaign:
             points=self.points[chosen],
             shots=self.shots[chosen],
             sigma=None if self.sigma is None else self.sigma[chosen],
+        )
+
+    def looking_at(self, names: Collection[str]) -> Campaign:
+        """Of its targets these alone."""
+        kept = [t for t, target in enumerate(self.targets) if target.name in names]
+        return replace(
+            self,
+            targets=tuple(self.targets[t] for t in kept),
+            points=self.points[:, kept],
+            shots=self.shots[:, kept],
+            sigma=None if self.sigma is None else self.sigma[:, kept],
         )
 
     def with_poses(self, **columns: Column) -> Campaign:

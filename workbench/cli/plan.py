@@ -46,7 +46,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--poses", type=int, metavar="N", help="how many records (30)")
     parser.add_argument(
         "--minutes", type=above_zero("time"), metavar="M",
-        help="instead of --poses: what brings most in this time, loads and stops on the way chosen too",
+        help="instead of --poses: what brings most in this time, loads, stops and reflectors chosen too",
     )  # fmt: skip
     parser.add_argument(
         "--tell",
@@ -66,8 +66,9 @@ def add(commands: Commands) -> None:
         help="also a program that stands still at the poses: krl, rapid, val3, ls, urscript",
     )  # fmt: skip
     parser.add_argument(
-        "--dwell", type=above_zero("time"), default=4.0, metavar="S", help="standstill at a pose (4)"
-    )
+        "--dwell", type=above_zero("time"), default=4.0, metavar="S",
+        help="standstill at a pose with one reflector (4); each further one takes reflector_s of [driving]",
+    )  # fmt: skip
     out_option(
         parser,
         "folder for poses, campaign, page, scene and program; or a file for the poses or the program alone "
@@ -172,9 +173,7 @@ def _write(
         alone = is_folder(program, chosen)
         share = made.reach.cell.driving.speed_share
         stem = "measure" if alone else program.stem
-        for name, one in programs(
-            made.drive, chosen, arguments.dwell, share, stem, arguments.as_urdf
-        ).items():
+        for name, one in programs(made.drive, chosen, share, stem, arguments.as_urdf).items():
             files |= program_files(one, chosen, program if alone else program.with_stem(name))
     pages = {}
     if whole:

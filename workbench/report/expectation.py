@@ -16,15 +16,16 @@ from ..identification.prediction import ToolErrors, required_uncertainty
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from .drawing import AFTER, BEFORE, MIDDLE, Figure, drawing, plain_log
+from .expected_scene import expected_scene
 from .folder import json_bytes, write_together
 from .markup import render
-from .scene import Shown, scene_of
 from .workspace_map import workspace_map
 
 HEAD = (
     "pose_id", "target", "x_mm", "y_mm", "z_mm", "dx_mm", "dy_mm", "dz_mm",
     "error_mm", "nominal_bound_mm", "corrected_bound_mm", "outside",
 )  # fmt: skip
+MISSED, LEFT = "What an uncorrected program misses", "What is left after correction (95 % bound)"
 LISTED = 6  # places outside of what was measured, by name
 WORDS = (
     "Errors are those of the tool's points with base and tool set up as well as the campaign allows.",
@@ -134,16 +135,11 @@ def write_expected(expected: Expected, folder: Path) -> None:
         inputs=expected.inputs.items(),
         version=version("robot-workbench"),
     )
-    flat = e.places.reshape(-1, 3)
-    error = e.error.reshape(-1, 3)
-    way = error / np.maximum(np.linalg.norm(error, axis=1, keepdims=True), 1e-12)
-    stages = {"Uncorrected": error, "Left after correction (95 %)": e.corrected.reshape(-1, 1) * way}
-    pose, target = np.divmod(np.arange(len(flat)), e.error.shape[1])
-    far = np.array([bool(said) for said in e.outside])[pose]
-    shown = Shown(e.campaign.poses.q[0], flat, stages, pose, target, suspicious=far)
+    values = {MISSED: e.length.mean(axis=1), LEFT: e.worst}
+    measured = required_uncertainty(robot).measured
     made = {
         "index.html": page.encode(),
-        "scene.html": scene_of(robot, shown, title).encode(),
+        "scene.html": expected_scene(robot, e, values, measured, title).encode(),
         "errors.csv": table_text(HEAD, _rows(e)).encode(),
         "predict.json": json_bytes(expected.to_json()),
     }
@@ -186,9 +182,14 @@ def _maps(expected: Expected) -> list[Figure]:
     """What an uncorrected program misses, and what is left after correction, over the workspace."""
     e, measured = expected.errors, required_uncertainty(expected.robot).measured
     places, outside = e.places.mean(axis=1), ~e.measured
-    missed = "What an uncorrected program misses (mean of the tool's points)"
-    left = "What is left after correction (95 % bound)"
     return [
-        workspace_map("missed", missed, places, e.length.mean(axis=1), outside, measured),
-        workspace_map("left", left, places, e.worst, outside, measured),
+        workspace_map(
+            "missed",
+            f"{MISSED} (mean of the tool's points)",
+            places,
+            e.length.mean(axis=1),
+            outside,
+            measured,
+        ),
+        workspace_map("left", LEFT, places, e.worst, outside, measured),
     ]

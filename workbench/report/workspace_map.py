@@ -45,6 +45,23 @@ def class_edges(value: Array) -> Array:
     return np.array([float(f"{edge:.3g}") for edge in fifths])
 
 
+def class_labels(edges: Array) -> list[str]:
+    """What the five classes of colour are, in millimetres."""
+    mm = [f"{1e3 * edge:.3g}" for edge in edges]
+    return [f"< {mm[0]} mm", *(f"{a} … {b}" for a, b in pairwise(mm)), f"> {mm[-1]} mm"]
+
+
+def opaque_colours() -> list[str]:
+    """The classes' colours as they look on white."""
+    from matplotlib.colors import to_hex, to_rgb
+
+    out = []
+    for colour, alpha in CLASSES:
+        r, g, b = (1 - alpha * (1 - value) for value in to_rgb(colour))
+        out.append(to_hex((r, g, b)))
+    return out
+
+
 def _cells(ax: Any, at: Array, value: Array, outside: NDArray[np.bool_], edges: Array) -> None:
     from matplotlib.collections import PolyCollection
 
@@ -69,11 +86,9 @@ def _legend(ax: Any, edges: Array, some_outside: bool, some_measured: bool) -> N
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    mm = [f"{1e3 * edge:.3g}" for edge in edges]
-    said = [f"< {mm[0]} mm", *(f"{a} … {b}" for a, b in pairwise(mm)), f"> {mm[-1]} mm"]
     marks: Sequence[Any] = [
         Patch(facecolor=colour, alpha=alpha, label=label)
-        for (colour, alpha), label in zip(CLASSES, said, strict=True)
+        for (colour, alpha), label in zip(CLASSES, class_labels(edges), strict=True)
     ]
     if some_outside:
         label = "small: mostly outside of what was measured"

@@ -9,6 +9,7 @@ it in a new set-up.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -43,6 +44,12 @@ class AccuracySpace(Question):
     measured: bool
     search: Search
 
+    def looking_at(self, names: Collection[str]) -> AccuracySpace:
+        offered = self.offered.looking_at(names)
+        return replace(
+            self, offered=offered, rows=self.prior.of_records(offered, self.effects).on(self.names)
+        )
+
     def chosen(self, among: Records, count: int) -> Records:
         """The records (count,) after which the error is least."""
         found, _ = exchange(
@@ -67,7 +74,7 @@ class AccuracySpace(Question):
 def accuracy_space(prior: PriorInformation, search: Search) -> AccuracySpace:
     """Candidates for accuracy. Raises InputError where there are none."""
     rng = np.random.default_rng([search.seed, 21])
-    offered = candidates(prior, search.pool, Factors(), rng, search.draw)
+    offered = candidates(prior, search.pool, Factors().possible(search.driving), rng, search.draw)
     effects = _effects(prior)
     new, before = prior.of_records(offered, effects), prior.of_campaign(effects)
     typical = candidates(prior, TYPICAL, Factors(), rng)

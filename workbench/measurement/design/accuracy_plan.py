@@ -76,7 +76,7 @@ class AccuracyPlan(DrivenPlan):
             f"Expected error of the calibrated model, 3-D, one sigma, from noise alone ({self.noise}): "
             f"{', '.join(errors)}."
         ]
-        return lines + self._gain
+        return lines + self.not_measured + self._gain
 
     @property
     def text(self) -> str:
@@ -91,7 +91,7 @@ class AccuracyPlan(DrivenPlan):
         ]
         if self.drive is not None:
             lines.append(self.drive.text)
-        return "\n".join(lines + self._gain)
+        return "\n".join(lines + self.not_measured + self._gain)
 
     @property
     def _gain(self) -> list[str]:

@@ -1,15 +1,16 @@
-"""Poses, loads, pulls and stops on the way chosen together, for the most information in a time.
+"""Poses, targets, loads, pulls and stops on the way chosen together, for the most information in a time.
 
 Poses of an exchange lie far from each other, and a large arm spends most of the time on its way. So fewer of
-them are chosen, and the arm stops between them as well, where that is worth more per second; a load stays
-away where it is not worth mounting. What a plan is worth is 1/e², e the expected error after it
-(`accuracy`), or λ (`t_optimal`); what it costs is the time that driving it takes, worked out in full for
-every trial.
+them are chosen, and the arm stops between them as well, where that is worth more per second; a load or a
+session stays away where it is not worth mounting or waiting for, and a target where it is not worth the
+instrument's turning to it. What a plan is worth is 1/e², e the expected error after it (`accuracy`), or λ
+(`t_optimal`); what it costs is the time that driving it takes, worked out in full for every trial.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,15 +19,19 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...files.faults import Fault, InputError
-from ..driving.drive import Drive, drive
+from ..driving.drive import Drive, drive, sessions
 from ..driving.ways import Ways
+from .candidates import random_rows
 
-STOPS = (1, 2, 3)  # between two poses of the exchange, as they are tried
+MOST_STOPS = 3  # between two poses of the exchange
 FEWEST = 6  # poses of the exchange
 TRIAL = 20  # poses of the exchange from which the time of one is taken
+SAMPLE = 40  # random records that say which target is missed least
+SESSIONS = 2  # place of the sessions among a plan's levels
 NEAR, CLOSER = 0.05, 4  # how far from the time a plan may end, of it, and how often it is mended
 
 Rows = NDArray[np.int64]
+Levels = tuple[tuple[int, ...], ...]  # the pulls, the loads and the sessions of a plan
 
 
 class Question(ABC):
@@ -36,10 +41,30 @@ class Question(ABC):
 
     @cached_property
     def levels(self) -> Rows:
-        """(C,) number of each candidate's load and pull, without anything first."""
+        """(C, 3) numbers of each candidate's pull, load and session, without anything first."""
         poses = self.offered.poses
-        table = np.column_stack([(poses.wrench != 0).any(axis=1), poses.payload])
-        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+        session = np.unique(sessions(self.offered), return_inverse=True)[1].ravel()
+        return np.column_stack([(poses.wrench != 0).any(axis=1), poses.payload, session]).astype(np.int64)
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """What is measured."""
+        return tuple(target.name for target in self.offered.targets)
+
+    @cached_property
+    def fewer(self) -> Question | None:
+        """The same without the target on the arm that some random records miss least; None where one is
+        left."""
+        moving = [target.name for target in self.offered.targets if target.on != "base"]
+        if self.offered.six_dof or len(moving) < 2:
+            return None
+        some = self.offered.some(random_rows(len(self.offered.poses), SAMPLE, 0))
+        without = [[name for name in self.targets if name != gone] for gone in moving]
+        return self.looking_at(max(without, key=lambda names: self.worth(some.looking_at(names))))
+
+    @abstractmethod
+    def looking_at(self, names: Collection[str]) -> Question:
+        """The same where of the targets these alone are measured."""
 
     @abstractmethod
     def chosen(self, among: Rows, count: int) -> Rows:
@@ -52,12 +77,19 @@ class Question(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A plan that was tried: which levels, how many stops between two poses, how it is driven, its worth."""
+    """A plan that was tried: of which targets, which levels, how many stops between two poses, how it is
+    driven, its worth."""
 
-    levels: tuple[int, ...]
+    question: Question
+    levels: Levels
     stops: int
     drive: Drive
     worth: float
+
+    @property
+    def choice(self) -> tuple[tuple[str, ...], Levels, int]:
+        """Targets, levels and stops."""
+        return self.question.targets, self.levels, self.stops
 
     @property
     def rate(self) -> float:
@@ -66,43 +98,58 @@ class Trial:
 
 
 def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tuple[Trial, Trial]:
-    """The plan of most information in a time, and the best of poses alone: with a single load, without stops.
-    Raises `InputError` where the time is too short."""
-    every = tuple(int(k) for k in np.unique(question.levels))
-
-    def trial(levels: tuple[int, ...], stops: int) -> Trial | None:
-        return _fitted(question, ways, dwell, seconds, levels, stops)
-
-    alone = trial(every[:1], 0)
+    """The plan of most information in a time, found by changing one factor after the other, and the best of
+    poses alone: with a single load, without stops, all targets that there is time
+    for. Raises `InputError` where the time is too short."""
+    every = tuple(tuple(int(k) for k in np.unique(column)) for column in question.levels.T)
+    nothing = tuple(some[:1] for some in every)
+    first: Question | None = question
+    alone = None
+    while first is not None and alone is None:
+        alone, first = _fitted(first, ways, dwell, seconds, nothing, 0), first.fewer
     if alone is None:
         what = f"{seconds / 60:.0f} min are too short for {FEWEST} poses"
         raise InputError(Fault("--minutes", what, "give more time, or a larger speed_share in [driving]"))
-    best = alone
-    for stops in STOPS:
-        tried = trial(best.levels, stops)
-        if tried is not None and tried.rate > best.rate:
-            best = tried
-        else:
-            break
-    open_levels = [levels for levels in _sets(every) if levels != best.levels]
-    for levels in open_levels:
-        tried = trial(levels, best.stops)
-        if tried is not None and tried.rate > best.rate:
-            best = tried
+    best, tried, better = alone, {alone.choice}, True
+    while better:
+        better = False
+        for asked, levels, stops in _beside(best, every):
+            if (asked.targets, levels, stops) in tried:
+                continue
+            tried.add((asked.targets, levels, stops))
+            made = _fitted(asked, ways, dwell, seconds, levels, stops)
+            if made is not None and made.rate > best.rate:
+                best, better = made, True
+                break
     return best, alone
 
 
+def _beside(trial: Trial, every: Levels) -> Iterator[tuple[Question, Levels, int]]:
+    """What differs from a trial in one factor."""
+    asked, levels, stops = trial.question, trial.levels, trial.stops
+    if asked.fewer is not None:
+        yield asked.fewer, levels, stops
+    for other in (stops + 1, stops - 1):
+        if 0 <= other <= MOST_STOPS:
+            yield asked, levels, other
+    for k, there in enumerate(every):
+        for some in _sets(there):
+            if k != SESSIONS or some[0] == there[0]:  # what is later comes after the first
+                yield asked, (*levels[:k], some, *levels[k + 1 :]), stops
+
+
 def _sets(every: tuple[int, ...]) -> list[tuple[int, ...]]:
-    """Sets of levels that are tried: each alone, the first with each other, and all."""
+    """Sets of a factor's levels that are tried: each alone, the first with each other, and all."""
     found = [(k,) for k in every] + [(every[0], k) for k in every[1:]] + [every]
     return list(dict.fromkeys(found))
 
 
 def _fitted(
-    question: Question, ways: Ways, dwell: float, seconds: float, levels: tuple[int, ...], stops: int
+    question: Question, ways: Ways, dwell: float, seconds: float, levels: Levels, stops: int
 ) -> Trial | None:
     """As many records of these levels as fit into the time; None where hardly any does."""
-    among = np.flatnonzero(np.isin(question.levels, levels))
+    inside = [np.isin(column, some) for column, some in zip(question.levels.T, levels, strict=True)]
+    among = np.flatnonzero(np.all(inside, axis=0))
     count, made = min(TRIAL, len(among)), None
     for _ in range(CLOSER):
         records = question.offered.some(question.chosen(among, count))
@@ -121,15 +168,14 @@ def _fitted(
         if wanted == count:
             break
         count = wanted
-    return None if made is None else Trial(levels, stops, made, question.worth(made.plan))
+    return None if made is None else Trial(question, levels, stops, made, question.worth(made.plan))
 
 
 def _with_stops(plan: Campaign, ways: Ways, stops: int) -> Campaign:
     """The records of a plan in the order of its drive, with stops on the way from each to the next of the
     same load, where these can be measured."""
     poses = plan.poses
-    session = np.zeros(len(poses)) if poses.temperature is None else poses.temperature
-    loads = np.column_stack([poses.payload, poses.wrench, session])
+    loads = np.column_stack([poses.payload, poses.wrench, sessions(plan)])
     start = np.flatnonzero((loads[1:] == loads[:-1]).all(axis=1))
     share = np.arange(1, stops + 1) / (stops + 1)
     q = (poses.q[start, None] + share[:, None] * (poses.q[start + 1] - poses.q[start])[:, None]).reshape(

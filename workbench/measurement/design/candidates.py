@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign import Campaign
-from ...campaign.cell import CellData
+from ...campaign.cell import CellData, DrivingData
 from ...campaign.planned import random_poses
 from ...campaign.problem import REFERENCE_TEMPERATURE
 from ..driving.reach import Draw, Reach, reach
@@ -16,26 +16,31 @@ from .prior_information import PriorInformation
 
 FEWEST = 40  # joint positions, however many loads and states they are offered in
 WARM = REFERENCE_TEMPERATURE + 10.0  # °C, of an arm that has worked for an hour or two
-SESSION = 7200.0  # s between the sessions of a plan
 
 
 @dataclass(frozen=True)
 class Factors:
     """Factors of a plan besides pose and payload: the side of approach, cold or warm, early or late; pull:
-    [N] of a horizontal pull at the flange, along the base's y, that can be rigged (0: none)."""
+    [N] of a horizontal pull at the flange, along the base's y, that can be rigged (0: none); apart: [s] from
+    one session to the next."""
 
     approach: bool = False
     warm: bool = False
     late: bool = False
     pull: float = 0.0
+    apart: float = 60 * DrivingData().warm_up_min
+
+    def possible(self, driving: DrivingData) -> Factors:
+        """With the pull that can be rigged, and the time that it takes to work the arm warm."""
+        return replace(self, pull=driving.pull_N or 0.0, apart=60 * driving.warm_up_min)
 
     @property
     def sessions(self) -> list[tuple[float, float]]:
         """Start [s] and temperature [°C] of each session: cold, warm and cold again; or first and last."""
         cold = REFERENCE_TEMPERATURE
         if self.warm:
-            return [(0.0, cold), (SESSION, WARM), (2 * SESSION, cold)]
-        return [(0.0, cold), (2 * SESSION, cold)] if self.late else [(0.0, cold)]
+            return [(0.0, cold), (self.apart, WARM), (2 * self.apart, cold)]
+        return [(0.0, cold), (2 * self.apart, cold)] if self.late else [(0.0, cold)]
 
 
 def reach_of(prior: PriorInformation, seed: int, cell: CellData | None = None) -> Reach:

@@ -60,8 +60,7 @@ def what_decides(outcome: Outcome) -> Outcome:
 def _offered(prior: PriorInformation, effects: Sequence[Effect]) -> Campaign:
     """Records that can be driven, as `plan` offers them."""
     around = reach_of(prior, 0)
-    pull = around.cell.driving.pull_N or 0.0
-    factors = replace(varied(effects), pull=pull)
+    factors = varied(effects).possible(around.cell.driving)
     return candidates(prior, POOL, factors, np.random.default_rng(21), around.draw)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, product
 
@@ -15,7 +15,7 @@ from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from ..driving.ways import Ways
 from .accuracy import DRAWS
-from .budget import Question, in_time
+from .budget import SESSIONS, Question, in_time
 from .candidates import Factors, candidates, random_rows, take
 from .causes import EXAMPLE, factors, named_causes
 from .discrimination_plan import LEVELS, Discrimination, DiscriminationPlan
@@ -23,6 +23,7 @@ from .fedorov import Records, Search, check_count, information
 from .prior_information import PriorInformation, ValuedEffects
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 
+TELLS = 1.0  # λ below which a plan tells nothing
 MOST_MEASURED = 1000  # poses that anyone would measure for this
 
 
@@ -39,6 +40,11 @@ class TellSpace(Question):
     unseen: tuple[Effect, ...]
     separate_by: str
     search: Search
+
+    def looking_at(self, names: Collection[str]) -> TellSpace:
+        offered = self.offered.looking_at(names)
+        rows = self.prior.of_records(offered, self.effects).on(self.space.names)
+        return replace(self, offered=offered, space=replace(self.space, rows=rows))
 
     def chosen(self, among: Records, count: int) -> Records:
         """The records (count,) with the largest λ of the hardest pair."""
@@ -95,8 +101,13 @@ def plan_discrimination_in_time(
     if not space.pairs:
         return _plan(space, None, 0)
     best, alone = in_time(space, ways, dwell, seconds)
+    if best.worth < TELLS and len(best.levels[SESSIONS]) < len(np.unique(space.levels[:, SESSIONS])):
+        what = f"{seconds / 60:.0f} min are too short for poses warm and cold, or early and late"
+        mend = "give more time: from one to the next it takes warm_up_min of [driving]"
+        raise InputError(Fault("--minutes", f"{what}, and others do not tell these causes apart", mend))
     made = _plan(space, best.drive.plan, len(best.drive.plan.poses))
-    return replace(made, over_poses=best.rate / max(alone.rate, 1e-300), stops=best.stops)
+    over = best.rate / alone.rate if alone.worth > TELLS else None
+    return replace(made, over_poses=over, stops=best.stops)
 
 
 def _plan(space: TellSpace, records: Campaign | None, count: int) -> DiscriminationPlan:
@@ -123,7 +134,7 @@ def _offered(prior: PriorInformation, text: str, search: Search) -> tuple[Campai
     InputError where a cause is given or excluded."""
     causes = named_causes(text)
     everything = candidates(prior, 0, Factors(True, True, True), np.random.default_rng(search.seed))
-    needed = replace(factors(causes, replace(prior.problem, campaign=everything)), pull=search.pull)
+    needed = factors(causes, replace(prior.problem, campaign=everything)).possible(search.driving)
     offered = candidates(prior, search.pool, needed, np.random.default_rng([search.seed, 21]), search.draw)
     problem = replace(prior.problem, campaign=offered)
     found = [[e for e in cause.effects(problem) if prior.is_open(e)] for cause in causes]

@@ -137,7 +137,7 @@ class DiscriminationPlan(DrivenPlan):
         if self.least < LEVELS.mostly or self.hopeless or self.unseen:
             lines.append(f"Another kind of measurement tells more: {self.separate_by}.")
         if self.drive is not None:
-            lines.append(self.drive.text)
+            lines += [self.drive.text, *self.not_measured]
         if self.gain is not None:
             lines.append(
                 f"In the same time it tells {self.gain:.1f} times as much as random poses (λ per hour)."

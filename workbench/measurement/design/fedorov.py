@@ -11,11 +11,12 @@ which is worked out for all candidates at once. Records are exchanged one by one
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...campaign.cell import DrivingData
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from ..driving.reach import Draw
@@ -32,13 +33,13 @@ PASSES = 50
 @dataclass(frozen=True)
 class Search:
     """How long to look: candidate records on offer (about), random starts of the exchange, and the seed; and
-    of which poses: draw (None: any within the limits), and with which pull [N] beside none."""
+    of which poses: draw (None: any within the limits), driving: what is possible beside."""
 
     pool: int
     starts: int
     seed: int
     draw: Draw | None = None
-    pull: float = 0.0
+    driving: DrivingData = field(default_factory=DrivingData)
 
 
 def exchange(

@@ -56,9 +56,9 @@ def plan(
     it was found; or the path of a `result.json`, all ties of which are to be settled. What was found is
     settled by as few poses as do it where none are said. known: facts as `--known` takes them. seed: of the
     poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the campaign
-    says); minutes: in place of a number of poses the time that they may take, loads and stops on the way
-    chosen with them; dwell: [s] of a standstill. progress: is told each step in words. Raises `InputError`
-    where there is no plan.
+    says); minutes: in place of a number of poses the time that they may take, loads, stops on the way and
+    targets chosen with them; dwell: [s] of a standstill with one target. progress: is told each step in
+    words. Raises `InputError` where there is no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -82,8 +82,7 @@ def plan(
         count = _likely(around, seconds, dwell)
     fast = quick or minutes is not None  # in time, many plans are tried
     pool, per_pose, starts = (QUICK_POOL, QUICK_PER_POSE, QUICK_STARTS) if fast else (POOL, PER_POSE, STARTS)
-    pull = around.cell.driving.pull_N or 0.0
-    search = Search(max(pool, per_pose * count), starts, seed, around.draw, pull)
+    search = Search(max(pool, per_pose * count), starts, seed, around.draw, around.cell.driving)
     ways = Ways(around)
     what = f"{count}" if minutes is None else f"for {minutes:g} min"
     progress(f"choosing {what} of about {search.pool} possible records")
@@ -135,4 +134,7 @@ def _driven(
     if made.records is None or made.random is None:
         return made
     progress("looking for the shortest way")
-    return made.with_drive(drive(made.records, ways, dwell), drive(made.random, ways, dwell))
+    driven, random = drive(made.records, ways, dwell), drive(made.random, ways, dwell)
+    skipped = tuple(name for name in random.targets if name not in driven.targets)
+    made = replace(made, reach=around.looking_at(driven.targets), skipped=skipped)
+    return made.with_drive(driven, random)

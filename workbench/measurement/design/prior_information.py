@@ -123,11 +123,16 @@ class PriorInformation:
         the campaign has (a record of them takes no time), these count as good as motor currents are."""
         if self.problem.drives and records.poses.torque is None:
             records = records.with_poses(torque=np.zeros_like(records.poses.q))
-        sigma = np.tile(self.sigma[self.shown], (len(records.poses.q), 1))
+        sigma = np.tile(self.sigma[self._targets(records)], (len(records.poses.q), 1))
         noise = Covariance(sigma, self.joint, np.ones(len(records.poses.q)), turn_ratio=self.turn_ratio)
         if records.poses.torque is not None:
             noise = replace(noise, torque=self._torque_noise(records, effects))
         return self._sensitivity(records, noise, effects)
+
+    def _targets(self, records: Campaign) -> list[int]:
+        """Which of the campaign's targets records measure."""
+        names = [target.name for target in self.problem.campaign.targets]
+        return [names.index(target.name) for target in records.targets]
 
     def _torque_noise(self, records: Campaign, effects: ValuedEffects) -> Array:
         """(n,) one sigma of torques by motor currents [N·m, N]: a share of the largest that the stated loads
@@ -149,7 +154,7 @@ class PriorInformation:
         """(D0, P) rows [m] of poses that will have to be right, by the names of `of_records`: what the
         targets move when their frame and places are fitted to these very poses. A pose's squared rows are
         the mean over its targets."""
-        shape = (len(records.poses.q), int(self.shown.sum()))
+        shape = (len(records.poses.q), len(records.targets))
         # the six rows of a 6-D measurement are means over the targets already
         size = 1.0 if records.six_dof else float(np.sqrt(shape[1]))
         noise = Covariance(np.full(shape, size), np.zeros(self.problem.arm.n), np.ones(shape[0]))
@@ -167,7 +172,7 @@ class PriorInformation:
         problem = replace(self.problem, campaign=records)
         geometry = self.problem.arm.geometry if self.fit is None else self.fit.state.geometry
         # seen from the base: where the instrument stands makes no difference
-        state = State(geometry, np.eye(3)[None], np.zeros((1, 3)), self.places[None, self.shown])
+        state = State(geometry, np.eye(3)[None], np.zeros((1, 3)), self.places[None, self._targets(records)])
         model = Model(problem, (), self.acting, self.given)
         points = model.predict(state)
         shots = np.ones(points.shape[:2], dtype=np.int64)

@@ -48,7 +48,7 @@ def plan_settling(
     problem = prior.problem
     ties = ties_of(Path(text), problem) if text.endswith(".json") else [tie_said(text, problem)]
     valued = at_zero(ties)
-    factors = replace(varied(effect for effect, _ in valued), pull=search.pull)
+    factors = varied(effect for effect, _ in valued).possible(search.driving)
     rng = np.random.default_rng([search.seed, 21])
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))

@@ -37,8 +37,9 @@ class Drive:
 
     plan: (N) the plan's own records in the order of the drive, at the times that the plan said; records: (M)
     those and the returns, with their sides and the times of the drive; check: (M,) which are returns; via:
-    for each the poses (n,) on the way to it, before its approach; seconds: of motion, standstill and
-    mounting, in all; detours: how many ways were gone round.
+    for each the poses (n,) on the way to it, before its approach; seconds: of motion, standstills and
+    mounting, in all; still_s: of one standstill, in which all targets of the plan are measured; detours: how
+    many ways were gone round.
     """
 
     plan: Campaign
@@ -49,6 +50,7 @@ class Drive:
     moving_s: float
     standing_s: float
     mounting_s: float
+    still_s: float
     detours: int
 
     @property
@@ -66,10 +68,22 @@ class Drive:
             "moving_minutes": self.moving_s / 60,
             "standing_minutes": self.standing_s / 60,
             "mounting_minutes": self.mounting_s / 60,
+            "standstill_s": self.still_s,
+            "targets": self.targets,
             "check_poses": int(self.check.sum()),
             "detours": self.detours,
             "blocks": [{"name": b.name, "standstills": b.stop - b.start} for b in self.blocks],
         }
+
+    @property
+    def targets(self) -> list[str]:
+        """Names of what is measured at every standstill."""
+        return [target.name for target in self.plan.targets]
+
+    @property
+    def measured(self) -> str:
+        """What is measured at every standstill, in words."""
+        return f"At every standstill, {self.still_s:g} s, measure {', '.join(self.targets)}."
 
     @property
     def spent(self) -> str:
@@ -81,7 +95,7 @@ class Drive:
     @property
     def text(self) -> str:
         """How long it takes."""
-        lines = [f"About {self.total_s / 60:.0f} min: {self.spent}."]
+        lines = [f"About {self.total_s / 60:.0f} min: {self.spent}.", self.measured]
         if self.check.any():
             lines.append(
                 f"It returns {int(self.check.sum())} times to a check pose, which shows warming up and drift."
@@ -92,8 +106,8 @@ class Drive:
 
 
 def drive(plan: Campaign, ways: Ways, dwell: float) -> Drive:
-    """The records of a plan as they are driven. dwell: [s] of a standstill. Raises `InputError` where a pose
-    cannot be reached."""
+    """The records of a plan as they are driven. dwell: [s] of a standstill with one target, each further one
+    takes the cell's `reflector_s`. Raises `InputError` where a pose cannot be reached."""
     plan = _reachable(plan, ways)
     check = _check_pose(plan, ways) if ways.reach.cell.driving.check_every else None
     stops: list[tuple[int, bool]] = []  # number of the record, is it a return
@@ -107,13 +121,14 @@ def drive(plan: Campaign, ways: Ways, dwell: float) -> Drive:
         names[stem] = names.get(stem, 0) + 1
         again = f"_{names[stem]}" if names[stem] > 1 else ""
         blocks.append(Block(f"{stem}{again}".strip("_"), payload, start, len(stops)))
-    return _timed(plan, ways, stops, blocks, dwell)
+    further = 0 if plan.six_dof else len(plan.targets) - 1
+    return _timed(plan, ways, stops, blocks, dwell + further * ways.reach.cell.driving.reflector_s)
 
 
 def _blocks(plan: Campaign) -> list[NDArray[np.int64]]:
     """Rows of each session and load and pull; loads of every second session in turned order, so that what is
     mounted last stays on."""
-    session = _sessions(plan)
+    session = sessions(plan)
     out: list[NDArray[np.int64]] = []
     for k, start in enumerate(np.unique(session)):
         here = np.flatnonzero(session == start)
@@ -124,7 +139,7 @@ def _blocks(plan: Campaign) -> list[NDArray[np.int64]]:
     return out
 
 
-def _sessions(plan: Campaign) -> Array:
+def sessions(plan: Campaign) -> Array:
     """(N,) [s] when the session of each record begins."""
     return np.zeros(len(plan.poses)) if plan.poses.time is None else plan.poses.time
 
@@ -183,9 +198,9 @@ def _block(plan: Campaign, ways: Ways, rows: NDArray[np.int64], check: int | Non
 
 
 def _timed(
-    plan: Campaign, ways: Ways, stops: Sequence[tuple[int, bool]], blocks: Sequence[Block], dwell: float
+    plan: Campaign, ways: Ways, stops: Sequence[tuple[int, bool]], blocks: Sequence[Block], still: float
 ) -> Drive:
-    """The stops with the ways to them and a clock."""
+    """The stops with the ways to them and a clock; still: [s] of a standstill."""
     driving = ways.reach.cell.driving
     rows = np.array([row for row, _ in stops])
     check = np.array([back for _, back in stops])
@@ -195,13 +210,13 @@ def _timed(
         inside = slice(block.start, block.stop)
         like[inside] = rows[inside][~check[inside]][0]
     with_load = plan.poses.some(like)
-    payload, wrench, starts = with_load.payload, with_load.wrench, _sessions(plan)[like]
+    payload, wrench, starts = with_load.payload, with_load.wrench, sessions(plan)[like]
     q, sides = records.poses.q, _sides(records)
     approach = ways.reach.approaches(q, sides)
     via: list[tuple[Array, ...]] = [()]
     clock, moving, mounting, times = 0.0, 0.0, 0.0, [0.0]
     for i in range(1, len(rows)):
-        clock += dwell
+        clock += still
         pause = _mounting(payload[i - 1 : i + 1], wrench[i - 1 : i + 1], driving)
         pause = max(pause, starts[i] - clock) if starts[i] > starts[i - 1] else pause
         between = () if ways.clear(q[i - 1], approach[i]) else ways.round(q[i - 1], approach[i])
@@ -229,8 +244,9 @@ def _timed(
         tuple(via),
         tuple(blocks),
         moving,
-        dwell * len(rows),
+        still * len(rows),
         mounting,
+        still,
         sum(bool(way) for way in via),
     )
 

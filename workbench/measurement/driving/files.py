@@ -25,7 +25,7 @@ def table_files(drive: Drive, reach: Reach, folder: Path) -> dict[Path, bytes]:
     records = replace(proposed(drive.records, reach), cell=reach.cell)
     return {
         folder / "poses.csv": poses_text(records).encode(),
-        folder / "campaign.toml": campaign_text(folder, records, COMMENTS).encode(),
+        folder / "campaign.toml": campaign_text(folder, records, (*COMMENTS, drive.measured)).encode(),
         **{path: text.encode() for path, text in own_robot(folder, records.robot).items()},
     }
 
@@ -39,7 +39,7 @@ def proposed(records: Campaign, reach: Reach) -> Campaign:
 
 
 def programs(
-    drive: Drive, format: Format, dwell: float, share: float, stem: str, as_urdf: bool = False
+    drive: Drive, format: Format, share: float, stem: str, as_urdf: bool = False
 ) -> dict[str, Program]:
     """A measuring program for each block of the drive, by its name. Raises `InputError`."""
     poses, out = drive.records.poses, {}
@@ -47,11 +47,11 @@ def programs(
         name = f"{stem}_{block.name}" if block.name else stem
         inside = slice(block.start, block.stop)
         payload = drive.records.payload_names[block.payload]
-        out[name] = measuring_program(
+        made = measuring_program(
             drive.records.robot,
             poses.q[inside],
             format,
-            dwell,
+            drive.still_s,
             sides=poses.side[inside] if poses.side is not None else None,
             via=drive.via[inside],
             name=name,
@@ -59,4 +59,5 @@ def programs(
             share=share,
             as_urdf=as_urdf,
         )
+        out[name] = replace(made, notes=(drive.measured, *made.notes))
     return out

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -43,7 +43,7 @@ Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (coun
 class Reach:
     """A robot in its cell. hulls: all bodies, those standing around too; map: poses that hang together;
     confined: (n,) joints that are kept within one turn; sight: None where no instrument is stated; places:
-    (T, 3) [m] of the targets, NaN unknown, behind slots `on`."""
+    (T, 3) [m] of the targets, NaN unknown, behind slots `on`; names: (T) of them."""
 
     robot: Robot
     arm: Arm
@@ -55,6 +55,16 @@ class Reach:
     sight: Sight | None
     places: Array
     on: tuple[int, ...]
+    names: tuple[str, ...]
+
+    def looking_at(self, names: Collection[str]) -> Reach:
+        """The same where of the targets these alone are measured."""
+        gone = [name not in names for name in self.names]
+        return replace(
+            self,
+            places=np.where(np.array(gone)[:, None], np.nan, self.places),
+            sight=None if self.sight is None else self.sight.of(names),
+        )
 
     def time(self, start: Array, end: Array) -> Array:
         """[s] of straight joint motions from poses (..., n) to others."""
@@ -125,7 +135,8 @@ def reach(
     free = within_a_turn(robot, free, confined)
     nodes = roadmap(bodies, partial(_time, robot, cell), free[:NODES])
     sight = _sight(problem, places, shown, cell, hulls)
-    found = Reach(robot, arm, cell, hulls, bodies, nodes, confined, sight, places, tuple(problem.on))
+    names = tuple(target.name for target in problem.campaign.targets)
+    found = Reach(robot, arm, cell, hulls, bodies, nodes, confined, sight, places, tuple(problem.on), names)
     if found.sight is None or not np.isnan(found.sight.opens).any():
         return found
     q = random_poses(robot, FIRST, rng)

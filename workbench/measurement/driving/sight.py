@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -41,6 +41,18 @@ class Sight:
             if own and np.isfinite(way).all()
         }
         return {name: tuple(round(float(v), 3) for v in way) for name, way in ways.items()}  # type: ignore[misc]
+
+    def of(self, names: Collection[str]) -> Sight:
+        """The view of some of its targets."""
+        kept = [t for t, name in enumerate(self.names) if name in names]
+        return replace(
+            self,
+            places=self.places[kept],
+            on=[self.on[t] for t in kept],
+            opens=self.opens[kept],
+            names=[self.names[t] for t in kept],
+            chosen=[self.chosen[t] for t in kept] if len(self.chosen) else (),
+        )
 
     def lines(self, q: Array) -> NDArray[np.bool_]:
         """(N, T) which targets no body hides in poses q: (N, n)."""

@@ -4,6 +4,7 @@ campaigns diagnosed together."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -19,6 +20,8 @@ from ..blind.tally import Rate, rate
 from ..case_study import CaseStudy, Record, run_cases
 from .case import MOST, run_case
 
+NO_RIVAL = "no rival with a name"
+
 
 @dataclass(frozen=True)
 class FollowUpStudy(CaseStudy):
@@ -33,6 +36,12 @@ class FollowUpStudy(CaseStudy):
     def followed(self) -> list[Record]:
         """Of these the cases that at most `MOST` poses settle, as is promised."""
         return [case for case in self.cases if case["offered"]]
+
+    @property
+    def left_open(self) -> dict[str, int]:
+        """Of the open cases that few poses do not settle: how many, by what else would decide them."""
+        ways = [", ".join(case["other_ways"]) or NO_RIVAL for case in self.open if not case["offered"]]
+        return dict(Counter(ways).most_common())
 
     @property
     def rates(self) -> list[Rate]:
@@ -80,6 +89,7 @@ class FollowUpStudy(CaseStudy):
             "followed": len(self.followed),
             "rates": [one.to_json() for one in self.rates],
             "lambda_reached_over_promised": self.kept,
+            "open_without_few_poses": self.left_open,
             "failed": self.failed,
         }
 

@@ -39,7 +39,7 @@ def run_case(key: str, seed: int) -> Record:
     """What the first campaign of a key left open, what was offered for it, and what came of that."""
     with TemporaryDirectory() as folder:
         case = draw_case(key, seed, Path(folder))
-        first = _first(case.campaign)
+        first = first_campaign(case.campaign)
         before = what_decides(diagnose(first))
         record = {**facts(case), "before": _said(before), "open": bool(_open(before)), "offered": None}
         offer = offered(before)
@@ -49,7 +49,7 @@ def run_case(key: str, seed: int) -> Record:
         return {**record, **_followed(case, first, before, offer, crc32(key.encode()))}
 
 
-def _first(campaign: Campaign) -> Campaign:
+def first_campaign(campaign: Campaign) -> Campaign:
     """The first `FIRST` of its poses without a payload."""
     return campaign.some(np.flatnonzero(campaign.poses.payload == 0)[:FIRST])
 
