@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -225,7 +226,7 @@ def test_a_faulty_controller_is_told_with_the_robot(tmp_path: Path) -> None:
     source = load_robot("kr120").path
     assert source is not None
     text = source.read_text().replace('names = ["A1", ', 'names = ["A1"]  # [')
-    text = text.replace('urdf    = "', f'urdf    = "{source.parent}/')
+    text = re.sub(r'urdf( *)= "', rf'urdf\1= "{source.parent}/', text)
     (tmp_path / "bad.toml").write_text(text)
     with pytest.raises(InputError, match=r"controller\.names: has 1 entries for 6 joints; give one for each"):
         load_robot(tmp_path / "bad.toml")
