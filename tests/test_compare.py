@@ -29,7 +29,7 @@ from workbench.cli.main import main
 from workbench.diagnosis.changes.result import Comparison
 from workbench.files.faults import InputError
 
-DATA = Path("/work/shared/data")
+DATA = Path(__file__).parents[1].parent / "shared" / "data"
 SIGMA = 3e-5
 POSES = 22
 JOINT_3_ZERO, JOINT_4 = (3, 5), 4  # slot and component; slot
