@@ -93,5 +93,5 @@ def _stop(number: int, *_: Any) -> None:
     from multiprocessing import active_children
 
     for worker in active_children():
-        worker.terminate()
+        worker.kill()  # a worker that is only asked to end may be inside of what nobody interrupts
     raise KeyboardInterrupt if number == signal.SIGINT else Terminated
