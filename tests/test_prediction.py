@@ -28,7 +28,6 @@ from workbench import (
 from workbench.cli.main import main
 from workbench.effects.unnamed import unnamed
 from workbench.identification.fit import refit
-from workbench.identification.lasting import lasting
 from workbench.identification.prediction import uncertainty
 from workbench.identification.prediction.bound import length_bound
 
@@ -208,10 +207,10 @@ def test_what_passes_and_has_no_name_is_not_in_the_model(truth):
     with_it = refit(plain, [*plain.model.effects, bearing.sized(10.0)])
     assert np.sum(with_it.r**2) < 0.7 * np.sum(plain.r**2)
     assert np.abs(with_it.state.geometry - plain.state.geometry).max() > 1e-5
-    left = lasting(with_it)
+    left = with_it.lasting
     assert left.model.effects == plain.model.effects
     assert left.state.geometry == pytest.approx(plain.state.geometry, abs=2e-6)
-    assert lasting(plain) is plain
+    assert plain.lasting is plain
 
 
 def test_parts_of_a_campaign_that_differ_widen_the_bound(truth):

@@ -16,9 +16,7 @@ SHOWS = 0.5  # share of a joint's torque that the model must explain for the col
 FEWEST = 10  # torques of a joint from which its noise is taken
 TAKEN = 3  # numbers that are taken out: offset, scale and side
 ROUNDS = 2  # of a load's size and what it leaves
-ACCURACY = (
-    0.03  # of a joint's largest torque: what motor currents say of it, friction and masses in the model
-)
+ACCURACY = 0.03  # of a joint's largest torque: motor currents, friction, and masses in the model
 WIDE = 1e3  # usual sizes of a load that nothing holds
 TILT = 5e-3  # rad: how far the axis of a joint may lie from the model's
 LEAST = 1e-6  # N·m, N: of a joint without any load

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+MIXED = 1e4  # times a pose's place along a line: its fraction is as good as drawn at random
+
 IntArray = NDArray[np.int64]
 Column = Array | IntArray | tuple[str, ...] | None
 
@@ -53,8 +55,18 @@ class Poses:
     @property
     def positions(self) -> IntArray:
         """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
-        table = np.column_stack([np.round(self.q, 9), self.setup])
-        return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+        return np.asarray(np.unique(self._places, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+
+    def drawn(self, seed: int = 0) -> Array:
+        """(N,) a number from 0 to 1 drawn at random for each joint position within its set-up: equal for its
+        loads and repeats, and the same whatever other poses there are."""
+        way = np.random.default_rng(seed).normal(size=self._places.shape[1])
+        return np.asarray(np.mod(MIXED * (self._places * way).sum(axis=1), 1.0))
+
+    @property
+    def _places(self) -> Array:
+        """(N, n + 1) joints and set-up."""
+        return np.column_stack([np.round(self.q, 9), self.setup])
 
     def repeat(self, count: int) -> Poses:
         """All poses `count` times, one round after the other; the ids stay those of the first round."""

@@ -14,7 +14,6 @@ from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.loads import Loads, Wrenches, wrenches
 from . import Campaign
 
-MIXED = 1e4  # times a pose's place along a line: its fraction is as good as drawn at random
 REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
 
 
@@ -70,13 +69,6 @@ class Problem:
     def positions(self) -> NDArray[np.int64]:
         """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
         return self.campaign.poses.positions
-
-    def drawn(self, seed: int = 0) -> Array:
-        """(N,) a number from 0 to 1 drawn at random for each joint position within its set-up: equal for its
-        loads and repeats, and the same whatever other poses there are."""
-        table = np.column_stack([np.round(self.q, 9), self.campaign.poses.setup])
-        way = np.random.default_rng(seed).normal(size=table.shape[1])
-        return np.asarray(np.mod(MIXED * (table * way).sum(axis=1), 1.0))
 
     @cached_property
     def rigid(self) -> Frames:

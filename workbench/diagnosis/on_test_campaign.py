@@ -10,7 +10,6 @@ from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit
-from ..identification.lasting import lasting
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import check_plausible
@@ -29,7 +28,7 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     left out by the rules of the fit; the figures of all points stand beside. Raises InputError where it is
     of another robot.
     """
-    final = lasting(final)
+    final = final.lasting
     fitted = final.model.problem
     if campaign.robot.joint_names != fitted.robot.joint_names:
         raise InputError(

@@ -152,14 +152,7 @@ def _measured_only(problem: Problem) -> Problem:
     poses, targets = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
     if not len(poses):
         raise InputError(Fault(str(c.path), "no usable point is left", "look at the points"))
-    c = c.some(poses)
-    c = replace(
-        c,
-        targets=tuple(c.targets[i] for i in targets),
-        points=c.points[:, targets],
-        shots=c.shots[:, targets],
-        sigma=None if c.sigma is None else c.sigma[:, targets],
-    )
+    c = c.some(poses).looking_at([c.targets[i].name for i in targets])
     return Problem(problem.robot, problem.arm, c, problem.compensator)
 
 

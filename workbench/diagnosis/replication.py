@@ -55,6 +55,6 @@ def parts_of(problem: Problem) -> list[Index]:
     which = np.unique(np.column_stack([poses.setup, poses.payload]), axis=0, return_inverse=True)[1].ravel()
     groups = [np.flatnonzero(which == group) for group in range(int(which.max()) + 1)]
     early, late = [own[: len(own) // 2] for own in groups], [own[len(own) // 2 :] for own in groups]
-    mixed = [own[np.argsort(problem.drawn()[own], kind="stable")] for own in groups]
+    mixed = [own[np.argsort(poses.drawn()[own], kind="stable")] for own in groups]
     one, other = [own[: len(own) // 2] for own in mixed], [own[len(own) // 2 :] for own in mixed]
     return [np.sort(np.concatenate(part)) for part in (early, late, one, other)]

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from ..campaign.problem import Problem
-from ..effects.base import Effect
+from ..effects.base import UNKNOWN, Effect
 from ..robot.kinematics import Array
 from .gauss_newton import Normal, full_step
 from .model import Linearisation, Model, State
@@ -59,6 +59,13 @@ class Fit:
         rows = self.whitener.shape[2]
         unit = np.broadcast_to(np.eye(rows), (len(self.whitener), rows, rows))
         return jacobian(self.model, self.line, self.columns, self.state, unit)
+
+    @cached_property
+    def lasting(self) -> Fit:
+        """Without functions that have no name and do not stay with the robot (of bearing, order, time), the
+        rest fitted again: part of what they took may be the robot's, and a model predicts without them."""
+        kept = [e for e in self.model.effects if e.cause != UNKNOWN or e.lasting]
+        return self if len(kept) == len(self.model.effects) else refit(self, kept)
 
     @property
     def covariance(self) -> Array:

@@ -16,7 +16,7 @@ def folds_of(problem: Problem, folds: int, seed: int) -> NDArray[np.int64]:
     """(N,) number of the group that each pose is held out with: joint positions drawn at random into groups
     of one size, so that a pose more or less leaves nearly all others where they were."""
     _, first, block = np.unique(problem.positions, return_index=True, return_inverse=True)
-    rank = np.argsort(np.argsort(problem.drawn(seed)[first]))
+    rank = np.argsort(np.argsort(problem.campaign.poses.drawn(seed)[first]))
     return np.asarray((rank * min(folds, len(first)) // len(first))[block.ravel()])
 
 

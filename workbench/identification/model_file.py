@@ -17,7 +17,6 @@ from ..robot.kinematics import Array
 from ..robot.portable import carried
 from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
-from .lasting import lasting
 from .prediction.of_fit import uncertainty
 
 Files = dict[Path, str]
@@ -89,9 +88,9 @@ def write_fit(path: str | Path, fit: Fit) -> None:
 
 
 def fit_files(path: Path, fit: Fit) -> Files:
-    """A fit as the extended robot that is to stand at `path`: what of it lasts (`lasting`), beside what the
-    robot's model had already. Tool and payloads are the campaign's: the effects were found under them."""
-    fit = lasting(fit)
+    """A fit as the extended robot that is to stand at `path`: what of it lasts (`Fit.lasting`), beside what
+    the robot's model had already. Tool and payloads are the campaign's: the effects were found under them."""
+    fit = fit.lasting
     model = fit.model
     given = [(item.effect, v[None]) for item, v in zip(model.given, fit.state.given, strict=True) if v]
     values = [*given, *zip(model.effects, fit.state.values, strict=True)]

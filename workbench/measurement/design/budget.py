@@ -99,8 +99,8 @@ class Trial:
 
 def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tuple[Trial, Trial]:
     """The plan of most information in a time, found by changing one factor after the other, and the best of
-    poses alone: with a single load, without stops, all targets that there is time
-    for. Raises `InputError` where the time is too short."""
+    poses alone: with a single load, without stops, all targets that there is time for. Raises `InputError`
+    where the time is too short."""
     every = tuple(tuple(int(k) for k in np.unique(column)) for column in question.levels.T)
     nothing = tuple(some[:1] for some in every)
     first: Question | None = question

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...diagnosis.priors import PRIORS
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome
 from ...effects import catalogue
@@ -32,7 +33,7 @@ from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 SMALLEST = 0.1  # usual sizes, of a rival that hardly imitates
 INSIDE = 0.2  # share of λ that what contains a cause leaves of it, at most
 IMITATES = 0.5  # share of λ that a rival leaves, at most, to be taken for the cause
-ODDS = 2 * np.log(0.95 / 0.05)  # twice the log odds from which a cause is named,
+ODDS = 2 * np.log(PRIORS.named / (1 - PRIORS.named))  # twice the log odds from which a cause is named,
 SPARE = 2.0  # and by how much more they are asked for
 
 Columns = NDArray[np.int64]
