@@ -1,28 +1,21 @@
 """The command line: what it writes, what it prints, and what it says when the input is wrong."""
 
-import argparse
-import ast
-import inspect
 import json
 import os
-import shutil
-import signal
 import subprocess
 import sys
-import textwrap
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from test_cli_options import COMMANDS
 
 from workbench.campaign import load_campaign
-from workbench.cli.main import command_line, main
+from workbench.cli.main import main
 from workbench.effects import catalogue
 from workbench.identification.model_file import write_model
 from workbench.robot.description import load_robot
 from workbench.robot.schema import GEOMETRY
-from workbench.studies import PUBLISHED
 
 ROOT = Path(__file__).resolve().parents[1]
 EFFECTS = [
@@ -437,158 +430,10 @@ def test_a_failure_is_not_the_user_s(folder, capsys, monkeypatch):
     assert "failed: ArithmeticError: the fit does not converge" in err
 
 
-# ---------------------------------------------------------------- options
-
-
-def leaves(parser, name=""):
-    """Name → parser of every command that runs; what is below a command stands for it."""
-    below = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
-    if not below:
-        return {name: parser}
-    found = {}
-    for word, one in below[0].choices.items():
-        found |= leaves(one, f"{name} {word}".strip())
-    return found
-
-
-COMMANDS = leaves(command_line())
-STUDIES = {f"study {name}" for name in (*PUBLISHED, "all")}
-BLIND = {"study blind", "study case"}
-
-
-def options(name):
-    """Name → action of what a command takes."""
-    return {action.dest: action for action in COMMANDS[name]._actions if action.dest != "help"}
-
-
-def read_by(function):
-    """The attributes of `arguments` that a function reads, itself or where it hands all of them on."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    read = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "arguments":
-            read.add(node.attr)
-        if isinstance(node, ast.Call) and any(getattr(arg, "id", "") == "arguments" for arg in node.args):
-            read |= read_by(function.__globals__[node.func.id])
-    return read
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_every_option_of_a_command_is_read_by_it(name):
-    read = read_by(COMMANDS[name].get_default("run"))
-    assert read - {"name"} == set(options(name))
-    assert all(action.help for action in options(name).values())
-
-
-def test_options_stand_where_they_act():
-    having = {}
-    for name in COMMANDS:
-        for option in options(name):
-            having.setdefault(option, set()).add(name)
-    assert having["json"] == set(COMMANDS)
-    assert having["out"] == set(COMMANDS) - {"robots", "causes"}
-    assert having["seed"] == having["out"] - {"init", "check", "export", "compare", "study archive"}
-    assert having["quick"] == {"demo", "plan", "verify", "study blind"} | STUDIES
-    assert having["workers"] == {"verify", "study followup"} | BLIND | STUDIES
-    assert having["resume"] == {"study blind", "study followup"} | STUDIES
-    assert having["draws"] == {"study blind", "study followup"}
-
-
-@pytest.mark.parametrize("name", sorted(set(COMMANDS) - {"robots", "causes"}))
-def test_out_says_what_it_is_and_where_by_default(name):
-    out = options(name)["out"]
-    assert out.help.startswith(("folder ", "file ", "the program's file"))
-    assert out.default is None or f"({out.default})" in out.help
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        ["diagnose", "campaign.toml", "--resume"],
-        ["simulate", "kr500", "--random", "3", "--workers", "2"],
-        ["study", "case", "drift/0", "--resume"],
-        ["study", "kr500", "--draws", "3"],
-        ["study", "blind", "--quick", "--draws", "3"],
-        ["verify", "path.csv", "--model", "model.toml", "--workers", "0"],
-        ["robots", "--seed", "1"],
-    ],
-)
-def test_an_option_that_would_do_nothing_is_refused(call, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main(call)
-    assert "error: " in capsys.readouterr().err
-
-
-def test_only_the_command_line_reads_arguments():
-    reading = [path for path in (ROOT / "workbench").rglob("*.py") if "argparse" in path.read_text()]
-    assert {path.parent.name for path in reading} == {"cli"}
-
-
 def test_a_case_that_is_none_is_refused(capsys):
     found = faults(capsys, "study", "case", "gear_ratio/x", "rust/1", "--json")
     assert len(found) == 2
     assert "like gear_ratio/3; known: backlash, " in found[0]
-
-
-# ---------------------------------------------------------------- a script, a source tree, Ctrl-C
-
-
-SCRIPT = '''"""A study of my own."""
-
-from workbench import Fault, InputError, run_study
-
-
-def study(run):
-    run.say(f"{run.folder} {run.seed} {run.quick} {run.workers} {run.resume}")
-    if run.seed == 1:
-        raise KeyboardInterrupt
-    if run.seed == 2:
-        raise InputError(Fault("my.toml", "is not there"))
-    raise ArithmeticError("no")
-
-
-run_study(study)
-'''
-
-
-@pytest.mark.parametrize(
-    ("given", "status", "said"),
-    [
-        (["--help"], 0, "A study of my own."),
-        (["--quick"], 1, "… reports/mine 0 True None False\nfailed: ArithmeticError: no"),
-        (["--seed", "1", "--out", "here", "--workers", "3"], 130, "… here 1 False 3 False\ninterrupted\n"),
-        (["--seed", "2"], 2, "error: my.toml: is not there"),
-        (["--resume"], 1, "… reports/mine 0 False None True\n"),
-        (["--draws", "3"], 2, "unrecognized arguments: --draws"),
-        (["--out", "taken"], 2, "is a file, not a folder"),
-    ],
-)
-def test_a_script_of_one_s_own_ends_as_a_command_does(tmp_path, given, status, said):
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine/study.py").write_text(SCRIPT)
-    (tmp_path / "taken").write_text("mine")
-    done = subprocess.run(
-        [sys.executable, "mine/study.py", *given],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )
-    assert done.returncode == status, done.stderr
-    assert said in done.stdout + done.stderr
-
-
-def test_the_version_of_a_source_tree_is_what_it_says(tmp_path):
-    for part in ("__init__.py", "__main__.py", "cli", "files", "studies/__init__.py"):
-        source, copy = ROOT / "workbench" / part, tmp_path / "workbench" / part
-        copy.parent.mkdir(exist_ok=True)
-        (shutil.copytree if source.is_dir() else shutil.copy)(source, copy)
-    (tmp_path / "pyproject.toml").write_text('[project]\nname = "robot-workbench"\nversion = "7.8.9"\n')
-    # -S: without the place where an installed distribution is
-    command = [sys.executable, "-S", "-m", "workbench", "--version"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path)
-    assert (done.stdout, done.returncode) == ("workbench 7.8.9\n", 0), done.stderr
 
 
 def test_ctrl_c_in_a_command(capsys, monkeypatch):
@@ -597,48 +442,6 @@ def test_ctrl_c_in_a_command(capsys, monkeypatch):
 
     monkeypatch.setattr("workbench.robot.find.list_robots", stopped)
     assert call(capsys, "robots") == (130, "", "interrupted\n")
-
-
-SLEEPY = """
-import sys, time
-from pathlib import Path
-from workbench.cli.status import guarded
-from workbench.studies.tasks import run_tasks
-
-def work(key):
-    Path(f"{key}.started").touch()
-    time.sleep(60)
-
-if __name__ == "__main__":
-    sys.exit(guarded(lambda: run_tasks(work, ["a", "b", "c"], Path("tasks.sqlite"), study={}, workers=2)))
-"""
-
-
-@pytest.mark.parametrize(
-    ("number", "everyone", "status", "line"),
-    [
-        (signal.SIGINT, False, 130, "interrupted\n"),
-        (signal.SIGINT, True, 130, "interrupted\n"),
-        (signal.SIGTERM, False, 143, "terminated\n"),
-    ],
-)
-def test_ctrl_c_and_sigterm_end_workers_too_and_say_one_line(tmp_path, number, everyone, status, line):
-    """As `kill` tells the one process, and as a terminal tells all of them."""
-    (tmp_path / "sleepy.py").write_text(SLEEPY)
-    running = subprocess.Popen(
-        [sys.executable, "sleepy.py"],
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        start_new_session=True,
-    )
-    until = time.monotonic() + 60
-    while len(list(tmp_path.glob("*.started"))) < 2 and time.monotonic() < until:
-        time.sleep(0.05)
-    (os.killpg if everyone else os.kill)(running.pid, number)
-    said = running.communicate(timeout=30)[1]
-    assert (said, running.returncode) == (line, status)
 
 
 # ---------------------------------------------------------------- as a process

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.linalg
 from extended_example import extended
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
@@ -33,9 +32,8 @@ from workbench.simulation.closed_loop.friction import Rubbing, gone_over, mean_o
 from workbench.simulation.closed_loop.gains import gains, spectral_radius
 from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.limits import OverLimit
-from workbench.simulation.closed_loop.machine import machine, mass_matrix
+from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
-from workbench.simulation.closed_loop.modes import frequencies, modes
 from workbench.simulation.closed_loop.motion import hold, motion
 from workbench.simulation.closed_loop.rest import rest
 from workbench.simulation.closed_loop.runs import Task, World, simulate
@@ -111,43 +109,6 @@ def test_stated_damping_is_used(name):
     truth, _, _, q = short(name)
     stated = [joint.data.damping for joint in truth.robot.joints]
     assert drives(truth, q[0], LATE).damping.tolist() == stated
-
-
-@pytest.mark.parametrize("name", ["kr500", "rx170", "cylindrical"])
-def test_modes_are_those_of_drakes_mass_matrix(name):
-    """Drives free: all of motors and springs at once, but for what turns without a spring."""
-    truth, _, _, q = short(name)
-    built = machine(truth, drives(truth, q[0], LATE))
-    stiffness = np.zeros(built.plant.num_velocities())
-    stiffness[built.springs] = built.stiffness
-    squared = scipy.linalg.eigh(np.diag(stiffness), mass_matrix(built, q[0]), eigvals_only=True)
-    n = truth.arm.n
-    assert np.abs(squared[:n]).max() < 1e-6 * squared[n]
-    assert frequencies(built, q[0], free=True) == pytest.approx(np.sqrt(squared[n:]), rel=1e-6)
-    locked = frequencies(built, q[0], free=False)
-    assert (locked <= frequencies(built, q[0], free=True) + 1e-9).all()
-
-
-def test_an_assumed_inertia_is_weighed_by_the_modes():
-    """Half of it is what a robot has whose TOML states that half; locked drives do not feel it."""
-    truth, _, _, q = short("longlink")  # no drive's inertia is stated
-    drive = drives(truth, q[0], LATE)
-    found = modes(truth, drive, q[0])
-    assert found.guessed == truth.arm.names
-    assert found.halved[0] > 1.02 * found.free[0] > 1.02**2 * found.doubled[0] > 1.02**2 * found.locked[0]
-    stated = tuple(
-        replace(
-            joint, data=joint.data.model_copy(update={"gear_ratio": 100.0, "rotor_inertia": 0.5e-4 * inertia})
-        )
-        for joint, inertia in zip(truth.robot.joints, drive.rotor.tolist(), strict=True)
-    )
-    told = replace(truth, robot=replace(truth.robot, joints=stated))
-    again = modes(told, drives(told, q[0], LATE), q[0])
-    assert again.free == pytest.approx(found.halved, rel=1e-9)
-    assert again.locked == pytest.approx(found.locked, rel=1e-9)
-    assert (again.guessed, again.halved) == ((), ())
-    assert any("doubled" in said for _, said in found.facts())
-    assert not any("doubled" in said for _, said in again.facts())
 
 
 def free(name, compensator=lambda law: law):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from study_checks import captions_stand_alone, poses_are_counted
 
 from workbench import Truth, load_robot, planned, simulate
 from workbench.cli.main import main
@@ -129,13 +129,8 @@ def test_a_study_by_name_gives_its_result_alone(
 
 
 def test_captions_stand_alone(found: Study) -> None:
-    """Robot, and how many draws or that there are none, under which seed."""
-    for figure in found.figures:
-        assert figure.note.startswith("Cylindrical robot"), figure.name
-        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+    captions_stand_alone(found, "Cylindrical robot")
 
 
 def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
-    n = found.numbers
-    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
-    assert n["clear_both"] >= 1.0 * n["clear_poses"]
+    poses_are_counted(found, 1.0)

@@ -4,11 +4,11 @@ load."""
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from study_checks import captions_stand_alone, poses_are_counted
 
 from workbench import deflection, planned, with_compliance
 from workbench import denavit_hartenberg as dh
@@ -183,13 +183,8 @@ def test_sag_of_the_pool_is_the_deflection() -> None:
 
 
 def test_captions_stand_alone(found: Study) -> None:
-    """Robot, and how many draws or that there are none, under which seed."""
-    for figure in found.figures:
-        assert figure.note.startswith("Seven-joint arm"), figure.name
-        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+    captions_stand_alone(found, "Seven-joint arm")
 
 
 def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
-    n = found.numbers
-    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
-    assert n["clear_both"] >= 0.4 * n["clear_poses"]
+    poses_are_counted(found, 0.4)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from study_checks import captions_stand_alone, poses_are_counted
 
 from workbench import EffectRecord, Target, Truth, compensate, path_shapes, planned, simulate
 from workbench.campaign import load_campaign
@@ -173,13 +173,8 @@ def test_tables_and_files_are_complete(found: Study, folder: Path) -> None:
 
 
 def test_captions_stand_alone(found: Study) -> None:
-    """Robot, and how many draws or that there are none, under which seed."""
-    for figure in found.figures:
-        assert figure.note.startswith("Stäubli RX170"), figure.name
-        assert re.search(r"seed 0|[Nn]o draws|by the model", figure.note), figure.name
+    captions_stand_alone(found, "Stäubli RX170")
 
 
 def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
-    n = found.numbers
-    assert 0 < n["clear_both"] <= min(n["clear_above"], n["clear_itself"]) <= n["clear_poses"]
-    assert n["clear_both"] >= 0.9 * n["clear_poses"]
+    poses_are_counted(found, 0.9)

@@ -1,0 +1,98 @@
+"""Options of the commands: each is read, stands where it acts, and says what it does."""
+
+import argparse
+import ast
+import inspect
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from workbench.cli.main import command_line, main
+from workbench.studies import PUBLISHED
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def leaves(parser, name=""):
+    """Name → parser of every command that runs; what is below a command stands for it."""
+    below = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
+    if not below:
+        return {name: parser}
+    found = {}
+    for word, one in below[0].choices.items():
+        found |= leaves(one, f"{name} {word}".strip())
+    return found
+
+
+COMMANDS = leaves(command_line())
+STUDIES = {f"study {name}" for name in (*PUBLISHED, "all")}
+BLIND = {"study blind", "study case"}
+
+
+def options(name):
+    """Name → action of what a command takes."""
+    return {action.dest: action for action in COMMANDS[name]._actions if action.dest != "help"}
+
+
+def read_by(function):
+    """The attributes of `arguments` that a function reads, itself or where it hands all of them on."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    read = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "arguments":
+            read.add(node.attr)
+        if isinstance(node, ast.Call) and any(getattr(arg, "id", "") == "arguments" for arg in node.args):
+            read |= read_by(function.__globals__[node.func.id])
+    return read
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_of_a_command_is_read_by_it(name):
+    read = read_by(COMMANDS[name].get_default("run"))
+    assert read - {"name"} == set(options(name))
+    assert all(action.help for action in options(name).values())
+
+
+def test_options_stand_where_they_act():
+    having = {}
+    for name in COMMANDS:
+        for option in options(name):
+            having.setdefault(option, set()).add(name)
+    assert having["json"] == set(COMMANDS)
+    assert having["out"] == set(COMMANDS) - {"robots", "causes"}
+    assert having["seed"] == having["out"] - {"init", "check", "export", "compare", "study archive"}
+    assert having["quick"] == {"demo", "plan", "verify", "study blind"} | STUDIES
+    assert having["workers"] == {"verify", "study followup"} | BLIND | STUDIES
+    assert having["resume"] == {"study blind", "study followup"} | STUDIES
+    assert having["draws"] == {"study blind", "study followup"}
+
+
+@pytest.mark.parametrize("name", sorted(set(COMMANDS) - {"robots", "causes"}))
+def test_out_says_what_it_is_and_where_by_default(name):
+    out = options(name)["out"]
+    assert out.help.startswith(("folder ", "file ", "the program's file"))
+    assert out.default is None or f"({out.default})" in out.help
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ["diagnose", "campaign.toml", "--resume"],
+        ["simulate", "kr500", "--random", "3", "--workers", "2"],
+        ["study", "case", "drift/0", "--resume"],
+        ["study", "kr500", "--draws", "3"],
+        ["study", "blind", "--quick", "--draws", "3"],
+        ["verify", "path.csv", "--model", "model.toml", "--workers", "0"],
+        ["robots", "--seed", "1"],
+    ],
+)
+def test_an_option_that_would_do_nothing_is_refused(call, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(call)
+    assert "error: " in capsys.readouterr().err
+
+
+def test_only_the_command_line_reads_arguments():
+    reading = [path for path in (ROOT / "workbench").rglob("*.py") if "argparse" in path.read_text()]
+    assert {path.parent.name for path in reading} == {"cli"}
