@@ -72,7 +72,7 @@ def test_the_version_of_a_source_tree_is_what_it_says(tmp_path):
 
 
 SLEEPY = """
-import sys, time
+import signal, sys, time
 from pathlib import Path
 from workbench.cli.status import guarded
 from workbench.studies.tasks import run_tasks
@@ -82,23 +82,26 @@ def work(key):
     time.sleep(60)
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, getattr(signal, sys.argv[1]))  # not as whoever runs the tests was started
     sys.exit(guarded(lambda: run_tasks(work, ["a", "b", "c"], Path("tasks.sqlite"), study={}, workers=2)))
 """
 
 
 @pytest.mark.parametrize(
-    ("number", "everyone", "status", "line"),
+    ("number", "everyone", "at_start", "status", "line"),
     [
-        (signal.SIGINT, False, 130, "interrupted\n"),
-        (signal.SIGINT, True, 130, "interrupted\n"),
-        (signal.SIGTERM, False, 143, "terminated\n"),
+        (signal.SIGINT, False, "default_int_handler", 130, "interrupted\n"),
+        (signal.SIGINT, True, "default_int_handler", 130, "interrupted\n"),
+        (signal.SIGTERM, False, "default_int_handler", 143, "terminated\n"),
+        (signal.SIGTERM, False, "SIG_IGN", 143, "terminated\n"),
     ],
 )
-def test_ctrl_c_and_sigterm_end_workers_too_and_say_one_line(tmp_path, number, everyone, status, line):
-    """As `kill` tells the one process, and as a terminal tells all of them."""
+def test_ctrl_c_and_sigterm_end_workers_too(tmp_path, number, everyone, at_start, status, line):
+    """As `kill` tells the one process, and as a terminal tells all of them; also where a shell started it in
+    the background, with Ctrl-C ignored."""
     (tmp_path / "sleepy.py").write_text(SLEEPY)
     running = subprocess.Popen(
-        [sys.executable, "sleepy.py"],
+        [sys.executable, "sleepy.py", at_start],
         stderr=subprocess.PIPE,
         text=True,
         cwd=tmp_path,

@@ -77,15 +77,17 @@ def _workers_stop_too() -> Iterator[None]:
     """Ctrl-C and SIGTERM in here stop worker processes as well: a pool would wait for the tasks that they are
     at."""
     usual: dict[int, Any] = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
-    ours = threading.current_thread() is threading.main_thread() and all(
-        signal.getsignal(number) is handler for number, handler in usual.items()
-    )
-    for number in usual if ours else ():
+    here = threading.current_thread() is threading.main_thread()
+    # each for itself: a shell lets what it starts in the background ignore Ctrl-C, not SIGTERM
+    ours = {
+        number: handler for number, handler in usual.items() if here and signal.getsignal(number) is handler
+    }
+    for number in ours:
         signal.signal(number, _stop)
     try:
         yield
     finally:
-        for number, handler in usual.items() if ours else ():
+        for number, handler in ours.items():
             signal.signal(number, handler)
 
 
