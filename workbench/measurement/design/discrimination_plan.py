@@ -18,13 +18,13 @@ from .t_optimal import Pair
 class Power:
     """λ beside the hardest rival, and what a diagnosis makes of it.
 
-    Of faults drawn as in the blind study these were named rightly: at 20 21 of 41, at 40 31 of 39, at 80 31
+    Of faults drawn as in the blind study these were named rightly: at 20 23 of 41, at 40 31 of 39, at 80 32
     of 36, and in one of all these another one (`benchmarks/results/power.json`).
     """
 
     least: float = 10.0  # below, it hardly ever names the cause (3 to 8 % of the blind study's cases)
     mostly: float = 40.0  # from here it names the cause in four of five campaigns
-    surely: float = 80.0  # and here in six of seven
+    surely: float = 80.0  # and here in eight of nine
     found: str = "about four of five such causes are named, and one in a hundred wrongly"
 
 
