@@ -84,10 +84,16 @@ def missed(model, truth):
     best rigid motion of the whole; and the prediction."""
     judge = measured(load_robot("cylindrical"), replace(truth, sigma=0.0), 150, 2)
     errors = predict(model, judge)
-    said, true = (errors.places + errors.error).reshape(-1, 3), judge.points.reshape(-1, 3)
-    turn, _ = Rotation.align_vectors(true - true.mean(axis=0), said - said.mean(axis=0))
-    left = true - true.mean(axis=0) - turn.apply(said - said.mean(axis=0))
-    return np.linalg.norm(left, axis=1).reshape(errors.corrected.shape), errors
+    every = np.ones(len(errors.outside), dtype=bool)
+    return without_motion(errors.places + errors.error, judge.points, every), errors
+
+
+def without_motion(said, true, here):
+    """(N, T) distances after the best rigid motion of the poses `here` (N,)."""
+    middle, true_middle = said[here].reshape(-1, 3).mean(axis=0), true[here].reshape(-1, 3).mean(axis=0)
+    said, true = said - middle, true - true_middle
+    turn, _ = Rotation.align_vectors(true[here].reshape(-1, 3), said[here].reshape(-1, 3))
+    return np.linalg.norm(true - turn.apply(said.reshape(-1, 3)).reshape(true.shape), axis=2)
 
 
 @pytest.mark.parametrize("which", ["model", "lacking"])
@@ -111,6 +117,28 @@ def test_outside_of_what_was_measured_it_grows_and_says_so(lacking):
     assert errors.outside == ("", "", "joint_1", "joint_1")
     near, _, far, farther = errors.worst
     assert 1.1 * near < far < farther
+
+
+def test_a_corner_that_nobody_measured_is_outside_though_no_joint_is(truth, tmp_path):
+    """Of a model that lacks a cause, measured everywhere but where joints 1 and 2 are both large."""
+    low, high = LIMITS.T
+    share = np.random.default_rng(8).uniform(size=(120, 3))
+    corner = (share[:, :2] > 0.4).all(axis=1)
+    plan = planned(load_robot("cylindrical"), low + share * (high - low), direction=np.ones(share.shape))
+    place = (np.eye(3)[None], np.zeros((1, 3)))
+    measured_plan = plan.some(np.flatnonzero(~corner))
+    path = tmp_path / "model.toml"
+    write_fit(path, fitted(simulate(measured_plan, truth, seed=1, instrument=place), PLAY))
+    errors = predict(path, plan)
+    true = simulate(plan, replace(truth, sigma=0.0), seed=2, instrument=place).points
+    left = without_motion(errors.places + errors.error, true, ~corner)
+    said = np.array(errors.outside)
+    assert set(said[~corner]) == {""}
+    assert set(said[corner]) == {"", "combination of joints"}
+    assert np.median(errors.worst[corner]) > 1.15 * np.median(errors.worst[~corner])
+    assert errors.worst[said != ""].min() > np.median(errors.worst[corner])
+    assert (left <= errors.corrected)[corner].mean() > 0.85
+    assert errors.corrected[corner].mean() < 2 * left[corner].mean()
 
 
 def test_a_side_that_nobody_says_is_in_the_bound(model):

@@ -24,8 +24,8 @@ from ...robot.uncertainty import Uncertainty
 from .tempering import Tempering
 from .tool import tool_motion, tool_points, tool_problem
 
-FARTHER = 1.5  # times the largest uncertainty at a measured pose: here the data say little
-MARGIN = 0.02  # of a joint's measured range: nearer than this is inside
+TOGETHER = "combination of joints"  # each of them inside of its range
+MARGIN = 0.02  # of a joint's measured range, or of the largest spread: nearer than this is inside
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +185,9 @@ def _sided(told: Problem, acting: Acting) -> Iterator[str]:
 
 
 def _outside(told: Problem, data: Uncertainty, far: Array) -> tuple[str, ...]:
-    """What of each pose lies outside of what was measured."""
+    """What of each pose lies outside of what was measured: joints beyond their ranges; or their combination,
+    where the fitted numbers are less sure of the tool, far (N,) [m], than at any measured pose (hidden
+    extrapolation: Montgomery et al. 2012)."""
     lower, upper = np.array(data.lower), np.array(data.upper)
     margin = MARGIN * (upper - lower) + 1e-6
     off = (told.q < lower - margin) | (told.q > upper + margin)
@@ -193,7 +195,7 @@ def _outside(told: Problem, data: Uncertainty, far: Array) -> tuple[str, ...]:
     out = []
     for row, spread in zip(off, far, strict=True):
         said = [names[j] for j in np.flatnonzero(row)]
-        out.append("; ".join(said) or ("far from measured poses" if spread > FARTHER * data.farthest else ""))
+        out.append("; ".join(said) or (TOGETHER if spread > (1 + MARGIN) * data.farthest else ""))
     return tuple(out)
 
 

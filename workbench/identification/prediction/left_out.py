@@ -14,6 +14,8 @@ from ..heldout import folds_of, without_rows
 
 FOLDS = 10
 PARTS = 5  # of the campaign, one after the other
+CENTRES = 10  # of regions
+SHARES = (0.2, 0.4)  # of the poses that a region has
 END = 0.15  # share of the positions that lie at an end of a joint's range
 
 
@@ -48,6 +50,7 @@ class Leaver:
         self.J = fit.J * fit.columns.prior
         self.A = fit.upper.T @ fit.upper
         self.seen, self.scatter = _noise(fit)
+        self.regions = list(regions(fit.model.problem.q))
 
     def leave(self, here: NDArray[np.bool_], beyond: Array, variance: float) -> LeftOut:
         """The poses `here` (N,) left out; beyond: (N,) as in `LeftOut`; variance: as in `tempered`."""
@@ -84,6 +87,11 @@ class Leaver:
             out.append(self.leave(part == k, np.maximum(beyond, 0.0), variance))
         return joined(out)
 
+    def by_region(self, variance: float) -> list[LeftOut]:
+        """The poses of each region of joint space, a corner among others: see `regions`."""
+        inside = np.zeros(len(self.fit.model.problem.q))
+        return [self.leave(here, inside, variance) for here in self.regions]
+
     def by_end(self, variance: float) -> Iterator[LeftOut]:
         """The poses at each end of each joint's range."""
         problem = self.fit.model.problem
@@ -94,6 +102,21 @@ class Leaver:
                 here = side > edge
                 if here.any() and not here.all() and np.ptp(side[~here]) > 0:
                     yield self.leave(here, np.maximum(side - side[~here].max(), 0.0), variance)
+
+
+def regions(q: Array) -> Iterator[NDArray[np.bool_]]:
+    """Neighbours (N,) in joint space, joints in units of their spread: around each of `CENTRES` poses, as far
+    apart as can be, the nearest `SHARES` of q (N, n) [rad, m]."""
+    spread = q.std(axis=0)
+    x = (q - q.mean(axis=0)) / np.where(spread > 0, spread, 1.0)
+    nearest = np.full(len(x), np.inf)
+    centre = int(np.linalg.norm(x, axis=1).argmax())
+    for _ in range(CENTRES):
+        away = np.linalg.norm(x - x[centre], axis=1)
+        for share in SHARES:
+            yield away <= np.quantile(away, share)
+        nearest = np.minimum(nearest, away)
+        centre = int(nearest.argmax())
 
 
 def tempered(A: Array, variance: float) -> Array:

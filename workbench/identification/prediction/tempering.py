@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ...robot.kinematics import Array
 from .bound import LEVEL, length_bound
@@ -12,7 +13,7 @@ from .left_out import Leaver, LeftOut, joined
 
 WILD = 0.99  # quantile of the squared errors above which they do not count in a mean
 MOST_GROWTH = 20.0
-ROUNDS = 4
+MOST_VARIANCE = 100.0
 
 
 @dataclass(frozen=True)
@@ -43,25 +44,55 @@ class Tempering:
 def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     """From held-out errors; and their variance over the noise, which the fitted numbers' covariance takes.
 
+    Poses in the midst of others say what is left unknown. What a model lacks goes on from pose to pose, so
+    that its numbers are less sure than as many independent errors would make them: by how much, regions of
+    joint space say that are predicted from all others, as block cross-validation does (Roberts et al. 2017).
+    The bounds so grow with leverage, which joints far from the data have together even where none is alone.
     The factor is the conformal quantile of error over bound (Vovk 2005, Lei 2018: it holds for a further pose
-    whatever the errors' distribution); the growth is that of the poses at the ends of the joints' ranges,
-    predicted from all others."""
-    variance = 1.0
-    for _ in range(ROUNDS):
-        out = leaver.by_position(variance)
-        squared = (out.error**2).sum(axis=1)
-        usual = squared <= np.quantile(squared, WILD)
-        expected = _trace(out.fitted + variance * (out.scatter + out.seen))[usual].mean()
-        variance *= float(squared[usual].mean() / expected)
-        variance = max(variance, 1.0) if instrument_known else variance
+    whatever the errors' distribution); the growth is what the ends of the joints' ranges, predicted from all
+    others, ask for beside.
+    """
+    variance = _variance(leaver, instrument_known)
     out = leaver.by_position(variance)
-    other = out.scatter + out.seen * instrument_known
-    left = (squared - _trace(out.fitted + other))[usual].mean() / 3
-    rest = float(np.sqrt(max(left, 0.0)))
-    plain = Tempering(rest, 1.0, 0.0)
-    factor = max(plain.stretch(one, instrument_known) for one in (out, leaver.by_part(variance).inside))
+    rest = _rest(out, instrument_known)
+    both = joined([out, leaver.by_part(variance).inside])
+    factor = Tempering(rest, 1.0, 0.0).stretch(both, instrument_known)
     growth = _growth(Tempering(rest, factor, 0.0), list(leaver.by_end(variance)), instrument_known)
     return Tempering(rest, factor, growth), variance
+
+
+def _variance(leaver: Leaver, instrument_known: bool) -> float:
+    """With which squared errors of regions left out are as large as expected, in the mean of all regions."""
+
+    def lacking(log: float) -> float:
+        variance = float(np.exp(log))
+        rest = _rest(leaver.by_position(variance), instrument_known)
+        shares = []
+        for out in leaver.by_region(variance):
+            expected = _expected(out, instrument_known) + 3 * rest**2
+            shares.append(np.mean((out.error**2).sum(axis=1) / expected) if len(expected) else 1.0)
+        return float(np.mean(shares)) - 1
+
+    most = float(np.log(MOST_VARIANCE))
+    if lacking(0.0) <= 0:
+        return 1.0
+    if lacking(most) >= 0:
+        return MOST_VARIANCE
+    return float(np.exp(brentq(lacking, 0.0, most, xtol=0.05)))
+
+
+def _rest(out: LeftOut, instrument_known: bool) -> float:
+    """[m] what errors in the midst of the data have beside what is expected, per axis."""
+    squared = (out.error**2).sum(axis=1)
+    usual = squared <= np.quantile(squared, WILD)
+    left = (squared - _expected(out, instrument_known))[usual].mean() / 3
+    return float(np.sqrt(max(left, 0.0)))
+
+
+def _expected(out: LeftOut, instrument_known: bool) -> Array:
+    """(k,) [m²] of squared errors by the fitted numbers, the joints, and the instrument where it is known."""
+    covariance = out.fitted + out.scatter + out.seen * instrument_known
+    return np.asarray(np.trace(covariance, axis1=-2, axis2=-1))
 
 
 def _growth(inside: Tempering, ends: list[LeftOut], instrument_known: bool) -> float:
@@ -75,7 +106,3 @@ def _growth(inside: Tempering, ends: list[LeftOut], instrument_known: bool) -> f
     spare = int((1 - LEVEL) * len(need))
     largest = np.sort(growth)[::-1]
     return float(min(largest[spare], MOST_GROWTH)) if len(largest) > spare else 0.0
-
-
-def _trace(covariance: Array) -> Array:
-    return np.asarray(np.trace(covariance, axis1=-2, axis2=-1))
