@@ -280,6 +280,7 @@ def test_a_public_robot_is_planned_measured_and_read(
         ('schema = 1\n[[obstacles]]\nname = "a"\n', "an obstacle has box_mm or mesh"),
         ('schema = 1\n[[obstacles]]\nname = "a"\nmesh = "no.stl"\n', "no file"),
         ("schema = 1\n[instrument]\nxyz = [0, 0, 0]\n", "unknown key"),
+        ("[instrument]\nxyz_mm = [0, 0, 0]\n", "schema: is missing; the first line is schema = 1"),
         ("schema = 1\n[driving]\nspeed_share = 2\n", "less than or equal to 1"),
     ],
 )

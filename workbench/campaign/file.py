@@ -149,7 +149,7 @@ def _faults(path: Path, error: ValidationError) -> list[Fault]:
             close = suggest(str(item["loc"][-1]), known)
             fault = replace(fault, mend=close or f"known here: {', '.join(known)}")
         elif item["type"] == "missing":
-            fault = replace(fault, what="is missing", mend=_EXAMPLES.get(str(item["loc"][-1]), ""))
+            fault = replace(fault, mend=_EXAMPLES.get(str(item["loc"][-1]), ""))
         faults.append(fault)
     return faults
 

@@ -15,6 +15,7 @@ from .loop import Loop
 from .uncertainty import Uncertainty
 
 GEOMETRY = ("tx", "ty", "tz", "rx", "ry", "rz")
+SAID = {"extra_forbidden": "unknown key", "missing": "is missing"}  # a fault's type → our words
 STANDARD_GRAVITY = 9.80665  # m/s²
 
 SLOWEST, FASTEST = 1e-3, 1e6  # motor turns per joint turn, or rad per m
@@ -214,8 +215,9 @@ def toml_faults(path: Path, error: ValidationError) -> list[Fault]:
         key = ".".join(str(part) for part in item["loc"]) or "file"
         value = item.get("input")
         said = f" (is {value!r})" if isinstance(value, str | int | float | bool) else ""
-        what = "unknown key" if item["type"] == "extra_forbidden" else item["msg"] + said
-        faults.append(Fault(f"{path}: {key}", what))
+        what = SAID.get(item["type"], item["msg"] + said)
+        mend = "the first line is schema = 1" if key == "schema" else ""
+        faults.append(Fault(f"{path}: {key}", what, mend))
     return faults
 
 

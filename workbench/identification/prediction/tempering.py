@@ -62,16 +62,20 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
 
 
 def _variance(leaver: Leaver, instrument_known: bool) -> float:
-    """With which squared errors of regions left out are as large as expected, in the mean of all regions."""
+    """With which squared errors of regions left out are as large as expected in the mean of all regions; or,
+    where even those in the midst of others are smaller than expected, as many times that as they are."""
 
     def lacking(log: float) -> float:
         variance = float(np.exp(log))
-        rest = _rest(leaver.by_position(variance), instrument_known)
-        shares = []
-        for out in leaver.by_region(variance):
+        midst = leaver.by_position(variance)
+        rest = _rest(midst, instrument_known)
+
+        def share(out: LeftOut) -> float:
             expected = _expected(out, instrument_known) + 3 * rest**2
-            shares.append(np.mean((out.error**2).sum(axis=1) / expected) if len(expected) else 1.0)
-        return float(np.mean(shares)) - 1
+            return float(np.mean((out.error**2).sum(axis=1) / expected))
+
+        found = [share(out) for out in leaver.by_region(variance) if len(out.error)]
+        return float(np.mean(found)) - min(share(midst), 1.0)
 
     most = float(np.log(MOST_VARIANCE))
     if lacking(0.0) <= 0:
