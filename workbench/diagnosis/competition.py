@@ -75,7 +75,7 @@ class Selection:
         own = chosen.own[chosen.members.index(member)]
         index, beta = chosen.index[own], chosen.beta[own]
         S = self.reduced.S[np.ix_(index, index)]
-        return 1e3 * self.fit.noise.usual * float(np.sqrt(3 * (beta @ S @ beta) / self.reduced.dof))
+        return 1e3 * self.fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / self.reduced.dof))
 
 
 def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:

@@ -49,7 +49,7 @@ def structure_evidence(result: Fit, function: Unnamed) -> Evidence:
     """The part of the data that a function without a name takes, against its variable."""
     problem = result.model.problem
     moved, r = _taken(result, function)
-    sigma = result.noise.usual * 1e3
+    sigma = result.usual * 1e3
     length = np.maximum(np.linalg.norm(moved, axis=1), 1e-12)
     part, before = length * sigma, (moved * r).sum(axis=1) / length * sigma
     turn, unit = (np.degrees(1.0), "deg") if function.unit == "rad" else (1.0, function.unit)

@@ -59,7 +59,7 @@ def visible_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     """RMS length [mm], beyond what geometry can explain, of an effect with two numbers that would have been
     found with 80 % power."""
     alpha = FALSE_ALARM / max(len(candidates), 1)
-    return 1e3 * final.noise.usual * float(np.sqrt(3 * needed(2, alpha) / max(final.point_rows, 1)))
+    return 1e3 * final.usual * float(np.sqrt(3 * needed(2, alpha) / max(final.point_rows, 1)))
 
 
 def swallowed(candidates: Sequence[Effect], geometry: Fit) -> list[NotTestable]:

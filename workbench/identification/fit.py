@@ -18,7 +18,7 @@ from ..effects.base import UNKNOWN, Effect
 from ..robot.kinematics import Array
 from .gauss_newton import Normal, full_step
 from .model import Linearisation, Model, State
-from .noise import Covariance, required_noise
+from .noise import Covariance, body_motion, required_noise
 from .parameters import Columns, columns
 from .registration import register
 from .rows import Equations, equations, fitted_numbers, jacobian, moved, whitening
@@ -90,6 +90,19 @@ class Fit:
         """(N, D, p) whitened columns of an effect at zero, in the model or not."""
         G = self.model.effect_jacobian(self.line, effect, np.zeros(len(effect.params)))
         return np.asarray(np.matmul(self.whitener, G))
+
+    @property
+    def point_variance(self) -> Array:
+        """(N, T) [m²] per axis of the points' noise: the instrument's, the joints' and the body's."""
+        problem, noise = self.model.problem, self.noise
+        axial = self.line.direct[:, : 3 * noise.sigma.shape[1], problem.arm.axial] * noise.joint
+        moved = np.concatenate([axial, body_motion(problem) * np.repeat(noise.body, 3)], axis=2)
+        return np.asarray(noise.sigma**2 + (moved**2).reshape(*noise.sigma.shape, -1).sum(axis=2) / 3)
+
+    @property
+    def usual(self) -> float:
+        """[m] the points' noise per axis, root mean square."""
+        return float(np.sqrt(np.mean(self.point_variance)))
 
     @property
     def rank(self) -> int:

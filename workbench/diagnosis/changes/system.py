@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
-from ...identification.fit import Fit, fit
+from ...identification.fit import fit
 from ...identification.rows import moved
 from ...robot.kinematics import Array
 from ..reduced import Products, Reduced, parts_of, without_background
@@ -46,16 +46,9 @@ class System:
     @property
     def mm(self) -> float:
         """RMS length [mm] of a motion of the points per root of its whitened sum of squares: by the mean
-        variance of the points, of the instrument and of the joints."""
-        variance = np.concatenate([_variance(one.fit).ravel() for one in self.occasions])
+        variance of the points' noise."""
+        variance = np.concatenate([one.fit.point_variance.ravel() for one in self.occasions])
         return 1e3 * float(np.sqrt(3 * np.mean(variance) / self.used.sum()))
-
-
-def _variance(fit: Fit) -> Array:
-    """(N, T) [m²] per axis."""
-    count, targets = fit.noise.sigma.shape
-    joint = fit.line.direct[:, : 3 * targets, fit.model.problem.arm.axial] * fit.noise.joint
-    return np.asarray(fit.noise.sigma**2 + (joint**2).reshape(count, targets, -1).sum(axis=2) / 3)
 
 
 def system_of(occasions: Sequence[Occasion]) -> System:
