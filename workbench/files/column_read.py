@@ -45,7 +45,7 @@ class ColumnRead:
             rows = np.flatnonzero(~np.isfinite(values)).tolist()
             if not column.wild:
                 huge = np.isfinite(values) & (np.abs(values) > LARGEST)
-                self.huge += [lines[row] for row in np.flatnonzero(huge)]
+                self.huge += [lines[row] for row in np.flatnonzero(huge).tolist()]
             if column.blank:
                 rows = [row for row in rows if cells[row]]
         self.wrong += [(lines[row], *_tell(self.found, cells[row], self.layout)) for row in rows]

@@ -108,7 +108,9 @@ def _scanned(text: str, layout: Layout) -> tuple[Numbered, list[int]]:
             ends = [ends[0] if ends else block[0], block[-1]]
         long += [item for item in block if len(item[1]) > LONGEST]
     rows, lines, _ = split(long, layout.separator, "")
-    return ends, [line for row, line in zip(rows, lines, strict=True) if max(map(len, row)) > LONGEST]
+    return ends, [
+        line for row, line in zip(rows, lines, strict=True) if max(map(len, row), default=0) > LONGEST
+    ]
 
 
 def _cannot_be_split(text: str, path: Path, layout: Layout) -> list[Fault]:
