@@ -9,26 +9,40 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from workbench.campaign import load_campaign
+from workbench.campaign.planned import planned
+from workbench.campaign.write import write_campaign
 from workbench.cli.main import main
 from workbench.files.faults import InputError, read_text
-from workbench.files.whole import put, put_all
+from workbench.files.whole import gathered, put, put_all
+from workbench.report.study import Study
+from workbench.robot.description import load_robot
+from workbench.studies.running import run_script
+from workbench.studies.study_run import StudyRun
+from workbench.studies.tasks import run_tasks
 
 ROOT = Path(__file__).resolve().parents[1]
 NAMES = ("poses.csv", "points.csv", "deep/picture.svg", "campaign.toml")
 SIMULATE = ("simulate", "cylindrical", "--random", "12", "--out")
 
-# writes one generation of a result after the other, without end
+# writes one generation of a result after the other, without end: all files at once, or each by itself
 WRITER = """
 import sys
 from itertools import count
 from pathlib import Path
-from workbench.files.whole import put_all
-folder, who = Path(sys.argv[1]), sys.argv[2]
+from workbench.files.whole import gathered, put, put_all
+folder, who, way = Path(sys.argv[1]), sys.argv[2], sys.argv[3]
 for generation in count():
-    put_all({folder / name: f"{who}{generation}\\n" * 3000 for name in sys.argv[3:]})
+    text = f"{who}{generation}\\n" * 3000
+    if way == "together":
+        put_all({folder / name: text for name in sys.argv[4:]})
+    else:
+        with gathered(folder) as made:
+            for name in sys.argv[4:]:
+                put(made / name, text)
     (folder.parent / f"{who}.started").touch()
 """
 
@@ -47,9 +61,9 @@ def whole(folder: Path) -> str:
     return text.split("\n", 1)[0]
 
 
-def writer(folder: Path, who: str) -> subprocess.Popen[bytes]:
+def writer(folder: Path, who: str, way: str = "together") -> subprocess.Popen[bytes]:
     (folder.parent / f"{who}.started").unlink(missing_ok=True)
-    command = [sys.executable, "-c", WRITER, str(folder), who, *NAMES]
+    command = [sys.executable, "-c", WRITER, str(folder), who, way, *NAMES]
     return subprocess.Popen(command, env={**os.environ, "PYTHONPATH": str(ROOT)})
 
 
@@ -59,14 +73,17 @@ def wait_for(*files: Path) -> None:
         time.sleep(0.005)
 
 
+@pytest.mark.parametrize("way", ["together", "one by one"])
 @pytest.mark.parametrize("seed", range(6))
-def test_killed_at_any_time(tmp_path: Path, seed: int) -> None:
-    running = writer(tmp_path / "out", "a")
+def test_killed_at_any_time(tmp_path: Path, seed: int, way: str) -> None:
+    running = writer(tmp_path / "out", "a", way)
     wait_for(tmp_path / "a.started")
     time.sleep(random.Random(seed).uniform(0, 0.02))
     running.kill()
     running.wait()
     assert whole(tmp_path / "out").startswith("a")
+    put(tmp_path / "another", "")  # whoever writes beside it next leaves that clean
+    assert not list(tmp_path.glob(".*"))
 
 
 @pytest.mark.parametrize("moves", range(len(NAMES) + 2))
@@ -103,8 +120,9 @@ def test_a_list_of_moves_reaches_nothing_outside(tmp_path: Path) -> None:
     ]
 
 
-def test_two_runs_into_one_folder(tmp_path: Path) -> None:
-    both = [writer(tmp_path / "out", who) for who in "ab"]
+@pytest.mark.parametrize("way", ["together", "one by one"])
+def test_two_runs_into_one_folder(tmp_path: Path, way: str) -> None:
+    both = [writer(tmp_path / "out", who, way) for who in "ab"]
     wait_for(tmp_path / "a.started", tmp_path / "b.started")
     time.sleep(0.2)
     for running in both:
@@ -129,6 +147,53 @@ def test_a_full_disk_leaves_the_old_campaign(tmp_path: Path, capsys: pytest.Capt
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
     assert len(before["poses.csv"]) < 1500 < len(before["points.csv"])
     assert load_campaign(out / "campaign.toml").n_poses == 12
+
+
+def drawing(run: StudyRun) -> str:
+    """A script up to its end: it draws, and writes a file of its result."""
+    done = run_tasks(str.upper, ["a"], run.store("draws"), study={}, workers=1, resume=run.resume)
+    write_campaign(run.folder / "campaign", planned(load_robot("cylindrical"), np.zeros((1, 3))))
+    put(run.folder / "model.toml", "new")
+    return str(done["a"].result)
+
+
+def test_a_study_that_is_killed_leaves_the_old_result_and_its_draws(tmp_path: Path) -> None:
+    put(tmp_path / "out/model.toml", "old")
+    child = os.fork()
+    if child == 0:
+        run_script(lambda run: os._exit(len(drawing(run))), StudyRun(tmp_path / "out"))
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 1  # the draw was there
+    assert read_text(tmp_path / "out/model.toml") == "old"
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"model.toml", "draws"}
+    assert len(list(tmp_path.glob(".*"))) == 1
+
+    def nothing_is_drawn(key: str) -> str:
+        raise AssertionError(key)
+
+    def resumed(run: StudyRun) -> Study:
+        store = run_tasks(nothing_is_drawn, ["a"], run.store("draws"), study={}, workers=1, resume=True)
+        assert store["a"].result == "A"
+        drawing(run)
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(OSError, match="No space left"):
+        run_script(resumed, StudyRun(tmp_path / "out", resume=True))
+    assert read_text(tmp_path / "out/model.toml") == "old"
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"model.toml", "draws"}
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_a_study_writes_in_its_folder_where_nobody_may_write_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path)
+    with gathered(out) as made:
+        assert made.parent == out
+        put(made / "deep/model.toml", "new")
+        put(out / "another", "")  # which leaves alone what is in use
+        assert (made / "deep/model.toml").exists()
+    assert sorted(path.name for path in out.rglob("*")) == ["another", "deep", "model.toml"]
 
 
 @pytest.mark.parametrize("out", ["/proc/nowhere/out", "file/out"])

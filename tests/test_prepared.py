@@ -111,3 +111,16 @@ def test_repeats_stay_in_one_part_unless_they_are_most_of_it():
     one_place = planned(robot, np.repeat(q[:1], 60, axis=0))
     assert [len(part.poses) for part in parted(one_place, 40) if part] == [40, 20]
     assert parted(one_place, 60) == (one_place, None)
+
+
+@pytest.mark.parametrize("repeats", [1, 10])
+def test_a_pose_less_leaves_the_others_in_their_parts(repeats: int) -> None:
+    """Repeats of a position stay together, or are drawn each for itself where they are many."""
+    robot = load_robot("cylindrical")
+    q = np.repeat(random_poses(robot, 400 // repeats, np.random.default_rng(3)), repeats, axis=0)
+    campaign = planned(robot, q)
+    fewer = campaign.some(np.delete(np.arange(400), 17))
+    for one, other in zip(parted(campaign, 80), parted(fewer, 80), strict=True):
+        assert one is not None
+        assert other is not None
+        assert len(set(one.poses.ids) ^ set(other.poses.ids)) <= repeats + 2

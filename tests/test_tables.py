@@ -29,6 +29,7 @@ WANTED = [
     Column("note", text=True, blank=True),
 ]
 HEADER = "pose_id,target,x_mm,y_mm,z_mm\n"
+BY_NUMBER = {"pose_id": 1, "target": 2, "x_mm": 3, "y_mm": 4, "z_mm": 5}
 
 
 def read(tmp_path: Path, text: str | bytes, **layout: object) -> Table:
@@ -352,6 +353,34 @@ def test_hundred_thousand_rows(tmp_path: Path) -> None:
     table = read_table(path, Layout(), WANTED)
     assert len(table) == 100_000
     assert not table.faults
+
+
+@pytest.mark.parametrize("block", [0, 1, 30, 90])
+@pytest.mark.parametrize(
+    ("text", "layout"),
+    [
+        (HEADER + "".join(f"{i},T{i % 2},{i},2,3\n" for i in range(40)), {}),
+        (HEADER + "1,T1,1,2,3\n2,T1,x,2,3\n3,T1\n" * 20 + '4,T1,1e400,,3\n5,"T1,1,2,3\n\n6,,1,2,3,,', {}),
+        ("# a\n\n# b\n" * 9 + HEADER + "1,T1,1,2,3\n# c\n2,T1,1e99,2,3\n" * 9, {"comment": "#"}),
+        ("\n" * 50 + HEADER + "\n" * 50, {}),
+        ("\n" * 50, {}),
+        (HEADER + "1,T1,1,2,3\n" * 9 + f"1,{'x' * 3000},1,2,3\n", {}),
+        ("1,T1,1,2,3\n" * 5 + "1,T1,1\n" * 5 + "1,T1,1,2,3\n", {"header": False, "columns": BY_NUMBER}),
+        (HEADER + "1 T1 1 2 3\n" * 9, {"separator": " "}),
+        ("\u2028\n" + "\u2028" * 3000 + "\n1\n", {"separator": " "}),
+    ],
+)
+def test_a_table_is_the_same_in_any_blocks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, layout: dict[str, object], block: int
+) -> None:
+    whole = read(tmp_path, text, **layout)
+    monkeypatch.setattr("workbench.files.table_rows.BLOCK", block)
+    parts = read(tmp_path, text.replace("\n", "\r\n"), **layout)
+    assert faults(parts) == faults(whole)
+    assert (parts.texts, parts.labels, parts.unused) == (whole.texts, whole.labels, whole.unused)
+    assert parts.lines.tolist() == whole.lines.tolist()
+    for name, values in whole.numbers.items():
+        np.testing.assert_array_equal(parts.numbers[name], values)
 
 
 @pytest.mark.parametrize(

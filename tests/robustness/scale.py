@@ -1,34 +1,72 @@
-"""Time and peak memory of `diagnose --json` and `compensate` by the number of poses: prints a table."""
+"""Processor time and peak memory of `diagnose --json` and `compensate` by number of poses: prints a table."""
 
 from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
-import time
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from workbench.campaign import Campaign, write_campaign
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.problem import problem_of
+from workbench.effects.records import parse_effect, stated_effects
+from workbench.identification.model import Model
+from workbench.robot.description import load_robot
+from workbench.robot.rigid_plant import arrays
+from workbench.simulation.virtual_campaign import random_geometry
+
 HERE = [sys.executable, "-m", "workbench"]
 PATH = "t_s,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n"
+BLOCK = 50_000  # poses that are made at a time
+HIDDEN = "backlash:joint=joint_2,half_width=1e-4"
+SIGMA = 3e-5  # m
 
 
 def measured(call: list[str], folder: Path) -> tuple[int, float, float]:
-    """Exit status, seconds and peak memory [MB] of a command in a process of its own."""
-    start = time.monotonic()
+    """Exit status, seconds of processor time and peak memory [MB] of a command in a process of its own."""
     with (folder / "said").open("w") as said:
         process = subprocess.Popen(call, stdout=subprocess.DEVNULL, stderr=said)
         _, status, used = os.wait4(process.pid, 0)
-    return os.waitstatus_to_exitcode(status), time.monotonic() - start, used.ru_maxrss / 1024
+    return os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+
+
+def blocks(poses: int) -> Iterator[Campaign]:
+    """A campaign of a KR 500 with a backlash, in blocks; by the batch arithmetic, faster than in Drake."""
+    robot, rng = load_robot("kr500"), np.random.default_rng([1, 11])
+    bent = random_geometry(arrays(robot), rng)
+    for start in range(0, poses, BLOCK):
+        count = min(BLOCK, poses - start)
+        ids = tuple(str(start + row) for row in range(1, count + 1))
+        q = random_poses(robot, count, rng)
+        plan = planned(robot, q, direction=rng.choice([-1.0, 1.0], size=q.shape)).with_poses(ids=ids)
+        job = problem_of(plan)
+        effect, values = parse_effect(HIDDEN, job)
+        model = Model(job, (effect,), stated_effects(job))
+        state = model.start(np.eye(3)[None], np.array([[3.0, 1.0, -1.0]]), job.stated_targets[None])
+        points = model.predict(replace(state, geometry=job.arm.geometry + bent, values=(values,)))
+        noise = rng.normal(scale=SIGMA, size=points.shape)
+        shots = np.ones(points.shape[:2], np.int64)
+        yield replace(plan, points=points + noise, shots=shots, noise_sigma=SIGMA)
 
 
 def diagnosed(poses: int, folder: Path) -> tuple[int, float, float]:
-    made = [*HERE, "simulate", "kr500", "--random", str(poses), "--seed", "1", "--out", str(folder / "made")]
-    subprocess.run([*made, "--effect", "backlash:joint=joint_2,half_width=1e-4", "--approach"],
-                   check=True, stdout=subprocess.DEVNULL)  # fmt: skip
+    for number, block in enumerate(blocks(poses)):
+        write_campaign(folder / "block", block)
+        if number == 0:
+            shutil.copytree(folder / "block", folder / "made")
+            continue
+        for name in ("poses.csv", "points.csv"):
+            _, _, rows = (folder / "block" / name).read_text().partition("\n")
+            with (folder / "made" / name).open("a") as whole:
+                whole.write(rows)
     return measured([*HERE, "diagnose", str(folder / "made/campaign.toml"), "--json"], folder)
 
 

@@ -100,7 +100,7 @@ def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) 
     columns = {target.name: column for column, target in enumerate(targets)}
     row = np.array([rows.get(pose_id, -1) for pose_id in points.texts["pose_id"]])
     column = np.array([columns[name] for name in names])
-    lost = list(dict.fromkeys(np.array(points.texts["pose_id"])[row < 0].tolist()))
+    lost = list(dict.fromkeys(points.texts["pose_id"][i] for i in np.flatnonzero(row < 0)))
     if lost:
         count = int(np.count_nonzero(row < 0))
         warnings.append(f"{points.path}: {count} points of {_poses(lost)} unknown to {poses.path}, left out")

@@ -44,7 +44,8 @@ def run(arguments: argparse.Namespace) -> None:
     check_folder(arguments.out)
     campaigns = load_all([*arguments.campaigns, *([arguments.test] if arguments.test else [])])
     test = campaigns.pop() if arguments.test else None
-    outcome = diagnose(campaigns, test, progress, arguments.seed, arguments.known)
+    moved = (campaigns.pop(0) for _ in arguments.campaigns)  # of a large one, what is fitted is kept alone
+    outcome = diagnose([*moved], test, progress, arguments.seed, arguments.known)
     progress("working out what would decide")
     outcome = what_decides(outcome)
     folder = arguments.out

@@ -70,10 +70,9 @@ def diagnose(
     >>> [finding.label for finding in outcome.diagnosis.causes]
     ['gear_eccentricity(joint_1)']
     """
-    several = [campaigns] if isinstance(campaigns, Campaign | str | Path) else campaigns
     test = None if test is None else _loaded(test)
-    loaded = [_loaded(one) for one in several]
-    prepared = prepare([with_known(loaded[0], known), *loaded[1:]], progress)
+    prepared = prepare(_all_loaded(campaigns, known), progress)
+    del campaigns  # of a large one, parts stand in `prepared`: the whole takes room
     test = test or prepared.spare
     progress("testing causes")
     candidates, not_testable = testable(prepared.problem)
@@ -90,6 +89,13 @@ def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tupl
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
     return prepared, _worth_it(selection, seed)
+
+
+def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> list[Campaign]:
+    """The campaigns, with facts beside those of the first one's `[known]`."""
+    several = [campaigns] if isinstance(campaigns, Campaign | str | Path) else campaigns
+    loaded = [_loaded(one) for one in several]
+    return [with_known(loaded[0], known), *loaded[1:]]
 
 
 def _loaded(given: Given) -> Campaign:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import stat
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,6 +52,11 @@ def counted(faults: Sequence[Fault]) -> list[Fault]:
     if rest <= 1:
         return list(faults)
     return [*faults[:FAULTS_SHOWN], Fault(faults[-1].place, f"and {rest} more like this up to here")]
+
+
+def line_faults(path: Path, told: Iterable[tuple[int, str, str]]) -> list[Fault]:
+    """One fault per line (its number, what, how to mend it): the first ones in full, the rest counted."""
+    return counted([Fault(f"{path} line {line}", what, mend) for line, what, mend in told])
 
 
 def read_text(path: Path, encoding: str = "utf-8") -> str:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .faults import Fault, InputError, counted, read_text
-from .measure import LARGEST
-from .table_columns import Column, Finding, Found, Layout, find_columns
-from .table_rows import content, split, usual_width, wrong_layout
+from .column_read import ColumnRead
+from .faults import Fault, InputError, line_faults, read_text
+from .table_columns import Column, Finding, Layout, find_columns
+from .table_rows import Numbered, blocks, split, usual_width, wrong_layout
 from .table_units import Unit
 from .toml import LONGEST
 
@@ -47,18 +47,12 @@ class Table:
 
     def add_faults(self, rows: Sequence[int], whats: Iterable[str], mends: Iterable[str]) -> None:
         """One fault per row (its index in the table), in the order of the file."""
-        self.faults += line_faults(self.path, self.lines[rows], whats, mends)
+        self.faults += line_faults(self.path, zip(self.lines[rows], whats, mends, strict=True))
 
     def add_fault_where(self, wrong: NDArray[np.bool_], name: str, what: str, mend: str) -> None:
         """One fault per row where `wrong`: "<column> <what>"."""
         rows = np.flatnonzero(wrong).tolist()
         self.add_faults(rows, [f"{self.labels[name]} {what}"] * len(rows), [mend] * len(rows))
-
-
-def line_faults(path: Path, lines: Iterable[int], whats: Iterable[str], mends: Iterable[str]) -> list[Fault]:
-    """One fault per line: the first ones in full, the rest counted."""
-    told = zip(lines, whats, mends, strict=True)
-    return counted([Fault(f"{path} line {line}", what, mend) for line, what, mend in told])
 
 
 def read_table(path: Path, layout: Layout, wanted: Sequence[Column], place: str = "") -> Table:
@@ -76,22 +70,19 @@ def read_table(path: Path, layout: Layout, wanted: Sequence[Column], place: str 
 def parse_table(text: str, path: Path, layout: Layout, wanted: Sequence[Column], place: str = "") -> Table:
     """The table in a text; `path` is what its faults call it. See `read_table`."""
     table = Table(path)
-    numbered = content(text, layout)
-    rows, lines, table.faults = split(numbered, layout.separator, str(path))
-    if not rows or lines[0] != numbered[0][0]:
+    ends, endless = _scanned(text, layout)
+    if not ends:
         needs = "a header and a line per row" if layout.header else "a line per row"
-        table.faults = table.faults or [Fault(str(path), "is empty", f"it needs {needs}")]
+        table.faults.append(Fault(str(path), "is empty", f"it needs {needs}"))
         return table
-    if endless := [line for row, line in zip(rows, lines, strict=True) if max(map(len, row)) > LONGEST]:
-        what, mend = (
-            f"has a cell of more than {LONGEST} characters",
-            "is a quotation mark or a separator missing?",
-        )
-        count = len(endless)
-        table.faults += line_faults(path, endless, [what] * count, [mend] * count)
+    rows, lines, cannot = split(ends[:1], layout.separator, str(path))
+    if cannot or endless:
+        what = f"has a cell of more than {LONGEST} characters"
+        mend = "is a quotation mark or a separator missing?"
+        told = [(line, what, mend) for line in endless]
+        table.faults = [*_cannot_be_split(text, path, layout), *line_faults(path, told)]
         return table
-    start = 1 if layout.header else 0
-    width = _width(rows, layout)
+    width = _width(rows[0], text, layout)
     first = f"{path} line {lines[0]}"
 
     def find(cells: list[str]) -> Finding:
@@ -101,32 +92,73 @@ def parse_table(text: str, path: Path, layout: Layout, wanted: Sequence[Column],
         return find_columns(cells, max(width, len(cells)), layout, wanted, first, place or str(path))
 
     finding = find(rows[0][:width] if layout.header else [""] * width)
-    if (fault := wrong_layout(numbered, layout, finding, find, first)) is not None:
-        table.faults.append(fault)
+    if (fault := wrong_layout(ends, layout, finding, find, first)) is not None:
+        table.faults = [*_cannot_be_split(text, path, layout), fault]
         return table
-    table.faults += finding.faults
     table.unused = [] if layout.columns else finding.unused
-    if len(rows) == start:
-        table.faults.append(Fault(str(path), "has a header but no rows", "it needs a line per row"))
-        return table
-    body = _rectangular(table, rows[start:], lines[start:], width)
-    columns = list(zip(*body, strict=True)) or [()] * width
-    for found in finding.found.values():
-        _read_column(table, found, columns[found.index], layout)
+    _read_rows(table, text, layout, finding, width)
     return table
 
 
-def _width(rows: list[list[str]], layout: Layout) -> int:
+def _scanned(text: str, layout: Layout) -> tuple[Numbered, list[int]]:
+    """The first and the last line, nothing where there is none; lines with a cell that is too long."""
+    ends, long = Numbered(), Numbered()
+    for block in blocks(text, layout):
+        if block:
+            ends = [ends[0] if ends else block[0], block[-1]]
+        long += [item for item in block if len(item[1]) > LONGEST]
+    rows, lines, _ = split(long, layout.separator, "")
+    return ends, [
+        line for row, line in zip(rows, lines, strict=True) if max(map(len, row), default=0) > LONGEST
+    ]
+
+
+def _cannot_be_split(text: str, path: Path, layout: Layout) -> list[Fault]:
+    return [fault for block in blocks(text, layout) for fault in split(block, layout.separator, str(path))[2]]
+
+
+def _width(head: list[str], text: str, layout: Layout) -> int:
     """How many columns there are: as the header says, or most rows where its names do not count."""
     by_number = bool(layout.columns) and all(isinstance(where, int) for where in layout.columns.values())
-    if len(rows) > 1 and (by_number or not layout.header):
-        return usual_width(rows[1:])
-    return max((index + 1 for index, cell in enumerate(rows[0]) if cell or not layout.header), default=0)
+    if by_number or not layout.header:
+        each = (row for block in blocks(text, layout) for row in split(block, layout.separator, "")[0])
+        if width := usual_width(islice(each, 1, None)):
+            return width
+    return max((index + 1 for index, cell in enumerate(head) if cell or not layout.header), default=0)
 
 
-def _rectangular(table: Table, rows: list[list[str]], lines: list[int], width: int) -> list[list[str]]:
-    """The rows that have as many cells as there are columns; empty cells at the end may be too many."""
-    body, kept, ragged = [], [], []
+def _read_rows(table: Table, text: str, layout: Layout, finding: Finding, width: int) -> None:
+    """The rows below the header, block by block, into the table."""
+    columns = [ColumnRead(found, layout) for found in finding.found.values()]
+    cannot, ragged, kept = list[Fault](), list[tuple[int, str, str]](), list[int]()
+    header = layout.header
+    for block in blocks(text, layout):
+        rows, lines, faults = split(block, layout.separator, str(table.path))
+        cannot += faults
+        if header and rows:
+            rows, lines, header = rows[1:], lines[1:], False
+        body, here = _rectangular(rows, lines, width, ragged)
+        kept += here
+        cells = list(zip(*body, strict=True)) or [()] * width
+        for column in columns:
+            column.add(cells[column.found.index], here)
+    table.faults += [*cannot, *finding.faults]
+    if not kept and not ragged:
+        table.faults.append(Fault(str(table.path), "has a header but no rows", "it needs a line per row"))
+        return
+    table.lines = np.array(kept, dtype=np.int64)
+    table.faults += line_faults(table.path, ragged)
+    for column in columns:
+        _put(table, column)
+
+
+def _rectangular(
+    rows: list[list[str]], lines: list[int], width: int, ragged: list[tuple[int, str, str]]
+) -> tuple[list[list[str]], list[int]]:
+    """The rows that have as many cells as there are columns, and their lines; empty cells at the end may be
+    too many. The others are added to `ragged`."""
+    body, kept = [], []
+    mend = "is a separator missing or too many? text that holds one goes into quotation marks"
     for row, line in zip(rows, lines, strict=True):
         if len(row) > width and not any(row[width:]):
             row = row[:width]
@@ -134,63 +166,15 @@ def _rectangular(table: Table, rows: list[list[str]], lines: list[int], width: i
             body.append(row)
             kept.append(line)
         else:
-            ragged.append((line, f"has {len(row)} columns, not {width}"))
-    table.lines = np.array(kept, dtype=np.int64)
-    mend = "is a separator missing or too many? text that holds one goes into quotation marks"
-    table.faults += line_faults(
-        table.path, [line for line, _ in ragged], [what for _, what in ragged], [mend] * len(ragged)
-    )
-    return body
+            ragged.append((line, f"has {len(row)} columns, not {width}", mend))
+    return body, kept
 
 
-def _read_column(table: Table, found: Found, cells: Sequence[str], layout: Layout) -> None:
-    column = found.column
-    table.labels[column.name], table.units[column.name] = found.label, found.unit
-    if column.text:
-        table.texts[column.name] = list(cells)
-        wrong = [] if column.blank else [row for row, cell in enumerate(cells) if not cell]
+def _put(table: Table, read: ColumnRead) -> None:
+    name = read.found.column.name
+    table.labels[name], table.units[name] = read.found.label, read.found.unit
+    if read.found.column.text:
+        table.texts[name] = read.texts
     else:
-        values = _numbers(cells, layout.decimal)
-        table.numbers[column.name] = found.sign * values * found.unit.factor + found.unit.offset
-        wrong = np.flatnonzero(~np.isfinite(values)).tolist()
-        if not column.wild:
-            huge = np.isfinite(values) & (np.abs(values) > LARGEST)
-            table.add_fault_where(huge, column.name, "is beyond all measure", "mend the number")
-        if column.blank:
-            wrong = [row for row in wrong if cells[row]]
-    told = [_tell(found, cells[row], layout) for row in wrong]
-    table.add_faults(wrong, [what for what, _ in told], [mend for _, mend in told])
-
-
-def _numbers(cells: Sequence[str], decimal: str) -> Array:
-    """The cells as numbers, NaN where they are none."""
-    try:
-        if decimal == "." and not any("_" in cell for cell in cells):
-            return np.array([float(cell) for cell in cells], dtype=np.float64)
-    except ValueError:
-        pass
-    return np.array([_number(cell, decimal) for cell in cells], dtype=np.float64)
-
-
-def _number(cell: str, decimal: str) -> float:
-    if "_" in cell or (decimal == "," and "." in cell):
-        return np.nan
-    try:
-        return float(cell.replace(decimal, "."))
-    except ValueError:
-        return np.nan
-
-
-def _tell(found: Found, cell: str, layout: Layout) -> tuple[str, str]:
-    """What is wrong with a cell, and how to mend it."""
-    column = found.column
-    mend = column.mend or ("leave the cell empty where there is none" if column.blank else "")
-    if not cell:
-        return f"{found.label} is empty", mend
-    other = "," if layout.decimal == "." else "."
-    if re.fullmatch(rf"[+-]?\d*\{other}\d+([eE][+-]?\d+)?", cell):
-        return f"{found.label} is {cell!r}, not a number", f'say decimal = "{other}"'
-    kind = (
-        "a finite number" if np.isinf(_number(cell, layout.decimal)) or cell.lower() == "nan" else "a number"
-    )
-    return f"{found.label} is {cell!r}, not {kind}", mend
+        table.numbers[name] = read.numbers
+    table.faults += read.faults(table.path)

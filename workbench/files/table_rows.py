@@ -4,24 +4,37 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import chain
 
 from .faults import Fault
 from .table_columns import Finding, Layout
 
 SEPARATORS = (",", ";", "\t", "|", " ")
+BLOCK = 1 << 20  # characters of a table that are taken apart at a time
 Numbered = list[tuple[int, str]]
 
 
 def content(text: str, layout: Layout) -> Numbered:
     """Line number and text of every line that is neither blank (or separators only) nor a comment."""
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return list(chain.from_iterable(blocks(text, layout)))
+
+
+def blocks(text: str, layout: Layout) -> Iterator[Numbered]:
+    """The same in pieces: a large table takes little more room than its numbers."""
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
     empty, comment = f"{layout.separator} \t", layout.comment
-    return [
-        (number, line)
-        for number, line in enumerate(lines, 1)
-        if line.strip(empty) and not (comment and line.lstrip().startswith(comment))
-    ]
+    number, start = 1, 0
+    while start < len(text):
+        end = text.find("\n", start + BLOCK)
+        lines = text[start : None if end < 0 else end].split("\n")
+        yield [
+            (at, line)
+            for at, line in enumerate(lines, number)
+            if line.strip(empty) and not (comment and line.lstrip().startswith(comment))
+        ]
+        number, start = number + len(lines), len(text) if end < 0 else end + 1
 
 
 def cells(line: str, separator: str) -> list[str]:
@@ -52,10 +65,10 @@ def split(numbered: Numbered, separator: str, file: str) -> tuple[list[list[str]
     return rows, lines, faults
 
 
-def usual_width(rows: Sequence[Sequence[str]]) -> int:
-    """The number of cells that most rows have."""
-    widths = [len(row) for row in rows]
-    return max(set(widths), key=widths.count)
+def usual_width(rows: Iterable[Sequence[str]]) -> int:
+    """The number of cells that most rows have; 0 without rows."""
+    ((width, _),) = Counter(map(len, rows)).most_common(1) or [(0, 0)]
+    return width
 
 
 def wrong_layout(

@@ -2,7 +2,8 @@
 
 A process that is killed while it moves the files of a result leaves its list of moves: whoever next reads or
 writes in that folder carries them out first (`settle`), so that nobody reads half of one result and half of
-another. One process at a time writes in a folder.
+another. One process at a time writes in a folder. What comes to be file by file, over hours, comes to be
+beside the folder of its result (`gathered`).
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ import os
 import re
 import secrets
 import shutil
-from collections.abc import Mapping
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 MOVES = ".unfinished"  # names of temporary files, and of those that they become
+BUSY = ".busy"  # in a temporary folder, locked as long as its process lives
 TEMPORARY = re.compile(r"\.[0-9a-f]{16}\.part")
 
 
@@ -51,6 +53,34 @@ def put_all(files: Mapping[Path, bytes | str]) -> None:
             placed.callback(_take_back, path, kept[path])
             os.replace(source, path)
         placed.pop_all()
+        new_folders.pop_all()
+
+
+@contextmanager
+def gathered(folder: Path) -> Iterator[Path]:
+    """A new folder to make a result in: in the end its files become those of `folder`, all of them or none.
+
+    It stands beside `folder`, as deep as that, so that a path from there to what lies elsewhere is the same;
+    or in it, where nobody may write beside it. What else stands in `folder` stays. What a killed process left
+    is taken away by whoever next writes there.
+    """
+    folder = folder.resolve()
+    with ExitStack() as new_folders:
+        _make_folder(folder, new_folders)
+        place = folder.parent if os.access(folder.parent, os.W_OK | os.X_OK) else folder
+        with _locked(place):
+            _clean(place)
+            made = _temporary(place)
+            made.mkdir()
+            (made / BUSY).touch()
+            busy = _locked(made / BUSY)
+        with busy:
+            try:
+                yield made
+                files = [path for path in sorted(made.rglob("*")) if path.is_file() and path != made / BUSY]
+                put_all({folder / path.relative_to(made): path.read_bytes() for path in files})
+            finally:
+                shutil.rmtree(made, ignore_errors=True)
         new_folders.pop_all()
 
 
@@ -94,13 +124,23 @@ def _clean(folder: Path) -> None:
     _finish(folder)
     for name in os.listdir(folder):
         if TEMPORARY.fullmatch(name):
-            (folder / name).unlink(missing_ok=True)
+            _remove(folder / name)
 
 
-def _locked(folder: Path) -> ExitStack:
-    """While it is open, no other process writes in the folder."""
+def _remove(left: Path) -> None:
+    """A temporary file, or a folder whose process does not live any more."""
+    if not left.is_dir():
+        left.unlink(missing_ok=True)
+        return
+    with suppress(OSError), (left / BUSY).open("w") as busy:  # in use, or a file system without locks
+        fcntl.flock(busy, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        shutil.rmtree(left, ignore_errors=True)
+
+
+def _locked(place: Path) -> ExitStack:
+    """While it is open, no other process writes in the folder, or has the file."""
     held = ExitStack()
-    handle = os.open(folder, os.O_RDONLY)
+    handle = os.open(place, os.O_RDONLY)
     held.callback(os.close, handle)
     with suppress(OSError):  # a file system without locks
         fcntl.flock(handle, fcntl.LOCK_EX)
@@ -122,9 +162,14 @@ def _remove_empty(folder: Path) -> None:
 
 def _beside(path: Path, temporary: ExitStack) -> Path:
     """A name in the same folder, so that moving is one step; short, whatever the length of the file's own."""
-    name = path.with_name(f".{secrets.token_hex(8)}.part")
+    name = _temporary(path.parent)
     temporary.callback(name.unlink, missing_ok=True)
     return name
+
+
+def _temporary(folder: Path) -> Path:
+    """A name that nothing in the folder has."""
+    return folder / f".{secrets.token_hex(8)}.part"
 
 
 def _copied(path: Path, temporary: ExitStack) -> Path | None:

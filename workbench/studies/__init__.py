@@ -30,6 +30,7 @@ What such a page says it has to earn:
   say `[if NAME] this [else] that [end]`: a claim stands that holds in the run and in nine of ten draws.
 
 `run` (`StudyRun`) has folder, seed, quick, workers and resume; `run.draws(full, quick)` says how many draws.
+What a script writes into `run.folder` appears with the page in the end, all of it or nothing.
 All run through `tasks.run_tasks`: what they call has to be a function of a module, or a `partial` of one.
 
 The chapters are imported from the folder they lie in (`from .printed import ...`), as in any package. Run as

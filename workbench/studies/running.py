@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from ..files.whole import put
+from ..files.whole import gathered, put
 from ..report.study import Study
 from ..report.study_page import index, write_study
 from .study_run import StudyRun
@@ -15,11 +15,12 @@ Script = Callable[[StudyRun], Study]
 
 
 def run_script(script: Script, run: StudyRun) -> Study:
-    """Runs a study's script and writes its page, PDF, scene and numbers into the run's folder."""
-    run.folder.mkdir(parents=True, exist_ok=True)
-    found = script(run)
-    run.say("writing the page, the report and the scene")
-    write_study(found, run.folder)
+    """Runs a study's script, which writes into the run's folder, and writes its page, PDF, scene and numbers
+    there: all files of both in the end, or none. What is drawn is kept at once, for a run that resumes."""
+    with gathered(run.folder) as made:
+        found = script(replace(run, folder=made, drawn=run.folder / "draws"))
+        run.say("writing the page, the report and the scene")
+        write_study(found, made)
     return found
 
 

@@ -17,7 +17,8 @@ class StudyRun:
 
     folder: for its results; quick: few draws; workers: processes, all cores by default; resume: take what a
     stopped run drew; say: what is being done, for people; measured: folder of measured campaigns, for the
-    question of each study on a measured robot.
+    question of each study on a measured robot; drawn: folder for what is drawn, by default in that of the
+    results.
     """
 
     folder: Path
@@ -27,6 +28,7 @@ class StudyRun:
     resume: bool = False
     say: Callable[[str], None] = silent
     measured: Path | None = None
+    drawn: Path | None = None
 
     def draws(self, full: int, quick: int) -> int:
         """How many draws: `full`, or `quick` in a quick run."""
@@ -34,4 +36,4 @@ class StudyRun:
 
     def store(self, name: str) -> Path:
         """The file that keeps what was drawn under this name."""
-        return self.folder / "draws" / f"{name}.sqlite"
+        return (self.drawn or self.folder / "draws") / f"{name}.sqlite"
