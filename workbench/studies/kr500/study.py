@@ -30,6 +30,7 @@ from workbench import (
     diagnose,
     draw_many,
     judge,
+    redrawn,
     run_study,
     stated_table,
     stored,
@@ -42,7 +43,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 
 from . import gains, named, odds, shown
 from .accounts import KINDS, WEIGHED, accounts, items
-from .claims import OF_ACCOUNTS, OF_DRAWS, told
+from .claims import OF_ACCOUNTS, OF_DRAWS, OF_RUN, again, told
 from .printed import NUMBERS
 from .seen import identifiable
 
@@ -100,7 +101,8 @@ def study(run: StudyRun) -> Study:
     scene = Shown(first.world.check.q[0], place, stages, noise=first.world.values["sigma"])
     files = {"Campaign": "campaign/campaign.toml"}
     story = Path(__file__).with_name("story.md")
-    claims = checked(OF_ACCOUNTS, n) | checked(OF_DRAWS, n, draws)
+    claims = checked(OF_RUN, n) | checked(OF_DRAWS, n, draws)
+    claims |= checked(OF_ACCOUNTS, n, redrawn(judged, again))
     page = tell(story, first.world.grid.robot, n, items_, scene, "gains", files, claims)
     return replace(page, sealed=sealed)
 
