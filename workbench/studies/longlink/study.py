@@ -118,7 +118,7 @@ def study(run: StudyRun) -> Study:
     numbers |= recursion_numbers(path)
 
     run.say("asking what data would show flexibility")
-    hidden = hidden_draws(share, run.draws(20, 1), run)
+    hidden = hidden_draws(share, run.draws(50, 1), run)
     showing = what_shows(folder, robot, hidden, run)
     clear = clear_poses(assumed, stood_in(data, seed))
     numbers |= clear_numbers(clear)
