@@ -127,19 +127,25 @@ def log_odds_of(effect: Effect, sites: int) -> float:
 def form_of(fit: Fit, effects: tuple[Effect, ...], about: Problem | None = None) -> Form:
     """Effects together as one form, each parameter in its usual size; with the companions that they have in a
     problem (default: the fit's own)."""
-    about = about or fit.model.problem
-    shares = [(1.0, effect) for effect in effects]
-    shares += [pair for effect in effects for pair in effect.companions(about)]
-    blocks, sizes = [], []
-    for share, effect in shares:
-        usual = np.array([p.typical for p in effect.params])
-        if effect.acts == "yielding" and not effect.stated:
-            usual = usual_yield(fit, effect, usual)
-        blocks.append(fit.whitened(effect))
-        sizes.append(share * usual)
+    every = with_companions(fit, effects, about or fit.model.problem)
+    columns = np.concatenate([fit.whitened(effect) for effect, _ in every], axis=2)
     first = effects[0].params[0]
     one_sided = len(effects) == 1 and len(effects[0].params) == 1 and first.lower == 0.0
-    return Form(np.concatenate(blocks, axis=2), np.concatenate(sizes), effects, one_sided)
+    return Form(columns, np.concatenate([sizes for _, sizes in every]), effects, one_sided)
+
+
+def with_companions(fit: Fit, effects: Sequence[Effect], about: Problem) -> list[tuple[Effect, Array]]:
+    """Effects and behind them their companions in a problem, each with its prior sizes (p,)."""
+    shares = [(1.0, effect) for effect in effects]
+    shares += [pair for effect in effects for pair in effect.companions(about)]
+    return [(effect, share * _usual(fit, effect)) for share, effect in shares]
+
+
+def _usual(fit: Fit, effect: Effect) -> Array:
+    typical = np.array([p.typical for p in effect.params])
+    if effect.acts == "yielding" and not effect.stated:
+        return usual_yield(fit, effect, typical)
+    return typical
 
 
 def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:

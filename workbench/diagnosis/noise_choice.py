@@ -14,6 +14,7 @@ from ..identification.model import Linearisation
 from ..identification.noise import (
     Covariance,
     MeasuredNoise,
+    body_motion,
     measure_noise,
     repeat_chi2,
     repeat_groups,
@@ -28,6 +29,7 @@ BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for 
 
 RIGID = 0.1  # of the noise: measured targets change their distances by more
 EXACT = 1e-9  # of a variance that is fitted
+CLEARLY = 20.0  # twice the log likelihood that a further part of the noise must bring
 WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
 
@@ -111,8 +113,8 @@ def _figures(noise: Covariance, source: str, axial: Array, measured: MeasuredNoi
 
 
 def from_residual(result: Fit) -> tuple[Covariance, Noise]:
-    """Noise from the residual of a fit: one sigma, and, with several targets or a 6-D measurement, a second
-    part (the robot's repeatability; the turning part of the measurement)."""
+    """Noise from the residual of a fit: one sigma, and, with several targets or a 6-D measurement, further
+    parts (the robot's repeatability, the body's; the turning part of the measurement)."""
     problem, noise = result.model.problem, result.noise
     if problem.campaign.six_dof:
         r = result.point_residual[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
@@ -121,7 +123,7 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
         ratio = noise.turn_ratio * turn / shift
         new = replace(noise, sigma=noise.sigma * shift * free, turn_ratio=ratio)
     elif problem.seen.sum(axis=1).max() > 1:
-        new = _two_parts(result)
+        new = _with_body(result, _two_parts(result))
     else:
         rows = problem.seen.sum() * 3
         rms = float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
@@ -162,6 +164,47 @@ def _two_parts(result: Fit) -> Covariance:
     x = minimize(cost, start, jac=True, method="BFGS", options={"gtol": EXACT * mask.sum()}).x
     sigma, joint = float(np.exp(x[0] / 2)), float(np.exp(x[1] / 2))
     return replace(result.noise, sigma=np.full(problem.seen.shape, sigma), joint=joint * turning)
+
+
+def _with_body(result: Fit, two: Covariance) -> Covariance:
+    """The same with what moves a pose's points as one body, where that is clearly there: no joint moves a
+    reflector's seat, the floor or the air, and what they do must not count as surely none of the joints'."""
+    problem = result.model.problem
+    mask = np.repeat(problem.seen, 3, axis=1)
+    d = np.nan_to_num(result.residual).reshape(len(mask), -1)
+    turning = np.where(problem.arm.prismatic, 0.0, 1.0)
+    J = np.where(mask[..., None], result.line.direct[:, : mask.shape[1], problem.arm.axial], 0.0) * turning
+    B = body_motion(problem)
+    parts = [mask[:, :, None] * np.eye(mask.shape[1])]
+    parts += [A @ A.transpose(0, 2, 1) for A in (J, B[:, :, :3], B[:, :, 3:])]
+    lost = mask.sum() / max(mask.sum() - result.rank, 1)
+    unseen = np.where(mask, 0.0, 1.0)[:, :, None] * np.eye(mask.shape[1])
+
+    def cost(x: Array) -> tuple[float, Array]:
+        """Twice the negative log likelihood of the variances' logarithms, and its gradient."""
+        every = np.exp(x)
+        C = unseen + sum(v * part for v, part in zip(every, parts, strict=True))
+        inverse = np.linalg.inv(C)
+        w = np.einsum("nij,nj->ni", inverse, d)
+        slope = [
+            v * (np.sum(inverse * part) - lost * float(np.einsum("ni,nij,nj->", w, part, w)))
+            for v, part in zip(every, parts, strict=True)
+        ]
+        return float(np.linalg.slogdet(C)[1].sum() + lost * np.sum(w * d)), np.array(slope)
+
+    own, by_joints = two.usual**2, float(two.joint.max()) ** 2
+    reach = float(np.mean(B[:, :, 3:] ** 2)) + 1e-30
+    total = float((d**2).sum() / mask.sum())
+    floor = [EXACT * total, EXACT * total / float(np.mean(J**2)), EXACT * total, EXACT * total / reach]
+    start = np.log(np.maximum([own, by_joints, 0.1 * total, 0.1 * total / reach], floor))
+    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=[(np.log(v), None) for v in floor])
+    none = np.log(np.maximum([own, by_joints, 0.0, 0.0], floor))
+    if cost(none)[0] - found.fun < CLEARLY:
+        return two
+    sigma, joint, shift, turn = np.sqrt(np.exp(found.x))
+    return replace(
+        two, sigma=np.full(problem.seen.shape, sigma), joint=joint * turning, body=(float(shift), float(turn))
+    )
 
 
 def rigid_targets(problem: Problem, noise: Noise) -> list[str]:

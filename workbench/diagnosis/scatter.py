@@ -46,6 +46,7 @@ def positions(fit: Fit) -> int:
 
 
 def alike(one: Covariance, other: Covariance) -> bool:
-    """Whether two noises differ by less than a tenth, the instrument's and in any joint."""
-    joints = np.allclose(one.joint, other.joint, rtol=0.1, atol=1e-7)
-    return bool(joints and np.isclose(one.usual, other.usual, rtol=0.1))
+    """Whether two noises differ by less than a tenth: the instrument's, in any joint, and the body's."""
+    pairs = (one.joint, other.joint), (one.body, other.body)
+    robot = all(np.allclose(a, b, rtol=0.1, atol=1e-7) for a, b in pairs)
+    return bool(robot and np.isclose(one.usual, other.usual, rtol=0.1))

@@ -10,12 +10,14 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Depends, Param, Rest
+from .base import Depends, Effect, Param, Rest
 from .drawn import Drawn
 from .kinds import DirectEffect
 from .place import Parameter
+from .unnamed.campaign import Clock
 
 RATES = ("rate_x", "rate_y", "rate_z")
+UNEVEN = 0.1  # share of the way in the campaign
 TURNS = ("turn_rate_x", "turn_rate_y", "turn_rate_z")
 
 
@@ -61,6 +63,11 @@ class Drift(DirectEffect):
     def places(cls, problem: Problem) -> Sequence[Drift]:
         start = 0.0 if problem.time is None else float(problem.time.min())
         return [cls(variant=variant, start=start) for variant in ("shift", "shift+turn")]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """A real drift does not go evenly."""
+        way = self.params[0].typical * float(np.ptp(problem.time)) if problem.time is not None else 0.0
+        return [(UNEVEN * way / one.size, one) for one in Clock.sites(problem) if one.of_base]
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         if problem.time is None:

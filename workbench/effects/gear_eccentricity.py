@@ -10,9 +10,12 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param
+from .base import Effect, Param
 from .harmonics import Harmonic, amplitude_phase
+from .joint_map import JointMap
 from .place import Parameter, Where
+
+OTHER, HIGHER = 0.3, 0.1  # shares of the amplitude: the other of one and two cycles, higher ones
 
 
 @dataclass(frozen=True)
@@ -53,9 +56,10 @@ class GearEccentricity(Harmonic):
             for variant in ("1", "2")
         ]
 
-    def companions(self, problem: Problem) -> Sequence[tuple[float, GearEccentricity]]:
-        """A real run-out has the other of one and two cycles as well."""
-        return [(0.3, replace(self, variant=str(3 - self.cycles)))]
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """A real run-out has the other of one and two cycles as well, and a little of higher ones."""
+        higher = JointMap.off(problem, problem.joint(self.where.joint), HIGHER * self.params[0].typical)
+        return [(OTHER, replace(self, variant=str(3 - self.cycles))), *higher]
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)

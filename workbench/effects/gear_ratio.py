@@ -11,9 +11,11 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from .base import Effect, Param
-from .joint_map import USUAL, JointMap
+from .joint_map import JointMap
 from .kinds import TransmissionEffect
 from .place import Where
+
+UNEVEN = 0.15  # share of the motion at the ends of the range
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,8 @@ class GearRatio(TransmissionEffect):
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real ratio is not the same over the whole range."""
-        travel = float(np.ptp(problem.q[:, problem.joint(self.where.joint)]))
-        share = 0.15 * 0.5 * travel * self.params[0].typical / USUAL
-        maps = (one for one in JointMap.sites(problem) if one.where.joint == self.where.joint)
-        return [(share, one) for one in maps if one.variant == "smooth"]
+        j = problem.joint(self.where.joint)
+        return JointMap.off(problem, j, UNEVEN * self.params[0].typical * float(np.ptp(problem.q[:, j])) / 2)
 
     def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
         believed = problem.robot.joints[problem.joint(self.where.joint)].data.gear_ratio

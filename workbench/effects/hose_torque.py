@@ -11,11 +11,14 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
-from .base import Param, Rest
+from .base import Effect, Param, Rest
 from .drawn import Drawn
+from .joint_map import JointMap
 from .kinds import LoadEffect
 from .place import Where
 from .wrist_coupling import wrist
+
+UNEVEN = 0.2  # share of the motion at the ends of the range
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,13 @@ class HoseTorque(LoadEffect):
         """Wrist joints that yield; a rigid one does not show a torque."""
         stiff = {joint.name for joint in problem.robot.joints if joint.data.stiffness is None}
         return [cls(Where(joint=name)) for name in wrist(problem) if name not in stiff]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """A real hose is no spring: it stiffens, sticks and lies on."""
+        j = problem.joint(self.where.joint)
+        stiffness = problem.robot.joints[j].data.stiffness or np.inf
+        torque = self.params[0].typical * float(np.ptp(problem.q[:, j])) / 2
+        return JointMap.off(problem, j, UNEVEN * torque / stiffness)
 
     def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
         j = problem.joint(self.where.joint)

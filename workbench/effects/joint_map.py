@@ -75,15 +75,29 @@ class JointMap(TransmissionEffect):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[JointMap]:
         """Turning joints that travel, in three lengths."""
-        out = []
-        for j, name in enumerate(problem.arm.names):
-            low, high = float(problem.q[:, j].min()), float(problem.q[:, j].max())
-            if problem.arm.prismatic[j] or high - low < MOVES:
-                continue
-            room = MARGIN * (high - low)
-            place = cls(Where(joint=name), first=low - room, span=high - low + 2 * room)
-            out += [replace(place, variant=v, length=x) for v, x in LENGTHS.items() if 3 * x < high - low]
-        return out
+        found = [cls.over(problem, j) for j in range(problem.arm.n)]
+        return [
+            replace(place, variant=v, length=x)
+            for place in found
+            if place is not None
+            for v, x in LENGTHS.items()
+            if 3 * x < place.span / (1 + 2 * MARGIN)
+        ]
+
+    @classmethod
+    def over(cls, problem: Problem, j: int) -> JointMap | None:
+        """The smoothest map over what a joint travels; None where it slides, or hardly moves."""
+        low, high = float(problem.q[:, j].min()), float(problem.q[:, j].max())
+        if problem.arm.prismatic[j] or high - low < MOVES:
+            return None
+        room, where = MARGIN * (high - low), Where(joint=problem.arm.names[j])
+        return cls(where, "smooth", low - room, high - low + 2 * room, LENGTHS["smooth"])
+
+    @classmethod
+    def off(cls, problem: Problem, j: int, size: float) -> Sequence[tuple[float, JointMap]]:
+        """Companion of an effect of a joint's angle: how far [rad] a real one is off its form."""
+        place = cls.over(problem, j)
+        return [] if place is None else [(size / USUAL, place)]
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[JointMap]:

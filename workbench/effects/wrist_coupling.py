@@ -10,9 +10,12 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param
+from .base import Effect, Param
 from .kinds import TransmissionEffect
 from .place import Where
+from .unnamed.joints import Pair
+
+UNEVEN = 0.15  # share of the motion at the ends of the other joint's range
 
 
 def wrist(problem: Problem) -> list[str]:
@@ -50,6 +53,15 @@ class WristCoupling(TransmissionEffect):
     def sites(cls, problem: Problem) -> Sequence[WristCoupling]:
         names = wrist(problem)
         return [cls(Where(joint=a, other=b)) for a in names for b in names if a != b]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """The coupled gears run out a little, and drag more at some angles of the joint itself."""
+        travel = float(np.ptp(problem.q[:, problem.joint(self.where.other)]))
+        return [
+            (UNEVEN * self.params[0].typical * travel / 2 / one.size, one)
+            for one in Pair.sites(problem)
+            if one.where == self.where
+        ]
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         other = joints.index(str(self.where.other))

@@ -1,7 +1,8 @@
 """Noise of a campaign: the instrument's per point, and the robot's repeatability per pose.
 
-A pose's points share the robot's own error: their covariance is  σ² I + J Σ_q J^T  with Σ_q the joints'
-repeatability. Points of one 6-D measurement carry six independent errors, not three each.
+A pose's points share the robot's own error: their covariance is  σ² I + J Σ_q J^T + B Σ_b B^T  with Σ_q the
+joints' repeatability and Σ_b that of the body that carries them, where more than the joints moves it.
+Points of one 6-D measurement carry six independent errors, not three each.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ class Covariance:
     (N,) factor on each pose (0 leaves it out). dof: degrees of freedom behind the noise (inf: known).
     turn_ratio: for 6-D measurements, noise of the turning part over that of the shifting part.
     torque: (n,) one sigma of the drive torques [N·m, N], infinite where they say nothing; None: unused.
+    body: one sigma of shifts [m] and turns [rad] of the points on a pose's last body, all together.
     """
 
     sigma: Array
@@ -36,6 +38,7 @@ class Covariance:
     dof: float = np.inf
     turn_ratio: float = 1.0
     torque: Array | None = None
+    body: tuple[float, float] = (0.0, 0.0)
 
     @property
     def usual(self) -> float:
@@ -44,7 +47,8 @@ class Covariance:
 
     def times(self, factor: float) -> Covariance:
         """The noise of points and joints larger by a factor."""
-        return replace(self, sigma=factor * self.sigma, joint=factor * self.joint)
+        body = factor * self.body[0], factor * self.body[1]
+        return replace(self, sigma=factor * self.sigma, joint=factor * self.joint, body=body)
 
     def without(self, poses: NDArray[np.bool_]) -> Covariance:
         """Leaves out the poses marked True."""
@@ -86,16 +90,29 @@ def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Arr
     sigma = np.repeat(covariance.sigma, 3, axis=1)
     if turned is not None:
         W = _six(problem, covariance, turned)
-    elif not covariance.joint.any():
+    elif not covariance.joint.any() and not any(covariance.body):
         W = np.zeros((n_poses, rows, rows))
         W[:, np.arange(rows), np.arange(rows)] = np.where(seen, 1 / sigma, 0.0)
     else:
         J = np.where(seen[..., None], axial, 0.0) * covariance.joint
+        if any(covariance.body):
+            J = np.concatenate([J, body_motion(problem) * np.repeat(covariance.body, 3)], axis=2)
         C = J @ J.transpose(0, 2, 1)
         C[:, np.arange(rows), np.arange(rows)] += np.where(seen, sigma**2, 1.0)
         L = np.linalg.cholesky(C)
         W = np.linalg.inv(L) * seen[:, None, :] * seen[:, :, None]
     return np.asarray(W * covariance.weight[:, None, None])
+
+
+def body_motion(problem: Problem) -> Array:
+    """(N, 3T, 6) motion of the points on a pose's last body per its shift and turn about their centroid; 0 of
+    others, and of what was not seen."""
+    on = np.array(problem.on)
+    mine = problem.seen & (on == on.max())
+    at = np.where(mine[..., None], problem.campaign.points, 0.0)
+    middle = at.sum(axis=1, keepdims=True) / np.maximum(mine.sum(axis=1), 1)[:, None, None]
+    motion = np.where(mine[..., None, None], body_jacobian(at - middle), 0.0)
+    return np.asarray(motion.reshape(len(mine), -1, 6))
 
 
 def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:

@@ -44,6 +44,10 @@ class Clock(Unnamed, DirectEffect):
         each = self.size * slower / np.linalg.norm(slower)
         return tuple(Param(f"weight_{k}", "rad", s, spread=s) for k, s in enumerate(map(float, each), 1))
 
+    @property
+    def of_base(self) -> bool:
+        return self.variant.startswith("base")
+
     def x(self, problem: Problem) -> Array:
         if self.variant.endswith("time") and problem.time is not None:
             return np.asarray(problem.time)
@@ -53,10 +57,10 @@ class Clock(Unnamed, DirectEffect):
         x = self.x(problem)
         share = (x - x.min()) / max(float(np.ptp(x)), 1e-12)
         cosines = np.cos(np.pi * np.outer(share, np.arange(1, WAVES_IN_TIME + 1)))
-        return each(range(6) if self.variant.startswith("base") else _flange(problem), cosines)
+        return each(range(6) if self.of_base else _flange(problem), cosines)
 
     @classmethod
-    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+    def sites(cls, problem: Problem) -> Sequence[Clock]:
         timed = problem.time is not None and np.ptp(problem.time) > 0
         return [cls(variant=f"{which} in {'time' if timed else 'order'}") for which in ("base", "tool")]
 

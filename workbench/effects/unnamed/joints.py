@@ -44,7 +44,7 @@ class Pair(Unnamed, TransmissionEffect):
         return np.column_stack([b / np.pi, sb, cb, sa * sb, sa * cb, ca * sb, ca * cb])
 
     @classmethod
-    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+    def sites(cls, problem: Problem) -> Sequence[Pair]:
         names, turns, moved = problem.arm.names, turn(problem), moving(problem)
         return [
             cls(Where(joint=names[i], other=names[j]), own=turns[i], other=turns[j])

@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from ...campaign.problem import Problem
 from ...effects import catalogue
 from ...effects.base import UNKNOWN
+from ...effects.place import Where
 from ...effects.records import PLACE, from_record, parse_effect
 from ...files.faults import Fault, InputError, read_text
+from ...identification.fit import Fit
 from ...robot.schema import EffectRecord
 from .candidates import candidates, random_rows, take
 from .causes import EXAMPLE, has_size, named_causes, split_causes, varied
@@ -45,8 +46,7 @@ def plan_settling(
     if prior.fit is None:
         what = "needs the campaign that was diagnosed, not the robot alone"
         raise InputError(Fault(f"--tell {text}", what, "workbench plan campaign.toml --tell result.json"))
-    problem = prior.problem
-    ties = ties_of(Path(text), problem) if text.endswith(".json") else [tie_said(text, problem)]
+    ties = ties_of(Path(text), prior.fit) if text.endswith(".json") else [tie_said(text, prior.fit)]
     valued = at_zero(ties)
     factors = varied(effect for effect, _ in valued).possible(search.driving)
     rng = np.random.default_rng([search.seed, 21])
@@ -86,22 +86,23 @@ def plan_settling(
     )
 
 
-def tie_said(text: str, problem: Problem) -> Tie:
+def tie_said(text: str, fit: Fit) -> Tie:
     """The tie of `cause:place,size,rival:place,...`. Raises InputError."""
     first, *others = split_causes(text)
     if not others:
         raise InputError(Fault("--tell", f"{text!r} names one cause, not two", EXAMPLE))
+    problem = fit.model.problem
     effect, size = parse_effect(first, problem)
     beside = ",".join([effect.cause, *others])  # its own place and size are read already
     rivals = tuple(e for cause in named_causes(beside)[1:] for e in cause.effects(problem))
-    return tie_between(effect, size, rivals)
+    return tie_between(fit, effect, size, rivals, {})
 
 
-def ties_of(path: Path, problem: Problem) -> list[Tie]:
+def ties_of(path: Path, fit: Fit) -> list[Tie]:
     """What a `result.json` left ambiguous, with the rivals that have a name. Raises InputError."""
     try:
         causes = json.loads(read_text(path))["causes"]
-        found = [tie for one in causes if one["status"] != "named" and (tie := _tie(one, problem))]
+        found = [tie for one in causes if one["status"] != "named" and (tie := _tie(one, fit))]
     except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
         raise InputError(Fault(str(path), "is no result.json of a diagnosis", "name that of --out")) from None
     if not found:
@@ -112,18 +113,21 @@ def ties_of(path: Path, problem: Problem) -> list[Tie]:
     return found
 
 
-def _tie(one: dict[str, Any], problem: Problem) -> Tie | None:
+def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
     if one["cause"] == UNKNOWN:
         return None
+    problem = fit.model.problem
     values = {p["name"]: float(p["value"]) for p in one["parameters"]}
     where = {key: one[key] for key in PLACES if key in one}
     effect, size = from_record(EffectRecord(cause=one["cause"], values=values, **where), problem)
-    keys = [(r["cause"], {key: r[key] for key in PLACES if key in r}) for r in one["rivals"]]
-    rivals = tuple(
-        rival
-        for cause, place in keys
-        if cause in catalogue()
-        for rival in catalogue()[cause].sites(problem)
-        if rival.where.keys() == place
-    )
-    return tie_between(effect, size, rivals) if rivals else None
+    chances = {(r["cause"], _place(r)): float(r["probability"]) for r in one["rivals"]}
+    kinds = [
+        catalogue()[cause] for cause in dict.fromkeys(cause for cause, _ in chances if cause in catalogue())
+    ]
+    rivals = tuple(rival for kind in kinds for rival in kind.sites(problem) if rival.key in chances)
+    chances[effect.key] = float(one["probability"])
+    return tie_between(fit, effect, size, rivals, chances) if rivals else None
+
+
+def _place(record: dict[str, Any]) -> Where:
+    return Where(**{key: record[key] for key in PLACE if key in record})

@@ -2,30 +2,33 @@
 it.
 
 λ is that of `t_optimal`, for the size that the cause was found with; the rival is taken as large as imitates
-it best in what was measured. Settled is λ ≥ `LEVELS.mostly`, from where a diagnosis names the cause mostly.
+it best in what was measured. A rival may contain the cause, as a map of a joint contains the sine of its
+wheel: no pose tells the sine from that, only that nothing else of the map is seen; its λ is that of the rest
+of it, in the size that imitates the cause.
 
-A rival may contain the cause, as a map of a joint contains the sine of its wheel: no pose tells the sine
-from that. What refutes the map is that nothing else of it is seen: with S the information on its other
-numbers in the size s that imitates the cause, twice the log Bayes factor against it is expected to be
-Σ log(1 + s² S_k) − s² S_k/(1 + s² S_k) over the eigenvalues (Kass & Raftery 1995). Its λ is that of the
-rest of it, in that size.
+Settled is a tie where a diagnosis is expected to name what is true, be it the cause or one of the rivals, by
+the odds of `expected_odds`: at the share `POWER` of the probability that these have now.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...diagnosis.components import Key, with_companions
 from ...diagnosis.priors import PRIORS
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome
 from ...effects import catalogue
 from ...effects.base import UNKNOWN, Effect
+from ...effects.unnamed import unnamed
+from ...identification.fit import Fit
 from ...robot.kinematics import Array
 from .discrimination_plan import LEVELS
+from .expected_odds import Pattern, Weighed, share_of_way
 from .fedorov import Records, Search, information
 from .prior_information import WIDE, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
@@ -33,30 +36,39 @@ from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 SMALLEST = 0.1  # usual sizes, of a rival that hardly imitates
 INSIDE = 0.2  # share of λ that what contains a cause leaves of it, at most
 IMITATES = 0.5  # share of λ that a rival leaves, at most, to be taken for the cause
-ODDS = 2 * np.log(PRIORS.named / (1 - PRIORS.named))  # twice the log odds from which a cause is named,
-SPARE = 2.0  # and by how much more they are asked for
+ODDS = 2 * np.log(PRIORS.named / (1 - PRIORS.named))  # twice the log odds from which a cause is named
+SPARE = 2.0  # what is asked of records at least, where the odds are nearly there
+POWER = 0.8  # share of the probability that is named afterwards
 
 Columns = NDArray[np.int64]
+Form = tuple[tuple[Effect, Array], ...]
 
 
 @dataclass(frozen=True)
 class Tie:
-    """An effect that was found, its size (p,) in usual ones, and the effects that rival it; odds: twice the
-    log odds of the cause against each, where they are known."""
+    """An effect that was found, its size (p,) in usual ones, and the effects that rival it. forms: of each of
+    these, and of rivals without a name, the effect and its companions with their prior sizes; chances: the
+    probability of each, by its key, where they are known."""
 
     effect: Effect
     size: Array
     rivals: tuple[Effect, ...]
-    odds: tuple[float, ...] = ()
-
-    def odds_of(self, rival: Effect) -> float:
-        """Twice the log odds against a rival; nothing is known: even."""
-        return self.odds[self.rivals.index(rival)] if self.odds else 0.0
+    forms: tuple[Form, ...]
+    chances: Mapping[Key, float]
 
     def pairs(self, space: DesignSpace) -> list[Pair]:
         """The cause beside each rival, and each rival beside the cause; not what another contains."""
         ways = [way for rival in self.rivals for way in ((self.effect, rival), (rival, self.effect))]
         return [way for way in ways if not contains(space, way[1], way[0])]
+
+    def patterns(self, space: DesignSpace) -> list[Pattern]:
+        """The forms in the columns of a space."""
+        out = []
+        for form in self.forms:
+            columns = np.concatenate([space.columns(effect) for effect, _ in form]) - space.background
+            usual = [size / [p.typical for p in effect.params] for effect, size in form]
+            out.append(Pattern(columns, np.concatenate(usual), form[0][0].cause != UNKNOWN))
+        return out
 
 
 @dataclass(frozen=True)
@@ -76,21 +88,25 @@ def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
     if finding.status == "named" or finding.cause == UNKNOWN:
         return None
     own = [i for i, e in enumerate(outcome.fit.model.effects) if e.key == (finding.cause, finding.where)]
-    keys = dict.fromkeys((rival.cause, rival.where) for rival in finding.rivals if rival.cause != UNKNOWN)
-    kinds = [catalogue()[cause] for cause in dict.fromkeys(cause for cause, _ in keys)]
-    rivals = tuple(e for kind in kinds for e in kind.sites(outcome.problem) if e.key in keys)
+    chances = {(rival.cause, rival.where): rival.probability for rival in finding.rivals}
+    kinds = [catalogue()[cause] for cause in dict.fromkeys(cause for cause, _ in chances if cause != UNKNOWN)]
+    rivals = tuple(e for kind in kinds for e in kind.sites(outcome.problem) if e.key in chances)
     if not own or not rivals:
         return None
     strongest = max(own, key=outcome.fit.wald)
-    effect = outcome.fit.model.effects[strongest]
-    chance = {(rival.cause, rival.where): rival.probability for rival in finding.rivals}
-    odds = tuple(2 * float(np.log(finding.probability / chance[rival.key])) for rival in rivals)
-    return replace(tie_between(effect, outcome.fit.state.values[strongest], rivals), odds=odds)
+    effect, values = outcome.fit.model.effects[strongest], outcome.fit.state.values[strongest]
+    chances[effect.key] = finding.probability
+    return tie_between(outcome.prepared.geometry, effect, values, rivals, chances)
 
 
-def tie_between(effect: Effect, values: Array, rivals: tuple[Effect, ...]) -> Tie:
-    """The tie of an effect that was found with these values (p,)."""
-    return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals)
+def tie_between(
+    fit: Fit, effect: Effect, values: Array, rivals: tuple[Effect, ...], chances: Mapping[Key, float]
+) -> Tie:
+    """The tie of an effect that was found with these values (p,); chances: by key, none: nothing is known."""
+    nameless = [e for e in unnamed(fit.model.problem) if e.key in chances]
+    every = (effect, *rivals, *nameless)
+    forms = tuple(tuple(with_companions(fit, (one,), fit.model.problem)) for one in every)
+    return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals, forms, chances)
 
 
 def told_apart(outcome: Outcome, tie: Tie, before: Outcome) -> float:
@@ -104,7 +120,7 @@ def told_apart(outcome: Outcome, tie: Tie, before: Outcome) -> float:
 
 def at_zero(ties: Sequence[Tie]) -> ValuedEffects:
     """The effects of ties, at zero."""
-    effects = dict.fromkeys(e for tie in ties for e in (tie.effect, *tie.rivals))
+    effects = dict.fromkeys(effect for tie in ties for form in tie.forms for effect, _ in form)
     return tuple((effect, np.zeros(len(effect.params))) for effect in effects)
 
 
@@ -141,17 +157,45 @@ def least(space: DesignSpace, data: Array, tie: Tie) -> float:
 
 
 def share_of(space: DesignSpace, data: Array, tie: Tie) -> float:
-    """How much of the way to a settled tie the information data: (P, P) goes, beside the hardest rival; one
-    and more: it is settled."""
-    before, after = space.left(space.before), space.left(data)
+    """How much of what settles a tie the information data: (P, P) is worth; from one it is settled:
+    at the share `POWER` of the probability, whichever effect is true is expected to be named."""
+    patterns = tie.patterns(space)
+    before, after = (Weighed(space.left(one), patterns) for one in (space.before, data))
+    keys = [form[0][0].key for form in tie.forms]
+    own = patterns[0].columns[: len(tie.size)]
     shares = []
-    for rival in tie.rivals:
-        if contains(space, rival, tie.effect):
-            gain = _against(space, before, after, tie, rival) - _against(space, before, before, tie, rival)
-            shares.append(gain / max(ODDS + SPARE - tie.odds_of(rival), SPARE))
-        else:
-            now = _apart(space, before, before, tie, rival)
-            shares.append((_apart(space, before, after, tie, rival) - now) / (settled_at(now) - now))
+    for key in dict.fromkeys(key for key in keys if key[0] != UNKNOWN):
+        of_key = [k for k, one in enumerate(keys) if one == key]
+        k = max(of_key, key=lambda k: before.evidence(k, own, tie.size)[0])
+        columns = own if k == 0 else patterns[k].columns
+        size = tie.size if k == 0 else before.imitation(k, own, tie.size)
+        shares.append((_named_share(tie, keys, k, (before, after), columns, size), tie.chances.get(key, 1.0)))
+    shares.sort(reverse=True, key=lambda one: one[0])
+    reached = np.cumsum([chance for _, chance in shares])
+    return shares[int(np.searchsorted(reached, POWER * reached[-1]))][0]
+
+
+def _named_share(
+    tie: Tie,
+    keys: Sequence[Key],
+    k: int,
+    weighed: tuple[Weighed, Weighed],
+    columns: Columns,
+    size: Array,
+) -> float:
+    """How much of the way it is to the k-th form's name, were it true with this size (t,) in these columns,
+    beside the rival that holds out longest."""
+    before, after = weighed
+    own = after.evidence(k, columns, size)[0] - before.evidence(k, columns, size)[0]
+    shares = []
+    for other, key in enumerate(keys):
+        if key == keys[k]:
+            continue
+        now, left = before.evidence(other, columns, size)
+        then, more = after.evidence(other, columns, size)
+        odds = 2 * float(np.log(tie.chances.get(keys[k], 1.0) / tie.chances.get(key, 1.0)))
+        needed = max(ODDS - odds, SPARE)
+        shares.append(share_of_way(own - (then - now), 4 * (more - left), needed))
     return min(shares)
 
 
@@ -168,14 +212,6 @@ def _apart(space: DesignSpace, before: Array, after: Array, tie: Tie, rival: Eff
     if contains(space, tie.effect, rival) or not imitates:
         return own
     return min(own, unexplained(after, j, i, imitation, WIDE**-2))
-
-
-def _against(space: DesignSpace, before: Array, after: Array, tie: Tie, rival: Effect) -> float:
-    """Twice the log Bayes factor that is expected against a rival that contains the cause."""
-    i, j = (space.columns(effect) - space.background for effect in (tie.effect, rival))
-    size = _size_of(_imitation(before, i, j, tie.size))
-    seen = size**2 * np.maximum(np.linalg.eigvalsh(_rest(after, i, j)), 0.0)
-    return float(np.sum(np.log1p(seen) - seen / (1 + seen)))
 
 
 def _size_of(imitation: Array) -> float:
