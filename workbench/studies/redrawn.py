@@ -31,9 +31,12 @@ def _again(judged: Judged, run: int) -> Judged:
 
 
 def _taken(made: Round, rng: np.random.Generator) -> Round:
-    """Of every other draw and of the rest by themselves: `calibrated` judges by one half and tries on the
-    other."""
-    take = np.arange(len(made.prior))
-    for half in (take[::2], take[1::2]):
-        half[:] = rng.choice(half, size=len(half))
+    """Every other draw and the rest by themselves, for `calibrated` judges by one half and tries on the
+    other; and so what prints anything and what does not, so that there are as many of each to judge by."""
+    every = np.arange(len(made.prior))
+    prints, take = np.isfinite(made.predicted).all(axis=1), every.copy()
+    for first in (0, 1):
+        for kept in (prints, ~prints):
+            part = every[kept & (every % 2 == first)]
+            take[part] = rng.choice(part, size=len(part)) if len(part) else part
     return Round(made.shares[take], made.predicted[take], made.prior[take])

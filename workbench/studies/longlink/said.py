@@ -57,6 +57,8 @@ def of_run() -> tuple[Claim, ...]:
               lambda n: n["bending_loaded_mm"] < 0.01 * BEFORE),
         Claim("once_enough", "(26) once leaves less than a tenth where the compliance is known",
               lambda n: n["known_once_mm"] < 0.1 * n["known_none_mm"]),
+        Claim("driven_too", "driven in closed loop (26) leaves less than a tenth as well",
+              lambda n: n["driven_once_mm"] < 0.1 * n["driven_none_mm"]),
         Claim("z_hints", "z is the largest in a stiff arm less often than in one that yields as well",
               lambda n: n["z_odds"] > 1),
         Claim("take_out", "deflection left in circle points shifts lengths by more than their interval",
