@@ -57,7 +57,7 @@ def study(run: StudyRun) -> Study:
     """Accounts of the print judged, what cells gain in each, and what a diagnosis says of their robots."""
     seed = run.seed
     run.say("accounts: the paper's protocol, with all that it does not give drawn")
-    judged = judge(accounts(), items(), run.draws(150, 40), run, chunk=5, nearer=run.draws(60, 15))
+    judged = judge(accounts(), items(), run.draws(150, 100), run, chunk=5, nearer=run.draws(60, 30))
     weighed = calibrated(judged, WEIGHED)
     run.say("what cells gain in robots that differ in one thing")
     draws = gains.reached(draw_many(gains.gained, gains.ASSUMED, run.draws(70, 12), run, "gains"))
