@@ -25,6 +25,7 @@ from workbench import (
     needs_table,
     odds_figure,
     odds_table,
+    redrawn,
     tornado,
 )
 from workbench.studies.evidence import evidence
@@ -215,6 +216,29 @@ def test_a_claim_holds_in_so_many_draws(tmp_path: Path) -> None:
     assert not stand["large"].stands
     assert stand["large"].share == pytest.approx(0.5, abs=0.05)
     assert checked(claims, {"error": 6.0, "own": 6.0})["large"].stands  # no draws: the run itself
+
+
+def test_odds_of_runs_more_scatter_as_their_error_says(judged: Judged) -> None:
+    """Drawn again out of themselves: about the run's own, as wide as another run's would be."""
+
+    def numbers(one: Judged) -> dict[str, float]:
+        seen.append(one)
+        return {"odds": one.odds("wide", "moved")[0], "left": float(one.excluded("wide", 100.0))}
+
+    seen: list[Judged] = []
+    found = redrawn(judged, numbers, 30)
+    own, error = judged.odds("wide", "moved")
+    assert found.count == 30
+    assert abs(np.mean(found.numbers["odds"]) - own) < error
+    assert 0.1 * error < np.std(found.numbers["odds"]) < 1.5 * error
+    assert np.array_equal(found.numbers["odds"], redrawn(judged, numbers, 30).numbers["odds"])
+    taken = seen[0].first["wide"].predicted[:, 0]
+    every = judged.first["wide"].predicted[:, 0]
+    assert set(taken[::2]) <= set(every[::2])  # judged by one half and tried on the other
+    assert set(taken[1::2]) <= set(every[1::2])
+    assert len(set(taken)) < 0.7 * len(every)
+    claim = Claim("moved", "wide has less than moved", lambda n: n["odds"] < 0)
+    assert checked([claim], {"odds": own}, found)["moved"].draws == 30
 
 
 @pytest.mark.parametrize("ends", [(1.0, 1.0), (2.0, 1.0), (0.0, 1.0)])

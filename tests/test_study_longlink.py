@@ -15,7 +15,7 @@ from workbench import denavit_hartenberg as dh
 from workbench.campaign import load_campaign
 from workbench.report.study import LEAST, Study
 from workbench.robot.description import load_robot
-from workbench.studies.longlink import arm, circular, linear, printed, recursion, stories
+from workbench.studies.longlink import arm, circular, driven, linear, printed, recursion, stories
 from workbench.studies.longlink import study as longlink
 from workbench.studies.running import run_script
 from workbench.studies.study_run import StudyRun
@@ -188,3 +188,12 @@ def test_captions_stand_alone(found: Study) -> None:
 
 def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
     poses_are_counted(found, 0.4)
+
+
+def test_a_compensated_path_is_better_in_closed_loop_too() -> None:
+    [(seconds, errors)] = driven.driven(load_robot("longlink"), 0.3, (driven.FAST,)).items()
+    found = driven.driven_numbers({seconds: errors})
+    statics = recursion.compensated(load_robot("longlink"), 0.3)["compliance known"]
+    assert errors[0] == pytest.approx(statics[0], rel=0.02)
+    assert found["driven_once_mm"] < 0.1 * found["driven_none_mm"]
+    assert errors[2] > 10 * statics[2]  # inertia and lag, which no statics takes away

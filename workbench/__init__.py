@@ -154,6 +154,7 @@ if TYPE_CHECKING:
     from .studies.draws import tornado as tornado
     from .studies.judging import judge as judge
     from .studies.priors import Prior as Prior
+    from .studies.redrawn import redrawn as redrawn
     from .studies.study_run import StudyRun as StudyRun
     from .studies.telling import by_joint as by_joint
 
@@ -225,6 +226,7 @@ _MODULES = {
     "studies.counterparts": "counterpart",
     "studies.draws": "Draws draw_many tornado",
     "studies.judging": "judge",
+    "studies.redrawn": "redrawn",
     "studies.priors": "Prior",
     "studies.study_run": "StudyRun",
     "studies.telling": "by_joint",

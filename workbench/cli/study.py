@@ -47,7 +47,7 @@ def _script_options(parser: argparse.ArgumentParser, folder: str) -> None:
     workers_option(parser)
     parser.add_argument("--resume", action="store_true", help="take the draws of a stopped run, and go on")
     parser.add_argument(
-        "--measured", type=Path, metavar="DIR", help="measured campaigns (ur10-ipa), for the same question"
+        "--measured", type=Path, metavar="DIR", help="measured campaigns (see README), for the same question"
     )
     json_option(parser)
 

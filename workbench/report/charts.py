@@ -44,8 +44,8 @@ def rows(
     """One row per name, a dot per series with its interval as a line; NaN draws nothing."""
     shift = np.linspace(-0.16, 0.16, len(series)) if len(series) > 1 else np.zeros(1)
     with drawing(name, 0.95 + 0.34 * len(names)) as (axes, svg):
-        for k, (key, given) in enumerate(series.items()):
-            colour, at = given.colour or COLOURS[k], np.arange(len(names)) + shift[k]
+        for k, (colour, (key, given)) in enumerate(zip(_colours(series), series.items(), strict=True)):
+            at = np.arange(len(names)) + shift[k]
             values = np.asarray(given.values, dtype=float)
             if given.low is not None and given.high is not None:
                 axes.hlines(at, np.asarray(given.low), np.asarray(given.high), color=colour, lw=2, alpha=0.45)
@@ -74,8 +74,8 @@ def curves(
     """Curves over a common x (K,); intervals as bands (of "o" series: as bars)."""
     at = np.asarray(x, dtype=float)
     with drawing(name, height) as (axes, svg):
-        for k, (key, given) in enumerate(series.items()):
-            _curve(axes, at, given, given.colour or COLOURS[k], key)
+        for colour, (key, given) in zip(_colours(series), series.items(), strict=True):
+            _curve(axes, at, given, colour, key)
         if log:
             axes.set_yscale("log")
             plain_log(axes.yaxis)
@@ -162,6 +162,13 @@ def plane(
         axes.set(xlabel=xlabel, ylabel=ylabel, aspect="equal")
         axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
     return Figure(name, title, f"{ylabel} over {xlabel}: {', '.join(series)}", svg[0])
+
+
+def _colours(series: Mapping[str, Series]) -> list[str]:
+    """Their own, else the next that none of them has."""
+    own = [given.colour for given in series.values()]
+    free = iter([colour for colour in COLOURS if colour not in own])
+    return [colour or next(free) for colour in own]
 
 
 def _curve(axes: Any, x: Array, given: Series, colour: str, key: str) -> None:

@@ -26,6 +26,7 @@ What such a page says it has to earn:
   drawn from the accounts are judged as the print is (`calibrated_table`, `stated_table`).
 - `draw_many(work, priors, draws, run)` draws the headline over seeds and over what had to be assumed;
   `tornado` shows which assumption carries it, `.by_name()` gives a story medians and 5 to 95 %.
+- `redrawn(judged, numbers)` gives what hangs on the odds over fifty runs more, for claims about them.
 - `checked(claims, numbers, draws)` says how often each sentence holds; `tell(..., claims=...)` has the story
   say `[if NAME] this [else] that [end]`: a claim stands that holds in the run and in nine of ten draws.
 

@@ -102,7 +102,10 @@ def odds_figure(judged: Judged, name: str = "odds") -> Figure:
     )}  # fmt: skip
     shares = judged.probabilities()
     first = max(shares, key=lambda key: shares[key])
+    near = [key for key in shares if key != first and not judged.excluded(key, 1.0)]
     title = f"Of the accounts, “{_words(judged, first)}” carries {probability(shares[first])}"
+    if near:
+        title += f"; {len(near)} more {'is' if len(near) == 1 else 'are'} within the error of the odds"
     names = [a.words for a in judged.accounts]
     return charts.rows(
         name, title, names, series, "log₁₀ of the odds to the best account, ± two standard deviations"

@@ -72,10 +72,8 @@ def evidence(drawn: Array, value: Array, sd: Array, prior: Array | None = None, 
     whole = _log10_mean(logs)
     narrow = _log10_mean(carried[good] + _bumps(drawn[good], value, sd, 0.5)) + np.log10(good.mean())
     again = np.random.default_rng([seed, len(drawn)]).integers(len(drawn), size=(RESAMPLED, len(drawn)))
-    means = [_log10_mean(logs[take]) for take in again]
-    return Evidence(
-        whole, max(float(np.std([m for m in means if np.isfinite(m)])), abs(narrow - whole)), logs
-    )
+    means = np.exp(logs - logs.max())[again].mean(axis=1)
+    return Evidence(whole, max(float(np.std(np.log10(means[means > 0]))), abs(narrow - whole)), logs)
 
 
 def _bumps(drawn: Array, value: Array, sd: Array, narrower: float) -> Array:

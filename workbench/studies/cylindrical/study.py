@@ -47,6 +47,7 @@ from workbench import (
     path_shapes,
     planned,
     problem_of,
+    redrawn,
     restated,
     run_study,
     simulate,
@@ -62,7 +63,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 
 from .accounts import ITEMS, accounts
 from .deflections import CIRCLE_RADIUS, GRAVITY, HAND_TARGETS, LENGTH, STROKE
-from .headline import OF_DRAWS, OF_RUN, draws, in_sigma
+from .headline import OF_DRAWS, OF_ODDS, OF_RUN, draws, in_sigma, odds
 from .printed import FORCE, NUMBERS, POSES, SIGMA, TABLE_1, TABLE_2
 
 IN_BASE = np.eye(3)[None], np.zeros((1, 3))  # an instrument that stands in the robot's base
@@ -127,6 +128,7 @@ def study(run: StudyRun) -> Study:
         "Model": "model.toml",
     }
     stands = checked(OF_DRAWS, numbers, drawn) | checked(OF_RUN, numbers)
+    stands |= checked(OF_ODDS, numbers, redrawn(judged, odds))
     story = Path(__file__).with_name("story.md")
     told = tell(story, robot, numbers, items, shown, "oddsfigure", files, stands)
     hidden = dict(zip(robot.joint_names, TABLE_1.tolist(), strict=True))

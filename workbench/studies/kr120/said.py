@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench import Claim, Draws, Judged, Stand, checked
+from workbench import Claim, Draws, Judged, Stand, checked, redrawn
 
 from .patterns import RANGE_1, SEEN, large_ones
 
@@ -43,6 +43,25 @@ DECIDING = (
         "torque_decides", "three loads with motor torque tell all machines", lambda n: n["apart_torque"] == 1
     ),
 )
+ODDS_SAY = (
+    Claim(
+        "gas_out",
+        "odds of 100 to 1 against a gas spring that the arm can hold",
+        lambda n: n["gas_is_out"] == 1,
+    ),
+    Claim(
+        "soft_not_best",
+        "another account has higher odds than a soft gear, beyond their error",
+        lambda n: n["soft_is_behind"] == 1,
+    ),
+    Claim(
+        "several_left", "more than one account is not excluded by odds of 100 to 1", lambda n: n["left"] > 1
+    ),
+    Claim(
+        "yardstick", "no named account excludes a scatter without a name", lambda n: n["nameless_out"] == 0
+    ),
+)
+"""Of the accounts' draws, drawn again out of themselves."""
 
 
 def stands(
@@ -63,21 +82,16 @@ def stands(
     found: dict[str, Stand] = {}
     for claims, draws in each:
         found |= checked(claims, {**numbers, **draws.middle}, draws)
-    return found | checked(of_odds(judged), numbers)
+    return found | checked(ODDS_SAY, {**numbers, **_odds(judged)}, redrawn(judged, _odds))
 
 
-def of_odds(judged: Judged) -> tuple[Claim, ...]:
-    """Claims that hang on the odds of this run."""
+def _odds(judged: Judged) -> dict[str, float]:
+    """What the claims of the odds ask for: accounts that are left, and whether some are out."""
     names = [a.name for a in judged.accounts]
     named = [name for name in names if name != "nameless"]
-    left = [name for name in names if not judged.excluded(name, ODDS)]
-    return (
-        Claim("gas_out", "odds of 100 to 1 against a gas spring that the arm can hold",
-              lambda _: judged.excluded("gas", ODDS)),
-        Claim("soft_not_best", "another account has higher odds than a soft gear, beyond their error",
-              lambda _: judged.excluded("soft", 1.0)),
-        Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
-              lambda _: len(left) > 1),
-        Claim("yardstick", "no named account excludes a scatter without a name",
-              lambda _: not any(judged.excluded("nameless", ODDS, by=name) for name in named)),
-    )  # fmt: skip
+    return {
+        "left": float(sum(not judged.excluded(name, ODDS) for name in names)),
+        "gas_is_out": float(judged.excluded("gas", ODDS)),
+        "soft_is_behind": float(judged.excluded("soft", 1.0)),
+        "nameless_out": float(any(judged.excluded("nameless", ODDS, by=name) for name in named)),
+    }

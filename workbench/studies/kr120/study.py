@@ -117,7 +117,7 @@ def study(run: StudyRun) -> Study:
     numbers |= charge_by_witness(robot, usual["gas"], RIG, DRIVE_NOISE, run.draws(80, 40), seed)
 
     run.say("diagnosing richer campaigns")
-    decided = deciding_draws(run.draws(20, 1), run)
+    decided = deciding_draws(run.draws(50, 1), run)
     numbers |= deciding_numbers(decided)
     campaign = simulate(campaigns("torque", seed), usual["soft"], seed=seed, torque_sigma=DRIVE_NOISE)
     write_campaign(folder / "campaign", campaign, comments=["simulated in Drake"])

@@ -30,6 +30,7 @@ from workbench import (
     diagnose,
     draw_many,
     judge,
+    redrawn,
     run_study,
     stated_table,
     stored,
@@ -42,7 +43,7 @@ if not __package__:  # run as a script: the chapters lie beside it
 
 from . import gains, named, odds, shown
 from .accounts import KINDS, WEIGHED, accounts, items
-from .claims import OF_ACCOUNTS, OF_DRAWS, told
+from .claims import OF_ACCOUNTS, OF_DRAWS, OF_RUN, again, told
 from .printed import NUMBERS
 from .seen import identifiable
 
@@ -56,7 +57,7 @@ def study(run: StudyRun) -> Study:
     """Accounts of the print judged, what cells gain in each, and what a diagnosis says of their robots."""
     seed = run.seed
     run.say("accounts: the paper's protocol, with all that it does not give drawn")
-    judged = judge(accounts(), items(), run.draws(150, 40), run, chunk=5, nearer=run.draws(60, 15))
+    judged = judge(accounts(), items(), run.draws(150, 100), run, chunk=5, nearer=run.draws(60, 30))
     weighed = calibrated(judged, WEIGHED)
     run.say("what cells gain in robots that differ in one thing")
     draws = gains.reached(draw_many(gains.gained, gains.ASSUMED, run.draws(70, 12), run, "gains"))
@@ -100,7 +101,8 @@ def study(run: StudyRun) -> Study:
     scene = Shown(first.world.check.q[0], place, stages, noise=first.world.values["sigma"])
     files = {"Campaign": "campaign/campaign.toml"}
     story = Path(__file__).with_name("story.md")
-    claims = checked(OF_ACCOUNTS, n) | checked(OF_DRAWS, n, draws)
+    claims = checked(OF_RUN, n) | checked(OF_DRAWS, n, draws)
+    claims |= checked(OF_ACCOUNTS, n, redrawn(judged, again))
     page = tell(story, first.world.grid.robot, n, items_, scene, "gains", files, claims)
     return replace(page, sealed=sealed)
 

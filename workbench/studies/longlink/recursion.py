@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from workbench import Array, Robot, Table, numbers, places, planned, with_compliance
@@ -19,15 +21,27 @@ START = np.radians([10.0, -60.0, 70.0, 20.0, -40.0, 30.0, 0.0])
 def compensated(assumed: Robot, share: float) -> dict[str, Array]:
     """By model the root mean square error [mm] (ROUNDS + 1,) of a robot of Table III
     that yields by `share` of what is assumed: uncompensated, after (26) once, twice, ..."""
-    bare = dh.with_rows(assumed, TABLE_2, TABLE_3)
-    true = with_compliance(bare, share)
+    bare, true = with_table_3(assumed), yielding(assumed, share)
     models = {
         "compliance known": true,
         f"compliance {numbers.percent(MISSED, 0)} too small": with_compliance(bare, (1 - MISSED) * share),
         "links alone, Table I": with_compliance(bare, 1e-9),
     }
     path = circle()
-    return {name: _rounds(true, model, path) for name, model in models.items()}
+    return {
+        name: np.array([_error(true, q, path) for q in commands(model, path)])
+        for name, model in models.items()
+    }
+
+
+def with_table_3(assumed: Robot) -> Robot:
+    """The arm with Table III's geometry, its compliance as assumed."""
+    return dh.with_rows(assumed, TABLE_2, TABLE_3)
+
+
+def yielding(assumed: Robot, share: float) -> Robot:
+    """The arm of Table III that yields by `share` of what is assumed."""
+    return with_compliance(with_table_3(assumed), share)
 
 
 def recursion_numbers(found: dict[str, Array]) -> dict[str, float]:
@@ -44,14 +58,13 @@ def circle() -> Array:
     return np.asarray(centre + RADIUS * np.column_stack([0 * t, np.cos(t) - 1, np.sin(t)]))
 
 
-def _rounds(true: Robot, model: Robot, path: Array) -> Array:
-    asked, q = path.copy(), _joints(path, np.tile(START, (len(path), 1)))
-    errors = [_error(true, q, path)]
+def commands(model: Robot, path: Array) -> list[Array]:
+    """(P, 7) joints for a path (P, 3) by a model of the arm: uncompensated, after (26) once, twice, ..."""
+    asked, out = path.copy(), [_joints(path, np.tile(START, (len(path), 1)))]
     for _ in range(ROUNDS):
-        asked = asked + path - _tip(model, q)  # once from asked = T: T + (T − T₇) = 2T − T₇
-        q = _joints(asked, q)
-        errors.append(_error(true, q, path))
-    return np.array(errors)
+        asked = asked + path - _tip(model, out[-1])  # once from asked = T: T + (T − T₇) = 2T − T₇
+        out.append(_joints(asked, out[-1]))
+    return out
 
 
 def _error(robot: Robot, q: Array, path: Array) -> float:
@@ -82,12 +95,13 @@ def _step(J: Array, left: Array) -> Array:
     return np.einsum("pja,pa->pj", J, np.linalg.solve(square, left[..., None])[..., 0])
 
 
-def recursion_table(found: dict[str, Array]) -> Table:
-    """Errors by round and model."""
+def recursion_table(found: dict[str, Array], driven: Mapping[float, Array]) -> Table:
+    """Errors by round and model, and driven in closed loop where the compliance is known."""
     rows = [
         [
             "not compensated" if k == 0 else f"(26), {k} ×",
             *(numbers.mm(float(errors[k])) for errors in found.values()),
+            *(numbers.mm(float(errors[k])) if k < len(errors) else "" for errors in driven.values()),
         ]
         for k in range(ROUNDS + 1)
     ]
@@ -95,6 +109,8 @@ def recursion_table(found: dict[str, Array]) -> Table:
         f"Root mean square error of the tip, mm, over {POINTS} points of a circle of {1e3 * RADIUS:.0f} mm; "
         "the robot is Table III's "
         "and yields; its geometry is known, the deflection is what the model in the head says. Loaded "
-        "poses: the workbench's statics."
+        "poses: the workbench's statics. Driven: compliance known, in simulated closed loop, without dry "
+        "friction."
     )
-    return Table("Compensation T_end = 2T − T₇ and its recursion", ("Round", *found), rows, note)
+    head = ("Round", *found, *(f"driven in {seconds:.0f} s" for seconds in driven))
+    return Table("Compensation T_end = 2T − T₇ and its recursion", head, rows, note)

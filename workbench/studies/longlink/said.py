@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from workbench import Claim, Draws, Judged, Stand, checked
+from workbench import Claim, Draws, Judged, Stand, checked, redrawn
 
 from .circular import HALF_ALPHA
 from .printed import BEFORE
@@ -26,6 +26,12 @@ HIDDEN = (
     ),
     Claim("one_misses", "25 unloaded points do not find it", lambda n: n["found_one"] == 0),
 )
+ODDS_SAY = (
+    Claim(
+        "several_left", "more than one account is not excluded by odds of 100 to 1", lambda n: n["left"] > 1
+    ),
+)
+"""Of the accounts' draws, drawn again out of themselves."""
 
 
 def stands(numbers: Mapping[str, float], judged: Judged, arms: Draws, hidden: Draws) -> dict[str, Stand]:
@@ -33,16 +39,13 @@ def stands(numbers: Mapping[str, float], judged: Judged, arms: Draws, hidden: Dr
     found: dict[str, Stand] = {}
     for claims, draws in ((ARMS, arms), (HIDDEN, hidden)):
         found |= checked(claims, {**numbers, **draws.middle}, draws)
-    return found | checked((*of_odds(judged), *of_run()), numbers)
+    found |= checked(ODDS_SAY, {**numbers, **_odds(judged)}, redrawn(judged, _odds))
+    return found | checked(of_run(), numbers)
 
 
-def of_odds(judged: Judged) -> tuple[Claim, ...]:
-    """Claims that hang on the odds of this run."""
-    left = [name for name in OWN if not judged.excluded(name, ODDS)]
-    return (
-        Claim("several_left", "more than one account is not excluded by odds of 100 to 1",
-              lambda _: len(left) > 1),
-    )  # fmt: skip
+def _odds(judged: Judged) -> dict[str, float]:
+    """Accounts that are left."""
+    return {"left": float(sum(not judged.excluded(name, ODDS) for name in OWN))}
 
 
 def of_run() -> tuple[Claim, ...]:
@@ -54,6 +57,8 @@ def of_run() -> tuple[Claim, ...]:
               lambda n: n["bending_loaded_mm"] < 0.01 * BEFORE),
         Claim("once_enough", "(26) once leaves less than a tenth where the compliance is known",
               lambda n: n["known_once_mm"] < 0.1 * n["known_none_mm"]),
+        Claim("driven_too", "driven in closed loop (26) leaves less than a tenth as well",
+              lambda n: n["driven_once_mm"] < 0.1 * n["driven_none_mm"]),
         Claim("z_hints", "z is the largest in a stiff arm less often than in one that yields as well",
               lambda n: n["z_odds"] > 1),
         Claim("take_out", "deflection left in circle points shifts lengths by more than their interval",

@@ -8,6 +8,7 @@ after, needs flexibility, and which measurement would show it?
 from __future__ import annotations
 
 from dataclasses import replace
+from os import cpu_count
 from pathlib import Path
 
 from workbench import (
@@ -46,6 +47,7 @@ from .bending import what_bends
 from .calibration import axial_numbers, circle_numbers, identified, measured, miss_numbers, stages, stood_in
 from .circular import arm_draws, arm_numbers, arms_table
 from .detection import hidden_draws, what_shows
+from .driven import FAST, SLOW, driven, driven_numbers
 from .figures import twelve_figure
 from .printed import FITTED, NUMBERS
 from .recursion import compensated, recursion_numbers, recursion_table
@@ -115,10 +117,14 @@ def study(run: StudyRun) -> Study:
         }
     )
     path = compensated(assumed, share)
-    numbers |= recursion_numbers(path)
+    run.say("driving the compensated path in closed loop")
+    loop = driven(
+        assumed, share, (FAST,) if quick else (SLOW, FAST), run.workers or cpu_count() or 1, run.say
+    )
+    numbers |= recursion_numbers(path) | driven_numbers(loop)
 
     run.say("asking what data would show flexibility")
-    hidden = hidden_draws(share, run.draws(20, 1), run)
+    hidden = hidden_draws(share, run.draws(50, 1), run)
     showing = what_shows(folder, robot, hidden, run)
     clear = clear_poses(assumed, stood_in(data, seed))
     numbers |= clear_numbers(clear)
@@ -127,7 +133,7 @@ def study(run: StudyRun) -> Study:
         "measured": counterpart("longlink", run),
         **told(arms, judged),
         "twelve": twelve_figure(miss, numbers["noise_mean_mm"]),
-        "recursion": recursion_table(path),
+        "recursion": recursion_table(path, loop),
     }
     for chapter in (geometry, bending, showing):
         numbers |= chapter.numbers

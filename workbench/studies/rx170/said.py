@@ -4,27 +4,12 @@ from __future__ import annotations
 
 from scipy import stats
 
-from workbench import Claim
+from workbench import Claim, Judged
 
 RUNS_OUT = float(stats.chi2.isf(1e-3, 2))  # of a line more
 OF_RUN = (
     Claim(
         "constant", "nine tenths of the first Ra are a constant height", lambda n: n["constant_share"] > 0.9
-    ),
-    Claim(
-        "fixed",
-        "z = 0 is neither each run's mean nor its best plane",
-        lambda n: n["p_mean"] + n["p_level"] < 0.01,
-    ),
-    Claim(
-        "open",
-        "Table II does not tell a joint 2 that errs alone from other joints whose sag lies in the zero",
-        lambda n: max(n["p_own"], n["p_sagging"]) < 0.95 * (n["p_own"] + n["p_sagging"]),
-    ),
-    Claim(
-        "still",
-        "counted from the base, the other joints would yield less than a quarter of our model's",
-        lambda n: not n["base_sag_high"] > 0.25,
     ),
     Claim(
         "each_step",
@@ -72,3 +57,28 @@ OF_RUN = (
 
 OF_DRAWS = (Claim("deeper", "the corrections lower Ra more than Rz", lambda n: n["ra_gain"] < n["rz_gain"]),)
 """Of each draw of what is assumed."""
+
+OF_ODDS = (
+    Claim(
+        "fixed",
+        "z = 0 is neither each run's mean nor its best plane",
+        lambda n: n["p_mean"] + n["p_level"] < 0.01,
+    ),
+    Claim(
+        "open",
+        "Table II does not tell a joint 2 that errs alone from other joints whose sag lies in the zero",
+        lambda n: max(n["p_own"], n["p_sagging"]) < 0.95 * (n["p_own"] + n["p_sagging"]),
+    ),
+    Claim(
+        "still",
+        "counted from the base, the other joints would yield less than a quarter of our model's",
+        lambda n: not n["base_sag_high"] > 0.25,
+    ),
+)
+"""Of the accounts' draws, drawn again out of themselves."""
+
+
+def odds(judged: Judged) -> dict[str, float]:
+    """What the claims of the odds ask for."""
+    found = {f"p_{name}": p for name, p in judged.probabilities().items()}
+    return found | {"base_sag_high": judged.needed("base", "sag")[2]}

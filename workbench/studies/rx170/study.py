@@ -38,6 +38,7 @@ from workbench import (
     odds_figure,
     odds_table,
     record,
+    redrawn,
     restated,
     run_study,
     separate,
@@ -57,7 +58,7 @@ from .accounts import ITEMS, accounts, draws
 from .hidden import hidden
 from .measuring import LOCAL, SWEEPS, all_at_once, measured, stiffness, stood_in
 from .printed import NUMBERS, POSES, SPIRAL_TURNS, TABLE_1
-from .said import OF_DRAWS, OF_RUN
+from .said import OF_DRAWS, OF_ODDS, OF_RUN, odds
 from .spiral import Spirals, draw_spirals, printed_numbers, spiral_numbers
 from .superposed import ELBOW_UP
 
@@ -127,6 +128,7 @@ def study(run: StudyRun) -> Study:
         "orders": figures.line_table(apart, "joint 2"),
     }
     stands = checked(OF_RUN, numbers) | checked(OF_DRAWS, numbers, drawn)
+    stands |= checked(OF_ODDS, numbers, redrawn(judged, odds))
     story = Path(__file__).with_name("story.md")
     told = tell(story, robot, numbers, items, spirals.shown, "oddsfigure", FILES, stands)
     return replace(told, sealed={"campaign/campaign.toml": {"effects": as_told(truth, "joint_2")}})
