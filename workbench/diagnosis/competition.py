@@ -10,6 +10,7 @@ import numpy as np
 from ..effects import line as gear_line
 from ..effects.base import UNKNOWN, Effect
 from ..effects.unnamed import products, unnamed
+from ..effects.unnamed.joints import Product
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
@@ -151,11 +152,12 @@ def _chi2_with(result: Fit, i: int, other: Effect) -> float:
 
 
 def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
-    """Functions of two other joints, for the joints that scatter most."""
+    """Functions of two other joints: for the joints that scatter most, and those that have such a one."""
     extra = at.noise.joint**2 - base.joint**2
-    for j in np.argsort(-extra)[:MOST_SCATTERING]:
-        if extra[j] > 0:
-            yield from products(at.model.problem, int(j))
+    most = [int(j) for j in np.argsort(-extra)[:MOST_SCATTERING] if extra[j] > 0]
+    found = [at.model.problem.joint(e.where.joint) for e in at.model.effects if isinstance(e, Product)]
+    for j in dict.fromkeys([*most, *found]):
+        yield from products(at.model.problem, j)
 
 
 def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noise_known: bool) -> _Round:
@@ -165,50 +167,55 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
     more than that, is what it leaves: else the data would be believed in what no member can say.
+
+    What a name is worth is judged at the set's own fit, under its own noise.
     """
     base, lines, errors = geometry.noise, list[Line](), list[float]()
-    stated, best, labels, before = base, None, list[str](), set[Effect]()
-    at = _fitted(geometry, [], base)
+    stated, labels, before = base, list[str](), set[Effect]()
+    at, best = _fitted(geometry, [], base), None
     for _ in range(ROUNDS):
         lines = _with_lines(at, lines)
-        functions = [*unnamed(at.model.problem), *_of_scattering(at, base)]
-        competition, members = _searched(at, candidates, lines, functions, noise_dof, labels)
-        effects, noise = _effects(competition, members), at.noise
+        competition = _competition(at, candidates, lines, base, noise_dof)
+        members = competition.best(labels)
+        effects = _effects(competition, members)
+        labels = [competition.components[m.component].label for m in members]
         if not noise_known:
             base = from_residual(_refitted(replace(at, noise=base), effects))[0]
-        found = _fitted(at, effects, base)
+        after = found = _fitted(at, effects, base)
         errors.append(rms_mm(heldout(found)))
-        labels = [competition.components[m.component].label for m in members]
-        if best is None or errors[-1] < min(errors[:-1]):
-            best = _Round(at, found, competition, members)
-        del competition  # the columns of all components take much room
         left = remainder(found, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
-            found = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
-        at, same, before = found, set(effects) == before, set(effects)
-        if (same and alike(noise, at.noise)) or _no_better(errors):
+            after = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
+        now = _Round(at, found, competition, members, labels, after, base)
+        if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
+            best = now
+        same, before = set(effects) == before, set(effects)
+        settled = same and alike(at.noise, after.noise)
+        at = after
+        del competition, now  # the columns of all components take much room
+        if settled or _no_better(errors):
             break
     assert best is not None, "no round"
-    return best
+    if best.at_home:
+        return best
+    home, found, labels, base = best.after, best.found, best.labels, best.base
+    del best
+    competition = _competition(home, candidates, lines, base, noise_dof)
+    return _Round(home, found, competition, competition.again(labels), labels, home, base)
 
 
-def _searched(
-    at: Fit,
-    candidates: Sequence[Effect],
-    lines: Sequence[Line],
-    functions: Sequence[Effect],
-    noise_dof: float,
-    before: Sequence[str],
-) -> tuple[Competition, list[Member]]:
-    """The likeliest set at a fit, and what it competed in; before: labels of the set of the last round."""
+def _competition(
+    at: Fit, candidates: Sequence[Effect], lines: Sequence[Line], base: Covariance, noise_dof: float
+) -> Competition:
+    """All that competes, at a fit."""
+    functions = [*unnamed(at.model.problem), *_of_scattering(at, base)]
     components = [
         *cause_components(at, candidates),
         *(_line(at, line) for line in lines),
         *nameless_components(at, functions),
     ]
-    competition = Competition(reduce(at, components, noise_dof), components)
-    return competition, competition.best(before)
+    return Competition(reduce(at, components, noise_dof), components)
 
 
 def _misfit(left: Remainder, noise_dof: float) -> float:
@@ -223,12 +230,25 @@ def _no_better(errors: Sequence[float]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Round:
-    """One round: the fit that the components were compared at, the set that this found, the fit with it."""
+    """One round: the fit that the components were compared at, the set that this found, with its labels, the
+    fit with it; and that fit under the noise that it leaves, which goes by `base`."""
 
     at: Fit
     found: Fit
     competition: Competition
     members: list[Member]
+    labels: list[str]
+    after: Fit
+    base: Covariance
+
+    @property
+    def at_home(self) -> bool:
+        """Whether the set was compared at its own fit, and not under what others left unexplained."""
+        return set(self.at.model.effects) == set(self.found.model.effects)
+
+    def is_of(self, other: _Round) -> bool:
+        """Whether it found the same set."""
+        return set(self.found.model.effects) == set(other.found.model.effects)
 
 
 def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:
