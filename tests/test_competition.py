@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from diagnosis_cases import measured
-from scipy.stats import norm
+from scipy.stats import chi2, norm
 
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import prepared as preparation
@@ -95,9 +95,19 @@ def test_weights_in_batches_are_those_of_each_form_alone(competition, chosen):
                 held = scale**2 / (1 + scale**2 * d)
                 gain = -0.5 * (reduced.noise_dof + reduced.dof) * np.log(1 - (held * y**2).sum() / before)
                 value = gain - 0.5 * np.log1p(scale**2 * d).sum() + weight
-                if form.one_sided:
-                    z = (V[0] * held * y).sum() / np.sqrt((V[0] ** 2 * held).sum())
-                    value += np.log(2 * (0.98 * norm.cdf(z) + 0.02 * norm.cdf(-z)))
+                main = form.main
+                mean, cov = (V[:main] * held) @ y, (V[:main] * held) @ V[:main].T
+                least = 0.0 if len(d) == main else PRIORS.present * scale
+                if main > 1 and least:
+                    sigma = np.sqrt(np.trace(cov) / main)
+                    value += norm.logcdf((np.linalg.norm(mean) - least) / sigma)
+                elif form.one_sided or least:
+                    right, wrong = (
+                        norm.cdf((sign * mean[0] - least) / np.sqrt(cov[0, 0])) for sign in (1, -1)
+                    )
+                    side = 2 * (0.98 * right + 0.02 * wrong) if form.one_sided else right + wrong
+                    value += np.log(max(side, 1e-300))
+                value -= chi2.logsf((least / scale) ** 2, main) if least else 0.0
                 table.append(value)
         expected = np.logaddexp.reduce(table) - np.log(len(component.forms)) + component.log_odds
         assert weights[k].log_odds == pytest.approx(expected, abs=1e-6 * max(1, abs(expected)))

@@ -14,9 +14,10 @@ class Priors:
     unstated: of a yield for which the model has no number, at each place. scales: sizes of an effect in usual
     sizes, with half-Cauchy weights 1/(1 + s²) per s; largest: beyond which nothing passes for a cause.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
-    physics holds to one sign has the other. named: probability from which a cause is named; listed: share of
-    the probability that the cause and its rivals must cover, faintest_rival: probability below which a rival
-    is not worth a word; absent: probability of nothing there from which a cause is not reported.
+    physics holds to one sign has the other. present: least size, in its scale, of an effect that brings
+    companions. named: probability from which a cause is named; listed: share of the probability that the
+    cause and its rivals must cover, faintest_rival: probability below which a rival is not worth a word;
+    absent: probability of nothing there from which a cause is not reported.
     joint_yields, tilt_yields: usual motion of a yield [rad] at the campaign's largest load."""
 
     cause: float = 0.03
@@ -27,6 +28,7 @@ class Priors:
     largest: float = 10.0
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
+    present: float = 0.3
     named: float = 0.95
     listed: float = 0.97
     absent: float = 0.2

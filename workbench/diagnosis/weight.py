@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
+from scipy.stats import chi2
 
 from ..robot.kinematics import Array
 from .components import Component
@@ -49,10 +50,11 @@ class Forms:
 
     def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
         self.reduced, self.components = reduced, components
-        rows: dict[int, list[tuple[int, int, Array, bool, bool]]] = {}  # by the number of columns
+        rows: dict[int, list[tuple[int, int, Array, bool, bool, int]]] = {}  # by the number of columns
         for k, component in enumerate(components):
             for f, (form, part) in enumerate(zip(component.forms, reduced.parts[k], strict=True)):
-                row = (k, f, np.arange(part.start, part.stop), form.one_sided, not component.nameless)
+                own = form.main if form.main < part.stop - part.start else 0
+                row = (k, f, np.arange(part.start, part.stop), form.one_sided, not component.nameless, own)
                 rows.setdefault(part.stop - part.start, []).append(row)
         self.groups = [tuple(map(np.array, zip(*group, strict=True))) for group in rows.values()]
 
@@ -60,11 +62,11 @@ class Forms:
         """Weights of the components `allowed`. left_of: S (F, p, p) and u (F, p) that a set leaves of blocks
         of columns (F, p); explained: what the set took off χ²."""
         tables: dict[int, list[tuple[int, Array]]] = {}
-        for owner, form, index, one_sided, named in self.groups:
+        for owner, form, index, one_sided, named, own in self.groups:
             here = np.flatnonzero(allowed[owner])
             if not len(here):
                 continue
-            table = self._table(*left_of(index[here]), explained, one_sided[here])
+            table = self._table(*left_of(index[here]), explained, one_sided[here], own[here])
             table[np.ix_(named[here], PRIORS.largest < SCALES)] = -np.inf
             for row, k, f in zip(table, owner[here], form[here], strict=True):
                 tables.setdefault(int(k), []).append((int(f), row))
@@ -77,15 +79,21 @@ class Forms:
             out[k] = Weight(float(total), rows[int(best[0])][0], float(SCALES[best[1]]))
         return out
 
-    def _table(self, S: Array, u: Array, explained: float, one_sided: NDArray[np.bool_]) -> Array:
-        """(F, scales) log Bayes factors, weighed by the scales' priors."""
+    def _table(
+        self, S: Array, u: Array, explained: float, one_sided: NDArray[np.bool_], own: NDArray[np.int64]
+    ) -> Array:
+        """(F, scales) log Bayes factors, weighed by the scales' priors. own: (F,) number of an effect's own
+        columns where companions follow, 0: none do."""
         q, log_det = _quadratic(S, u)
         table = likelihood(self.reduced, explained, q) - 0.5 * log_det + WEIGHTS
-        if one_sided.any():
-            z = _first(S[one_sided], u[one_sided])
-            wrong = PRIORS.wrong_sign
-            sides = np.logaddexp(np.log(1 - wrong) + log_ndtr(z), np.log(wrong) + log_ndtr(-z))
-            table[one_sided] += np.log(2) + sides
+        alone = one_sided & (own == 0)
+        if alone.any():
+            mean, covariance = _posterior(S[alone], u[alone], 1)
+            z = mean[..., 0] / np.sqrt(covariance[..., 0, 0])
+            table[alone] += np.log(2) + _sides(log_ndtr(z), log_ndtr(-z))
+        for count in set(own[own > 0].tolist()):
+            here = own == count
+            table[here] += _present(*_posterior(S[here], u[here], count), one_sided[here])
         return table
 
 
@@ -108,10 +116,32 @@ def _quadratic(S: Array, u: Array) -> tuple[Array, Array]:
     return (L[:, :, p, :p] ** 2).sum(axis=2), log_det
 
 
-def _first(S: Array, u: Array) -> Array:
-    """(F, scales) posterior mean of the first number of each block in its standard deviations."""
+def _posterior(S: Array, u: Array, count: int) -> tuple[Array, Array]:
+    """Posterior mean (F, scales, count) and covariance of the first numbers of each block."""
     A = S[:, None] + SCALES[:, None, None] ** -2.0 * np.eye(S.shape[1])
-    right = np.zeros((*A.shape[:3], 2))
-    right[..., 0, 0], right[..., 1] = 1.0, u[:, None]
-    solved = np.linalg.solve(A, right)
-    return np.asarray(solved[..., 0, 1] / np.sqrt(solved[..., 0, 0]))
+    right = np.zeros((*A.shape[:3], count + 1))
+    right[..., range(count), range(count)], right[..., count] = 1.0, u[:, None]
+    solved = np.asarray(np.linalg.solve(A, right)[..., :count, :], dtype=np.float64)
+    return solved[..., count], solved[..., :count]
+
+
+def _sides(right: Array, wrong: Array) -> Array:
+    """log probability of a sign that physics mostly holds, from those of either side."""
+    return np.asarray(np.logaddexp(np.log(1 - PRIORS.wrong_sign) + right, np.log(PRIORS.wrong_sign) + wrong))
+
+
+def _present(mean: Array, covariance: Array, one_sided: NDArray[np.bool_]) -> Array:
+    """(F, scales) log factor on the evidence where an effect is held to be no less than `PRIORS.present` of
+    its scale: companions are a share of an effect that is there. It is the probability of that after the
+    data over that before (Gelfand, Smith & Lee 1992: a prior cut to a region)."""
+    count, least = mean.shape[-1], PRIORS.present * SCALES
+    before = chi2.logsf(PRIORS.present**2, count)
+    if count == 1:
+        sigma = np.sqrt(covariance[..., 0, 0])
+        above, below = (log_ndtr((sign * mean[..., 0] - least) / sigma) for sign in (1, -1))
+        either = np.logaddexp(above, below)
+        held = np.log(2) + _sides(above, below)
+        return np.asarray(np.where(one_sided[:, None], held, either) - before)
+    sigma = np.sqrt(np.trace(covariance, axis1=-2, axis2=-1) / count)
+    after = log_ndtr((np.linalg.norm(mean, axis=-1) - least) / sigma)
+    return np.asarray(after - before)

@@ -13,7 +13,17 @@ from ..case_study import Record
 from .cases import Case, draw_case
 from .score import judged
 
-SIZES = ("cause", "line", "free", "largest", "noise_dof", "wrong_sign", "joint_yields", "tilt_yields")
+SIZES = (
+    "cause",
+    "line",
+    "free",
+    "largest",
+    "noise_dof",
+    "wrong_sign",
+    "present",
+    "joint_yields",
+    "tilt_yields",
+)
 SHARES = ("unstated", "named", "listed", "absent", "faintest_rival")
 ERRORS: dict[str, Callable[[Record], bool]] = {
     "truth not among what is reported": lambda said: said["reported"] is False,
