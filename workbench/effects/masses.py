@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array, Frames
+from .base import Effect
 from .kinds import LoadEffect
 from .place import Parameter
+
+OTHER = 0.3  # share of the other of mass and centre
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,10 @@ class MassEffect(LoadEffect):
         if self.variant == "mass":
             return ("mass",)
         return tuple(f"{kind}_{axis}" for kind in ("com", "moment") for axis in "xyz")
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """What weighs otherwise has its centre elsewhere as well, and the other way round."""
+        return [(OTHER, replace(self, variant="com" if self.variant == "mass" else "mass"))]
 
     def given(self, numbers: Mapping[str, float]) -> Array:
         if self.variant == "mass":
