@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from ..robot.kinematics import Array
 from .components import Component
@@ -84,19 +84,26 @@ class Chosen:
         S = S - K @ self.cross[index].swapaxes(1, 2)
         u = u - K @ self.reduced.u[self.index]
         if without is not None:
-            own = self.own[without]
-            back = np.linalg.solve(self.inverse[own, own], self.beta[own])
-            half = np.linalg.cholesky(np.linalg.inv(self.inverse[own, own]))
-            Kh = K[:, :, own] @ half
+            half, back = self._given_back[without]
+            Kh = K[:, :, self.own[without]] @ half
             S = S + Kh @ Kh.swapaxes(1, 2)
-            u = u + K[:, :, own] @ back
+            u = u + Kh @ back
         return S, u
 
+    @cached_property
+    def _given_back(self) -> list[tuple[Array, Array]]:
+        """Of each member H with H Hᵀ = (M_mm)⁻¹, and Hᵀ beta_m."""
+        halves = [
+            solve_triangular(
+                np.linalg.cholesky(self.inverse[own, own]), np.eye(own.stop - own.start), lower=True
+            ).T
+            for own in self.own
+        ]
+        return [(half, half.T @ self.beta[own]) for half, own in zip(halves, self.own, strict=True)]
+
     def explained_without(self, member: int) -> float:
-        own = self.own[member]
-        return self.explained - float(
-            self.beta[own] @ np.linalg.solve(self.inverse[own, own], self.beta[own])
-        )
+        back = self._given_back[member][1]
+        return self.explained - float(back @ back)
 
     @property
     def log_determinant(self) -> float:
