@@ -19,7 +19,7 @@ from workbench import Fault, InputError, run_study
 
 
 def study(run):
-    run.say(f"{run.folder} {run.seed} {run.quick} {run.workers} {run.resume}")
+    run.say(f"{run.drawn} {run.seed} {run.quick} {run.workers} {run.resume}")
     if run.seed == 1:
         raise KeyboardInterrupt
     if run.seed == 2:
@@ -35,10 +35,14 @@ run_study(study)
     ("given", "status", "said"),
     [
         (["--help"], 0, "A study of my own."),
-        (["--quick"], 1, "… reports/mine 0 True None False\nfailed: ArithmeticError: no"),
-        (["--seed", "1", "--out", "here", "--workers", "3"], 130, "… here 1 False 3 False\ninterrupted\n"),
+        (["--quick"], 1, "… reports/mine/draws 0 True None False\nfailed: ArithmeticError: no"),
+        (
+            ["--seed", "1", "--out", "here", "--workers", "3"],
+            130,
+            "… here/draws 1 False 3 False\ninterrupted\n",
+        ),
         (["--seed", "2"], 2, "error: my.toml: is not there"),
-        (["--resume"], 1, "… reports/mine 0 False None True\n"),
+        (["--resume"], 1, "… reports/mine/draws 0 False None True\n"),
         (["--draws", "3"], 2, "unrecognized arguments: --draws"),
         (["--out", "taken"], 2, "is a file, not a folder"),
     ],

@@ -167,8 +167,7 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
     more than that, is what it leaves: else the data would be believed in what no member can say.
-
-    What a name is worth is judged at the set's own fit, under its own noise.
+    A set that stays is judged at its own fit.
     """
     base, lines, errors = geometry.noise, list[Line](), list[float]()
     stated, labels, before = base, list[str](), set[Effect]()
@@ -187,7 +186,7 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
             after = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
-        now = _Round(at, found, competition, members, labels, after, base)
+        now = _Round(at, found, competition, members)
         if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
             best = now
         same, before = set(effects) == before, set(effects)
@@ -197,12 +196,7 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
         if settled or _no_better(errors):
             break
     assert best is not None, "no round"
-    if best.at_home:
-        return best
-    home, found, labels, base = best.after, best.found, best.labels, best.base
-    del best
-    competition = _competition(home, candidates, lines, base, noise_dof)
-    return _Round(home, found, competition, competition.again(labels), labels, home, base)
+    return best
 
 
 def _competition(
@@ -230,16 +224,12 @@ def _no_better(errors: Sequence[float]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Round:
-    """One round: the fit that the components were compared at, the set that this found, with its labels, the
-    fit with it; and that fit under the noise that it leaves, which goes by `base`."""
+    """One round: the fit that the components were compared at, the set that this found, the fit with it."""
 
     at: Fit
     found: Fit
     competition: Competition
     members: list[Member]
-    labels: list[str]
-    after: Fit
-    base: Covariance
 
     @property
     def at_home(self) -> bool:

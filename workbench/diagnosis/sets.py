@@ -143,14 +143,14 @@ class Competition:
         found before (labels of its components), the search goes on from there."""
         everything = np.ones(len(self.components), bool)
         if before:
-            return self.search(self.again(before), everything)
+            return self.search(self._again(before), everything)
         causes = np.array([not c.nameless for c in self.components])
         found = [self.search([], everything)]
         if causes.any() and not all(causes[m.component] for m in found[0]):
             found.append(self.search(self.search([], causes), everything))
         return max(found, key=self.score)
 
-    def again(self, labels: Sequence[str]) -> list[Member]:
+    def _again(self, labels: Sequence[str]) -> list[Member]:
         """The components with these labels, each in its likeliest form beside the others."""
         known = {component.label: k for k, component in enumerate(self.components)}
         here = [known[label] for label in labels if label in known]

@@ -133,7 +133,7 @@ def _sides(right: Array, wrong: Array) -> Array:
 def _present(mean: Array, covariance: Array, one_sided: NDArray[np.bool_]) -> Array:
     """(F, scales) log factor on the evidence where an effect is held to be no less than `PRIORS.present` of
     its scale: companions are a share of an effect that is there. It is the probability of that after the
-    data over that before (Gelfand, Smith & Lee 1992: a prior cut to a region)."""
+    data over that before (Gelfand et al. 1992: a prior cut to a region)."""
     count, least = mean.shape[-1], PRIORS.present * SCALES
     before = chi2.logsf(PRIORS.present**2, count)
     if count == 1:

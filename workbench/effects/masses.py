@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array, Frames
-from .base import Effect
 from .kinds import LoadEffect
 from .place import Parameter
-
-OTHER = 0.3  # share of the other of mass and centre
 
 
 @dataclass(frozen=True)
@@ -30,16 +27,13 @@ class MassEffect(LoadEffect):
     reference: ClassVar[str]
     in_drake: ClassVar[str] = "mass and centre of mass of the body, in the Context"
     wholes: ClassVar[dict[str, str]] = {"mass_kg": "kg"}
+    together: ClassVar[bool] = True
 
     @property
     def names(self) -> tuple[str, ...]:
         if self.variant == "mass":
             return ("mass",)
         return tuple(f"{kind}_{axis}" for kind in ("com", "moment") for axis in "xyz")
-
-    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """What weighs otherwise has its centre elsewhere as well, and the other way round."""
-        return [(OTHER, replace(self, variant="com" if self.variant == "mass" else "mass"))]
 
     def given(self, numbers: Mapping[str, float]) -> Array:
         if self.variant == "mass":

@@ -125,7 +125,7 @@ def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
         catalogue()[cause] for cause in dict.fromkeys(cause for cause, _ in chances if cause in catalogue())
     ]
     rivals = tuple(rival for kind in kinds for rival in kind.sites(problem) if rival.key in chances)
-    chances[effect.key] = float(one["probability"])
+    chances[effect.key] = float(one.get("probability", 1 - sum(chances.values())))
     return tie_between(fit, effect, size, rivals, chances) if rivals else None
 
 

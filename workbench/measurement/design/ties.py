@@ -38,6 +38,7 @@ INSIDE = 0.2  # share of λ that what contains a cause leaves of it, at most
 IMITATES = 0.5  # share of λ that a rival leaves, at most, to be taken for the cause
 ODDS = 2 * np.log(PRIORS.named / (1 - PRIORS.named))  # twice the log odds from which a cause is named
 SPARE = 2.0  # what is asked of records at least, where the odds are nearly there
+FAINTEST = 1e-6  # probability that is told from none
 POWER = 0.8  # share of the probability that is named afterwards
 
 Columns = NDArray[np.int64]
@@ -55,6 +56,9 @@ class Tie:
     rivals: tuple[Effect, ...]
     forms: tuple[Form, ...]
     chances: Mapping[Key, float]
+
+    def chance(self, key: Key) -> float:
+        return max(self.chances.get(key, 1.0), FAINTEST)
 
     def pairs(self, space: DesignSpace) -> list[Pair]:
         """The cause beside each rival, and each rival beside the cause; not what another contains."""
@@ -169,7 +173,7 @@ def share_of(space: DesignSpace, data: Array, tie: Tie) -> float:
         k = max(of_key, key=lambda k: before.evidence(k, own, tie.size)[0])
         columns = own if k == 0 else patterns[k].columns
         size = tie.size if k == 0 else before.imitation(k, own, tie.size)
-        shares.append((_named_share(tie, keys, k, (before, after), columns, size), tie.chances.get(key, 1.0)))
+        shares.append((_named_share(tie, keys, k, (before, after), columns, size), tie.chance(key)))
     shares.sort(reverse=True, key=lambda one: one[0])
     reached = np.cumsum([chance for _, chance in shares])
     return shares[int(np.searchsorted(reached, POWER * reached[-1]))][0]
@@ -193,7 +197,7 @@ def _named_share(
             continue
         now, left = before.evidence(other, columns, size)
         then, more = after.evidence(other, columns, size)
-        odds = 2 * float(np.log(tie.chances.get(keys[k], 1.0) / tie.chances.get(key, 1.0)))
+        odds = 2 * float(np.log(tie.chance(keys[k]) / tie.chance(key)))
         needed = max(ODDS - odds, SPARE)
         shares.append(share_of_way(own - (then - now), 4 * (more - left), needed))
     return min(shares)

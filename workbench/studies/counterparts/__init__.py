@@ -16,13 +16,13 @@ from .measured import CAMPAIGNS, Measured, load
 from .sag import geometry_or_sag
 from .stiffness import compliance_by_angle, stiffness_twice
 from .words import TITLE
-from .yield_or_gear import yield_or_gear
+from .yield_or_gear import sag_or_gear
 
 ASKED: Mapping[str, Callable[[Sequence[Measured]], Table]] = {
     "cylindrical": stiffness_twice,
     "kr500": gain_of_cells,
     "kr120": compliance_by_angle,
-    "rx170": yield_or_gear,
+    "rx170": sag_or_gear,
     "longlink": geometry_or_sag,
 }
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...effects.kinds import TransmissionEffect
 from ...identification.fit import Fit
 from ...report.numbers import decimals, mm, percent
 from ...report.study import Table
@@ -18,7 +17,7 @@ WAVES = 12  # of the angle: what of a torque these cannot make is not the angle'
 BLURRED = 2.0  # times, from where on an interval is blurred
 
 
-def yield_or_gear(robots: Sequence[Measured]) -> Table:
+def sag_or_gear(robots: Sequence[Measured]) -> Table:
     """How far a joint's compliance hangs on what its gear may do."""
     rows, wider, moved = [], [], 0
     for robot in robots:
@@ -75,7 +74,7 @@ def _own_function(robot: Measured, whole: Fit) -> tuple[str, str]:
         [total] = [
             effect.basis(robot.problem.q, None, robot.problem.arm.names) @ values
             for effect, values in zip(whole.model.effects, half.state.values, strict=True)
-            if isinstance(effect, TransmissionEffect) and effect.where.joint == robot.known.lift
+            if hasattr(effect, "basis") and effect.where.joint == robot.known.lift
         ]
         drawn.append(total - total.mean())
     size = float(np.sqrt(np.mean(np.square(drawn))))

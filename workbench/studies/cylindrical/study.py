@@ -70,6 +70,11 @@ IN_BASE = np.eye(3)[None], np.zeros((1, 3))  # an instrument that stands in the 
 CENTRE = np.array([LENGTH + STROKE / 2, 0.0, 0.75])
 CIRCLE = path_shapes.circle(CIRCLE_RADIUS, path_shapes.Run(path_shapes.work_frame(CENTRE)))
 ENLARGED = 60.0
+FILES = {
+    "Campaign": "full/campaign.toml",
+    "Campaign, light load": "light/campaign.toml",
+    "Model": "model.toml",
+}
 
 
 def study(run: StudyRun) -> Study:
@@ -122,15 +127,10 @@ def study(run: StudyRun) -> Study:
     shown = Shown(
         np.array([0.0, 0.25, 0.25]), wanted, {k: error[k] for k in ("uncompensated", "printed")}, noise=SIGMA
     )
-    files = {
-        "Campaign": "full/campaign.toml",
-        "Campaign, light load": "light/campaign.toml",
-        "Model": "model.toml",
-    }
     stands = checked(OF_DRAWS, numbers, drawn) | checked(OF_RUN, numbers)
     stands |= checked(OF_ODDS, numbers, redrawn(judged, odds))
     story = Path(__file__).with_name("story.md")
-    told = tell(story, robot, numbers, items, shown, "oddsfigure", files, stands)
+    told = tell(story, robot, numbers, items, shown, "oddsfigure", FILES, stands)
     hidden = dict(zip(robot.joint_names, TABLE_1.tolist(), strict=True))
     return replace(told, sealed={f"{name}/campaign.toml": {"stiffness": hidden} for name in found})
 

@@ -118,9 +118,8 @@ def study(run: StudyRun) -> Study:
     )
     path = compensated(assumed, share)
     run.say("driving the compensated path in closed loop")
-    loop = driven(
-        assumed, share, (FAST,) if quick else (SLOW, FAST), run.workers or cpu_count() or 1, run.say
-    )
+    turns = (FAST,) if quick else (SLOW, FAST)
+    loop = driven(assumed, share, turns, run.workers or cpu_count() or 1, run.say)
     numbers |= recursion_numbers(path) | driven_numbers(loop)
 
     run.say("asking what data would show flexibility")
@@ -139,7 +138,6 @@ def study(run: StudyRun) -> Study:
         numbers |= chapter.numbers
         items |= chapter.items
     claims = stands(numbers, judged, arms, hidden)
-
     before, after = (zeros_and_offsets.error_of(fits[name], data.judged) for name in ("designed", "known"))
     judging = data.judged.points[:, 0] - STATION[1][0]
     shown = Shown(data.judged.poses.q[0], judging, {"as designed": before, "calibrated": after}, noise=SIGMA)

@@ -70,6 +70,8 @@ FILES = {
     "Spiral, VAL3": "spiral.pjx",
 }
 
+STORY = Path(__file__).with_name("story.md")
+
 
 def study(run: StudyRun) -> Study:
     """Stiffness axis by axis, the sweep, what it separates, the spiral."""
@@ -129,8 +131,7 @@ def study(run: StudyRun) -> Study:
     }
     stands = checked(OF_RUN, numbers) | checked(OF_DRAWS, numbers, drawn)
     stands |= checked(OF_ODDS, numbers, redrawn(judged, odds))
-    story = Path(__file__).with_name("story.md")
-    told = tell(story, robot, numbers, items, spirals.shown, "oddsfigure", FILES, stands)
+    told = tell(STORY, robot, numbers, items, spirals.shown, "oddsfigure", FILES, stands)
     return replace(told, sealed={"campaign/campaign.toml": {"effects": as_told(truth, "joint_2")}})
 
 
