@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from ...effects import catalogue
 from ...effects.base import UNKNOWN
 from ...effects.place import Where
 from ...effects.records import PLACE, from_record, parse_effect
@@ -27,7 +26,7 @@ from .discrimination_plan import Discrimination, DiscriminationPlan
 from .fedorov import Search
 from .prior_information import PriorInformation
 from .t_optimal import design_space
-from .ties import Attempts, Tie, at_zero, fewest, least, share_of, tie_between
+from .ties import Attempts, Tie, at_zero, fewest, least, share_of, sites_of, tie_between
 
 POSES = Attempts(first=24, fewest=6, most=120, times=5, margin=1.05)
 PLACES = (*PLACE, "order")
@@ -121,10 +120,7 @@ def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
     where = {key: one[key] for key in PLACES if key in one}
     effect, size = from_record(EffectRecord(cause=one["cause"], values=values, **where), problem)
     chances = {(r["cause"], _place(r)): float(r["probability"]) for r in one["rivals"]}
-    kinds = [
-        catalogue()[cause] for cause in dict.fromkeys(cause for cause, _ in chances if cause in catalogue())
-    ]
-    rivals = tuple(rival for kind in kinds for rival in kind.sites(problem) if rival.key in chances)
+    rivals = sites_of(chances, problem)
     chances[effect.key] = float(one.get("probability", 1 - sum(chances.values())))
     return tie_between(fit, effect, size, rivals, chances) if rivals else None
 

@@ -12,12 +12,13 @@ the odds of `expected_odds`: at the share `POWER` of the probability that these 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...campaign.problem import Problem
 from ...diagnosis.components import Key, with_companions
 from ...diagnosis.priors import PRIORS
 from ...diagnosis.result import Finding
@@ -93,14 +94,21 @@ def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
         return None
     own = [i for i, e in enumerate(outcome.fit.model.effects) if e.key == (finding.cause, finding.where)]
     chances = {(rival.cause, rival.where): rival.probability for rival in finding.rivals}
-    kinds = [catalogue()[cause] for cause in dict.fromkeys(cause for cause, _ in chances if cause != UNKNOWN)]
-    rivals = tuple(e for kind in kinds for e in kind.sites(outcome.problem) if e.key in chances)
+    rivals = sites_of(chances, outcome.problem)
     if not own or not rivals:
         return None
     strongest = max(own, key=outcome.fit.wald)
     effect, values = outcome.fit.model.effects[strongest], outcome.fit.state.values[strongest]
     chances[effect.key] = finding.probability
     return tie_between(outcome.prepared.geometry, effect, values, rivals, chances)
+
+
+def sites_of(keys: Iterable[Key], problem: Problem) -> tuple[Effect, ...]:
+    """Every form of the causes of the catalogue with these keys that a campaign may show, in their order."""
+    kept = tuple(keys)
+    known = catalogue()
+    kinds = [known[cause] for cause in dict.fromkeys(cause for cause, _ in kept) if cause in known]
+    return tuple(e for kind in kinds for e in kind.sites(problem) if e.key in kept)
 
 
 def tie_between(
