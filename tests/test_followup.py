@@ -7,7 +7,11 @@ import pytest
 
 from workbench import Where, diagnose, follow_up, what_decides
 from workbench.diagnosis.result import Decision
-from workbench.measurement.design.ties import settled_at, tie_of, told_apart
+from workbench.effects.unnamed import unnamed
+from workbench.files.faults import InputError
+from workbench.measurement.design.decide import command_text
+from workbench.measurement.design.settle import tie_said
+from workbench.measurement.design.ties import settled_at, tie_between, tie_of, told_apart
 from workbench.studies import demo
 from workbench.studies.followup import case_keys, followup
 from workbench.studies.followup.case import judged
@@ -50,6 +54,41 @@ def test_the_demos_tie_is_settled_by_the_poses_that_it_asks_for(open_tie, tmp_pa
     (row,) = (row for row in told.rows if row[0].startswith("joint_3 is softer"))
     assert row[1].startswith("Open: ")
     assert row[2].startswith("joint_3 is softer")
+
+
+def test_the_command_says_all_that_the_tie_is(open_tie):
+    """Its plan is that of the tie: the same rivals, as likely as the diagnosis has them."""
+    _, _, first = open_tie
+    (finding,) = (f for f in first.diagnosis.causes if f.status == "ambiguous")
+    tie = tie_of(first, finding)
+    assert tie is not None
+    nameless = next(iter(unnamed(first.problem))).key
+    tie = tie_between(
+        first.prepared.geometry,
+        tie.effect,
+        tie.size * [p.typical for p in tie.effect.params],
+        tie.rivals,
+        {tie.effect.key: 0.6, **{r.key: 0.3 for r in tie.rivals}, nameless: 0.1},
+    )
+    told = tie_said(command_text(tie), first.prepared.geometry)
+    assert told.chances == tie.chances
+    assert (told.effect, set(told.rivals)) == (tie.effect, set(tie.rivals))
+    assert told.size == pytest.approx(tie.size, rel=1e-2)
+    assert [[e.key for e, _ in form] for form in told.forms] == [[e.key for e, _ in f] for f in tie.forms]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("gear_ratio:joint=joint_2,relative=1e-4,probability=2,hose_torque", "probability is '2'"),
+        ("gear_ratio:joint=joint_2,relative=1e-4,probability=x,hose_torque", "probability is 'x'"),
+        ("gear_ratio:joint=joint_2,relative=1e-4,unknown:link=link_9", "nothing without a name sits there"),
+        ("gear_ratio:joint=joint_2,relative=1e-4,unknown:joint=joint_3", "no rival with a name"),
+    ],
+)
+def test_a_tie_that_is_said_wrongly_is_refused(open_tie, text, said):
+    with pytest.raises(InputError, match=said):
+        tie_said(text, open_tie[2].prepared.geometry)
 
 
 def test_what_no_poses_decide_is_no_plan(open_tie):

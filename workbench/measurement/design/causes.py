@@ -11,9 +11,11 @@ from ...effects import catalogue
 from ...effects.base import Effect
 from ...effects.records import PLACE, parse_effect
 from ...files.faults import Fault, InputError
+from ...files.toml import SHOWN
 from .candidates import Factors
 
 KEYS = (*PLACE, "order", "variant")
+CHANCE = "probability"  # what a diagnosis gives a cause
 EXAMPLE = "like gear_ratio:joint=joint_2,hose_torque:joint=joint_4 or gear_ratio,hose_torque"
 
 
@@ -59,7 +61,25 @@ def split_causes(text: str) -> list[str]:
 
 def has_size(cause: str) -> bool:
     """Whether a cause of `--tell` has numbers, as `--effect` takes them."""
-    return any(equals and key not in KEYS for key, equals, _ in _pairs(cause))
+    return any(equals and key not in (*KEYS, CHANCE) for key, equals, _ in _pairs(cause))
+
+
+def chance_of(cause: str) -> tuple[str, float | None]:
+    """A cause of `--tell` without its probability, and that, if it is said. Raises InputError."""
+    kept, said = [], None
+    for key, equals, value in _pairs(cause):
+        if key != CHANCE:
+            kept.append(f"{key}{equals}{value}")
+            continue
+        try:
+            said = float(value)
+        except ValueError:
+            said = -1.0
+        if not 0 <= said <= 1:
+            raise InputError(
+                Fault(f"--tell {cause}", f"{CHANCE} is {value[:SHOWN]!r}", "a number from 0 to 1")
+            )
+    return ":".join(filter(None, (cause.partition(":")[0], ",".join(kept)))), said
 
 
 def named_causes(text: str) -> tuple[NamedCause, ...]:

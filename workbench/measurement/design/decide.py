@@ -19,7 +19,7 @@ from ...effects import separation
 from ...effects.base import Effect
 from ...effects.records import effect_text
 from .candidates import candidates, reach_of
-from .causes import varied
+from .causes import CHANCE, varied
 from .fedorov import Records, Search
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, design_space
@@ -80,7 +80,7 @@ def _decisions(
     """Poses; the torques beside them where poses alone are too many; readings; else what the causes say."""
     path = quote(str(problem.campaign.path))
     now = least(space, space.before, tie)
-    tell = ",".join([_found(tie), *dict.fromkeys(_text(rival) for rival in tie.rivals)])
+    tell = command_text(tie)
     found = []
     poses = _settled(space, tie)
     if poses is not None:
@@ -188,10 +188,21 @@ def _slope(problem: Problem, effect: Effect, name: str) -> float:
     return abs(slope)
 
 
-def _found(tie: Tie) -> str:
-    """The cause with the size that was found, as `--tell` and `--effect` take it."""
+def command_text(tie: Tie) -> str:
+    """The tie as `--tell` takes it: the cause with the size that was found, its rivals, and how likely the
+    diagnosis has each, those without a name among them."""
     values = tie.size * np.array([p.typical for p in tie.effect.params])
-    return effect_text(tie.effect, np.array([float(f"{value:.3g}") for value in values]))
+    found = effect_text(tie.effect, np.array([float(f"{value:.3g}") for value in values]))
+    rivals = {form[0][0].key: form[0][0] for form in tie.forms if form[0][0].key != tie.effect.key}
+    told = [(found, tie.effect.key), *((_text(effect), key) for key, effect in rivals.items())]
+    return ",".join(_with(text, tie.chances.get(key)) for text, key in told)
+
+
+def _with(text: str, chance: float | None) -> str:
+    """A cause as `--tell` takes it, with its probability where that is known."""
+    if chance is None:
+        return text
+    return f"{text}{',' if ':' in text else ':'}{CHANCE}={chance:.2g}"
 
 
 def _text(effect: Effect) -> str:

@@ -7,20 +7,23 @@ that is said with the size that was found.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...effects.base import UNKNOWN
+from ...campaign.problem import Problem
+from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ...effects.records import PLACE, from_record, parse_effect
+from ...effects.unnamed import unnamed
 from ...files.faults import Fault, InputError, read_text
 from ...identification.fit import Fit
 from ...robot.schema import EffectRecord
 from .candidates import candidates, random_rows, take
-from .causes import EXAMPLE, has_size, named_causes, split_causes, varied
+from .causes import EXAMPLE, chance_of, has_size, named_causes, split_causes, varied
 from .discrimination import MOST_MEASURED, advice
 from .discrimination_plan import Discrimination, DiscriminationPlan
 from .fedorov import Search
@@ -86,15 +89,34 @@ def plan_settling(
 
 
 def tie_said(text: str, fit: Fit) -> Tie:
-    """The tie of `cause:place,size,rival:place,...`. Raises InputError."""
-    first, *others = split_causes(text)
+    """The tie of `cause:place,size,rival:place,...`, each with its probability where that is known; those
+    without a name are rivals only by theirs. Raises InputError."""
+    (first, chance), *others = (chance_of(cause) for cause in split_causes(text))
     if not others:
         raise InputError(Fault("--tell", f"{text!r} names one cause, not two", EXAMPLE))
     problem = fit.model.problem
     effect, size = parse_effect(first, problem)
-    beside = ",".join([effect.cause, *others])  # its own place and size are read already
-    rivals = tuple(e for cause in named_causes(beside)[1:] for e in cause.effects(problem))
-    return tie_between(fit, effect, size, rivals, {})
+    chances = {} if chance is None else {effect.key: chance}
+    rivals: list[Effect] = []
+    for cause, chance in others:
+        places = _places_of(effect, cause, problem)
+        chances |= {} if chance is None else {one.key: chance for one in places}
+        rivals += [one for one in places if one.cause != UNKNOWN]
+    if not rivals:
+        raise InputError(Fault("--tell", f"{text!r} has no rival with a name", EXAMPLE))
+    return tie_between(fit, effect, size, tuple(rivals), chances)
+
+
+def _places_of(effect: Effect, rival: str, problem: Problem) -> Sequence[Effect]:
+    """Everywhere a rival may sit; the effect's own place and size are read already. Raises InputError."""
+    cause, _, place = rival.partition(":")
+    if cause != UNKNOWN:
+        return named_causes(f"{effect.cause},{rival}")[1].effects(problem)
+    said = dict(pair.split("=", 1) for pair in place.split(",") if "=" in pair)
+    found = [one for one in unnamed(problem) if {k: str(v) for k, v in one.where.keys().items()} == said]
+    if not found:
+        raise InputError(Fault(f"--tell {rival}", "nothing without a name sits there", EXAMPLE))
+    return found
 
 
 def ties_of(path: Path, fit: Fit) -> list[Tie]:
