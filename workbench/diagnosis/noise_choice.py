@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import minimize
 
@@ -123,7 +125,7 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
         ratio = noise.turn_ratio * turn / shift
         new = replace(noise, sigma=noise.sigma * shift * free, turn_ratio=ratio)
     elif problem.seen.sum(axis=1).max() > 1:
-        new = _with_body(result, _two_parts(result))
+        new = _parts(result)
     else:
         rows = problem.seen.sum() * 3
         rms = float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
@@ -136,75 +138,48 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
     return new, Noise(sigma, "residual", sentence)
 
 
-def _two_parts(result: Fit) -> Covariance:
-    """Maximum likelihood of the instrument's variance and the joints' common one from the residual."""
+def _parts(result: Fit) -> Covariance:
+    """Maximum likelihood, from the residual, of the instrument's variance and the joints' common one; and of
+    what moves a pose's points as one body, where that is clearly there: no joint moves a reflector's seat,
+    the floor or the air, and what they do must not count as surely none of the joints'."""
     problem = result.model.problem
     mask = np.repeat(problem.seen, 3, axis=1)
-    d = np.nan_to_num(result.residual).reshape(len(mask), -1)
     turning = np.where(problem.arm.prismatic, 0.0, 1.0)
-    J = np.where(mask[..., None], result.line.direct[:, : mask.shape[1], problem.arm.axial], 0.0) * turning
-    u, s, _ = np.linalg.svd(J, full_matrices=False)
-    projected = np.einsum("nij,ni->nj", u, d)
-    rest = float((d**2).sum() - (projected**2).sum())
-    free = float(mask.sum() - s.size)  # a direction that no joint moves has the instrument's variance alone
-    lost = mask.sum() / max(mask.sum() - result.rank, 1)
-
-    def cost(x: Array) -> tuple[float, Array]:
-        """Twice the negative log likelihood of the variances' logarithms, and its gradient."""
-        own, by_joints = np.exp(x[0]), np.exp(x[1]) * s**2
-        v = own + by_joints
-        fitting = 1 - lost * projected**2 / v
-        value = np.sum(np.log(v)) + free * x[0] + lost * (np.sum(projected**2 / v) + rest / own)
-        by_own = np.sum(own / v * fitting) + free - lost * rest / own
-        return float(value), np.array([by_own, np.sum(by_joints / v * fitting)])
-
-    total = float((d**2).sum() / mask.sum())
-    reach = float(np.mean(s**2))
-    start = np.log([0.5 * total, 0.5 * total / reach])
-    x = minimize(cost, start, jac=True, method="BFGS", options={"gtol": EXACT * mask.sum()}).x
-    sigma, joint = float(np.exp(x[0] / 2)), float(np.exp(x[1] / 2))
-    return replace(result.noise, sigma=np.full(problem.seen.shape, sigma), joint=joint * turning)
-
-
-def _with_body(result: Fit, two: Covariance) -> Covariance:
-    """The same with what moves a pose's points as one body, where that is clearly there: no joint moves a
-    reflector's seat, the floor or the air, and what they do must not count as surely none of the joints'."""
-    problem = result.model.problem
-    mask = np.repeat(problem.seen, 3, axis=1)
-    d = np.nan_to_num(result.residual).reshape(len(mask), -1)
-    turning = np.where(problem.arm.prismatic, 0.0, 1.0)
-    J = np.where(mask[..., None], result.line.direct[:, : mask.shape[1], problem.arm.axial], 0.0) * turning
+    J = result.line.direct[:, : mask.shape[1], problem.arm.axial] * turning
     B = body_motion(problem)
-    parts = [mask[:, :, None] * np.eye(mask.shape[1])]
-    parts += [A @ A.transpose(0, 2, 1) for A in (J, B[:, :, :3], B[:, :, 3:])]
+    moved = [np.where(mask[..., None], A, 0.0) for A in (J, B[:, :, :3], B[:, :, 3:])]
+    parts = [mask[:, :, None] * np.eye(mask.shape[1]), *(A @ A.transpose(0, 2, 1) for A in moved)]
+    d = np.nan_to_num(result.residual).reshape(len(mask), -1)
     lost = mask.sum() / max(mask.sum() - result.rank, 1)
+    two, cost_two = _likeliest(d, mask, parts[:2], lost)
+    four, cost_four = _likeliest(d, mask, parts, lost)
+    variances = four if cost_two - cost_four >= CLEARLY else np.append(two, [0.0, 0.0])
+    sigma, joint, shift, turn = np.sqrt(variances).tolist()
+    every = np.full(problem.seen.shape, sigma)
+    return replace(result.noise, sigma=every, joint=joint * turning, body=(shift, turn))
+
+
+def _likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: float) -> tuple[Array, float]:
+    """Variances (k,) of covariances that add up to that of d (N, D), parts: k of (N, D, D), and twice the
+    negative log likelihood of them. lost: by how much a fit made d smaller."""
     unseen = np.where(mask, 0.0, 1.0)[:, :, None] * np.eye(mask.shape[1])
 
     def cost(x: Array) -> tuple[float, Array]:
         """Twice the negative log likelihood of the variances' logarithms, and its gradient."""
-        every = np.exp(x)
-        C = unseen + sum(v * part for v, part in zip(every, parts, strict=True))
+        C = unseen + sum(v * part for v, part in zip(np.exp(x), parts, strict=True))
         inverse = np.linalg.inv(C)
         w = np.einsum("nij,nj->ni", inverse, d)
         slope = [
-            v * (np.sum(inverse * part) - lost * float(np.einsum("ni,nij,nj->", w, part, w)))
-            for v, part in zip(every, parts, strict=True)
+            v * (np.sum(inverse * part) - lost * float(np.einsum("ni,nij,nj->", w, part, w, optimize=True)))
+            for v, part in zip(np.exp(x), parts, strict=True)
         ]
         return float(np.linalg.slogdet(C)[1].sum() + lost * np.sum(w * d)), np.array(slope)
 
-    own, by_joints = two.usual**2, float(two.joint.max()) ** 2
-    reach = float(np.mean(B[:, :, 3:] ** 2)) + 1e-30
-    total = float((d**2).sum() / mask.sum())
-    floor = [EXACT * total, EXACT * total / float(np.mean(J**2)), EXACT * total, EXACT * total / reach]
-    start = np.log(np.maximum([own, by_joints, 0.1 * total, 0.1 * total / reach], floor))
-    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=[(np.log(v), None) for v in floor])
-    none = np.log(np.maximum([own, by_joints, 0.0, 0.0], floor))
-    if cost(none)[0] - found.fun < CLEARLY:
-        return two
-    sigma, joint, shift, turn = np.sqrt(np.exp(found.x))
-    return replace(
-        two, sigma=np.full(problem.seen.shape, sigma), joint=joint * turning, body=(float(shift), float(turn))
-    )
+    each = np.array([np.trace(part, axis1=1, axis2=2).sum() for part in parts])
+    alone = np.log(float((d**2).sum()) / np.maximum(each, 1e-300))  # were it all there is
+    bounds = [(low, None) for low in alone + np.log(EXACT)]
+    found = minimize(cost, alone - np.log(len(parts)), jac=True, method="L-BFGS-B", bounds=bounds)
+    return np.exp(found.x), float(found.fun)
 
 
 def rigid_targets(problem: Problem, noise: Noise) -> list[str]:

@@ -18,6 +18,7 @@ from ..files.faults import Fault, InputError
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 
+NOTHING = 2 * np.log(1e-12)  # logarithm of a variance [m² or rad²] that is none
 LEAST = 1e-8  # m: no instrument that sees a robot is better, and squares of errors in it still have digits
 
 
@@ -183,6 +184,7 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     free = np.repeat(problem.seen, 3, axis=1)[kept].sum(axis=1) - u.shape[2]
 
     def cost(x: Array) -> float:
+        x = np.maximum(x, NOTHING)
         v_m, v_q = np.exp(x[0]) / shots, np.exp(x[1])
         v = v_m + v_q * s**2
         value = share @ (np.sum(np.log(v) + projected**2 / v, axis=1) + rest / v_m + free * np.log(v_m))
