@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from workbench.files.faults import InputError
+from workbench.simulation.processes import pools_kept
 from workbench.studies.tasks import run_tasks
 
 STUDY = {"study": "test", "seed": 1}
@@ -89,3 +90,25 @@ def test_progress_is_told_in_plain_lines(tmp_path, capsys, monkeypatch):
     assert said.out == ""
     assert "… two: 1 of 2" in said.err
     assert "min left" in said.err
+
+
+def pid(key):
+    return os.getpid()
+
+
+def test_kept_processes_serve_the_next_tasks_and_dead_ones_are_replaced(tmp_path):
+    def asked(work, keys, name):
+        done = run_tasks(work, keys, tmp_path / name, study=STUDY, workers=2)
+        assert not [item.error for item in done.values() if item.error]
+        return {item.result for item in done.values()}
+
+    with pools_kept():
+        first = asked(pid, list("abcdefgh"), "1.sqlite")
+        with pools_kept():
+            first |= asked(pid, list("ijklmnop"), "2.sqlite")
+        assert len(first | asked(pid, list("abcdefgh"), "3.sqlite")) <= 2
+        run_tasks(
+            partial(note, folder=str(tmp_path)), ["deadly-1", "x"], tmp_path / "4", study=STUDY, workers=2
+        )
+        assert asked(pid, list("abcdefgh"), "5.sqlite").isdisjoint(first)
+    assert asked(pid, list("abcdefgh"), "6.sqlite").isdisjoint(first)

@@ -6,8 +6,9 @@ killed several is told as failed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
+from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING
 
 from ..files.faults import Fault, InputError
@@ -18,21 +19,21 @@ if TYPE_CHECKING:
 PATIENCE = "10s"  # until a scheduler that does not answer is told as such
 
 
-def cluster_pool(scheduler: str) -> Callable[[int], Executor]:
-    """What makes an executor on the scheduler at an address like "tcp://10.0.0.1:8786". Raises `InputError`
+def cluster_pool(scheduler: str) -> Callable[[int], AbstractContextManager[Executor]]:
+    """What gives an executor on the scheduler at an address like "tcp://10.0.0.1:8786". Raises `InputError`
     where none answers, or Dask is not installed."""
     client = _client(scheduler)
 
-    def pool(_: int) -> Executor:
+    @contextmanager
+    def pool(_: int) -> Iterator[Executor]:
         from distributed.cfexecutor import ClientExecutor
 
-        class OfClient(ClientExecutor):
-            def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-                super().shutdown(wait and not cancel_futures)
-                client.close()
-
-        executor: Executor = OfClient(client, pure=False)
-        return executor
+        executor: Executor = ClientExecutor(client, pure=False)
+        try:
+            yield executor
+        finally:
+            executor.shutdown(wait=False)
+            client.close()
 
     return pool
 

@@ -19,18 +19,19 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ..files.faults import Fault, InputError
-from ..simulation.processes import one_thread_each, spawn_pool
+from ..simulation.processes import borrowed_pool, one_thread_each
 from .cluster import cluster_pool
 
 TRIES = 3
 LINE_EVERY = 15.0  # s between progress lines where there is no terminal
 Work = Callable[[str], Any]
+Pool = Callable[[int], AbstractContextManager[Executor]]
 
 
 @dataclass(frozen=True)
@@ -62,14 +63,14 @@ def run_tasks(
     of a Dask scheduler, whose workers do it instead.
     """
     gc.collect()  # what is left of Drake's objects ends here: in the thread of a pool it ends the process
-    pool = spawn_pool if scheduler is None else cluster_pool(scheduler)
+    pool: Pool = borrowed_pool if scheduler is None else cluster_pool(scheduler)
     with _faults_of(store), closing(_open(store, study, resume)) as table:
         have = _read(table)
         todo = [key for key in dict.fromkeys(keys) if key not in have or have[key].error is not None]
         most = (workers or os.cpu_count() or 1) if scheduler is None else len(todo)
         count, here = max(1, min(most, len(todo))), scheduler is None and min(most, len(todo)) < 2
         with one_thread_each(), _Progress(label, len(keys), len(keys) - len(todo)) as progress:
-            done = _here(work, todo) if here else _there(work, todo, lambda: pool(count), count)
+            done = _here(work, todo) if here else _there(work, todo, pool, count)
             for item in done:
                 _write(table, item)
                 have[item.key] = item
@@ -101,24 +102,24 @@ def _here(work: Work, keys: Sequence[str]) -> Iterator[Done]:
         yield _attempt(work, key)
 
 
-def _there(work: Work, keys: Sequence[str], pool: Callable[[], Executor], workers: int) -> Iterator[Done]:
+def _there(work: Work, keys: Sequence[str], pool: Pool, workers: int) -> Iterator[Done]:
     """Results as they come. Few tasks are in the pool at a time, so few are lost when it breaks."""
     waiting = deque(keys)
     tries: dict[str, int] = {}
     while waiting:
-        executor = pool()
         running: dict[Future[Done], str] = {}
         try:
-            while waiting or running:
-                # after a breakdown one at a time, so that the task that kills its worker is found
-                room = 1 if any(tries.get(key) for key in waiting) else 2 * workers
-                while waiting and len(running) < room:
-                    running[executor.submit(_attempt, work, waiting[0])] = waiting[0]
-                    waiting.popleft()  # only now: a broken pool takes nothing
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    done = _result(future, running[future])
-                    del running[future]
-                    yield done
+            with pool(workers) as executor:
+                while waiting or running:
+                    # after a breakdown one at a time, so that the task that kills its worker is found
+                    room = 1 if any(tries.get(key) for key in waiting) else 2 * workers
+                    while waiting and len(running) < room:
+                        running[executor.submit(_attempt, work, waiting[0])] = waiting[0]
+                        waiting.popleft()  # only now: a broken pool takes nothing
+                    for future in wait(running, return_when=FIRST_COMPLETED).done:
+                        done = _result(future, running[future])
+                        del running[future]
+                        yield done
         except BrokenProcessPool:
             for future, key in running.items():
                 if future.done() and future.exception() is None:
@@ -129,8 +130,6 @@ def _there(work: Work, keys: Sequence[str], pool: Callable[[], Executor], worker
                     waiting.appendleft(key)
                 else:
                     yield Done(key, None, f"its worker died {TRIES} times", 0.0)
-        finally:
-            executor.shutdown(wait=False, cancel_futures=True)
 
 
 def _result(future: Future[Done], key: str) -> Done:

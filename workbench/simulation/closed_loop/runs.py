@@ -13,7 +13,7 @@ from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
-from ..processes import one_thread_each, spawn_pool
+from ..processes import borrowed_pool, one_thread_each
 from .control import nominal_mechanics
 from .drives import drives
 from .elastic import with_elastic_lead
@@ -148,12 +148,9 @@ def simulate_all(
             progress(f"run {number} of {len(tasks)}: {task.said}")
             out.append(simulate(world, task))
         return out
-    with one_thread_each(), spawn_pool(workers) as pool:
+    with one_thread_each(), borrowed_pool(workers) as pool:
         waiting = [pool.submit(simulate, world, task) for task in tasks]
-        try:
-            for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
-                out.append(future.result())
-                progress(f"run {number} of {len(tasks)} done: {task.said}")
-        finally:
-            pool.shutdown(cancel_futures=True)  # after a failure nobody waits for the runs that did not start
+        for number, (task, future) in enumerate(zip(tasks, waiting, strict=True), 1):
+            out.append(future.result())
+            progress(f"run {number} of {len(tasks)} done: {task.said}")
     return out
