@@ -82,18 +82,18 @@ class Selection:
 def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     """The likeliest set of causes, gear lines and free functions."""
     geometry, source = prepared.geometry, prepared.noise.source
-    noise_dof = known_dof(prepared.noise, geometry.noise.dof)
-    best = _converged(geometry, candidates, noise_dof, prepared.noise_known)
-    at, competition, members = best.found, best.competition, best.members
+    best, members, shares = _likeliest(prepared, candidates)
+    at, competition = best.found, best.competition
     reduced, components = competition.reduced, competition.components
-    shares = competition.shares(members)
-    sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
-    sure.sort(key=lambda i: -Chosen(reduced, [members[i]]).explained)
-    members, shares = [members[i] for i in sure], [shares[i] for i in sure]
+
+    def of_part(poses: Index) -> tuple[Sequence[Component], Sequence[Shares]]:
+        own, _, found = _likeliest(prepared.some(poses), candidates)
+        return own.competition.components, found
+
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
     misfit = misfit or any(components[m.component].nameless for m in members)
     if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
-        shares = replicated(best.at, components, members, shares, noise_dof)
+        shares = replicated(prepared.problem, components, members, shares, of_part)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     shown = [
         share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
@@ -104,6 +104,17 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     scatter = np.sqrt(np.maximum(at.noise.joint**2 - geometry.noise.joint**2, 0.0))
     light = tuple(component.without_columns() for component in components)
     return Selection(final, light, tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter)
+
+
+def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[_Round, list[Member], list[Shares]]:
+    """The likeliest set, strongest member first, without what is likelier not there."""
+    geometry = prepared.geometry
+    noise_dof = known_dof(prepared.noise, geometry.noise.dof)
+    best = _converged(geometry, candidates, noise_dof, prepared.noise_known)
+    members, shares = best.members, best.competition.shares(best.members)
+    sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
+    sure.sort(key=lambda i: -Chosen(best.competition.reduced, [members[i]]).explained)
+    return best, [members[i] for i in sure], [shares[i] for i in sure]
 
 
 def _refitted(near: Fit, effects: Sequence[Effect]) -> Fit:

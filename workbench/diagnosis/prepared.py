@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..campaign import Campaign, join
 from ..campaign.parted import parted
@@ -64,6 +65,16 @@ class Prepared:
         covariance, noise = from_residual(result)
         geometry = fit(self.geometry.model, self.geometry.state, covariance)
         return replace(self, covariance=covariance, noise=noise, geometry=geometry)
+
+    def some(self, poses: NDArray[np.int64]) -> Prepared:
+        """Some of the poses as if there were no others: where nobody knows the noise, with their own."""
+        whole, covariance, noise = self.problem, self.covariance.some(poses), self.noise
+        part = Problem(whole.robot, whole.arm, whole.campaign.some(poses), whole.compensator)
+        geometry = fit(replace(self.geometry.model, problem=part), self.geometry.state, covariance)
+        if not self.noise_known:
+            covariance, noise = from_residual(geometry)
+            geometry = fit(geometry.model, geometry.state, covariance)
+        return replace(self, problem=part, covariance=covariance, noise=noise, geometry=geometry)
 
     def with_given(self, given: tuple[Given, ...]) -> Prepared:
         """The same with numbers that are known by other means, geometry fitted beside them."""

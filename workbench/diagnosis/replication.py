@@ -1,44 +1,57 @@
-"""Whether parts of the data that know nothing of each other name the same."""
+"""Whether parts of the data, each searched by itself from the beginning, name the same."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..identification.fit import Fit
-from .components import Component
-from .reduced import Index, reduce
+from .components import Component, Key, bare
+from .reduced import Index
 from .scatter import POSES_PER_JOINT
-from .sets import Competition, Member, Shares
+from .sets import Member, Shares
+
+Search = Callable[[Index], tuple[Sequence[Component], Sequence[Shares]]]
 
 
 def replicated(
-    at: Fit,
+    problem: Problem,
     components: Sequence[Component],
     members: Sequence[Member],
     shares: Sequence[Shares],
-    noise_dof: float,
+    search: Search,
 ) -> list[Shares]:
     """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of
-    searches that each see one part of the data and nothing of the others' sets, averaged, for members of
-    which these say less."""
+    searches that each see one part of the data and nothing of what the others found, averaged, for members
+    of which these say less. search: of some poses, components and shares of what it finds."""
+    if all(components[m.component].nameless for m in members):
+        return list(shares)  # no name is at stake
+    known = {bare(component.key): k for k, component in reversed([*enumerate(components)])}
     parts = list[list[Shares]]()
-    for poses in parts_of(at.model.problem):
-        part = Competition(reduce(at, components, noise_dof, poses), components)
-        parts.append(part.shares(part.best()))
+    for poses in parts_of(problem):
+        theirs, found = search(poses)
+        parts.append([_translated(share, theirs, known) for share in found])
     out = [dict(share) for share in shares]
     for i, member in enumerate(members):
-        k = member.component
-        if components[k].nameless:
-            continue  # no name is at stake
+        if components[member.component].nameless:
+            continue
+        k = known[bare(components[member.component].key)]  # of a line it does not matter which
         every = [max(part, key=lambda share: share.get(k, 0.0), default={}) for part in parts]
         every = [share if k in share else {None: 1.0} for share in every]
         keys = set[int | None]().union(*every)
         mean = {key: sum(share.get(key, 0.0) for share in every) / len(every) for key in keys}
-        if mean.get(k, 0.0) < out[i][k]:
-            out[i] = {**mean, k: mean.get(k, 0.0)}
+        if mean.get(k, 0.0) < out[i][member.component]:
+            out[i] = {**mean, member.component: mean.get(k, 0.0)}
+    return out
+
+
+def _translated(share: Shares, theirs: Sequence[Component], known: dict[Key, int]) -> Shares:
+    """A share by the numbers of other components; what these do not have counts as nothing."""
+    out: Shares = {None: 0.0}
+    for k, p in share.items():
+        key = None if k is None else known.get(bare(theirs[k].key))
+        out[key] = out.get(key, 0.0) + p
     return out
 
 

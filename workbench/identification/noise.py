@@ -51,6 +51,10 @@ class Covariance:
         body = factor * self.body[0], factor * self.body[1]
         return replace(self, sigma=factor * self.sigma, joint=factor * self.joint, body=body)
 
+    def some(self, poses: NDArray[np.int64]) -> Covariance:
+        """Of these poses alone."""
+        return replace(self, sigma=self.sigma[poses], weight=self.weight[poses])
+
     def without(self, poses: NDArray[np.bool_]) -> Covariance:
         """Leaves out the poses marked True."""
         return replace(self, weight=np.where(poses, 0.0, self.weight))

@@ -43,7 +43,7 @@ FAINTEST = 1e-6  # probability that is told from none
 POWER = 0.8  # share of the probability that is named afterwards
 
 Columns = NDArray[np.int64]
-Form = tuple[tuple[Effect, Array], ...]
+SizedEffects = tuple[tuple[Effect, Array], ...]
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Tie:
     effect: Effect
     size: Array
     rivals: tuple[Effect, ...]
-    forms: tuple[Form, ...]
+    forms: tuple[SizedEffects, ...]
     chances: Mapping[Key, float]
 
     def chance(self, key: Key) -> float:

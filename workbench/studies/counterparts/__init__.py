@@ -12,11 +12,11 @@ from dataclasses import replace
 from ...report.study import Table
 from ..study_run import StudyRun
 from .gains import gain_of_cells
+from .geometry_or_sag import geometry_or_sag
 from .measured import CAMPAIGNS, Measured, load
-from .sag import geometry_or_sag
+from .sag_or_gear import sag_or_gear
 from .stiffness import compliance_by_angle, stiffness_twice
 from .words import TITLE
-from .yield_or_gear import sag_or_gear
 
 ASKED: Mapping[str, Callable[[Sequence[Measured]], Table]] = {
     "cylindrical": stiffness_twice,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...effects.kinds import TransmissionEffect
 from ...identification.fit import Fit
 from ...report.numbers import decimals, mm, percent
 from ...report.study import Table
@@ -74,7 +75,7 @@ def _own_function(robot: Measured, whole: Fit) -> tuple[str, str]:
         [total] = [
             effect.basis(robot.problem.q, None, robot.problem.arm.names) @ values
             for effect, values in zip(whole.model.effects, half.state.values, strict=True)
-            if hasattr(effect, "basis") and effect.where.joint == robot.known.lift
+            if isinstance(effect, TransmissionEffect) and effect.where.joint == robot.known.lift
         ]
         drawn.append(total - total.mean())
     size = float(np.sqrt(np.mean(np.square(drawn))))
