@@ -28,6 +28,7 @@ from .sets import Chosen, Competition, Member, Shares
 from .stages import Group, rms_mm
 
 ROUNDS = 5
+ROUGH = 0.3  # standard deviations: a round's fit is a place to start from, and to be linear about
 CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
 BETTER = 0.99  # of the held-out error: what counts as an improvement of a round
 LOOSE = 30.0  # usual sizes: a prior that holds nothing
@@ -40,7 +41,8 @@ class Selection:
     """The likeliest set, strongest member first. fit: with its effects; shares: per member, the
     probability of each component in its place, None: of nothing. unrepeated: members that one part of the
     data takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
-    joints beyond the noise; faint: causes that bring too little to be named beside what has no name."""
+    joints beyond the noise; faint: causes that bring too little to be named beside what has no name.
+    misfit: the noise is none that was known, or something has no name: the likelihood is too sure."""
 
     fit: Fit
     components: tuple[Component, ...]
@@ -50,6 +52,7 @@ class Selection:
     unrepeated: tuple[Member, ...]
     scatter: Array
     faint: frozenset[Key] = frozenset()
+    misfit: bool = False
 
     def named(self, effect: Effect) -> bool:
         """Whether an effect of the fit stands for a member that has a name."""
@@ -95,6 +98,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
         shares = replicated(prepared.problem, components, members, shares, of_part)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
+    final = refit(final, final.model.effects)
     shown = [
         share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
     ]
@@ -103,7 +107,8 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     shares = [share for share, there in zip(shares, shown, strict=True) if there]
     scatter = np.sqrt(np.maximum(at.noise.joint**2 - geometry.noise.joint**2, 0.0))
     light = tuple(component.without_columns() for component in components)
-    return Selection(final, light, tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter)
+    found = Selection(final, light, tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter)
+    return replace(found, misfit=misfit)
 
 
 def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[_Round, list[Member], list[Shares]]:
@@ -122,12 +127,12 @@ def _refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
     if tuple(effects) == near.model.effects:
         return near
     try:
-        return refit(near, effects)
+        return refit(near, effects, ROUGH)
     except ArithmeticError:
-        result, kept = refit(near, []), list[Effect]()
+        result, kept = refit(near, [], ROUGH), list[Effect]()
     for effect in effects:
         try:
-            result = refit(result, [*kept, effect])
+            result = refit(result, [*kept, effect], ROUGH)
         except ArithmeticError:
             continue
         kept.append(effect)
@@ -190,13 +195,14 @@ def _converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, no
         effects = _effects(competition, members)
         labels = [competition.components[m.component].label for m in members]
         if not noise_known:
-            base = from_residual(_refitted(replace(at, noise=base), effects))[0]
-        after = found = _fitted(at, effects, base)
+            at_base = _refitted(replace(at, noise=base), effects)
+            base = from_residual(at_base)[0]
+        after = found = _fitted(at if noise_known else at_base, effects, base)
         errors.append(rms_mm(heldout(found)))
         left = remainder(found, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
-            after = refit(replace(found, noise=with_scatter(found, base)), found.model.effects)
+            after = refit(replace(found, noise=with_scatter(found, base)), found.model.effects, ROUGH)
         now = _Round(at, found, competition, members)
         if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
             best = now
@@ -258,7 +264,7 @@ def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:
     noise = with_scatter(result, base)
     if alike(noise, result.noise):
         return result
-    return refit(replace(result, noise=noise), result.model.effects)
+    return refit(replace(result, noise=noise), result.model.effects, ROUGH)
 
 
 def _effects(competition: Competition, members: Sequence[Member]) -> list[Effect]:

@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-
-import numpy as np
 
 from ..campaign import Campaign, load_campaign
 from ..campaign.known import with_known
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
-from ..identification.fit import Fit, refit
-from ..identification.heldout import heldout
+from ..identification.fit import Fit
 from .competition import Selection, compete
 from .findings import Parts, assemble
 from .given import search_with_given
 from .prepared import Prepared, Progress, prepare
 from .result import Diagnosis, NotTestable
-from .stages import rms_mm, without
+from .worth import worth_it
 
 Given = Campaign | str | Path
-FAINT = 0.1  # of the noise, or of what is left per axis: a gain that decides nothing
 
 
 @dataclass(frozen=True)
@@ -88,7 +84,7 @@ def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tupl
     selection = compete(prepared, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
-    return prepared, _worth_it(selection, seed)
+    return prepared, worth_it(selection, seed)
 
 
 def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> list[Campaign]:
@@ -100,42 +96,6 @@ def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> lis
 
 def _loaded(given: Given) -> Campaign:
     return given if isinstance(given, Campaign) else load_campaign(given)
-
-
-def _worth_it(selection: Selection, seed: int) -> Selection:
-    """Without effects that bring the tool no nearer to its place on poses that they were not fitted on. Where
-    something is left without a name, causes that bring less than a tenth of the noise keep none either."""
-    kept, error = selection, rms_mm(heldout(selection.fit, seed=seed))
-    while kept.fit.model.effects:
-        gains = _gains(kept, error, seed)
-        worst = int(np.argmin(gains))
-        if gains[worst] > 0:
-            break
-        rest = [effect for i, effect in enumerate(kept.fit.model.effects) if i != worst]
-        fit = refit(kept.fit, rest)
-        after = rms_mm(heldout(fit, seed=seed))
-        if after > error:
-            break  # it holds others in place
-        kept, error = replace(kept, fit=fit), after
-    result, nameless = kept.fit, kept.nameless
-    if not nameless:
-        return kept
-    least = FAINT * max(1e3 * result.noise.usual, error / np.sqrt(3))
-    alone = without(result, nameless, seed)
-    gains_mm = {e.key: without(result, [*nameless, *own], seed) - alone for e, own in kept.groups}
-    together = without(result, range(len(result.model.effects)), seed) - alone
-    return replace(kept, faint=frozenset(k for k, gain in gains_mm.items() if min(gain, together) < least))
-
-
-def _gains(selection: Selection, whole: float, seed: int) -> list[float]:
-    """What each effect brings [mm] on poses held out: one with a name beside the others that have one, one
-    without beside all. whole: RMS [mm] with all."""
-    fit, nameless = selection.fit, selection.nameless
-    named = without(fit, nameless, seed)
-    return [
-        without(fit, [i], seed) - whole if i in nameless else without(fit, [*nameless, i], seed) - named
-        for i in range(len(fit.model.effects))
-    ]
 
 
 def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:

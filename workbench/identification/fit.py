@@ -24,6 +24,7 @@ from .registration import register
 from .rows import Equations, equations, fitted_numbers, jacobian, moved, whitening
 
 PROBE = 0.1  # of a step: where its bend is felt
+TOLERANCE = 1e-2  # standard deviations, all numbers together
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,7 @@ def fit(
     start: State | None = None,
     noise: Covariance | None = None,
     geometry: bool | Sequence[int] = True,
-    tolerance: float = 1e-2,
+    tolerance: float = TOLERANCE,
     max_iterations: int = 30,
 ) -> Fit:
     """Fits frames, targets, geometry, the model's effects and its given numbers to the campaign.
@@ -227,7 +228,7 @@ def _bent(
     return _stepped(model, cols, at, W, step + normal.towards(bent).step(damping).change / 2)
 
 
-def refit(result: Fit, effects: Sequence[Effect]) -> Fit:
+def refit(result: Fit, effects: Sequence[Effect], tolerance: float = TOLERANCE) -> Fit:
     """The same data with other effects, started from the numbers that a fit has already."""
     had = {
         (effect.key, effect.variant, len(values)): values
@@ -239,10 +240,10 @@ def refit(result: Fit, effects: Sequence[Effect]) -> Fit:
     )
     model = replace(result.model, effects=tuple(effects))
     start = replace(result.state, values=values)
-    found = fit(model, start, result.noise, max_iterations=12)
+    found = fit(model, start, result.noise, tolerance=tolerance, max_iterations=12)
     if found.converged:
         return found
     # what was not in the model has bent the geometry far along what hardly shows: from the robot as it is
     again = replace(start, geometry=model.problem.arm.geometry, values=tuple(0.0 * v for v in values))
-    other = fit(model, again, result.noise)
+    other = fit(model, again, result.noise, tolerance=tolerance)
     return other if other.converged or other.chi2 < found.chi2 else found

@@ -62,9 +62,10 @@ class PriorInformation:
 
     problem: of the campaign (of one without points where nothing was measured: then `fit` is None);
     acting: effects with the values that the robot's own TOML states; sigma: (T,) [m] noise per axis,
-    joint: (n,) one sigma of the joints, noise: where that comes from; shown: (T,) the targets that the
-    campaign shows often, which new records show too; places: (T, 3) [m] where these are behind their slots;
-    faults: of the campaign's data, as a diagnosis finds them; given: numbers known by other means.
+    joint: (n,) one sigma of the joints, body: as in `Covariance`; noise: where that comes from; shown: (T,)
+    the targets that the campaign shows often, which new records show too; places: (T, 3) [m] where these are
+    behind their slots; faults: of the campaign's data, as a diagnosis finds them; given: numbers known by
+    other means.
     """
 
     problem: Problem
@@ -78,6 +79,7 @@ class PriorInformation:
     places: Array
     faults: tuple[FaultFound, ...] = ()
     given: tuple[Given, ...] = ()
+    body: tuple[float, float] = (0.0, 0.0)
 
     def is_open(self, effect: Effect) -> bool:
         """Whether an effect may be there: it is neither given nor excluded."""
@@ -124,7 +126,8 @@ class PriorInformation:
         if self.problem.drives and records.poses.torque is None:
             records = records.with_poses(torque=np.zeros_like(records.poses.q))
         sigma = np.tile(self.sigma[self._targets(records)], (len(records.poses.q), 1))
-        noise = Covariance(sigma, self.joint, np.ones(len(records.poses.q)), turn_ratio=self.turn_ratio)
+        every = np.ones(len(records.poses.q))
+        noise = Covariance(sigma, self.joint, every, turn_ratio=self.turn_ratio, body=self.body)
         if records.poses.torque is not None:
             noise = replace(noise, torque=self._torque_noise(records, effects))
         return self._sensitivity(records, noise, effects)
@@ -257,4 +260,5 @@ def from_prepared(prepared: Prepared) -> PriorInformation:
         places,
         prepared.faults,
         prepared.geometry.model.given,
+        covariance.body,
     )

@@ -31,7 +31,7 @@ from .prior_information import PriorInformation
 from .t_optimal import design_space
 from .ties import Attempts, Tie, at_zero, fewest, least, share_of, sites_of, tie_between
 
-POSES = Attempts(first=24, fewest=6, most=120, times=5, margin=1.05)
+POSES = Attempts(first=24, fewest=12, most=120, times=5, margin=1.05)
 PLACES = (*PLACE, "order")
 
 

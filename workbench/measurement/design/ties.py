@@ -198,6 +198,7 @@ def _named_share(
     """How much of the way it is to the k-th form's name, were it true with this size (t,) in these columns,
     beside the rival that holds out longest."""
     before, after = weighed
+    wanted = ODDS + 2 * float(np.log(len({*keys} - {keys[k]})))  # all rivals together keep the rest
     own = after.evidence(k, columns, size)[0] - before.evidence(k, columns, size)[0]
     shares = []
     for other, key in enumerate(keys):
@@ -206,7 +207,7 @@ def _named_share(
         now, left = before.evidence(other, columns, size)
         then, more = after.evidence(other, columns, size)
         odds = 2 * float(np.log(tie.chance(keys[k]) / tie.chance(key)))
-        needed = max(ODDS - odds, SPARE)
+        needed = max(wanted - odds, SPARE)
         shares.append(share_of_way(own - (then - now), 4 * (more - left), needed))
     return min(shares)
 
