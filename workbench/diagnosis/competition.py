@@ -116,10 +116,18 @@ def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[_Round
     geometry = prepared.geometry
     noise_dof = known_dof(prepared.noise, geometry.noise.dof)
     best = _converged(geometry, candidates, noise_dof, prepared.noise_known)
-    members, shares = best.members, best.competition.shares(best.members)
-    sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
-    sure.sort(key=lambda i: -Chosen(best.competition.reduced, [members[i]]).explained)
-    return best, [members[i] for i in sure], [shares[i] for i in sure]
+    members = list(best.members)
+    shares = best.competition.shares(members)
+    while members:
+        least = max(range(len(members)), key=lambda i: shares[i][None])
+        if shares[least][None] < PRIORS.absent:
+            break
+        del members[least]  # one at a time: two that stand in for each other are not both superfluous
+        shares = best.competition.shares(members)
+    order = sorted(
+        range(len(members)), key=lambda i: -Chosen(best.competition.reduced, [members[i]]).explained
+    )
+    return best, [members[i] for i in order], [shares[i] for i in order]
 
 
 def _refitted(near: Fit, effects: Sequence[Effect]) -> Fit:

@@ -51,7 +51,7 @@ def worth_it(selection: Selection, seed: int) -> Selection:
 def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
     """No name surer than that it brings poses that were held out nearer to their places than the best of as
     many causes would by chance, if none of them did anything (Šidák 1967). What has no name, or else nothing,
-    gets the rest; a cause that leaves nearly all to it is faint."""
+    gets the rest; a cause that leaves nearly all of it is faint."""
     fit, components = selection.fit, selection.components
     tried = sum(not component.nameless for component in components)
     rest = next((m.component for m in selection.members if components[m.component].nameless), None)
@@ -62,7 +62,7 @@ def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
         gain = _squares(heldout(fit, seed=seed, without=own), position) - whole
         sigma = gain.std(ddof=1) / np.sqrt(len(gain))
         surest = float(ndtr(gain.mean() / sigma)) ** tried
-        if rest is not None and surest < PRIORS.absent:
+        if surest < PRIORS.absent:
             faint.add(effect.key)
         for share, member in zip(shares, selection.members, strict=True):
             k = member.component

@@ -27,7 +27,7 @@ PROBE = 0.1  # of a step: where its bend is felt
 TOLERANCE = 1e-2  # standard deviations, all numbers together
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     """A fitted model.
 

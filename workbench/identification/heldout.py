@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,29 +28,37 @@ def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] 
     model's effects that are left out, everything else fitted anew. The fits are Gauss–Newton steps from the
     full solution: exact to the second order of the change.
     """
-    problem, cols = result.model.problem, result.columns
-    fold = folds_of(problem, folds, seed)
-    plain = result.motions
-    kept = np.ones(len(cols.names), bool)
-    gone = np.zeros(len(cols.names))
-    for i in without:
-        kept[cols.effect[i]] = False
-        gone[cols.effect[i]] = result.state.values[i]
-    A = (result.upper.T @ result.upper)[np.ix_(kept, kept)]
-    J = result.J * cols.prior
-    lost = J @ (gone / cols.prior)
-    r, J = result.r + lost, J[:, :, kept]
-    out = result.residual + (plain @ gone)[:, : 3 * result.residual.shape[1]].reshape(result.residual.shape)
-    slope = np.einsum("ndp,nd->p", J, lost)
-    for f in range(fold.max() + 1):
-        here = fold == f
-        own = J[here].reshape(-1, J.shape[2])
-        left = without_rows(A, own)
-        change = np.zeros(len(cols.names))
-        change[kept] = np.linalg.solve(left, slope - own.T @ r[here].ravel())
-        change *= cols.prior
-        out[here] -= (plain[here] @ change)[:, : 3 * out.shape[1]].reshape(here.sum(), -1, 3)
+    cols, plain = result.columns, result.motions
+    out = np.array(result.residual)
+    gone = [j for i in without for j in range(*cols.effect[i].indices(len(cols.names)))]
+    to = -np.concatenate([np.zeros(0), *(result.state.values[i] for i in without)]) / cols.prior[gone]
+    for here, step, inverse in _folds(result, folds, seed):
+        held = inverse[:, gone]
+        change = step - held @ np.linalg.solve(held[gone], step[gone] - to) if gone else step
+        moved = plain[here] @ (change * cols.prior)
+        out[here] -= moved[:, : 3 * out.shape[1]].reshape(len(here), -1, 3)
     return out
+
+
+Fold = tuple[NDArray[np.int64], Array, Array]
+_kept: WeakKeyDictionary[Fit, dict[tuple[int, int], list[Fold]]] = WeakKeyDictionary()
+
+
+def _folds(result: Fit, folds: int, seed: int) -> list[Fold]:
+    """Of each group of poses: which, the step (P,) of the fit without them, in units of the priors, and the
+    inverse (P, P) of its normal equations. Numbers that are held elsewhere follow from these: with Lagrange's
+    multipliers, for the price of their own equations alone."""
+    known = _kept.setdefault(result, {})
+    if (folds, seed) not in known:
+        fold = folds_of(result.model.problem, folds, seed)
+        groups = [np.flatnonzero(fold == f).astype(np.int64) for f in range(int(fold.max()) + 1)]
+        A, J = result.upper.T @ result.upper, result.J * result.columns.prior
+        known[folds, seed] = []
+        for here in groups:
+            own = J[here].reshape(-1, J.shape[2])
+            inverse = np.asarray(np.linalg.inv(without_rows(A, own)), dtype=np.float64)
+            known[folds, seed].append((here, -inverse @ (own.T @ result.r[here].ravel()), inverse))
+    return known[folds, seed]
 
 
 def without_rows(A: Array, own: Array) -> Array:
