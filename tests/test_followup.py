@@ -48,7 +48,7 @@ def test_the_demos_tie_is_settled_by_the_poses_that_it_asks_for(open_tie, tmp_pa
     assert tie is not None
     reached = told_apart(outcome, tie, first)
     assert reached >= settled_at(way.lambda_before)
-    assert reached == pytest.approx(way.lambda_after, rel=0.4)
+    assert 0.8 * way.lambda_after < reached < 2 * way.lambda_after
     told = demo._revealed(rig.truth, first.diagnosis, outcome.diagnosis, (words, command))
     assert len(told.rows) == 4  # nothing was named that is not there
     (row,) = (row for row in told.rows if row[0].startswith("joint_3 is softer"))

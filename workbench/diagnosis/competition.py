@@ -98,7 +98,8 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
         shares = replicated(prepared.problem, components, members, shares, of_part)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
-    final = refit(final, final.model.effects)
+    if final.model.effects:
+        final = refit(final, final.model.effects)  # the rounds' fits are rough
     shown = [
         share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
     ]

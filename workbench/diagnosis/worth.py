@@ -18,6 +18,7 @@ from .priors import PRIORS
 from .stages import rms_mm, without
 
 FAINT = 0.1  # of the noise, or of what is left per axis: a gain that decides nothing
+NOTHING = 1e-30  # m²
 
 
 def worth_it(selection: Selection, seed: int) -> Selection:
@@ -60,7 +61,7 @@ def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
     shares, faint = [dict(share) for share in selection.shares], set[Key]()
     for effect, own in selection.groups:
         gain = _squares(heldout(fit, seed=seed, without=own), position) - whole
-        sigma = gain.std(ddof=1) / np.sqrt(len(gain))
+        sigma = max(gain.std(ddof=1) / np.sqrt(len(gain)), NOTHING)
         surest = float(ndtr(gain.mean() / sigma)) ** tried
         if surest < PRIORS.absent:
             faint.add(effect.key)

@@ -12,9 +12,9 @@ from dataclasses import replace
 from ...report.study import Table
 from ..study_run import StudyRun
 from .gains import gain_of_cells
-from .geometry_or_sag import geometry_or_sag
+from .gear import sag_or_gear
 from .measured import CAMPAIGNS, Measured, load
-from .sag_or_gear import sag_or_gear
+from .sag import geometry_or_sag
 from .stiffness import compliance_by_angle, stiffness_twice
 from .words import TITLE
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...effects.kinds import TransmissionEffect
+from ...effects.acting import Acting
 from ...identification.fit import Fit
 from ...report.numbers import decimals, mm, percent
 from ...report.study import Table
@@ -70,13 +70,10 @@ def sag_or_gear(robots: Sequence[Measured]) -> Table:
 def _own_function(robot: Measured, whole: Fit) -> tuple[str, str]:
     """Of the joint that is asked for: RMS [µrad] over the poses of the function of its angle, and the
     correlation of the two halves' functions."""
-    drawn = []
+    names, drawn = robot.problem.arm.names, []
     for half in robot.halves(whole):
-        [total] = [
-            effect.basis(robot.problem.q, None, robot.problem.arm.names) @ values
-            for effect, values in zip(whole.model.effects, half.state.values, strict=True)
-            if isinstance(effect, TransmissionEffect) and effect.where.joint == robot.known.lift
-        ]
+        acting = Acting(tuple(zip(whole.model.effects, half.state.values, strict=True)))
+        total = acting.gear_error(robot.problem.q, None, names)[:, names.index(robot.known.lift)]
         drawn.append(total - total.mean())
     size = float(np.sqrt(np.mean(np.square(drawn))))
     return decimals(1e6 * size, 0), decimals(float(np.corrcoef(drawn)[0, 1]), 2)
