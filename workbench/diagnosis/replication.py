@@ -41,8 +41,9 @@ def replicated(
         every = [share if k in share else {None: 1.0} for share in every]
         keys = set[int | None]().union(*every)
         mean = {key: sum(share.get(key, 0.0) for share in every) / len(every) for key in keys}
-        if mean.get(k, 0.0) < out[i][member.component]:
-            out[i] = {**mean, member.component: mean.get(k, 0.0)}
+        own = mean.pop(k, 0.0)
+        if own < out[i][member.component]:
+            out[i] = {**mean, member.component: own}
     return out
 
 

@@ -1,0 +1,79 @@
+"""Whether the same robot, measured again, gets the same names: python benchmarks/halves.py FOLDER [NAME ...]
+
+FOLDER holds campaigns (NAME/campaign.toml) that are read in place. Each is cut into halves, in the order of
+measurement and three times at random (a joint position with its loads and repeats stays whole), and both are
+diagnosed by themselves. Writes `benchmarks/results/halves.json`: what each half names, what it names that the
+other does not, and whether that is at least among the other's causes or their rivals.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from blind import git
+
+from workbench import Campaign, diagnose, load_campaign
+from workbench.diagnosis.result import Diagnosis
+from workbench.effects.base import UNKNOWN
+
+RESULTS = Path(__file__).resolve().parent / "results/halves.json"
+SEEDS = (1, 2, 3)
+
+
+def halves(campaign: Campaign, seed: int | None) -> tuple[Campaign, Campaign]:
+    """Those in the order of measurement, or drawn at random with a seed."""
+    position = campaign.poses.positions
+    key = np.arange(len(position)) if seed is None else np.random.default_rng(seed).permutation(len(position))
+    first = np.full(position.max() + 1, len(key))
+    np.minimum.at(first, position, key)
+    rank = np.argsort(np.argsort(first))[position]
+    one = rank < (position.max() + 1) // 2
+    return campaign.some(np.flatnonzero(one)), campaign.some(np.flatnonzero(~one))
+
+
+def named(found: Diagnosis) -> set[str]:
+    return {f.label for f in found.causes if f.status == "named" and f.cause != UNKNOWN}
+
+
+def said(found: Diagnosis) -> set[str]:
+    """Every cause that is reported, or stands beside one that is."""
+    rivals = {f"{r.cause}({r.where})".removesuffix("()") for f in found.causes for r in f.rivals}
+    return rivals | {f.label for f in found.causes}
+
+
+def compared(campaign: Campaign, seed: int | None) -> dict[str, Any]:
+    both = [diagnose(half).diagnosis for half in halves(campaign, seed)]
+    names = [named(one) for one in both]
+    alone = sorted(names[0] ^ names[1])
+    return {
+        "cut": "in order" if seed is None else f"at random, {seed}",
+        "held_out_mm": [one.stages[-1].heldout_rms_mm for one in both],
+        "named_by_both": sorted(names[0] & names[1]),
+        "named_by_one": alone,
+        "of_these_said_by_the_other": [n for n in alone if all(n in said(one) for one in both)],
+    }
+
+
+def main(folder: Path, names: list[str]) -> int:
+    paths = sorted(folder.glob("*/campaign.toml"))
+    paths = [path for path in paths if not names or path.parent.name in names]
+    if not paths:
+        print(f"no campaign.toml in folders of {folder}")
+        return 2
+    kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.is_file() else {}
+    for path in paths:
+        began = time.process_time()
+        cuts = [compared(load_campaign(path), seed) for seed in (None, *SEEDS)]
+        kept[path.parent.name] = {"commit": git("rev-parse", "--short", "HEAD"), "cuts": cuts}
+        print(f"{path.parent.name}: {time.process_time() - began:.0f} s of CPU", flush=True)
+        for cut in cuts:
+            print(f"  {cut['cut']}: both {cut['named_by_both']}, one {cut['named_by_one']}", flush=True)
+        RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]), sys.argv[2:]))
