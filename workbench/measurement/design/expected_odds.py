@@ -22,7 +22,7 @@ from ...diagnosis.priors import PRIORS
 from ...diagnosis.weight import SCALES, WEIGHTS
 from ...robot.kinematics import Array
 
-SURE = 1.28  # standard deviations: nine of ten follow-ups bring it (90 % power)
+SURE = 1.28  # standard deviations: nine of ten follow-ups bring it
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,7 +40,7 @@ IMITATES = 0.5  # share of λ that a rival leaves, at most, to be taken for the 
 ODDS = 2 * np.log(PRIORS.named / (1 - PRIORS.named))  # twice the log odds from which a cause is named
 SPARE = 2.0  # what is asked of records at least, where the odds are nearly there
 FAINTEST = 1e-6  # probability that is told from none
-POWER = 0.8  # share of the probability that is named afterwards
+POWER = 0.95  # share of the probability that is to be named afterwards
 
 Columns = NDArray[np.int64]
 SizedEffects = tuple[tuple[Effect, Array], ...]
