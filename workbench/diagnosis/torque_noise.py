@@ -11,6 +11,8 @@ from ..identification.fit import Fit
 from ..robot.kinematics import Array
 from .priors import PRIORS
 
+MOST = 3.0  # standard deviations of the widest prior that passes for a cause
+
 
 def torque_noise(fit: Fit) -> Array:
     """(n,) one sigma of each joint's torque [N·m, N] as `drive_torque.noise` takes it, at a fit of poses
@@ -19,11 +21,11 @@ def torque_noise(fit: Fit) -> Array:
     problem = fit.model.problem
 
     def left(moved: Array | None) -> float:
-        rms = drive_torque.scatter(problem, moved, PRIORS.largest)
+        rms = drive_torque.scatter(problem, moved, MOST * PRIORS.largest)
         return float(np.log(rms[np.isfinite(rms)]).sum())
 
     best = min([None, *_moved(fit)], key=left)
-    return drive_torque.noise(problem, best, PRIORS.largest)
+    return drive_torque.noise(problem, best, MOST * PRIORS.largest)
 
 
 def _moved(fit: Fit) -> list[Array]:
