@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 from scipy.optimize import minimize
+from scipy.special import chdtrc
 
 from ..campaign.problem import Problem
 from ..identification.fit import Fit
@@ -88,7 +88,7 @@ def known_dof(noise: Noise, dof: float) -> float:
 def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial: Array) -> str | None:
     """A sentence when repeats scatter otherwise than stated (robot's part included)."""
     chi2, dof = repeat_chi2(problem, said, axial)
-    if 1e-4 < stats.chi2.sf(chi2, dof) < 1 - 1e-4:
+    if 1e-4 < chdtrc(dof, chi2) < 1 - 1e-4:
         return None
     return (
         f"Repeated poses scatter {measured.total * 1e3:.4f} mm per axis, stated is "

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
-from scipy import optimize, stats
+from scipy.special import chdtri, chndtrinc
 
 from ..campaign.problem import Problem
 from ..effects.base import Effect
@@ -24,8 +24,7 @@ MANY = 12  # numbers of an effect from which it is no one size
 @cache
 def needed(rank: int, alpha: float) -> float:
     """Non-centrality at which a χ² test of level alpha finds with the power wanted."""
-    limit = stats.chi2.isf(alpha, rank)
-    return float(optimize.brentq(lambda x: stats.ncx2.sf(limit, rank, x) - POWER, 1e-3, 1e4))
+    return float(chndtrinc(chdtri(rank, alpha), rank, 1 - POWER))
 
 
 def detectable(candidates: Sequence[Effect], final: Fit, known: bool) -> Iterator[Detectable]:

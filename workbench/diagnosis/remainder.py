@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtrc, fdtrc
 
 from ..identification.fit import Fit
 from .screen import effective_dof
@@ -32,8 +32,8 @@ def remainder(result: Fit, known: bool) -> Remainder:
     if not known:
         p = float("nan")
     elif np.isinf(result.noise.dof):
-        p = float(stats.chi2.sf(chi2, dof))
+        p = float(chdtrc(dof, chi2))
     else:
-        p = float(stats.f.sf(chi2 / dof, dof, result.noise.dof))
+        p = float(fdtrc(dof, result.noise.dof, chi2 / dof))
     inflation = float(np.sqrt(chi2 / dof))
     return Remainder(chi2, dof, p, inflation, bool(known and p < GLOBAL_LEVEL and inflation > INFLATED))

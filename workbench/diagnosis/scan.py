@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.signal import find_peaks
 
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
@@ -43,7 +42,9 @@ def scan(fit: Fit, per_joint: int = 2) -> list[Line]:
         if problem.arm.prismatic[j] or np.ptp(q) <= 0.1:
             continue
         behind = _behind(fit, j)
-        inner, _ = find_peaks(statistic := _statistic(q, orders, behind))
+        statistic = _statistic(q, orders, behind)
+        before, here, after = statistic[:-2], statistic[1:-1], statistic[2:]
+        inner = 1 + np.flatnonzero((here > before) & (here >= after))
         for i in inner[np.argsort(-statistic[inner])][:per_joint]:
             fine = orders[i] + np.linspace(-FINENESS, FINENESS, 41)
             T = _statistic(q, fine, behind)

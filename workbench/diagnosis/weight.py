@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr, logsumexp
-from scipy.stats import chi2
+from scipy.special import chdtrc, log_ndtr, logsumexp
 
 from ..robot.kinematics import Array
 from .components import Component
@@ -135,7 +134,7 @@ def _present(mean: Array, covariance: Array, one_sided: NDArray[np.bool_]) -> Ar
     its scale: companions are a share of an effect that is there. It is the probability of that after the
     data over that before (Gelfand et al. 1992: a prior cut to a region)."""
     count, least = mean.shape[-1], PRIORS.present * SCALES
-    before = chi2.logsf(PRIORS.present**2, count)
+    before = np.log(chdtrc(count, PRIORS.present**2))
     if count == 1:
         sigma = np.sqrt(covariance[..., 0, 0])
         above, below = (log_ndtr((sign * mean[..., 0] - least) / sigma) for sign in (1, -1))

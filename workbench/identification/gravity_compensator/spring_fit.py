@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtrc
 
 from ...robot.extended_robot.cylinder import ATMOSPHERE
 from ...robot.kinematics import Array
@@ -35,7 +35,7 @@ class FittedSpring:
     @property
     def p_value(self) -> float:
         """How often noise alone leaves more."""
-        return float(stats.chi2.sf(self.chi2, self.dof))
+        return float(chdtrc(self.dof, self.chi2))
 
 
 def fit_spring(triangle: Linkage, area: float, q: Array, compliance: Array, sigma: Array) -> FittedSpring:

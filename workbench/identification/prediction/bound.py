@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtri
 
 from ...robot.kinematics import Array
 
@@ -24,4 +24,4 @@ def length_bound(covariance: Array, mean: Array | None = None) -> Array:
     known = spread > 0
     dof = np.minimum(2 * trace**2 / np.where(known, spread, 1.0), MOST_DOF)
     dof = np.where(known, dof, MOST_DOF)
-    return np.asarray(np.sqrt(trace / dof * stats.chi2.ppf(LEVEL, dof)))
+    return np.asarray(np.sqrt(trace / dof * chdtri(dof, 1 - LEVEL)))
