@@ -78,7 +78,7 @@ class Component:
 
 def bare(key: Key) -> Key:
     """A key without the order: what a finding is about."""
-    return key[0], replace(key[1], order=None)
+    return key[0], key[1].any_order
 
 
 def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
@@ -226,7 +226,7 @@ class Effect(ABC):
     @property
     def key(self) -> tuple[str, Where]:
         """Cause and place, without form: what the verdict is about."""
-        return self.cause, replace(self.where, order=None)
+        return self.cause, self.where.any_order
 
     @property
     def label(self) -> str:

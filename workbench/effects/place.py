@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 
@@ -36,6 +36,11 @@ class Where:
         """The keys that are set, in the order of `result.json`."""
         names = ("joint", "other", "link", "payload", "order")
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
+    @property
+    def any_order(self) -> Where:
+        """The place, at any order."""
+        return replace(self, order=None)
 
     def __str__(self) -> str:
         return ", ".join(str(value) for key, value in self.keys().items() if key != "order")

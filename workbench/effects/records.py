@@ -134,9 +134,9 @@ def _matches(place: Effect, where: Where, variant: str) -> bool:
     if where.order is None:
         # the order of a known ratio goes without saying when the variant names it
         named = bool(variant) if place.ordered else True
-        return replace(place.where, order=None) == where and named
+        return place.where.any_order == where and named
     same = place.where.order is not None and bool(np.isclose(place.where.order, where.order, rtol=1e-12))
-    return same and replace(place.where, order=None) == replace(where, order=None)
+    return same and place.where.any_order == where.any_order
 
 
 def _possible(places: Sequence[Effect]) -> str:

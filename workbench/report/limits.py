@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from ..diagnosis.result import Diagnosis
 from ..effects.place import Where
@@ -35,7 +34,7 @@ def detectable(diagnosis: Diagnosis) -> list[list[str]]:
     seen: dict[str, list[str]] = {}
     unseen: dict[str, list[str]] = {}
     for item in diagnosis.detectable:
-        cause, where = words(item.cause), place(replace(item.where, order=None))
+        cause, where = words(item.cause), place(item.where.any_order)
         seen.setdefault(cause, [])
         if not item.size < IMPOSSIBLE.get(item.unit, math.inf):
             unseen.setdefault(cause, []).append(where)

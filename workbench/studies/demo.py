@@ -186,7 +186,7 @@ def _revealed(truth: Truth, first: Diagnosis, then: Diagnosis, follow_up: tuple[
     """What was hidden, beside what each diagnosis said of it; and what they named that was not there."""
     hidden: dict[tuple[str, Where], list[str]] = {}
     for effect, values in truth.effects:
-        hidden.setdefault((effect.cause, _place(effect.where)), []).append(effect.sentence(values))
+        hidden.setdefault((effect.cause, effect.where.any_order), []).append(effect.sentence(values))
     rows = [(" ".join(lines), _said(first, key), _said(then, key)) for key, lines in hidden.items()]
     for key in dict.fromkeys(_key(one) for one in (*first.causes, *then.causes)):
         if key not in hidden:
@@ -197,7 +197,7 @@ def _revealed(truth: Truth, first: Diagnosis, then: Diagnosis, follow_up: tuple[
 def _said(diagnosis: Diagnosis, key: tuple[str, Where]) -> str:
     """What a diagnosis said of a cause: its finding, or between what it is open."""
     for finding in diagnosis.causes:
-        both = [_key(finding), *((rival.cause, _place(rival.where)) for rival in finding.rivals)]
+        both = [_key(finding), *((rival.cause, rival.where.any_order) for rival in finding.rivals)]
         if key == both[0] and finding.status == "named":
             return finding.sentence
         if key in both:
@@ -206,12 +206,7 @@ def _said(diagnosis: Diagnosis, key: tuple[str, Where]) -> str:
 
 
 def _key(finding: Finding) -> tuple[str, Where]:
-    return finding.cause, _place(finding.where)
-
-
-def _place(where: Where) -> Where:
-    """The place, at any order."""
-    return replace(where, order=None)
+    return finding.cause, finding.where.any_order
 
 
 def _words(cause: str, where: Where) -> str:

@@ -123,7 +123,7 @@ def judged(case: Case, outcome: Outcome) -> Record:
 
 def key_of(said: Finding | Rival) -> Key:
     """Cause and place of a finding or a rival, a gear line at any order."""
-    return said.cause, replace(said.where, order=None)
+    return said.cause, said.where.any_order
 
 
 def _offered(finding: Finding) -> set[Key]:
