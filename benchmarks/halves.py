@@ -18,6 +18,7 @@ from blind import git
 from workbench import Campaign, diagnose, load_campaign
 from workbench.diagnosis.result import Diagnosis
 from workbench.effects.base import UNKNOWN
+from workbench.files.faults import InputError
 
 RESULTS = Path(__file__).resolve().parent / "results/halves.json"
 SEEDS = (1, 2, 3)
@@ -66,7 +67,11 @@ def main(folder: Path, names: list[str]) -> int:
     kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.is_file() else {}
     for path in paths:
         began = time.process_time()
-        cuts = [compared(load_campaign(path), seed) for seed in (None, *SEEDS)]
+        try:
+            cuts = [compared(load_campaign(path), seed) for seed in (None, *SEEDS)]
+        except InputError as error:
+            print(f"{path.parent.name}: {error}", flush=True)
+            continue
         kept[path.parent.name] = {"commit": git("rev-parse", "--short", "HEAD"), "cuts": cuts}
         print(f"{path.parent.name}: {time.process_time() - began:.0f} s of CPU", flush=True)
         for cut in cuts:
