@@ -15,6 +15,8 @@ from .loads import Loads, Wrenches, wrenches
 
 Law = Callable[[Array], Array]
 
+RUNAWAY = 100.0  # m or rad in a round: no arm goes so far and comes back
+
 
 class NoRest(InputError, ArithmeticError):
     """The arm as stated does not come to rest under its loads as stated."""
@@ -50,6 +52,8 @@ def equilibrium(
         step = float(np.abs(change).max(initial=0.0))
         if step < tolerance or (step < 1e3 * tolerance and step > 0.5 * last):  # as still as rounding allows
             return motion + change, where, load
+        if not step < RUNAWAY:
+            break
         last = step
         motion = motion + (change if preconditioner is None else preconditioner(change))
     raise NoRest
