@@ -10,7 +10,7 @@ from workbench.robot.beam import bending_compliance
 from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
-from workbench.robot.equilibrium import equilibrium
+from workbench.robot.equilibrium import NoRest, equilibrium
 from workbench.robot.kinematics import frames, point_jacobian
 from workbench.robot.loads import Loads, wrenches
 from workbench.robot.rigid_plant import arrays, rigid_twin
@@ -122,3 +122,13 @@ def test_jacobians_equal_finite_differences(tmp_path, kind, before):
             fd = (wa.local - wb.local).reshape(n_poses, -1) / 2e-5
             scale = 1e-7 * np.abs(load.local).max() + 1e-7 * np.abs(fd).max()
             assert np.abs(fd - H[:, :, 6 * slot + c]).max() < scale
+
+
+def test_an_arm_that_runs_away_finds_no_rest_and_nothing_overflows(tmp_path):
+    """A law that grows with the square of the wrench; warnings are errors here."""
+    _, arm = some_arm(tmp_path, "6R")
+    q = np.zeros((3, arm.n))
+    still = np.zeros((3, arm.slots, 6))
+    loads = some_loads(np.random.default_rng(1), 3, arm.n)
+    with pytest.raises(NoRest, match="finds no rest"):
+        equilibrium(arm, q, still, loads, lambda wrench: wrench**2)
