@@ -3,15 +3,15 @@ too sure, none is surer than by that."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from ..identification.fit import refit
+from ..effects.base import Effect
+from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
-from ..robot.kinematics import Array
 from .competition import Selection
 from .components import Key, bare
 from .priors import PRIORS
@@ -23,7 +23,10 @@ NOTHING = 1e-30  # m²
 
 def worth_it(selection: Selection, seed: int) -> Selection:
     """Without effects that bring the tool no nearer to its place on poses that they were not fitted on. Where
-    something is left without a name, causes that bring less than a tenth of the noise keep none either."""
+    something is left without a name, causes that bring less than a tenth of the noise keep none either.
+
+    Causes that can stand in for each other each bring next to nothing beside the others. So each counts by
+    what it brings beside these, or by what it brings to those that are stronger, whichever is more."""
     kept, error = selection, rms_mm(heldout(selection.fit, seed=seed))
     while kept.fit.model.effects:
         gains = _gains(kept, error, seed)
@@ -42,11 +45,24 @@ def worth_it(selection: Selection, seed: int) -> Selection:
     if not nameless:
         return kept
     least = FAINT * max(1e3 * result.noise.usual, error / np.sqrt(3))
-    alone = without(result, nameless, seed)
-    gains_mm = {e.key: without(result, [*nameless, *own], seed) - alone for e, own in kept.groups}
-    together = without(result, range(len(result.model.effects)), seed) - alone
+    together = without(result, range(len(result.model.effects)), seed) - without(result, nameless, seed)
+    gains_mm = {
+        effect.key: max(
+            without(result, [*beside, *own], seed) - without(result, beside, seed)
+            for beside in (nameless, [*nameless, *weaker])
+        )
+        for effect, own, weaker in _by_strength(kept)
+    }
     faint = frozenset(key for key, gain in gains_mm.items() if min(gain, together) < least)
     return replace(kept, faint=kept.faint | faint)
+
+
+def _by_strength(selection: Selection) -> Iterator[tuple[Effect, list[int], list[int]]]:
+    """Each named cause, strongest first: one of its effects, the numbers of all of these in the fit, and
+    those of the causes that are weaker."""
+    groups = selection.groups
+    for k, (effect, own) in enumerate(groups):
+        yield effect, own, [i for _, others in groups[k + 1 :] for i in others]
 
 
 def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
@@ -56,13 +72,10 @@ def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
     fit, components = selection.fit, selection.components
     tried = sum(not component.nameless for component in components)
     rest = next((m.component for m in selection.members if components[m.component].nameless), None)
-    position = fit.model.problem.positions
-    whole = _squares(heldout(fit, seed=seed), position)
     shares, faint = [dict(share) for share in selection.shares], set[Key]()
-    for effect, own in selection.groups:
-        gain = _squares(heldout(fit, seed=seed, without=own), position) - whole
-        sigma = max(gain.std(ddof=1) / np.sqrt(len(gain)), NOTHING)
-        surest = float(ndtr(gain.mean() / sigma)) ** tried
+    for effect, own, weaker in _by_strength(selection):
+        both = [], [*selection.nameless, *weaker]
+        surest = max(_chance(fit, beside, own, seed) for beside in both) ** (2 * tried)
         if surest < PRIORS.absent:
             faint.add(effect.key)
         for share, member in zip(shares, selection.members, strict=True):
@@ -73,18 +86,26 @@ def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
     return replace(selection, shares=tuple(shares), faint=frozenset(faint))
 
 
-def _squares(error: Array, position: NDArray[np.int64]) -> Array:
-    """Mean square error [m²] of each joint position."""
-    each = np.nansum(error**2, axis=(1, 2))
-    return np.asarray(np.bincount(position, each) / np.bincount(position))
+def _chance(fit: Fit, beside: Sequence[int], own: Sequence[int], seed: int) -> float:
+    """That effects which do nothing would bring less on poses held out, without those `beside`: by the mean
+    of what they take off a position's square error, over its standard error."""
+    position = fit.model.problem.positions
+    with_it, without_it = (heldout(fit, seed=seed, without=out) for out in (beside, [*beside, *own]))
+    each = np.nansum(without_it**2 - with_it**2, axis=(1, 2))
+    gain = np.bincount(position, each) / np.bincount(position)
+    return float(ndtr(gain.mean() / max(gain.std(ddof=1) / np.sqrt(len(gain)), NOTHING)))
 
 
 def _gains(selection: Selection, whole: float, seed: int) -> list[float]:
-    """What each effect brings [mm] on poses held out: one with a name beside the others that have one, one
-    without beside all. whole: RMS [mm] with all."""
+    """What each effect brings [mm] on poses held out: one without a name beside all, one with a name beside
+    the others that have one, or to those that are stronger, if that is more. whole: RMS [mm] with all."""
     fit, nameless = selection.fit, selection.nameless
     named = without(fit, nameless, seed)
-    return [
-        without(fit, [i], seed) - whole if i in nameless else without(fit, [*nameless, i], seed) - named
-        for i in range(len(fit.model.effects))
-    ]
+    gains = [without(fit, [i], seed) - whole for i in range(len(fit.model.effects))]
+    for _, own, weaker in _by_strength(selection):
+        out = [*nameless, *weaker]
+        first = without(fit, out, seed)
+        for i in own:
+            beside = without(fit, [*nameless, i], seed) - named
+            gains[i] = max(beside, without(fit, [*out, i], seed) - first)
+    return gains
