@@ -27,6 +27,7 @@ def main(folder: Path, commit: str | None = None) -> None:
     on = {"commit": commit or git("rev-parse", "--short", "HEAD")}
     left_out = ("results", "confusion", "schema")
     kept = on | {key: value for key, value in found.items() if key not in left_out}
+    kept["failed"] = {key: error.strip().splitlines()[-1] for key, error in found["failed"].items()}
     few = on | {key: found[key] for key in ("cases", "seed", "reliability")}
     for path, content in {RESULTS: kept, DRAWN: few}.items():
         path.write_text(json.dumps(content, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")

@@ -74,8 +74,8 @@ def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
     rest = next((m.component for m in selection.members if components[m.component].nameless), None)
     shares, faint = [dict(share) for share in selection.shares], set[Key]()
     for effect, own, weaker in _by_strength(selection):
-        both = [], [*selection.nameless, *weaker]
-        surest = max(_chance(fit, beside, own, seed) for beside in both) ** (2 * tried)
+        alone = [*selection.nameless, *weaker]
+        surest = max(_chance(fit, beside, own, seed) for beside in ([], alone)) ** (2 * tried)
         if surest < PRIORS.absent:
             faint.add(effect.key)
         for share, member in zip(shares, selection.members, strict=True):
