@@ -108,8 +108,8 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     shares = [share for share, there in zip(shares, shown, strict=True) if there]
     scatter = np.sqrt(np.maximum(at.noise.joint**2 - geometry.noise.joint**2, 0.0))
     light = tuple(component.without_columns() for component in components)
-    found = Selection(final, light, tuple(members), tuple(shares), reduced, tuple(unrepeated), scatter)
-    return replace(found, misfit=misfit)
+    named, not_named = tuple(members), tuple(unrepeated)
+    return Selection(final, light, named, tuple(shares), reduced, not_named, scatter, misfit=misfit)
 
 
 def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[_Round, list[Member], list[Shares]]:

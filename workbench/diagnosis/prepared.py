@@ -68,13 +68,11 @@ class Prepared:
 
     def some(self, poses: NDArray[np.int64]) -> Prepared:
         """Some of the poses as if there were no others: where nobody knows the noise, with their own."""
-        whole, covariance, noise = self.problem, self.covariance.some(poses), self.noise
-        part = Problem(whole.robot, whole.arm, whole.campaign.some(poses), whole.compensator)
-        geometry = fit(replace(self.geometry.model, problem=part), self.geometry.state, covariance)
-        if not self.noise_known:
-            covariance, noise = from_residual(geometry)
-            geometry = fit(geometry.model, geometry.state, covariance)
-        return replace(self, problem=part, covariance=covariance, noise=noise, geometry=geometry)
+        problem = replace(self.problem, campaign=self.problem.campaign.some(poses))
+        covariance = self.covariance.some(poses)
+        geometry = fit(replace(self.geometry.model, problem=problem), self.geometry.state, covariance)
+        part = replace(self, problem=problem, covariance=covariance, geometry=geometry)
+        return part if self.noise_known else part.with_noise_of(geometry)
 
     def with_given(self, given: tuple[Given, ...]) -> Prepared:
         """The same with numbers that are known by other means, geometry fitted beside them."""

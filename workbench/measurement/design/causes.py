@@ -61,13 +61,13 @@ def split_causes(text: str) -> list[str]:
 
 def has_size(cause: str) -> bool:
     """Whether a cause of `--tell` has numbers, as `--effect` takes them."""
-    return any(equals and key not in (*KEYS, CHANCE) for key, equals, _ in _pairs(cause))
+    return any(equals and key not in (*KEYS, CHANCE) for key, equals, _ in pairs_of(cause))
 
 
 def chance_of(cause: str) -> tuple[str, float | None]:
     """A cause of `--tell` without its probability, and that, if it is said. Raises InputError."""
     kept, said = [], None
-    for key, equals, value in _pairs(cause):
+    for key, equals, value in pairs_of(cause):
         if key != CHANCE:
             kept.append(f"{key}{equals}{value}")
             continue
@@ -100,17 +100,17 @@ def _faults(item: str) -> list[Fault]:
     how = f"keys are {', '.join(KEYS)}, as in joint=joint_2"
     return [
         Fault(f"--tell {item}", f"{key!r} is no place or form", how)
-        for key, equals, _ in _pairs(item)
+        for key, equals, _ in pairs_of(item)
         if key not in KEYS or not equals
     ]
 
 
 def _named(item: str) -> NamedCause:
-    asked = tuple((key, value) for key, _, value in _pairs(item))
+    asked = tuple((key, value) for key, _, value in pairs_of(item))
     return NamedCause(item, catalogue()[item.partition(":")[0]], asked)
 
 
-def _pairs(item: str) -> list[tuple[str, str, str]]:
+def pairs_of(item: str) -> list[tuple[str, str, str]]:
     """Key, "=" and value of each of a cause's places, forms and sizes."""
     return [part.partition("=") for part in item.partition(":")[2].split(",") if part]
 

@@ -23,7 +23,7 @@ from ...files.faults import Fault, InputError, read_text
 from ...identification.fit import Fit
 from ...robot.schema import EffectRecord
 from .candidates import candidates, random_rows, take
-from .causes import EXAMPLE, chance_of, has_size, named_causes, split_causes, varied
+from .causes import EXAMPLE, chance_of, has_size, named_causes, pairs_of, split_causes, varied
 from .discrimination import MOST_MEASURED, advice
 from .discrimination_plan import Discrimination, DiscriminationPlan
 from .fedorov import Search
@@ -109,10 +109,9 @@ def tie_said(text: str, fit: Fit) -> Tie:
 
 def _places_of(effect: Effect, rival: str, problem: Problem) -> Sequence[Effect]:
     """Everywhere a rival may sit; the effect's own place and size are read already. Raises InputError."""
-    cause, _, place = rival.partition(":")
-    if cause != UNKNOWN:
+    if rival.partition(":")[0] != UNKNOWN:
         return named_causes(f"{effect.cause},{rival}")[1].effects(problem)
-    said = dict(pair.split("=", 1) for pair in place.split(",") if "=" in pair)
+    said = {key: value for key, _, value in pairs_of(rival)}
     found = [one for one in unnamed(problem) if {k: str(v) for k, v in one.where.keys().items()} == said]
     if not found:
         raise InputError(Fault(f"--tell {rival}", "nothing without a name sits there", EXAMPLE))
