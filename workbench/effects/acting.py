@@ -73,6 +73,13 @@ class Acting:
                 change += effect.seen(problem, points) @ values
         return points + change
 
+    def sight(self, problem: Problem) -> Array | None:
+        """(N, T, 3, 3) how shown points move with the true ones; None where the instrument shows these."""
+        if all(effect.acts != "instrument" for effect, _ in self.items):
+            return None
+        axes = np.broadcast_to(np.eye(3)[:, None, None], (3, *problem.campaign.points.shape))
+        return np.stack([self.seen(problem, axis) for axis in axes], axis=-1)
+
     def gear_error(self, q: Array, side: Array | None, joints: tuple[str, ...]) -> Array:
         """(K, n) motion of each joint beyond its drive's, at joints q (K, n) reached from `side` (K, n)."""
         out = np.zeros_like(q)

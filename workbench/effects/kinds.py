@@ -232,7 +232,7 @@ class LoadEffect(Effect):
 
 
 class InstrumentEffect(Effect):
-    """How the points are seen; linear in its parameters."""
+    """How the points are seen; linear in its parameters and in the points."""
 
     acts: ClassVar[Acts] = "instrument"
     in_drake: ClassVar[str] = "nothing: the measured points change"
@@ -243,7 +243,7 @@ class InstrumentEffect(Effect):
         """(N, T, 3, p) change of the points (N, T, 3) [m] in the instrument's frame."""
 
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
-        seen = self.seen(problem, line.prediction.points)
+        seen = self.seen(problem, line.prediction.true)
         seen = seen.reshape(len(seen), -1, seen.shape[-1])
         drives = np.zeros((len(seen), problem.drives, seen.shape[-1]))
         return np.concatenate([seen, drives], axis=1) if problem.drives else seen

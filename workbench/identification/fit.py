@@ -23,7 +23,7 @@ from .parameters import Columns, columns
 from .registration import register
 from .rows import Equations, equations, fitted_numbers, jacobian, moved, whitening
 
-PROBE = 0.1  # of a step: where its bend is felt
+CORRECTIONS = 4  # of a step, until it follows the valley it goes along
 TOLERANCE = 1e-2  # standard deviations, all numbers together
 
 
@@ -179,10 +179,8 @@ def fit(
         converged = step.length < tolerance and damping == 0.0
         if converged or iteration == max_iterations - 1:
             break
-        new = _stepped(model, cols, at, W, step.change)
-        if _worse(new, at):
-            new = _bent(model, cols, at, W, normal, step.change, damping)
-        if new is None or _worse(new, at):
+        new = _along(model, cols, at, W, normal, step.change, damping)
+        if new is None:
             damping = max(10 * damping, 1.0)
             if damping > 1e15:
                 raise ArithmeticError("the fit does not converge")
@@ -216,16 +214,25 @@ def _worse(new: Equations | None, at: Equations) -> bool:
     return new is None or new.cost > at.cost * (1 + 1e-6) + 1e-3
 
 
-def _bent(
+def _along(
     model: Model, cols: Columns, at: Equations, W: Array, normal: Normal, step: Array, damping: float
 ) -> Equations | None:
-    """The equations after a step (P,) that stays in a valley that bends: with half the geodesic acceleration
-    along it, from a second difference (Transtrum, Machta, Sethna, Phys. Rev. E 83, 036701, 2011, VI)."""
-    near = _stepped(model, cols, at, W, PROBE * step)
-    if near is None:
-        return None
-    bent = 2 / PROBE * ((near.r - at.r).ravel() / PROBE + normal.J @ step)
-    return _stepped(model, cols, at, W, step + normal.towards(bent).step(damping).change / 2)
+    """The equations after a step (P,); None where it leads to nothing better.
+
+    Numbers that can stand in for each other lie in valleys that bend: a long step leaves them. So what the
+    step makes of the residual beyond what the derivatives said is taken back, by the same derivatives (a
+    second-order correction: Nocedal, Wright, Numerical Optimization, 2006, 18.3), as long as that helps.
+    """
+    aim, change, before = at.r.ravel() - normal.J @ step, step, np.inf
+    for _ in range(1 + CORRECTIONS):
+        new = _stepped(model, cols, at, W, change)
+        if new is None or new.cost > before:
+            return None
+        if not _worse(new, at):
+            return new
+        before = new.cost
+        change = change + normal.towards(new.r.ravel() - aim).step(damping).change
+    return None
 
 
 def refit(result: Fit, effects: Sequence[Effect], tolerance: float = TOLERANCE) -> Fit:
@@ -244,6 +251,6 @@ def refit(result: Fit, effects: Sequence[Effect], tolerance: float = TOLERANCE) 
     if found.converged:
         return found
     # what was not in the model has bent the geometry far along what hardly shows: from the robot as it is
-    again = replace(start, geometry=model.problem.arm.geometry, values=tuple(0.0 * v for v in values))
+    again = replace(start_state(model.problem), values=tuple(0.0 * v for v in values))
     other = fit(model, again, result.noise, tolerance=tolerance)
     return other if other.converged or other.chi2 < found.chi2 else found

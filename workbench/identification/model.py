@@ -49,8 +49,8 @@ class State:
 class Prediction:
     """A campaign as a state predicts it.
 
-    base: (N, T, 3) points in the robot's base frame, points: (N, T, 3) in the instrument's [m];
-    motion: (N, S, 6) all slot motions. arm, loads, where, load: what they were computed from.
+    base: (N, T, 3) points in the robot's base frame, true: (N, T, 3) in the instrument's, points: (N, T, 3)
+    as the instrument shows them [m]; motion: (N, S, 6) all slot motions. arm, loads, where, load: what they were computed from.
     """
 
     arm: Arm
@@ -59,6 +59,7 @@ class Prediction:
     where: Frames
     load: Wrenches
     base: Array
+    true: Array
     points: Array
 
 
@@ -135,8 +136,8 @@ class Model:
                 arm, problem.q, direct, loads, law, near=start, preconditioner=near.precondition
             )
         base = self._place(where, state)
-        points = acting.seen(problem, self._see(base, state))
-        return Prediction(arm, loads, motion, where, load, base, points)
+        true = self._see(base, state)
+        return Prediction(arm, loads, motion, where, load, base, true, acting.seen(problem, true))
 
     def predict(self, state: State) -> Array:
         """Points (N, T, 3) [m] as the instrument would see them."""
@@ -180,6 +181,10 @@ class Model:
             J += torque @ H
             G += torque @ H_g
         frame, target, centre = self._frame_and_target(state, prediction, turn)
+        sight = self.acting(state).sight(self.problem)
+        if sight is not None:
+            J, G, torque, frame = (_seen(sight, X) for X in (J, G, torque, frame))
+            target = sight @ target
         J, G, torque, frame = (self._with_drives(X) for X in (J, G, torque, frame))
         return Linearisation(prediction, J, G, torque, rows, answer, frame, target, centre)
 
@@ -194,8 +199,8 @@ class Model:
     ) -> tuple[Array, Array, Array]:
         setup = self.problem.campaign.poses.setup
         n_poses, n_targets = prediction.points.shape[:2]
-        centre = np.stack([prediction.points[setup == k].mean(axis=(0, 1)) for k in range(len(state.R))])
-        frame = body_jacobian(prediction.points - centre[setup][:, None])
+        centre = np.stack([prediction.true[setup == k].mean(axis=(0, 1)) for k in range(len(state.R))])
+        frame = body_jacobian(prediction.true - centre[setup][:, None])
         target = np.empty((n_poses, n_targets, 3, 3))
         for i, k in enumerate(self.problem.on):
             target[:, i] = turn @ prediction.where.R[k]
@@ -216,6 +221,11 @@ class Model:
         The effect need not be in the model: then this is what adding it would do.
         """
         return effect.jacobian(self.problem, line, values)
+
+
+def _seen(sight: Array, motions: Array) -> Array:
+    """Motions (N, 3T, ·) of the true points as shown ones make them."""
+    return np.asarray(sight @ motions.reshape(*sight.shape[:2], 3, -1)).reshape(motions.shape)
 
 
 def move_frame(state: State, setup: int, centre: Array, change: Array) -> State:

@@ -187,7 +187,7 @@ class Bearing(Unnamed, InstrumentEffect):
 
     def seen(self, problem: Problem, points: Array) -> Array:
         turn = np.stack([-points[..., 1], points[..., 0], np.zeros_like(points[..., 0])], axis=-1)
-        return np.asarray(turn[..., None] * waves(_bearing(points), 5)[:, None, None, :])
+        return np.asarray(turn[..., None] * waves(self.x(problem), 5)[:, None, None, :])
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:

@@ -1,28 +1,33 @@
-"""Errors by the load on a joint."""
+"""Errors by the load on a joint: the stated robot's, so that they do not depend on what else is fitted. A
+function of the fitted load, with masses fitted beside it, makes a product of two unknown numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...robot.kinematics import RX, Arm, Array
-from ..kinds import AxialYield, YieldEffect
+from ...robot.kinematics import RX, Array
+from ..base import Depends
+from ..kinds import DirectEffect
 from ..place import Where
-from .base import Unnamed
+from .base import Unnamed, each
+
+SHIFT = 0.3  # m: a shift's usual size is that of a turn at this distance
 
 
 @dataclass(frozen=True)
-class Torque(Unnamed, AxialYield):
+class Torque(Unnamed, DirectEffect):
     """A joint's error by its torque, even: what is odd in it is a compliance. largest [N·m, N]: torque of
     the campaign."""
 
     variant: str = "torque"
     largest: float = 1.0
 
+    depends: ClassVar[Depends] = frozenset({"load"})
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
 
     @property
@@ -40,13 +45,10 @@ class Torque(Unnamed, AxialYield):
     def x(self, problem: Problem) -> Array:
         return _own_load(problem, problem.joint(self.where.joint))
 
-    def law(self, arm: Arm, wrench: Array, values: Array) -> tuple[Array, Array, Array]:
-        (axial,) = self.components(arm)
-        x = wrench[:, axial] / self.largest
-        unit, by_wrench = np.zeros((len(wrench), 6, 2)), np.zeros((len(wrench), 6, 6))
-        unit[:, axial] = np.column_stack([x**2, np.abs(x)])
-        by_wrench[:, axial, axial] = (2 * x * values[0] + np.sign(x) * values[1]) / self.largest
-        return unit @ values, by_wrench, unit
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        x = self.x(problem) / self.largest
+        column = int(problem.arm.axial[problem.joint(self.where.joint)])
+        return {column: np.column_stack([x**2, np.abs(x)])}
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Torque]:
@@ -60,15 +62,16 @@ class Torque(Unnamed, AxialYield):
 
 
 @dataclass(frozen=True)
-class Load(Unnamed, YieldEffect):
+class Load(Unnamed, DirectEffect):
     """A joint's frame shifts and turns with every force and moment on it. force [N], moment [N·m]: the
-    largest of the campaign. A shift's usual size is that of a turn at 0.3 m."""
+    largest of the campaign."""
 
     variant: str = "load"
     size: float = 5e-5
     force: float = 1.0
     moment: float = 1.0
 
+    depends: ClassVar[Depends] = frozenset({"load"})
     settings: ClassVar[tuple[str, ...]] = ("size", "force", "moment")
 
     @property
@@ -84,20 +87,15 @@ class Load(Unnamed, YieldEffect):
         return "N·m"
 
     def x(self, problem: Problem) -> Array:
-        return np.linalg.norm(problem.nominal_load.local[:, self.slot(problem.arm), RX:], axis=1)
+        return np.asarray(np.linalg.norm(self.wrench(problem)[:, RX:], axis=1))
 
-    def slot(self, arm: Arm) -> int:
-        return arm.names.index(str(self.where.joint)) + 1
+    def wrench(self, problem: Problem) -> Array:
+        return np.asarray(problem.nominal_load.local[:, problem.joint(self.where.joint) + 1])
 
-    def components(self, arm: Arm) -> tuple[int, ...]:
-        return tuple(range(6))
-
-    def law(self, arm: Arm, wrench: Array, values: Array) -> tuple[Array, Array, Array]:
-        reach = np.array([0.3, 0.3, 0.3, 1.0, 1.0, 1.0])
-        per = 1 / np.array([self.force] * 3 + [self.moment] * 3)
-        C = reach[:, None] * values.reshape(6, 6) * per
-        unit = np.einsum("ik,nj->nikj", np.diag(reach), wrench * per).reshape(len(wrench), 6, 36)
-        return wrench @ C.T, np.broadcast_to(C, (len(wrench), 6, 6)), unit
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        first = 6 * (problem.joint(self.where.joint) + 1)
+        out = each(range(first, first + 6), self.wrench(problem) / ([self.force] * 3 + [self.moment] * 3))
+        return {column: basis * (SHIFT if column < first + RX else 1.0) for column, basis in out.items()}
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
