@@ -21,7 +21,7 @@ from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
 from .remainder import GLOBAL_LEVEL, Remainder, remainder
-from .replication import replicated
+from .replication import power, renamed, replicated
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
 from .sets import Chosen, Competition, Member, Shares
@@ -93,10 +93,16 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
         own, _, found = _likeliest(prepared.some(poses), candidates)
         return own.competition.components, found
 
+    def seen_in(poses: Index) -> list[float]:
+        own = [components[member.component] for member in members]
+        part = reduce(best.at, own, reduced.noise_dof, poses)
+        return power(reduced, part, members, components)
+
     misfit = source == "residual" or not alike(at.noise, geometry.noise)
     misfit = misfit or any(components[m.component].nameless for m in members)
     if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
-        shares = replicated(prepared.problem, components, members, shares, of_part)
+        shares = replicated(prepared.problem, components, members, shares, of_part, seen_in)
+        members, shares = renamed(competition, members, shares)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     if final.model.effects:
         final = refit(final, final.model.effects)  # the rounds' fits are rough

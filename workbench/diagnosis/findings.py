@@ -212,6 +212,8 @@ def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
         j = int(np.argmax(np.where(problem.arm.prismatic, 0.0, selection.scatter)))
         where = Where(joint=problem.arm.names[j])
         place = f", sits in {where.joint} ({selection.scatter[j] * 1e6:.0f} µrad from pose to pose)"
+    elif any(selection.fit.noise.body):
+        place = ", moves all targets of a pose together"
     structure = (
         f"the residual is {left.inflation:.2f} times the noise ({rms_mm:.4f} mm RMS){place} but depends on "
         "no recorded variable: repeat some poses, and record approach, time and temperature"

@@ -1,18 +1,22 @@
-"""Whether parts of the data, each searched by itself from the beginning, name the same."""
+"""Whether parts of the data, each searched by itself from the beginning, name the same; and what they name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
+from scipy.special import chndtr
 
 from ..campaign.problem import Problem
 from .components import Component, Key, bare
-from .reduced import Index
+from .reduced import Index, Reduced
 from .scatter import POSES_PER_JOINT
-from .sets import Member, Shares
+from .sets import Chosen, Competition, Member, Shares
+from .weight import prior_weight
 
 Search = Callable[[Index], tuple[Sequence[Component], Sequence[Shares]]]
+Power = Callable[[Index], Sequence[float]]
 
 
 def replicated(
@@ -21,30 +25,73 @@ def replicated(
     members: Sequence[Member],
     shares: Sequence[Shares],
     search: Search,
+    power: Power,
 ) -> list[Shares]:
     """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of
     searches that each see one part of the data and nothing of what the others found, averaged, for members
-    of which these say less. search: of some poses, components and shares of what it finds."""
+    of which these say less. search: of some poses, components and shares of what it finds; power: of some
+    poses, for each member how likely they would show it: what they cannot show they do not deny."""
     if all(components[m.component].nameless for m in members):
         return list(shares)  # no name is at stake
     known = {bare(component.key): k for k, component in reversed([*enumerate(components)])}
-    parts = list[list[Shares]]()
+    parts, powers = list[list[Shares]](), list[Sequence[float]]()
     for poses in parts_of(problem):
         theirs, found = search(poses)
         parts.append([_translated(share, theirs, known) for share in found])
+        powers.append(power(poses))
     out = [dict(share) for share in shares]
     for i, member in enumerate(members):
         if components[member.component].nameless:
             continue
         k = known[bare(components[member.component].key)]  # of a line it does not matter which
         every = [max(part, key=lambda share: share.get(k, 0.0), default={}) for part in parts]
-        every = [share if k in share else {None: 1.0} for share in every]
+        every = [
+            share if k in share else {None: chance[i], k: 1 - chance[i]}
+            for share, chance in zip(every, powers, strict=True)
+        ]
         keys = set[int | None]().union(*every)
         mean = {key: sum(share.get(key, 0.0) for share in every) / len(every) for key in keys}
         own = mean.pop(k, 0.0)
         if own < out[i][member.component]:
             out[i] = {**mean, member.component: own}
     return out
+
+
+def power(whole: Reduced, part: Reduced, members: Sequence[Member], components: Sequence[Component]) -> list[float]:
+    """For each member, of the size that the whole gives it, the chance that a part has it likelier there than
+    not beside the others: that a noncentral χ² exceeds what its freedom and its prior cost.
+
+    part: reduced equations of the members' own components alone, in their order."""
+    there = [replace(member, component=i) for i, member in enumerate(members)]
+    size, beside, out = Chosen(whole, members), Chosen(part, there), []
+    for i, member in enumerate(members):
+        own = part.parts[i][member.form]
+        S = beside.left_of(np.arange(own.start, own.stop)[None], i)[0][0]
+        beta = size.beta[size.own[i]]
+        cost = float(np.linalg.slogdet(np.eye(len(S)) + member.scale**2 * S)[1])
+        cost -= 2 * prior_weight(components[member.component], member.scale)
+        out.append(1 - float(chndtr(cost, len(S), max(float(beta @ S @ beta), 0.0))))
+    return out
+
+
+def renamed(
+    competition: Competition, members: Sequence[Member], shares: Sequence[Shares]
+) -> tuple[list[Member], list[Shares]]:
+    """The members and their shares, with what the parts have in the place of one where that is likelier than
+    this; once, where it comes in the place of two."""
+    out = dict[int, tuple[Member, Shares]]()
+    for member, share in zip(members, shares, strict=True):
+        k = max(share, key=lambda k: share[k])
+        if k is None or k == member.component or share.get(None, 0.0) >= share[k]:
+            new = member
+        else:
+            others = [m for m in members if m is not member and m.component != k]
+            weight = competition.beside(Chosen(competition.reduced, others))[k]
+            new = Member(k, weight.form, weight.scale)
+        had = out.get(new.component)
+        if had is None or had[1].get(new.component, 0.0) < share.get(new.component, 0.0):
+            out[new.component] = new, share
+    return [member for member, _ in out.values()], [share for _, share in out.values()]
 
 
 def _translated(share: Shares, theirs: Sequence[Component], known: dict[Key, int]) -> Shares:

@@ -1,26 +1,34 @@
-"""Scatter of single joints from pose to pose that the noise does not hold: a variance, not a cause."""
+"""Scatter from pose to pose that the noise does not hold, of single joints and of all targets together: a
+variance, not a cause."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import lsq_linear, minimize
 
 from ..identification.fit import Fit
-from ..identification.noise import Covariance
+from ..identification.noise import Covariance, body_motion
+from ..identification.rows import whitening
+from ..robot.kinematics import Array
 from .screen import effective_dof
 
 CLEAR = 4.0  # standard deviations of its estimate from which a joint's variance counts
+TOGETHER = 8.0  # twice the log likelihood from which a pose's targets scatter together
 POSES_PER_JOINT = 10  # different joint positions, per joint, from which a variance can be told from causes
 
 
 def with_scatter(fit: Fit, base: Covariance) -> Covariance:
-    """The noise `base` with the joints' own scatter in a fit's residual; the fit was made with that or more.
+    """The noise `base` with the scatter in a fit's residual, of the joints and of what carries the targets;
+    the fit was made with that or more."""
+    return _of_body(fit, _of_joints(fit, base))
 
-    By moments: E[(gⱼᵀr)²] = |gⱼ|² + Σₖ (gⱼᵀgₖ)² (σₖ² − cₖ²), summed over the poses, for the whitened motions
-    gⱼ of the points by each joint, and the variances cₖ² that the whitening has already.
-    """
+
+def _of_joints(fit: Fit, base: Covariance) -> Covariance:
+    """With the joints' own scatter, by moments: E[(gⱼᵀr)²] = |gⱼ|² + Σₖ (gⱼᵀgₖ)² (σₖ² − cₖ²), summed over the
+    poses, for the whitened motions gⱼ of the points by each joint, and the variances cₖ² that the whitening
+    has already."""
     arm = fit.model.problem.arm
     if positions(fit) < POSES_PER_JOINT * arm.n:
         return base
@@ -38,6 +46,42 @@ def with_scatter(fit: Fit, base: Covariance) -> Covariance:
     extra = np.maximum(had + found, 0.0)
     extra[extra < CLEAR * np.sqrt(2 * weight)] = 0.0
     return replace(base, joint=np.sqrt(base.joint**2 + extra))
+
+
+def _of_body(fit: Fit, base: Covariance) -> Covariance:
+    """With one variance of shifts and one of turns of a pose's targets together, beside `base`: maximum
+    likelihood in the six motions of the body that carries them, which is all that these variances touch.
+
+    A robot that nobody knows the repeatability of scatters so, and every other thing that acts on a whole
+    pose. Were a pose's targets taken for as many independent witnesses, chance would look like a cause."""
+    problem = fit.model.problem
+    several = problem.seen.sum(axis=1) > 1
+    if problem.campaign.six_dof or not several.any():
+        return base
+    W = whitening(problem, fit.line, base)[several][:, :, : 3 * problem.seen.shape[1]]
+    Q, R = np.linalg.qr(W @ body_motion(problem)[several])
+    residual = np.nan_to_num(fit.residual).reshape(len(several), -1)[several]
+    y = np.einsum("ndk,nd->nk", Q, np.einsum("nde,ne->nd", W, residual))
+    free = fit.point_rows / max(effective_dof(fit), 1.0)
+    parts = [R[:, :, part] @ R[:, :, part].transpose(0, 2, 1) for part in (slice(0, 3), slice(3, 6))]
+
+    def cost(x: Array) -> tuple[float, Array]:
+        """Twice the negative log likelihood of the variances, each over its usual one, and its gradient."""
+        C = np.eye(6) + sum(v * part for v, part in zip(x * unit, parts, strict=True))
+        inverse = np.linalg.inv(C)
+        w = np.einsum("nij,nj->ni", inverse, y)
+        slope = [
+            v * (np.sum(inverse * part) - free * float(np.einsum("ni,nij,nj->", w, part, w, optimize=True)))
+            for v, part in zip(unit, parts, strict=True)
+        ]
+        return float(np.linalg.slogdet(C)[1].sum() + free * np.sum(w * y)), np.array(slope)
+
+    unit = np.array([1 / max(float(np.trace(p, axis1=1, axis2=2).mean()) / 3, 1e-30) for p in parts])
+    found = minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * 2)
+    if cost(np.zeros(2))[0] - found.fun < TOGETHER:
+        return base
+    shift, turn = np.sqrt(found.x * unit + np.square(base.body)).tolist()
+    return replace(base, body=(shift, turn))
 
 
 def positions(fit: Fit) -> int:
