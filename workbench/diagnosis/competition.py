@@ -33,6 +33,7 @@ CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
 BETTER = 0.99  # of the held-out error: what counts as an improvement of a round
 LOOSE = 30.0  # usual sizes: a prior that holds nothing
 MOST_SCATTERING = 2  # joints that are looked at for functions of two others
+UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
 LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 
 
@@ -98,7 +99,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
         part = reduce(best.at, own, reduced.noise_dof, poses)
         return power(reduced, part, members, components)
 
-    misfit = source == "residual" or not alike(at.noise, geometry.noise)
+    misfit = source == "residual" or not np.isclose(at.usual, geometry.usual, rtol=UNUSUAL)
     misfit = misfit or any(components[m.component].nameless for m in members)
     if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
         shares = replicated(prepared.problem, components, members, shares, of_part, seen_in)
