@@ -14,8 +14,12 @@ from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.effects import catalogue
 from workbench.effects.records import effect_text, from_record, parse_effect, record, stated_effects
+from workbench.effects.unnamed.campaign import Bearing
+from workbench.effects.unnamed.loads import Load
 from workbench.files.faults import InputError
 from workbench.identification.model import Model, State
+from workbench.identification.parameters import columns
+from workbench.identification.rows import jacobian, moved
 from workbench.robot.description import load_robot
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, simulate
@@ -117,6 +121,40 @@ def test_jacobian_equals_finite_differences(name, effect):
         scale = np.abs(change).max()
         assert scale > 0 or (name, effect.cause, effect.variant) == ("PRRR", "link_mass", "com")
         assert np.abs(J[:, :, i] - change).max() < 1e-5 * scale + 1e-12 / step[i]
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_column_knows_what_acts_beside_it(name):
+    """Frames, targets and geometry, where instrument, transmission, springs and loads are off as well."""
+    case, state = job(name)
+    each = {effect.acts: effect for effect in places(name)}
+    seen = measured_as(case, state)
+    effects = (*each.values(), *Bearing.sites(seen), *Load.sites(seen)[-1:])
+    values = tuple(0.3 * values_of(effect) for effect in effects)
+    model, state = Model(seen, effects), replace(state, values=values)
+    cols, line = columns(seen, effects, True), model.linearise(state)
+    unit = np.broadcast_to(np.eye(line.direct.shape[1]), (N_POSES, *[line.direct.shape[1]] * 2))
+    J = jacobian(model, line, cols, state, unit)
+    assert {"instrument", "yielding", "load"} <= set(each)
+    for i, column in enumerate(cols.names):
+        step = np.zeros(len(cols.names))
+        step[i] = 1e-5 if i < cols.background else 0.1 * effects_typical(effects)[i - cols.background]
+        there, back = (
+            model.predict(moved(seen, cols, state, line.centre, sign * step)).reshape(N_POSES, -1)
+            for sign in (1, -1)
+        )
+        change = (there - back) / (2 * step[i])
+        scale = max(np.abs(change).max(), np.abs(J[:, :, i]).max())
+        assert np.abs(J[:, :, i] - change).max() < 1e-5 * scale + 1e-11 / step[i], column
+
+
+def measured_as(case, state):
+    """The problem with points, as its robot without any effect gives them."""
+    return replace(case, campaign=replace(case.campaign, points=Model(case).predict(state)))
+
+
+def effects_typical(effects):
+    return [p.typical for effect in effects for p in effect.params]
 
 
 @every

@@ -7,11 +7,14 @@ import pytest
 
 from workbench import Truth, Where, load_robot, parse_effect, planned, problem, random_poses, simulate
 from workbench.diagnosis.competition import compete
-from workbench.diagnosis.components import Component, bare
+from workbench.diagnosis.components import Component, Form, bare, cause_components
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.replication import replicated
+from workbench.diagnosis.priors import PRIORS
+from workbench.diagnosis.reduced import Reduced, reduce
+from workbench.diagnosis.replication import power, renamed, replicated
 from workbench.diagnosis.run import testable as all_that_may_be
-from workbench.diagnosis.sets import Member
+from workbench.diagnosis.sets import Chosen, Competition, Member
+from workbench.diagnosis.weight import prior_weight
 from workbench.diagnosis.worth import as_sure_as_its_gain
 from workbench.effects.base import UNKNOWN
 from workbench.identification.fit import refit
@@ -21,6 +24,18 @@ RATIO, MASS, NAMELESS = ("gear_ratio", Where(joint="joint_1")), ("link_mass", Wh
 
 def component(key):
     return Component(key, (), 0.0)
+
+
+def certain(poses):
+    """What is there is seen in every part."""
+    return [1.0] * 9
+
+
+@pytest.fixture(scope="module")
+def competition(wheel):
+    fit, (candidates, _) = wheel.geometry, all_that_may_be(wheel.problem)
+    components = cause_components(fit, candidates)
+    return Competition(reduce(fit, components, 300.0), components)
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +61,7 @@ def test_a_name_is_as_sure_as_the_parts_say_on_average(wheel):
         parts.append(poses)
         return theirs, next(said)
 
-    ratio, nameless = replicated(wheel.problem, every, members, shares, search)
+    ratio, nameless = replicated(wheel.problem, every, members, shares, search, certain)
     assert ratio[0] == pytest.approx((0.9 + 1.0 + 0.0 + 0.3) / 4)
     assert ratio[2] == pytest.approx((0.1 + 0.7) / 4)
     assert ratio[None] == pytest.approx(1 / 4)
@@ -58,8 +73,49 @@ def test_a_name_is_as_sure_as_the_parts_say_on_average(wheel):
 
 def test_parts_make_no_name_surer(wheel):
     every, members = [component(RATIO)], [Member(0, 0, 1.0)]
-    (share,) = replicated(wheel.problem, every, members, [{0: 0.6, None: 0.4}], lambda _: (every, [{0: 1.0}]))
+    stated, says = [{0: 0.6, None: 0.4}], lambda _: (every, [{0: 1.0}])
+    (share,) = replicated(wheel.problem, every, members, stated, says, certain)
     assert share == {0: 0.6, None: 0.4}
+
+
+def test_a_part_does_not_deny_what_it_could_not_show(wheel):
+    """Two of four parts find nothing: one would hardly have, one surely."""
+    every, members = [component(RATIO)], [Member(0, 0, 1.0)]
+    said, could = iter([[{0: 1.0}], [], [], [{0: 1.0}]]), iter([[1.0], [0.1], [0.9], [1.0]])
+    (share,) = replicated(
+        wheel.problem, every, members, [{0: 1.0}], lambda _: (every, next(said)), lambda _: next(could)
+    )
+    assert share[0] == pytest.approx((1.0 + 0.9 + 0.1 + 1.0) / 4)
+    assert share[None] == pytest.approx((0.1 + 0.9) / 4)
+
+
+def test_power_is_how_often_an_effect_of_that_size_wins():
+    """One number, against draws of its estimate."""
+    score, size, odds = 25.0, 1.0, np.log(0.01)
+    S, slices = np.array([[score]]), ((slice(0, 1),),)
+    whole, part = (
+        Reduced(slices, S, S[0] * size, 900.0, 900.0, 1e9),
+        Reduced(slices, S, 0 * S[0], 1.0, 1.0, 1.0),
+    )
+    one = Component(RATIO, (Form(np.zeros((0, 0, 1)), np.ones(1), ()),), float(odds))
+    (found,) = power(whole, part, [Member(0, 0, 1.0)], [one])
+    beta = float(Chosen(whole, [Member(0, 0, 1.0)]).beta[0])
+    u = score * beta + np.sqrt(score) * np.random.default_rng(0).normal(size=200_000)
+    cost = 0.5 * np.log(1 + score) - prior_weight(one, 1.0)
+    assert found == pytest.approx(np.mean(0.5 * u**2 / score > cost), abs=0.005)
+    assert 0.3 < found < 0.99
+
+
+def test_what_the_parts_name_instead_takes_the_place(competition):
+    """Of two members that the parts take for the same, one stays; what they do not find keeps its name."""
+    first, second, other, third = 3, 5, 8, 11
+    members = [Member(k, 0, 1.0) for k in (first, second, third)]
+    shares = [{other: 0.9, first: 0.1}, {other: 0.6, second: 0.3, None: 0.1}, {None: 0.7, third: 0.3}]
+    now, theirs = renamed(competition, members, shares)
+    assert [m.component for m in now] == [other, third]
+    assert theirs == [shares[0], shares[2]]
+    assert now[1] is members[2]
+    assert now[0].scale in PRIORS.scales
 
 
 def test_some_poses_alone_have_their_own_noise(wheel):

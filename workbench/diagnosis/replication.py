@@ -1,4 +1,4 @@
-"""Whether parts of the data, each searched by itself from the beginning, name the same; and what they name."""
+"""Whether parts of the data, each searched by itself from the beginning, name the same; and what they do."""
 
 from __future__ import annotations
 
@@ -57,7 +57,9 @@ def replicated(
     return out
 
 
-def power(whole: Reduced, part: Reduced, members: Sequence[Member], components: Sequence[Component]) -> list[float]:
+def power(
+    whole: Reduced, part: Reduced, members: Sequence[Member], components: Sequence[Component]
+) -> list[float]:
     """For each member, of the size that the whole gives it, the chance that a part has it likelier there than
     not beside the others: that a noncentral χ² exceeds what its freedom and its prior cost.
 

@@ -35,11 +35,14 @@ class Chosen:
     """A set of members in the reduced equations: what it explains, and what it leaves of everything.
 
     With C the set's columns and P their prior precisions: K = S_C (S_CC + P)⁻¹, left S − K S_Cᵀ. One member
-    less gives back K_m (M_mm)⁻¹ K_mᵀ, M = (S_CC + P)⁻¹: no need to solve again.
+    less gives back K_m (M_mm)⁻¹ K_mᵀ, M = (S_CC + P)⁻¹: no need to solve again. about: columns that will be
+    asked for; default: all.
     """
 
-    def __init__(self, reduced: Reduced, members: Sequence[Member]) -> None:
+    def __init__(self, reduced: Reduced, members: Sequence[Member], about: Index | None = None) -> None:
         self.reduced, self.members = reduced, tuple(members)
+        self._about = slice(None) if about is None else about
+        self._back = dict[int, tuple[Array, Array]]()
         every = np.arange(len(reduced.u))
         index = [every[reduced.parts[m.component][m.form]] for m in members]
         self.index: Index = np.concatenate(index) if index else np.zeros(0, int)
@@ -63,7 +66,10 @@ class Chosen:
 
     @cached_property
     def K(self) -> Array:
-        return np.asarray(self.cross @ self.inverse)
+        """(g, c), zero but for the columns that will be asked for."""
+        out = np.zeros_like(self.cross)
+        out[self._about] = self.cross[self._about] @ self.inverse
+        return out
 
     @cached_property
     def beta(self) -> Array:
@@ -84,25 +90,23 @@ class Chosen:
         S = S - K @ self.cross[index].swapaxes(1, 2)
         u = u - K @ self.reduced.u[self.index]
         if without is not None:
-            half, back = self._given_back[without]
+            half, back = self._given_back(without)
             Kh = K[:, :, self.own[without]] @ half
             S = S + Kh @ Kh.swapaxes(1, 2)
             u = u + Kh @ back
         return S, u
 
-    @cached_property
-    def _given_back(self) -> list[tuple[Array, Array]]:
-        """Of each member H with H Hᵀ = (M_mm)⁻¹, and Hᵀ beta_m."""
-        halves = [
-            solve_triangular(
-                np.linalg.cholesky(self.inverse[own, own]), np.eye(own.stop - own.start), lower=True
-            ).T
-            for own in self.own
-        ]
-        return [(half, half.T @ self.beta[own]) for half, own in zip(halves, self.own, strict=True)]
+    def _given_back(self, member: int) -> tuple[Array, Array]:
+        """Of a member H with H Hᵀ = (M_mm)⁻¹, and Hᵀ beta_m."""
+        if member not in self._back:
+            own = self.own[member]
+            lower = np.linalg.cholesky(self.inverse[own, own])
+            half = solve_triangular(lower, np.eye(len(lower)), lower=True, check_finite=False).T
+            self._back[member] = half, half.T @ self.beta[own]
+        return self._back[member]
 
     def explained_without(self, member: int) -> float:
-        back = self._given_back[member][1]
+        back = self._given_back(member)[1]
         return self.explained - float(back @ back)
 
     @property
@@ -185,9 +189,10 @@ class Competition:
 
     def exchanged(self, members: list[Member], among: Mask) -> list[Member]:
         """Each member again, the others kept: in its best form, exchanged for a better one, or dropped."""
+        about = self._columns(among)
         for _ in range(2):
             before = list(members)
-            chosen = Chosen(self.reduced, members)
+            chosen = Chosen(self.reduced, members, about)
             for member in before:
                 i = members.index(member)
                 weights = self.beside(chosen, i, among)
@@ -202,10 +207,15 @@ class Competition:
                     if new == member:
                         continue
                     members = [new if m is member else m for m in members]
-                chosen = Chosen(self.reduced, members)
+                chosen = Chosen(self.reduced, members, about)
             if members == before:
                 break
         return members
+
+    def _columns(self, among: Mask) -> Index:
+        """Of some components, in all their forms."""
+        forms = [part for k in np.flatnonzero(among) for part in self.reduced.parts[k]]
+        return np.concatenate([np.arange(part.start, part.stop) for part in forms] or [np.zeros(0, int)])
 
     def shares(self, members: Sequence[Member]) -> list[Shares]:
         """For each member: probability of it, of each stand-in, and of nothing (None) in its place.

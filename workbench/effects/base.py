@@ -51,7 +51,8 @@ class Param:
 
 
 class Rest(Protocol):
-    """The arm at rest under its loads: its frames, loads, wrenches and points (N, T, 3) [m]."""
+    """The arm at rest under its loads: its frames, loads, wrenches and points (N, T, 3) [m] in the
+    instrument's frame: true, and as this shows them."""
 
     @property
     def arm(self) -> Arm: ...
@@ -61,6 +62,8 @@ class Rest(Protocol):
     def loads(self) -> Loads: ...
     @property
     def load(self) -> Wrenches: ...
+    @property
+    def true(self) -> Array: ...
     @property
     def points(self) -> Array: ...
 

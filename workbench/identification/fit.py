@@ -34,7 +34,8 @@ class Fit:
     line: derivatives at the solution; whitener: (N, D, R) with R = 3T, or 3T + n where drive torques were
     recorded; J: (N, D, P) whitened Jacobian, r: (N, D) whitened residual (measured minus predicted);
     residual: (N, T, 3) [m], NaN where not seen.
-    upper: (P, P) with (JᵀJ + prior)= upperᵀ upper, in units of the priors.
+    upper: (P, P) with (JᵀJ + prior)= upperᵀ upper, in units of the priors. cost: whitened squares of the
+    residual and of what the priors hold.
     """
 
     model: Model
@@ -49,6 +50,7 @@ class Fit:
     upper: Array
     iterations: int
     converged: bool
+    cost: float
 
     def __repr__(self) -> str:
         names = ", ".join(effect.cause for effect in self.model.effects) or "geometry alone"
@@ -193,7 +195,8 @@ def fit(
     J = normal.J.reshape(*at.r.shape, -1)
     upper = full_step(normal.J, normal.r, normal.offset, cols.prior, 0.0)[1]
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
-    return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, iteration + 1, converged)
+    end = iteration + 1, converged, at.cost
+    return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, *end)
 
 
 def _normal(model: Model, cols: Columns, at: Equations, W: Array) -> Normal:
@@ -247,10 +250,10 @@ def refit(result: Fit, effects: Sequence[Effect], tolerance: float = TOLERANCE) 
     )
     model = replace(result.model, effects=tuple(effects))
     start = replace(result.state, values=values)
-    found = fit(model, start, result.noise, tolerance=tolerance, max_iterations=12)
+    found = fit(model, start, result.noise, tolerance=tolerance)
     if found.converged:
         return found
     # what was not in the model has bent the geometry far along what hardly shows: from the robot as it is
     again = replace(start_state(model.problem), values=tuple(0.0 * v for v in values))
     other = fit(model, again, result.noise, tolerance=tolerance)
-    return other if other.converged or other.chi2 < found.chi2 else found
+    return min(found, other, key=lambda one: one.cost)

@@ -50,7 +50,8 @@ class Prediction:
     """A campaign as a state predicts it.
 
     base: (N, T, 3) points in the robot's base frame, true: (N, T, 3) in the instrument's, points: (N, T, 3)
-    as the instrument shows them [m]; motion: (N, S, 6) all slot motions. arm, loads, where, load: what they were computed from.
+    as the instrument shows them [m]; motion: (N, S, 6) all slot motions. arm, loads, where, load: what they
+    were computed from.
     """
 
     arm: Arm

@@ -1,0 +1,46 @@
+"""What moves a pose's targets together, from pose to pose, is scatter and no cause."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
+from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.scatter import with_scatter
+from workbench.effects.base import UNKNOWN
+
+SIGMA, SHIFT = 1.5e-5, 1.6e-5
+
+
+def measured(seed, shift=SHIFT, poses=45):
+    """A robot that nobody knows the repeatability of, its three targets moved together from pose to pose."""
+    robot = load_robot("lrmate200id")
+    rng = np.random.default_rng(seed)
+    plan = planned(robot, random_poses(robot, poses, rng))
+    still = np.zeros(len(robot.joints))
+    campaign = simulate(plan, Truth(sigma=SIGMA, repeatability=still), seed=seed)
+    moved = shift * rng.normal(size=(poses, 1, 3))
+    return replace(campaign, points=campaign.points + moved, noise_sigma=SIGMA)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_scatter_of_a_whole_pose_is_found_in_few_poses(seed):
+    geometry = prepare(measured(seed)).geometry
+    shift, turn = with_scatter(geometry, geometry.noise).body
+    assert shift == pytest.approx(SHIFT, rel=0.25)
+    assert turn < 1e-4  # rad: next to nothing over 0.1 m between the targets
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_none_is_found_where_there_is_none(seed):
+    geometry = prepare(measured(seed, shift=0.0)).geometry
+    assert with_scatter(geometry, geometry.noise).body == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_scatter_is_told_and_no_cause_named(seed):
+    found = diagnose(measured(seed)).diagnosis
+    assert not [f for f in found.causes if f.cause != UNKNOWN and f.status == "named"]
+    assert found.verdict == "unknown"
+    assert "moves all targets of a pose together" in found.causes[-1].sentence
