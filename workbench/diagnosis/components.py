@@ -21,7 +21,7 @@ from .priors import PRIORS
 
 Key = tuple[str, Where]
 NO_LOAD = 1e-6  # of the largest load in the arm: what bears less does so by rounding, or by a turn of µrad
-LITTLE = 1e-2  # of the largest load in the arm: nothing is so soft that it needs less for its usual motion
+LITTLE = 1e-2  # of the largest load in the arm: no joint is so soft that it needs less for its usual motion
 UNSEEN = 1e-6  # of the noise: a form that moves no point by more, in its usual size, shows nothing
 EVERY_FINER = 3  # of an effect's finer settings, every third is a form of its own
 
@@ -150,12 +150,14 @@ def _usual(fit: Fit, effect: Effect) -> Array:
 
 
 def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:
-    """A yield's usual size: a usual motion at the campaign's largest load, not a number per N·m. What bears
-    next to nothing, as an upright joint, moves less than that: else a tilt of the base would show in it."""
+    """A yield's usual size: a usual motion at the campaign's largest load, not a number per N·m. A joint
+    that bears next to nothing, as an upright one, moves less: else a tilt of the base would show in it."""
     if effect.params[0].unit in ("rad", "m", "1"):
         return typical
     rest = fit.line.prediction
     drawn = effect.drawn(fit.model.problem, rest, np.ones(1))
     most, arm = float(np.abs(drawn.size).max(initial=0.0)), float(np.abs(rest.load.local).max(initial=0.0))
     usual = PRIORS.joint_yields if effect.axial else PRIORS.tilt_yields
-    return typical if most <= NO_LOAD * arm else np.array([usual / max(most, LITTLE * arm)])
+    if most <= NO_LOAD * arm:
+        return typical
+    return np.array([usual / (max(most, LITTLE * arm) if effect.axial else most)])
