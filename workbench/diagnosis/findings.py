@@ -16,7 +16,7 @@ from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit, fit
 from .ceiling import ceiling_mm
 from .competition import Selection
-from .components import bare
+from .components import Component, bare
 from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable
 from .headline import headline, remarks, verdict_of
@@ -113,8 +113,8 @@ def _finding(parts: Parts, group: Group, named_mm: float) -> Finding:
     """One cause; named_mm: held-out RMS with all of them, and nothing without a name."""
     effect, own = group
     final, selection = parts.selection.fit, parts.selection
-    probability, rivals = probability_of(selection, effect)
-    named = probability >= PRIORS.named
+    probability, rivals, by_data = probability_of(selection, effect)
+    named = probability >= PRIORS.named and by_data >= PRIORS.by_data
     advice = list(filter(None, (separation(effect.cause, rival.cause) for rival in rivals)))
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
@@ -136,8 +136,10 @@ def _finding(parts: Parts, group: Group, named_mm: float) -> Finding:
     )
 
 
-def probability_of(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, ...]]:
-    """Probability of a cause at its place, and the rivals that cover the rest, likeliest first."""
+def probability_of(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, ...], float]:
+    """Probability of a cause at its place; the rivals that cover the rest, likeliest first, and those that
+    only their prior odds keep from it; and its probability where no other cause is less likely before the
+    data than it: what the data alone say."""
     best: tuple[float, Shares, int] | None = None
     for member, share in zip(selection.members, selection.shares, strict=True):
         component = selection.components[member.component]
@@ -146,16 +148,27 @@ def probability_of(selection: Selection, effect: Effect) -> tuple[float, tuple[R
             best = share[member.component], share, member.component
     assert best is not None
     probability, share, index = best
+    raised = {k: p * _handicap(selection.components, index, k) for k, p in share.items()}
+    total = sum(raised.values())
     covered, rivals = probability, list[Rival]()
     others = sorted(((p, k) for k, p in share.items() if k is not None and k != index), reverse=True)
     for p, k in others:
-        if covered >= PRIORS.listed or p < PRIORS.faintest_rival:
-            break
+        close = raised[k] >= (1 - PRIORS.by_data) * total
+        if not close and (covered >= PRIORS.listed or p < PRIORS.faintest_rival):
+            continue
         cause, where = selection.components[k].key
         if (cause, where) != effect.key:
             rivals.append(Rival(cause, where, p))
         covered += p
-    return probability, tuple(rivals)
+    return probability, tuple(rivals), raised[index] / total
+
+
+def _handicap(components: Sequence[Component], own: int, other: int | None) -> float:
+    """By how much a cause was less likely than another before the data. A line's odds are also those of its
+    order, and functions without a name stand for what nobody knows: these stay as they are."""
+    if other is None or components[other].nameless or components[other].key[1].order is not None:
+        return 1.0
+    return float(np.exp(max(components[own].log_odds - components[other].log_odds, 0.0)))
 
 
 def _describe(final: Fit, group: Group) -> tuple[tuple[Parameter, ...], str]:

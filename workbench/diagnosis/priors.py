@@ -15,7 +15,8 @@ class Priors:
     sizes, with half-Cauchy weights 1/(1 + s²) per s; largest: beyond which nothing passes for a cause.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
     physics holds to one sign has the other. present: least size, in its scale, of an effect that brings
-    companions. named: probability from which a cause is named; listed: share of the probability that the
+    companions. named: probability from which a cause is named; by_data: the same, were no other cause less
+    likely before the data; listed: share of the probability that the
     cause and its rivals must cover, faintest_rival: probability below which a rival is not worth a word;
     absent: probability of nothing there from which a cause is not reported.
     joint_yields, tilt_yields: usual motion of a yield [rad] at the campaign's largest load."""
@@ -30,6 +31,7 @@ class Priors:
     wrong_sign: float = 0.02
     present: float = 0.3
     named: float = 0.95
+    by_data: float = 0.8
     listed: float = 0.97
     absent: float = 0.2
     faintest_rival: float = 0.01
