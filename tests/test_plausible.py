@@ -13,10 +13,14 @@ from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.effects import catalogue
 from workbench.files.faults import InputError
-from workbench.identification.plausible import check_plausible, judge
+from workbench.identification.fit import fit, start_state
+from workbench.identification.model import Model
+from workbench.identification.noise import stated_noise
+from workbench.identification.plausible import check_plausible, judge, plausible_geometry
 from workbench.robot.description import load_robot
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
+from workbench.studies.blind.cases import draw_case
 
 ROBOTS = ("ur5", "kr500", "6R")
 
@@ -233,3 +237,14 @@ def test_the_command_line_refuses_and_writes_nothing(tmp_path, capsys):
     assert not out.exists()
     assert main(["plan", path, "--quick", "--out", str(tmp_path / "p.csv")]) == 2
     assert "turn the sign of q3" in capsys.readouterr().err
+
+
+def test_strong_faults_that_bend_the_geometry_are_not_another_robot(tmp_path):
+    """A compensator far off, believed to the noise, bends it by decimetres along what hardly shows."""
+    campaign = draw_case("pair/11", 8, tmp_path).campaign
+    job = problem_of(campaign)
+    free = fit(Model(job), start_state(job), stated_noise(job))
+    assert np.abs(free.state.geometry - job.arm.geometry)[:, :3].max() > 0.3
+    held = plausible_geometry(free)
+    assert np.abs(held.state.geometry - job.arm.geometry)[:, :3].max() < 0.03
+    assert np.array_equal(held.noise.sigma, free.noise.sigma)

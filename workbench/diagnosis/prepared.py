@@ -22,7 +22,7 @@ from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.plausible import check_corrections, check_plausible, check_rest, enough_poses
+from ..identification.plausible import check_plausible, check_rest, enough_poses, plausible_geometry
 from .moved_setup import jump, split_setup, step_in_time
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .result import FaultFound, Noise
@@ -181,7 +181,7 @@ def _fitted(sound: _Sound) -> Prepared:
         covariance = replace(covariance, torque=torque_noise(geometry))
     if not known or problem.drives:
         geometry = fit(model, geometry.state, covariance)
-    check_corrections(geometry)
+    geometry = plausible_geometry(geometry)
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
     notes = (*sound.notes, *rigid_targets(problem, noise))

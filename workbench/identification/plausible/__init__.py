@@ -2,6 +2,6 @@
 
 from .check import Plausible, check_plausible, judge
 from .few_poses import enough_poses
-from .machine import check_corrections, check_rest
+from .machine import check_rest, plausible_geometry
 
-__all__ = ["Plausible", "check_corrections", "check_plausible", "check_rest", "enough_poses", "judge"]
+__all__ = ["Plausible", "check_plausible", "check_rest", "enough_poses", "judge", "plausible_geometry"]

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...files.faults import Fault, InputError
 from ...robot.schema import GEOMETRY
-from ..fit import Fit
+from ..fit import Fit, fit, start_state
 from ..model import Model, State
 
 LONGEST = 0.15  # m, or
@@ -28,18 +28,35 @@ def check_rest(model: Model, state: State) -> None:
         raise InputError(Fault(str(model.problem.campaign.path), what, mend)) from None
 
 
-def check_corrections(geometry: Fit) -> None:
-    """Raises InputError where the fitted geometry is farther from the nominal one than any machine is."""
+def plausible_geometry(geometry: Fit) -> Fit:
+    """The fit; where it is farther from the nominal geometry than any machine is, one that its misfit allows
+    to be nearer. Raises InputError where that is too far as well.
+
+    Strong faults that the model does not have bend the geometry without end along what hardly shows in the
+    data, as these are believed to the noise. They are not, and by as much as they misfit the priors count.
+    """
+    if _farthest(geometry) is None:
+        return geometry
+    held = geometry.noise.times(max(1.0, float(np.sqrt(geometry.chi2 / geometry.point_rows))))
+    near = fit(geometry.model, start_state(geometry.model.problem), held)
+    fault = _farthest(near)
+    if fault is not None:
+        raise InputError(fault)
+    return fit(geometry.model, near.state, geometry.noise, max_iterations=1)
+
+
+def _farthest(geometry: Fit) -> Fault | None:
+    """The correction that is most beyond what a machine can be, if one is."""
     problem = geometry.model.problem
     change = (geometry.state.geometry - problem.arm.geometry).reshape(-1)
     reach = float(np.linalg.norm(problem.arm.p[2:], axis=1).sum())
     limit = np.tile([max(LONGEST, SHARE * reach)] * 3 + [TURN] * 3, len(geometry.state.geometry))
     worst = int(np.argmax(np.abs(change) / limit))
     if abs(change[worst]) <= limit[worst]:
-        return
+        return None
     slot, component = divmod(worst, 6)
     size = f"{change[worst] * 1e3:.0f} mm" if component < 3 else f"{np.degrees(change[worst]):.0f}°"
     joint = problem.arm.names[slot - 1]
     what = f"{GEOMETRY[component]} of {joint} would have to be {size} off: no {problem.robot.title} is"
     mend = "check the units, the poses and which robot this is"
-    raise InputError(Fault(str(problem.campaign.path), what, mend))
+    return Fault(str(problem.campaign.path), what, mend)
