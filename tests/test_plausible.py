@@ -11,11 +11,11 @@ from workbench.campaign import Campaign, Target, write_campaign
 from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
+from workbench.diagnosis.noise_choice import choose
 from workbench.effects import catalogue
 from workbench.files.faults import InputError
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
-from workbench.identification.noise import stated_noise
 from workbench.identification.plausible import check_plausible, judge, plausible_geometry
 from workbench.robot.description import load_robot
 from workbench.simulation.random_robot import write_random_robot
@@ -243,7 +243,7 @@ def test_strong_faults_that_bend_the_geometry_are_not_another_robot(tmp_path):
     """A compensator far off, believed to the noise, bends it by decimetres along what hardly shows."""
     campaign = draw_case("pair/11", 8, tmp_path).campaign
     job = problem_of(campaign)
-    free = fit(Model(job), start_state(job), stated_noise(job))
+    free = fit(Model(job), start_state(job), choose(job, Model(job).linearise(start_state(job)))[0])
     assert np.abs(free.state.geometry - job.arm.geometry)[:, :3].max() > 0.3
     held = plausible_geometry(free)
     assert np.abs(held.state.geometry - job.arm.geometry)[:, :3].max() < 0.03
