@@ -101,11 +101,13 @@ def _gains(selection: Selection, whole: float, seed: int) -> list[float]:
     the others that have one, or to those that are stronger, if that is more. whole: RMS [mm] with all."""
     fit, nameless = selection.fit, selection.nameless
     named = without(fit, nameless, seed)
-    gains = [without(fit, [i], seed) - whole for i in range(len(fit.model.effects))]
+    gains = [0.0] * len(fit.model.effects)
+    for i in nameless:
+        gains[i] = without(fit, [i], seed) - whole
     for _, own, weaker in _by_strength(selection):
         out = [*nameless, *weaker]
-        first = without(fit, out, seed)
         for i in own:
-            beside = without(fit, [*nameless, i], seed) - named
-            gains[i] = max(beside, without(fit, [*out, i], seed) - first)
+            gains[i] = without(fit, [*nameless, i], seed) - named
+            if gains[i] <= 0:
+                gains[i] = max(gains[i], without(fit, [*out, i], seed) - without(fit, out, seed))
     return gains

@@ -7,6 +7,7 @@ keeps what they cannot decide at its nominal value: no columns are chosen by han
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -193,10 +194,17 @@ def fit(
             at = equations(model, at.line, cols, at.state, W)
         normal = _normal(model, cols, at, W)
     J = normal.J.reshape(*at.r.shape, -1)
-    upper = full_step(normal.J, normal.r, normal.offset, cols.prior, 0.0)[1]
+    upper = _upper(normal, rough=tolerance > TOLERANCE)
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
     end = iteration + 1, converged, at.cost
     return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, *end)
+
+
+def _upper(normal: Normal, rough: bool) -> Array:
+    if rough:
+        with suppress(np.linalg.LinAlgError):
+            return normal.factor()
+    return full_step(normal.J, normal.r, normal.offset, normal.prior, 0.0)[1]
 
 
 def _normal(model: Model, cols: Columns, at: Equations, W: Array) -> Normal:

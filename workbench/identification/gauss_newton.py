@@ -41,6 +41,12 @@ class Normal:
             step = full_step(self.J, self.r, self.offset, self.prior, damping)[0] / self.prior
         return Step(step * self.prior, float(np.sqrt(max(float(step @ self.A @ step), 0.0))))
 
+    def factor(self) -> Array:
+        """Triangular factor (P, P) of the equations, by Cholesky: quicker than by QR, good to some digits
+        where they are nearly singular. Raises LinAlgError where they are that altogether."""
+        scale = np.sqrt(np.diag(self.A))
+        return np.asarray(np.linalg.cholesky(self.A / np.outer(scale, scale)).T * scale)
+
     def towards(self, r: Array) -> Normal:
         """The same for other rows r (R,), without the pull of the priors."""
         return replace(self, r=r, offset=np.zeros_like(self.offset), g=(self.J.T @ r) * self.prior)
