@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from workbench import Truth, load_robot, parse_effect, planned, random_poses, simulate
+from workbench.campaign.problem import problem_of
+from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.joint_map import JointMap
+from workbench.effects.place import Where
+from workbench.measurement.design import decide
 from workbench.measurement.design.candidates import Factors, candidates
 from workbench.measurement.design.fedorov import Search
 from workbench.measurement.design.prior_information import from_campaign
@@ -69,3 +73,12 @@ def test_a_map_that_was_found_is_settled_beside_the_sine_in_it(tied):
     chosen, share = fewest(space, [tie], Search(POOL, 1, 0), Attempts(24, 6, 60, 4, 1.1))
     assert share >= 1
     assert least(space, space.measured(chosen), tie) >= 40
+
+
+def test_a_stiffness_of_a_rigid_joint_is_read_near_what_was_found():
+    """At the model's own value, no yield, it would be infinite, and any spread of it would do."""
+    job = problem_of(
+        planned(load_robot("ur5"), random_poses(load_robot("ur5"), 12, np.random.default_rng(0)))
+    )
+    soft = JointCompliance(Where(joint="elbow_joint"))
+    assert decide._slope(job, soft, "stiffness", 2e-6) == pytest.approx(4e-12, rel=1e-3)

@@ -71,7 +71,12 @@ def _words(cause: str, where: Where) -> str:
 def _either(finding: Finding) -> str:
     """A cause that is not decided, with its likeliest rival."""
     own = _words(finding.cause, finding.where)
-    return f"{own} or {_words(finding.rivals[0].cause, finding.rivals[0].where)}" if finding.rivals else own
+    if not finding.rivals:
+        return own
+    other = _words(finding.rivals[0].cause, finding.rivals[0].where)
+    if own == other:  # one gear, at one of two orders
+        own, other = (f"{own} at order {one.where.order:.4g}" for one in (finding, finding.rivals[0]))
+    return f"{own} or {other}"
 
 
 def _some(words: Sequence[str]) -> str:

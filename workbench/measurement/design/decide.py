@@ -145,7 +145,7 @@ def _readings(problem: Problem, tie: Tie, space: DesignSpace, now: float) -> lis
     for effect in (tie.effect, *tie.rivals):
         spread, after = _spread(tie, effect, space, now)
         for name, unit in effect.wholes.items():
-            slope = _slope(problem, effect, name)
+            slope = _slope(problem, effect, name, _about(tie, effect))
             if not spread or not slope or len(effect.params) != 1:
                 continue
             std = float(f"{spread * effect.params[0].typical / slope:.1g}")
@@ -174,14 +174,23 @@ def _spread(tie: Tie, effect: Effect, space: DesignSpace, now: float) -> tuple[f
     return 0.0, 0.0
 
 
-def _slope(problem: Problem, effect: Effect, name: str) -> float:
-    """Change of the parameter per unit of a quantity that is read whole, about the model's value."""
+def _about(tie: Tie, effect: Effect) -> float:
+    """The parameter near which a reading is expected: as found; of a rival as the model has it, or in its
+    usual size where the model has no number (a joint that is rigid there)."""
+    typical = effect.params[0].typical
+    if effect is tie.effect:
+        return float(tie.size[0]) * typical
+    return 0.0 if effect.stated else typical
+
+
+def _slope(problem: Problem, effect: Effect, name: str, about: float) -> float:
+    """Change of the parameter per unit of a quantity that is read whole, where the parameter is `about`."""
     at = 1.0
-    for _ in range(50):  # the whole at which the parameter is zero: they are monotonic, found by secants
+    for _ in range(50):  # the whole at which the parameter is that: they are monotonic, found by secants
         here, beside = (effect.of_whole(problem, name, v, 0.0) for v in (at, at * (1 + 1e-6)))
         if here is None or beside is None:
             return 0.0
-        slope = (beside - here) / (1e-6 * at)
+        slope, here = (beside - here) / (1e-6 * at), here - about
         if abs(here) < 1e-9 * effect.params[0].typical:
             break
         at = at - here / slope if at - here / slope > 0 else 2 * at
