@@ -8,6 +8,7 @@ import pytest
 from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.noise_choice import choose, from_residual
+from workbench.diagnosis.prepared import prepare
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.noise import (
@@ -20,6 +21,8 @@ from workbench.identification.noise import (
 )
 from workbench.robot.description import load_robot
 from workbench.simulation.virtual_campaign import Truth, simulate
+from workbench.studies.blind.cases import draw_case
+from workbench.studies.followup.case import first_campaign
 
 SIGMA, JOINT = 3e-5, 4e-5
 
@@ -210,3 +213,9 @@ def test_noise_from_the_residual_of_one_target_is_one_sigma():
     noise, _ = from_residual(fit(Model(job), start_state(job), choose(job, started(job))[0]))
     assert abs(noise.sigma[0, 0] / SIGMA - 1) < 0.15
     assert not noise.joint.any()
+
+
+def test_a_noise_that_the_residual_hardly_shows_ends_the_search_for_it(tmp_path):
+    """Variances that were tried without end made the covariance singular, and an honest robot was refused."""
+    campaign = first_campaign(draw_case("lost_motion/16", 5, tmp_path).campaign)
+    assert np.isfinite(prepare(campaign).noise.sigma_mm)

@@ -177,7 +177,7 @@ def _likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: 
 
     each = np.array([np.trace(part, axis1=1, axis2=2).sum() for part in parts])
     alone = np.log(float((d**2).sum()) / np.maximum(each, 1e-300))  # were it all there is
-    bounds = [(low, None) for low in alone + np.log(EXACT)]
+    bounds = [(low, high) for low, high in zip(alone + np.log(EXACT), alone - np.log(EXACT), strict=True)]
     found = minimize(cost, alone - np.log(len(parts)), jac=True, method="L-BFGS-B", bounds=bounds)
     return np.exp(found.x), float(found.fun)
 
