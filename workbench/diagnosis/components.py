@@ -21,7 +21,7 @@ from .priors import PRIORS
 
 Key = tuple[str, Where]
 NO_LOAD = 1e-6  # of the largest load in the arm: what bears less does so by rounding, or by a turn of µrad
-LITTLE = 1e-2  # of the largest load in the arm: no joint is so soft that it needs less for its usual motion
+LITTLE = 1e-2  # of the largest load on a joint: none is so soft that it needs less for its usual motion
 UNSEEN = 1e-6  # of the noise: a form that moves no point by more, in its usual size, shows nothing
 EVERY_FINER = 3  # of an effect's finer settings, every third is a form of its own
 
@@ -160,4 +160,7 @@ def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:
     usual = PRIORS.joint_yields if effect.axial else PRIORS.tilt_yields
     if most <= NO_LOAD * arm:
         return typical
-    return np.array([usual / (max(most, LITTLE * arm) if effect.axial else most)])
+    if effect.axial:
+        loads = rest.load.local.reshape(len(rest.load.local), -1)[:, rest.arm.axial]
+        most = max(most, LITTLE * float(np.abs(loads).max(initial=0.0)))
+    return np.array([usual / most])
