@@ -30,7 +30,7 @@ from .result import Noise
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
 RIGID = 0.1  # of the noise: measured targets change their distances by more
-EXACT = 1e-9  # of a variance that is fitted
+EXACT, BEYOND = 1e-9, 100.0  # of the variance that one part would have alone: what is fitted lies between
 CLEARLY = 20.0  # twice the log likelihood that a further part of the noise must bring
 WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
@@ -177,7 +177,7 @@ def _likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: 
 
     each = np.array([np.trace(part, axis1=1, axis2=2).sum() for part in parts])
     alone = np.log(float((d**2).sum()) / np.maximum(each, 1e-300))  # were it all there is
-    bounds = [(low, high) for low, high in zip(alone + np.log(EXACT), alone - np.log(EXACT), strict=True)]
+    bounds = [(one + np.log(EXACT), one + np.log(BEYOND)) for one in alone]
     found = minimize(cost, alone - np.log(len(parts)), jac=True, method="L-BFGS-B", bounds=bounds)
     return np.exp(found.x), float(found.fun)
 
