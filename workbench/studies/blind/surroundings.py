@@ -27,8 +27,9 @@ def thermal_growth(problem: Problem, effect: ThermalGrowth, rng: np.random.Gener
         if timed:
             assert problem.time is not None
             warmth = 1 - np.exp(-problem.time / constant)
+        elif problem.warmth is None:  # a follow-up without a thermometer: in one go, as warm as the first
+            return {}
         else:
-            assert problem.warmth is not None
             warmth = problem.warmth
         return {
             6 * slot + c: unit * each[slot] * warmth * span[slot, c]
