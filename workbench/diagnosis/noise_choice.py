@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
 from scipy.special import chdtrc
 
 from ..campaign.problem import Problem
@@ -20,7 +23,6 @@ from ..identification.noise import (
     stated_noise,
     within,
 )
-from ..identification.variances import likeliest
 from ..robot.kinematics import Array
 from .priors import PRIORS
 from .result import Noise
@@ -28,6 +30,7 @@ from .result import Noise
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
 RIGID = 0.1  # of the noise: measured targets change their distances by more
+EXACT, BEYOND = 1e-9, 100.0  # of the variance that one part would have alone: what is fitted lies between
 CLEARLY = 20.0  # twice the log likelihood that a further part of the noise must bring
 WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
@@ -148,13 +151,35 @@ def _parts(result: Fit) -> Covariance:
     parts = [mask[:, :, None] * np.eye(mask.shape[1]), *(A @ A.transpose(0, 2, 1) for A in moved)]
     d = np.nan_to_num(result.residual).reshape(len(mask), -1)
     lost = mask.sum() / max(mask.sum() - result.rank, 1)
-    unseen = np.where(mask, 0.0, 1.0)[:, :, None] * np.eye(mask.shape[1])
-    two, cost_two = likeliest(d, unseen, parts[:2], lost)
-    four, cost_four = likeliest(d, unseen, parts, lost)
+    two, cost_two = _likeliest(d, mask, parts[:2], lost)
+    four, cost_four = _likeliest(d, mask, parts, lost)
     variances = four if cost_two - cost_four >= CLEARLY else np.append(two, [0.0, 0.0])
     sigma, joint, shift, turn = np.sqrt(variances).tolist()
     every = np.full(problem.seen.shape, sigma)
     return replace(result.noise, sigma=every, joint=joint * turning, body=(shift, turn))
+
+
+def _likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: float) -> tuple[Array, float]:
+    """Variances (k,) of covariances that add up to that of d (N, D), parts: k of (N, D, D), and twice the
+    negative log likelihood of them. lost: by how much a fit made d smaller."""
+    unseen = np.where(mask, 0.0, 1.0)[:, :, None] * np.eye(mask.shape[1])
+
+    def cost(x: Array) -> tuple[float, Array]:
+        """Twice the negative log likelihood of the variances' logarithms, and its gradient."""
+        C = unseen + sum(v * part for v, part in zip(np.exp(x), parts, strict=True))
+        inverse = np.linalg.inv(C)
+        w = np.einsum("nij,nj->ni", inverse, d)
+        slope = [
+            v * (np.sum(inverse * part) - lost * float(np.einsum("ni,nij,nj->", w, part, w, optimize=True)))
+            for v, part in zip(np.exp(x), parts, strict=True)
+        ]
+        return float(np.linalg.slogdet(C)[1].sum() + lost * np.sum(w * d)), np.array(slope)
+
+    each = np.array([np.trace(part, axis1=1, axis2=2).sum() for part in parts])
+    alone = np.log(float((d**2).sum()) / np.maximum(each, 1e-300))  # were it all there is
+    bounds = [(one + np.log(EXACT), one + np.log(BEYOND)) for one in alone]
+    found = minimize(cost, alone - np.log(len(parts)), jac=True, method="L-BFGS-B", bounds=bounds)
+    return np.exp(found.x), float(found.fun)
 
 
 def rigid_targets(problem: Problem, noise: Noise) -> list[str]:

@@ -6,12 +6,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import lsq_linear, minimize
 
 from ..identification.fit import Fit
 from ..identification.noise import Covariance, body_motion
 from ..identification.rows import whitening
-from ..identification.variances import cost_of, likeliest
+from ..robot.kinematics import Array
 from .screen import effective_dof
 
 CLEAR = 4.0  # standard deviations of its estimate from which a joint's variance counts
@@ -64,10 +64,24 @@ def _of_body(fit: Fit, base: Covariance) -> Covariance:
     y = np.einsum("ndk,nd->nk", Q, np.einsum("nde,ne->nd", W, residual))
     free = fit.point_rows / max(effective_dof(fit), 1.0)
     parts = [R[:, :, part] @ R[:, :, part].transpose(0, 2, 1) for part in (slice(0, 3), slice(3, 6))]
-    variances, cost = likeliest(y, np.eye(6), parts, free)
-    if cost_of(y, np.broadcast_to(np.eye(6), (len(y), 6, 6)), free) - cost < TOGETHER:
+
+    def cost(x: Array) -> tuple[float, Array]:
+        """Twice the negative log likelihood of the variances, each over its usual one, and its gradient. Not of
+        their logarithms: these have no slope where a variance is next to nothing, as most are."""
+        C = np.eye(6) + sum(v * part for v, part in zip(x * unit, parts, strict=True))
+        inverse = np.linalg.inv(C)
+        w = np.einsum("nij,nj->ni", inverse, y)
+        slope = [
+            v * (np.sum(inverse * part) - free * float(np.einsum("ni,nij,nj->", w, part, w, optimize=True)))
+            for v, part in zip(unit, parts, strict=True)
+        ]
+        return float(np.linalg.slogdet(C)[1].sum() + free * np.sum(w * y)), np.array(slope)
+
+    unit = np.array([1 / max(float(np.trace(p, axis1=1, axis2=2).mean()) / 3, 1e-30) for p in parts])
+    found = minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * 2)
+    if cost(np.zeros(2))[0] - found.fun < TOGETHER:
         return base
-    shift, turn = np.sqrt(variances + np.square(base.body)).tolist()
+    shift, turn = np.sqrt(found.x * unit + np.square(base.body)).tolist()
     return replace(base, body=(shift, turn))
 
 
