@@ -13,7 +13,7 @@ from workbench.effects.base import UNKNOWN
 SIGMA, SHIFT = 1.5e-5, 1.6e-5
 
 
-def measured(seed, shift=SHIFT, poses=45):
+def measured(seed, shift=SHIFT, poses=45, said=SIGMA):
     """A robot that nobody knows the repeatability of, its three targets moved together from pose to pose."""
     robot = load_robot("lrmate200id")
     rng = np.random.default_rng(seed)
@@ -21,7 +21,7 @@ def measured(seed, shift=SHIFT, poses=45):
     still = np.zeros(len(robot.joints))
     campaign = simulate(plan, Truth(sigma=SIGMA, repeatability=still), seed=seed)
     moved = shift * rng.normal(size=(poses, 1, 3))
-    return replace(campaign, points=campaign.points + moved, noise_sigma=SIGMA)
+    return replace(campaign, points=campaign.points + moved, noise_sigma=said)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -36,6 +36,14 @@ def test_scatter_of_a_whole_pose_is_found_in_few_poses(seed):
 def test_none_is_found_where_there_is_none(seed):
     geometry = prepare(measured(seed, shift=0.0)).geometry
     assert with_scatter(geometry, geometry.noise).body == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_scatter_is_found_where_all_of_it_was_stated_as_the_instruments(seed):
+    """The size of the noise is right then, and what targets of a pose share is not."""
+    geometry = prepare(measured(seed, poses=90, said=float(np.hypot(SIGMA, SHIFT)))).geometry
+    shift, _ = with_scatter(geometry, geometry.noise).body
+    assert SHIFT / 2 < shift < SHIFT
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])

@@ -66,8 +66,9 @@ def _of_body(fit: Fit, base: Covariance) -> Covariance:
     parts = [R[:, :, part] @ R[:, :, part].transpose(0, 2, 1) for part in (slice(0, 3), slice(3, 6))]
 
     def cost(x: Array) -> tuple[float, Array]:
-        """Twice the negative log likelihood of the variances, each over its usual one, and its gradient. Not of
-        their logarithms: these have no slope where a variance is next to nothing, as most are."""
+        """Twice the negative log likelihood of the variances, each over its usual one, and its gradient.
+
+        Not of their logarithms: there is no slope of these where a variance is next to nothing."""
         C = np.eye(6) + sum(v * part for v, part in zip(x * unit, parts, strict=True))
         inverse = np.linalg.inv(C)
         w = np.einsum("nij,nj->ni", inverse, y)
