@@ -12,6 +12,7 @@ from ..model import Model, State
 LONGEST = 0.15  # m, or
 SHARE = 0.1  # of the reach: more is no error of a length
 TURN = 0.35  # rad: more is no error of an angle
+FAULTS = 2e-3  # of the reach, per axis: what a calibrated robot's faults may leave; more is another robot
 
 
 def check_rest(model: Model, state: State) -> None:
@@ -35,13 +36,14 @@ def plausible_geometry(geometry: Fit) -> Fit:
     Strong faults that the model does not have bend the geometry without end along what hardly shows in the
     data, as these are believed to the noise. They are not, and by as much as they misfit the priors count.
     """
-    if _farthest(geometry) is None:
+    said = _farthest(geometry)
+    if said is None:
         return geometry
     held = geometry.noise.times(max(1.0, float(np.sqrt(geometry.chi2 / geometry.point_rows))))
     near = fit(geometry.model, start_state(geometry.model.problem), held)
-    fault = _farthest(near)
-    if fault is not None:
-        raise InputError(fault)
+    reach = float(np.linalg.norm(geometry.model.problem.arm.p[2:], axis=1).sum())
+    if _farthest(near) is not None or np.sqrt(np.nanmean(near.residual**2)) > FAULTS * reach:
+        raise InputError(said)
     return fit(geometry.model, near.state, geometry.noise, max_iterations=1)
 
 
