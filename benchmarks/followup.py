@@ -19,7 +19,8 @@ def main(folder: Path, commit: str | None = None) -> None:
     if commit is None and git("status", "--porcelain", "workbench"):
         raise SystemExit("the checkout has changes: the figures belong to a commit")
     found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    study = FollowUpStudy(folder, found["seed"], tuple(found["results"]), found["failed"])
+    failed = {key: error.strip().splitlines()[-1] for key, error in found["failed"].items()}
+    study = FollowUpStudy(folder, found["seed"], tuple(found["results"]), failed)
     cases = [{name: case[name] for name in SHOWN} for case in study.followed if case["came_of_it"] != "right"]
     kept = {"commit": commit or git("rev-parse", "--short", "HEAD"), **study.to_json(), "not_right": cases}
     RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
