@@ -20,6 +20,11 @@ def git(*words: str) -> str:
     ).stdout.strip()
 
 
+def last_lines(failed: dict[str, str]) -> dict[str, str]:
+    """Of each traceback the error alone: the rest names files of one machine."""
+    return {key: error.strip().splitlines()[-1] for key, error in failed.items()}
+
+
 def main(folder: Path, commit: str | None = None) -> None:
     if commit is None and git("status", "--porcelain", "workbench"):
         raise SystemExit("the checkout has changes: the figures belong to a commit")
@@ -27,7 +32,7 @@ def main(folder: Path, commit: str | None = None) -> None:
     on = {"commit": commit or git("rev-parse", "--short", "HEAD")}
     left_out = ("results", "confusion", "schema")
     kept = on | {key: value for key, value in found.items() if key not in left_out}
-    kept["failed"] = {key: error.strip().splitlines()[-1] for key, error in found["failed"].items()}
+    kept["failed"] = last_lines(found["failed"])
     few = on | {key: found[key] for key in ("cases", "seed", "reliability")}
     for path, content in {RESULTS: kept, DRAWN: few}.items():
         path.write_text(json.dumps(content, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")

@@ -7,7 +7,7 @@ import json
 import sys
 from pathlib import Path
 
-from blind import git
+from blind import git, last_lines
 
 from workbench.studies.followup import FollowUpStudy
 
@@ -19,8 +19,7 @@ def main(folder: Path, commit: str | None = None) -> None:
     if commit is None and git("status", "--porcelain", "workbench"):
         raise SystemExit("the checkout has changes: the figures belong to a commit")
     found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    failed = {key: error.strip().splitlines()[-1] for key, error in found["failed"].items()}
-    study = FollowUpStudy(folder, found["seed"], tuple(found["results"]), failed)
+    study = FollowUpStudy(folder, found["seed"], tuple(found["results"]), last_lines(found["failed"]))
     cases = [{name: case[name] for name in SHOWN} for case in study.followed if case["came_of_it"] != "right"]
     kept = {"commit": commit or git("rev-parse", "--short", "HEAD"), **study.to_json(), "not_right": cases}
     RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")

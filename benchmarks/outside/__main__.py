@@ -19,9 +19,10 @@ from typing import Any
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # for blind.py, behind this folder
 
 from blind import git
-from draw import draw, write_case
+from draw import draw
 from robots import write_robots
 from score import print_tables, tables
+from write import write_case
 
 from workbench import diagnose, load_campaign
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from arm import Arm, Array, Cell, Rest
+from arm import Arm, Array
 from faults import (
     Azimuth,
     Backlash,
@@ -29,6 +29,7 @@ from faults import (
     ThermalGrowth,
     Torsion,
 )
+from statics import Cell, Rest
 
 Label = tuple[str | float, ...]  # a cause of `workbench`, where it is, and a line's order
 Rng = np.random.Generator

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from arm import Array, Cell, Deflection, Effect, Machine, Rest, bending, tilting
+from arm import Array
+from statics import Cell, Deflection, Effect, Machine, Rest, bending, tilting
 
 COLD = 20.0  # °C at which a robot has its nominal lengths
 

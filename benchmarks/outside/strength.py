@@ -7,7 +7,8 @@ numbers of geometry per joint, the instrument's frame and the places of the targ
 from dataclasses import dataclass, replace
 
 import numpy as np
-from arm import Arm, Array, Cell, Deflection, points, rotation
+from arm import Arm, Array, rotation
+from statics import Cell, Deflection, points
 
 STEP = 1e-6  # of numerical derivatives, m or rad
 

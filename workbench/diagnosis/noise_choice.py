@@ -23,6 +23,7 @@ from ..identification.noise import (
     stated_noise,
     within,
 )
+from ..identification.variances import cost_of
 from ..robot.kinematics import Array
 from .priors import PRIORS
 from .result import Noise
@@ -165,15 +166,10 @@ def _likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: 
     unseen = np.where(mask, 0.0, 1.0)[:, :, None] * np.eye(mask.shape[1])
 
     def cost(x: Array) -> tuple[float, Array]:
-        """Twice the negative log likelihood of the variances' logarithms, and its gradient."""
-        C = unseen + sum(v * part for v, part in zip(np.exp(x), parts, strict=True))
-        inverse = np.linalg.inv(C)
-        w = np.einsum("nij,nj->ni", inverse, d)
-        slope = [
-            v * (np.sum(inverse * part) - lost * float(np.einsum("ni,nij,nj->", w, part, w, optimize=True)))
-            for v, part in zip(np.exp(x), parts, strict=True)
-        ]
-        return float(np.linalg.slogdet(C)[1].sum() + lost * np.sum(w * d)), np.array(slope)
+        """By the variances' logarithms, and its gradient."""
+        variances = np.exp(x)
+        value, slope = cost_of(variances, d, unseen, parts, lost)
+        return value, variances * slope
 
     each = np.array([np.trace(part, axis1=1, axis2=2).sum() for part in parts])
     alone = np.log(float((d**2).sum()) / np.maximum(each, 1e-300))  # were it all there is

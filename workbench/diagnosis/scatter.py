@@ -11,6 +11,7 @@ from scipy.optimize import lsq_linear, minimize
 from ..identification.fit import Fit
 from ..identification.noise import Covariance, body_motion
 from ..identification.rows import whitening
+from ..identification.variances import cost_of
 from ..robot.kinematics import Array
 from .screen import effective_dof
 
@@ -66,17 +67,10 @@ def _of_body(fit: Fit, base: Covariance) -> Covariance:
     parts = [R[:, :, part] @ R[:, :, part].transpose(0, 2, 1) for part in (slice(0, 3), slice(3, 6))]
 
     def cost(x: Array) -> tuple[float, Array]:
-        """Twice the negative log likelihood of the variances, each over its usual one, and its gradient.
-
-        Not of their logarithms: there is no slope of these where a variance is next to nothing."""
-        C = np.eye(6) + sum(v * part for v, part in zip(x * unit, parts, strict=True))
-        inverse = np.linalg.inv(C)
-        w = np.einsum("nij,nj->ni", inverse, y)
-        slope = [
-            v * (np.sum(inverse * part) - free * float(np.einsum("ni,nij,nj->", w, part, w, optimize=True)))
-            for v, part in zip(unit, parts, strict=True)
-        ]
-        return float(np.linalg.slogdet(C)[1].sum() + free * np.sum(w * y)), np.array(slope)
+        """By the variances, each over its usual one, and its gradient: by the logarithm of a variance that is
+        next to nothing there is no slope."""
+        value, slope = cost_of(x * unit, y, np.eye(6), parts, free)
+        return value, unit * slope
 
     unit = np.array([1 / max(float(np.trace(p, axis1=1, axis2=2).mean()) / 3, 1e-30) for p in parts])
     found = minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * 2)

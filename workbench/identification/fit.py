@@ -7,7 +7,6 @@ keeps what they cannot decide at its nominal value: no columns are chosen by han
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -17,7 +16,7 @@ from scipy.linalg import solve_triangular
 from ..campaign.problem import Problem
 from ..effects.base import UNKNOWN, Effect
 from ..robot.kinematics import Array
-from .gauss_newton import Normal, full_step
+from .gauss_newton import Normal
 from .model import Linearisation, Model, State
 from .noise import Covariance, body_motion, required_noise
 from .parameters import Columns, columns
@@ -194,17 +193,10 @@ def fit(
             at = equations(model, at.line, cols, at.state, W)
         normal = _normal(model, cols, at, W)
     J = normal.J.reshape(*at.r.shape, -1)
-    upper = _upper(normal, rough=tolerance > TOLERANCE)
+    upper = normal.factor(rough=tolerance > TOLERANCE)
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
     end = iteration + 1, converged, at.cost
     return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, *end)
-
-
-def _upper(normal: Normal, rough: bool) -> Array:
-    if rough:
-        with suppress(np.linalg.LinAlgError):
-            return normal.factor()
-    return full_step(normal.J, normal.r, normal.offset, normal.prior, 0.0)[1]
 
 
 def _normal(model: Model, cols: Columns, at: Equations, W: Array) -> Normal:

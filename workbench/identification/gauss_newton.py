@@ -6,6 +6,7 @@ scaled by the data's own columns it would stop just those numbers.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -41,11 +42,14 @@ class Normal:
             step = full_step(self.J, self.r, self.offset, self.prior, damping)[0] / self.prior
         return Step(step * self.prior, float(np.sqrt(max(float(step @ self.A @ step), 0.0))))
 
-    def factor(self) -> Array:
-        """Triangular factor (P, P) of the equations, by Cholesky: quicker than by QR, good to some digits
-        where they are nearly singular. Raises LinAlgError where they are that altogether."""
-        scale = np.sqrt(np.diag(self.A))
-        return np.asarray(np.linalg.cholesky(self.A / np.outer(scale, scale)).T * scale)
+    def factor(self, rough: bool) -> Array:
+        """Triangular factor (P, P) of the equations, by QR. rough: by Cholesky where that will do,
+        quicker and good to some digits where they are nearly singular."""
+        if rough:
+            scale = np.sqrt(np.diag(self.A))
+            with suppress(np.linalg.LinAlgError):
+                return np.asarray(np.linalg.cholesky(self.A / np.outer(scale, scale)).T * scale)
+        return full_step(self.J, self.r, self.offset, self.prior, 0.0)[1]
 
     def towards(self, r: Array) -> Normal:
         """The same for other rows r (R,), without the pull of the priors."""

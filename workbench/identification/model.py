@@ -170,7 +170,8 @@ class Model:
             return J.reshape(n_poses, 3 * n_targets, -1)
 
         J, G = seen(where.axes, where.origin), seen(where.geometry_axes, where.geometry_origin)
-        rows, Phi = self.acting(state).yielding(arm).slope(load.local)
+        acting = self.acting(state)
+        rows, Phi = acting.yielding(arm).slope(load.local)
         torque = np.zeros((n_poses, 3 * n_targets, len(rows)))
         answer = np.zeros((n_poses, len(rows), len(rows)))
         if len(rows):
@@ -182,7 +183,7 @@ class Model:
             J += torque @ H
             G += torque @ H_g
         frame, target, centre = self._frame_and_target(state, prediction, turn)
-        sight = self.acting(state).sight(self.problem)
+        sight = acting.sight(self.problem)
         if sight is not None:
             J, G, torque, frame = (_seen(sight, X) for X in (J, G, torque, frame))
             target = sight @ target

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...campaign.problem import Problem
 from ...files.faults import Fault, InputError
 from ...robot.schema import GEOMETRY
 from ..fit import Fit, fit, start_state
@@ -41,8 +42,8 @@ def plausible_geometry(geometry: Fit) -> Fit:
         return geometry
     held = geometry.noise.times(max(1.0, float(np.sqrt(geometry.chi2 / geometry.point_rows))))
     near = fit(geometry.model, start_state(geometry.model.problem), held)
-    reach = float(np.linalg.norm(geometry.model.problem.arm.p[2:], axis=1).sum())
-    if _farthest(near) is not None or np.sqrt(np.nanmean(near.residual**2)) > FAULTS * reach:
+    left = np.sqrt(np.nanmean(near.residual**2))
+    if _farthest(near) is not None or left > FAULTS * _reach(geometry.model.problem):
         raise InputError(said)
     return fit(geometry.model, near.state, geometry.noise, max_iterations=1)
 
@@ -51,8 +52,7 @@ def _farthest(geometry: Fit) -> Fault | None:
     """The correction that is most beyond what a machine can be, if one is."""
     problem = geometry.model.problem
     change = (geometry.state.geometry - problem.arm.geometry).reshape(-1)
-    reach = float(np.linalg.norm(problem.arm.p[2:], axis=1).sum())
-    limit = np.tile([max(LONGEST, SHARE * reach)] * 3 + [TURN] * 3, len(geometry.state.geometry))
+    limit = np.tile([max(LONGEST, SHARE * _reach(problem))] * 3 + [TURN] * 3, len(geometry.state.geometry))
     worst = int(np.argmax(np.abs(change) / limit))
     if abs(change[worst]) <= limit[worst]:
         return None
@@ -62,3 +62,8 @@ def _farthest(geometry: Fit) -> Fault | None:
     what = f"{GEOMETRY[component]} of {joint} would have to be {size} off: no {problem.robot.title} is"
     mend = "check the units, the poses and which robot this is"
     return Fault(str(problem.campaign.path), what, mend)
+
+
+def _reach(problem: Problem) -> float:
+    """[m] of the links in one line."""
+    return float(np.linalg.norm(problem.arm.p[2:], axis=1).sum())
