@@ -11,7 +11,7 @@ from workbench.diagnosis.components import Component, Form, bare, cause_componen
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.reduced import Reduced, reduce
-from workbench.diagnosis.replication import power, renamed, replicated
+from workbench.diagnosis.replication import Part, agreed, joined, power, renamed, replicated, searched_in_parts
 from workbench.diagnosis.run import testable as all_that_may_be
 from workbench.diagnosis.sets import Chosen, Competition, Member
 from workbench.diagnosis.weight import prior_weight
@@ -48,45 +48,65 @@ def wheel():
     return prepare(replace(measured, noise_sigma=None, sigma=None))
 
 
-def test_a_name_is_as_sure_as_the_parts_say_on_average(wheel):
-    """However they number what they compete with; what they do not find there is nothing."""
+def test_parts_are_searched_by_themselves(wheel):
+    """However they number what they compete with; what the whole does not have counts as nothing."""
     every = [component(RATIO), component(NAMELESS), component(MASS)]
-    theirs = [component(MASS), component(RATIO)]
-    said = iter([[{1: 0.9, 0: 0.1}], [{1: 1.0}], [], [{0: 0.7, 1: 0.3}]])
+    theirs = [component(MASS), component(RATIO), component(("link_mass", Where(link="link_2")))]
+    said = iter([[{1: 0.9, 0: 0.1}], [{1: 1.0}], [], [{0: 0.7, 2: 0.1, 1: 0.2}]])
+    parts = searched_in_parts(wheel.problem, every, lambda poses: (theirs, next(said)))
+    assert [part.shares for part in parts] == [
+        [{None: 0.0, 0: 0.9, 2: 0.1}], [{None: 0.0, 0: 1.0}], [], [{None: 0.1, 2: 0.7, 0: 0.2}]
+    ]  # fmt: skip
+    assert [len(part.poses) for part in parts] == [30, 30, 30, 30]
+    assert not set(parts[0].poses) & set(parts[1].poses)
+    assert not set(parts[2].poses) & set(parts[3].poses)
+
+
+def said_by_parts(*shares):
+    return [Part(np.arange(30), each) for each in shares]
+
+
+def test_a_name_is_as_sure_as_the_parts_say_on_average():
+    """What one of them does not find there is nothing."""
+    every = [component(RATIO), component(NAMELESS), component(MASS)]
     members = [Member(0, 0, 1.0), Member(1, 0, 1.0)]
     shares = [{0: 0.99, 2: 0.01}, {1: 1.0}]
-    parts = []
-
-    def search(poses):
-        parts.append(poses)
-        return theirs, next(said)
-
-    ratio, nameless = replicated(wheel.problem, every, members, shares, search, certain)
+    parts = said_by_parts([{0: 0.9, 2: 0.1}], [{0: 1.0}], [], [{2: 0.7, 0: 0.3}])
+    ratio, nameless = replicated(parts, every, members, shares, certain)
     assert ratio[0] == pytest.approx((0.9 + 1.0 + 0.0 + 0.3) / 4)
     assert ratio[2] == pytest.approx((0.1 + 0.7) / 4)
     assert ratio[None] == pytest.approx(1 / 4)
     assert nameless == {1: 1.0}
-    assert [len(part) for part in parts] == [30, 30, 30, 30]
-    assert not set(parts[0]) & set(parts[1])
-    assert not set(parts[2]) & set(parts[3])
 
 
-def test_parts_make_no_name_surer(wheel):
+def test_parts_make_no_name_surer():
     every, members = [component(RATIO)], [Member(0, 0, 1.0)]
-    stated, says = [{0: 0.6, None: 0.4}], lambda _: (every, [{0: 1.0}])
-    (share,) = replicated(wheel.problem, every, members, stated, says, certain)
+    (share,) = replicated(said_by_parts([{0: 1.0}]), every, members, [{0: 0.6, None: 0.4}], certain)
     assert share == {0: 0.6, None: 0.4}
 
 
-def test_a_part_does_not_deny_what_it_could_not_show(wheel):
+def test_a_part_does_not_deny_what_it_could_not_show():
     """Two of four parts find nothing: one would hardly have, one surely."""
     every, members = [component(RATIO)], [Member(0, 0, 1.0)]
-    said, could = iter([[{0: 1.0}], [], [], [{0: 1.0}]]), iter([[1.0], [0.1], [0.9], [1.0]])
-    (share,) = replicated(
-        wheel.problem, every, members, [{0: 1.0}], lambda _: (every, next(said)), lambda _: next(could)
-    )
+    could = iter([[1.0], [0.1], [0.9], [1.0]])
+    parts = said_by_parts([{0: 1.0}], [], [], [{0: 1.0}])
+    (share,) = replicated(parts, every, members, [{0: 1.0}], lambda _: next(could))
     assert share[0] == pytest.approx((1.0 + 0.9 + 0.1 + 1.0) / 4)
     assert share[None] == pytest.approx((0.1 + 0.9) / 4)
+
+
+def test_what_all_parts_find_joins_the_set(competition):
+    """What most of them find does not; nor what is there."""
+    known, all_find, most_find = 3, 5, 8
+    members, shares = [Member(known, 0, 1.0)], [{known: 1.0}]
+    every = [{known: 1.0}, {all_find: 0.97, None: 0.03}, {most_find: 0.99, None: 0.01}]
+    certain = agreed(said_by_parts(every, every, every[:2]), competition.components)
+    now, theirs = joined(competition, certain, members, shares)
+    assert list(certain) == [known, all_find]
+    assert [m.component for m in now] == [known, all_find]
+    assert now[0] is members[0]
+    assert now[1].scale in PRIORS.scales
+    assert theirs == [{known: 1.0}, pytest.approx({all_find: 0.97, None: 0.03})]
 
 
 def test_power_is_how_often_an_effect_of_that_size_wins():
@@ -142,6 +162,8 @@ def test_what_brings_nothing_is_not_sure_whatever_its_likelihood(wheel):
         members=(*found.members, Member(k, 0, 1.0)),
         shares=(*found.shares, {k: 1.0, None: 0.0}),
     )
+    found_by_parts = replace(claimed, agreed=frozenset([extra.key]))
+    assert as_sure_as_its_gain(found_by_parts, seed=0).shares[-1][k] == 1.0
     held = as_sure_as_its_gain(claimed, seed=0)
     share = dict(zip((m.component for m in held.members), held.shares, strict=True))
     assert share[own.component][own.component] > 0.95

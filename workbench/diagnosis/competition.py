@@ -21,7 +21,7 @@ from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
 from .remainder import GLOBAL_LEVEL, Remainder, remainder
-from .replication import power, renamed, replicated
+from .replication import agreed, joined, power, renamed, replicated, searched_in_parts
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
 from .sets import Chosen, Competition, Member, Shares
@@ -43,7 +43,8 @@ class Selection:
     probability of each component in its place, None: of nothing. unrepeated: members that one part of the
     data takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
     joints beyond the noise; faint: causes that bring too little to be named beside what has no name.
-    misfit: the noise is none that was known, or something has no name: the likelihood is too sure."""
+    misfit: the noise is none that was known, or something has no name: the likelihood is too sure; agreed:
+    causes that parts of the data then find by themselves."""
 
     fit: Fit
     components: tuple[Component, ...]
@@ -54,6 +55,7 @@ class Selection:
     scatter: Array
     faint: frozenset[Key] = frozenset()
     misfit: bool = False
+    agreed: frozenset[Key] = frozenset()
 
     def named(self, effect: Effect) -> bool:
         """Whether an effect of the fit stands for a member that has a name."""
@@ -101,9 +103,14 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
 
     misfit = source == "residual" or not np.isclose(at.usual, geometry.usual, rtol=UNUSUAL)
     misfit = misfit or any(components[m.component].nameless for m in members)
-    if misfit and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
-        shares = replicated(prepared.problem, components, members, shares, of_part, seen_in)
+    certain = dict[int, Shares]()
+    at_stake = any(not components[m.component].nameless for m in members)
+    if misfit and at_stake and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
+        parts = searched_in_parts(prepared.problem, components, of_part)
+        shares = replicated(parts, components, members, shares, seen_in)
         members, shares = renamed(competition, members, shares)
+        certain = agreed(parts, components)
+        members, shares = joined(competition, certain, members, shares)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     if final.model.effects:
         final = refit(final, final.model.effects)  # the rounds' fits are rough
@@ -116,7 +123,10 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     scatter = np.sqrt(np.maximum(at.noise.joint**2 - geometry.noise.joint**2, 0.0))
     light = tuple(component.without_columns() for component in components)
     named, not_named = tuple(members), tuple(unrepeated)
-    return Selection(final, light, named, tuple(shares), reduced, not_named, scatter, misfit=misfit)
+    keys = frozenset(bare(components[k].key) for k in certain)
+    return Selection(
+        final, light, named, tuple(shares), reduced, not_named, scatter, misfit=misfit, agreed=keys
+    )
 
 
 def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[_Round, list[Member], list[Shares]]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import chndtr
 
 from ..campaign.problem import Problem
 from .components import Component, Key, bare
+from .priors import PRIORS
 from .reduced import Index, Reduced
 from .scatter import POSES_PER_JOINT
 from .sets import Chosen, Competition, Member, Shares
@@ -19,42 +20,77 @@ Search = Callable[[Index], tuple[Sequence[Component], Sequence[Shares]]]
 Power = Callable[[Index], Sequence[float]]
 
 
+@dataclass(frozen=True)
+class Part:
+    """Some poses, and the shares of what a search of these alone found, by the numbers that the whole's
+    components have; what these do not have counts as nothing."""
+
+    poses: Index
+    shares: list[Shares]
+
+    def of(self, k: int) -> Shares:
+        """The share in which a component is likeliest; empty where none has it."""
+        return max(self.shares, key=lambda share: share.get(k, 0.0), default={})
+
+
+def searched_in_parts(problem: Problem, components: Sequence[Component], search: Search) -> list[Part]:
+    """Parts of the data, each searched by itself: these see nothing of what the others found. search: of some
+    poses, components and shares of what it finds."""
+    known = _known(components)
+    parts = []
+    for poses in parts_of(problem):
+        theirs, found = search(poses)
+        parts.append(Part(poses, [_translated(share, theirs, known) for share in found]))
+    return parts
+
+
 def replicated(
-    problem: Problem,
+    parts: Sequence[Part],
     components: Sequence[Component],
     members: Sequence[Member],
     shares: Sequence[Shares],
-    search: Search,
     power: Power,
 ) -> list[Shares]:
-    """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of
-    searches that each see one part of the data and nothing of what the others found, averaged, for members
-    of which these say less. search: of some poses, components and shares of what it finds; power: of some
-    poses, for each member how likely they would show it: what they cannot show they do not deny."""
-    if all(components[m.component].nameless for m in members):
-        return list(shares)  # no name is at stake
-    known = {bare(component.key): k for k, component in reversed([*enumerate(components)])}
-    parts, powers = list[list[Shares]](), list[Sequence[float]]()
-    for poses in parts_of(problem):
-        theirs, found = search(poses)
-        parts.append([_translated(share, theirs, known) for share in found])
-        powers.append(power(poses))
+    """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of the
+    parts, averaged, for members of which these say less. power: of some poses, for each member how likely
+    they would show it: what they cannot show they do not deny."""
+    known, powers = _known(components), [power(part.poses) for part in parts]
     out = [dict(share) for share in shares]
     for i, member in enumerate(members):
         if components[member.component].nameless:
             continue
         k = known[bare(components[member.component].key)]  # of a line it does not matter which
-        every = [max(part, key=lambda share: share.get(k, 0.0), default={}) for part in parts]
-        every = [
+        every = [part.of(k) for part in parts]
+        mean = _mean(
             share if k in share else {None: chance[i], k: 1 - chance[i]}
             for share, chance in zip(every, powers, strict=True)
-        ]
-        keys = set[int | None]().union(*every)
-        mean = {key: sum(share.get(key, 0.0) for share in every) / len(every) for key in keys}
+        )
         own = mean.pop(k, 0.0)
         if own < out[i][member.component]:
             out[i] = {**mean, member.component: own}
     return out
+
+
+def agreed(parts: Sequence[Part], components: Sequence[Component]) -> dict[int, Shares]:
+    """The causes that the parts find by themselves, as surely as a name asks for, with their shares."""
+    found = {k for part in parts for share in part.shares for k in share if k is not None}
+    means = {k: _mean(part.of(k) for part in parts) for k in sorted(found) if not components[k].nameless}
+    return {k: mean for k, mean in means.items() if mean.get(k, 0.0) >= PRIORS.named}
+
+
+def joined(
+    competition: Competition, agreed: dict[int, Shares], members: Sequence[Member], shares: Sequence[Shares]
+) -> tuple[list[Member], list[Shares]]:
+    """With the causes that the parts agree on, though the whole's likeliest set does without them: a set that
+    was chosen once, among many that are nearly as likely, is no witness against them."""
+    members, shares = list(members), list(shares)
+    have = {bare(competition.components[m.component].key) for m in members}
+    for k, share in agreed.items():
+        if bare(competition.components[k].key) not in have:
+            weight = competition.beside(Chosen(competition.reduced, members))[k]
+            members.append(Member(k, weight.form, weight.scale))
+            shares.append(share)
+    return members, shares
 
 
 def power(
@@ -94,6 +130,16 @@ def renamed(
         if had is None or had[1].get(new.component, 0.0) < share.get(new.component, 0.0):
             out[new.component] = new, share
     return [member for member, _ in out.values()], [share for _, share in out.values()]
+
+
+def _known(components: Sequence[Component]) -> dict[Key, int]:
+    return {bare(component.key): k for k, component in reversed([*enumerate(components)])}
+
+
+def _mean(shares: Iterable[Shares]) -> Shares:
+    every = list(shares)
+    keys = set[int | None]().union(*every)
+    return {key: sum(share.get(key, 0.0) for share in every) / len(every) for key in keys}
 
 
 def _translated(share: Shares, theirs: Sequence[Component], known: dict[Key, int]) -> Shares:

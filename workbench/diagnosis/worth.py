@@ -67,13 +67,16 @@ def _by_strength(selection: Selection) -> Iterator[tuple[Effect, list[int], list
 
 def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
     """No name surer than that it brings poses that were held out nearer to their places than the best of as
-    many causes would by chance, if none of them did anything (Šidák 1967). What has no name, or else nothing,
-    gets the rest; a cause that leaves nearly all of it is faint."""
+    many causes would by chance, if none of them did anything (Šidák 1967); but for those that parts of the
+    data found by themselves. What has no name, or else nothing, gets the rest; a cause that leaves nearly all
+    of it is faint."""
     fit, components = selection.fit, selection.components
     tried = sum(not component.nameless for component in components)
     rest = next((m.component for m in selection.members if components[m.component].nameless), None)
     shares, faint = [dict(share) for share in selection.shares], set[Key]()
     for effect, own, weaker in _by_strength(selection):
+        if effect.key in selection.agreed:
+            continue
         alone = [*selection.nameless, *weaker]
         surest = max(_chance(fit, beside, own, seed) for beside in ([], alone)) ** (2 * tried)
         if surest < PRIORS.absent:

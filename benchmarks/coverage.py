@@ -1,0 +1,93 @@
+"""Whether the 95 % bounds of `predict` hold on a measured robot: python benchmarks/coverage.py FOLDER [PAIR ...]
+
+FOLDER holds campaigns (NAME/campaign.toml) that are read in place. Each is cut into halves, in the order of
+measurement and three times at random; the model.toml of each half's diagnosis predicts the other half. PAIR:
+ONE:OTHER, the model of one campaign predicts another of the same robot; default: the halves of every campaign.
+Base and targets are fitted to the predicted poses, robot unchanged, as for any robot that is set up anew; the
+instrument's noise counts where it is stated. Writes `benchmarks/results/coverage.json`.
+"""
+
+import json
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from blind import git
+from halves import SEEDS, halves
+
+from workbench import Campaign, Covariance, Model, diagnose, fit, load_campaign, load_robot, predict, problem_of
+from workbench import write_fit as write_model
+from workbench.correction.extended_arm import extended_arm
+from workbench.diagnosis.result import Noise
+from workbench.diagnosis.run import Outcome
+from workbench.files.faults import InputError
+from workbench.robot.description import Robot
+
+RESULTS = Path(__file__).resolve().parent / "results/coverage.json"
+
+
+def covered(outcome: Outcome, other: Campaign) -> dict[str, Any]:
+    """What a diagnosis' model predicts of other poses, against what was measured there."""
+    with tempfile.TemporaryDirectory() as folder:
+        write_model(Path(folder) / "model.toml", outcome.fit)
+        return _covered(load_robot(Path(folder) / "model.toml"), outcome.diagnosis.noise, other)
+
+
+def _covered(robot: Robot, noise: Noise, other: Campaign) -> dict[str, Any]:
+    campaign = replace(other, robot=robot)
+    errors = predict(robot, campaign, instrument=1e-3 * noise.sigma_mm if noise.source != "residual" else 0.0)
+    whole = problem_of(campaign)
+    names = [point.name for point in robot.uncertainty.points] if robot.uncertainty else []
+    chosen = [[target.name for target in other.targets].index(name) for name in names]
+    even = Covariance(np.full(whole.seen.shape, 1e-4), np.zeros(whole.arm.n), np.ones(len(whole.q)))
+    model = Model(whole, (), tuple(extended_arm(whole).acting))
+    off = np.linalg.norm(fit(model, noise=even, geometry=False).residual[:, chosen], axis=2)
+    near = np.isfinite(off) & errors.measured[:, None]
+    far = np.isfinite(off) & ~errors.measured[:, None]
+    held = off <= errors.corrected
+    return {
+        "points": int(near.sum()),
+        "held": round(float(held[near].mean()), 4) if near.any() else None,
+        "rms_mm": round(1e3 * float(np.sqrt(np.mean(off[near] ** 2))), 4) if near.any() else None,
+        "bound_mm": round(1e3 * float(np.median(errors.corrected[near])), 4) if near.any() else None,
+        "outside": int(far.sum()),
+        "held_outside": round(float(held[far].mean()), 4) if far.any() else None,
+    }
+
+
+def by_halves(campaign: Campaign) -> dict[str, Any]:
+    """Each half's model on the other half."""
+    out = {}
+    for seed in (None, *SEEDS):
+        one, other = halves(campaign, seed)
+        cut = "in order" if seed is None else f"at random, {seed}"
+        out[cut] = [covered(diagnose(a), b) for a, b in ((one, other), (other, one))]
+    return out
+
+
+def main(folder: Path, pairs: list[str]) -> int:
+    kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.is_file() else {}
+    names = pairs or [path.parent.name for path in sorted(folder.glob("*/campaign.toml"))]
+    for name in names:
+        one, _, other = name.partition(":")
+        try:
+            campaign = load_campaign(folder / one / "campaign.toml")
+            if other:
+                found = {"whole": [covered(diagnose(campaign), load_campaign(folder / other / "campaign.toml"))]}
+            else:
+                found = by_halves(campaign)
+        except InputError as error:
+            print(f"{name}: {error}", flush=True)
+            continue
+        kept[name] = {"commit": git("rev-parse", "--short", "HEAD"), "predicted": found}
+        for cut, rows in found.items():
+            print(f"{name}, {cut}: " + "; ".join(str(row) for row in rows), flush=True)
+        RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]), sys.argv[2:]))
