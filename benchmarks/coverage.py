@@ -1,8 +1,8 @@
-"""Whether the 95 % bounds of `predict` hold on a measured robot: python benchmarks/coverage.py FOLDER [PAIR ...]
+"""Whether the bounds of `predict` hold on a measured robot: python benchmarks/coverage.py FOLDER [NAME ...]
 
 FOLDER holds campaigns (NAME/campaign.toml) that are read in place. Each is cut into halves, in the order of
-measurement and three times at random; the model.toml of each half's diagnosis predicts the other half. PAIR:
-ONE:OTHER, the model of one campaign predicts another of the same robot; default: the halves of every campaign.
+measurement and three times at random; the model.toml of each half's diagnosis predicts the other half. Where
+NAME is ONE:OTHER, the model of one campaign predicts another of the same robot. Default: halves of them all.
 Base and targets are fitted to the predicted poses, robot unchanged, as for any robot that is set up anew; the
 instrument's noise counts where it is stated. Writes `benchmarks/results/coverage.json`.
 """
@@ -18,7 +18,17 @@ import numpy as np
 from blind import git
 from halves import SEEDS, halves
 
-from workbench import Campaign, Covariance, Model, diagnose, fit, load_campaign, load_robot, predict, problem_of
+from workbench import (
+    Campaign,
+    Covariance,
+    Model,
+    diagnose,
+    fit,
+    load_campaign,
+    load_robot,
+    predict,
+    problem_of,
+)
 from workbench import write_fit as write_model
 from workbench.correction.extended_arm import extended_arm
 from workbench.diagnosis.result import Noise
@@ -68,15 +78,16 @@ def by_halves(campaign: Campaign) -> dict[str, Any]:
     return out
 
 
-def main(folder: Path, pairs: list[str]) -> int:
+def main(folder: Path, names: list[str]) -> int:
     kept = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.is_file() else {}
-    names = pairs or [path.parent.name for path in sorted(folder.glob("*/campaign.toml"))]
+    names = names or [path.parent.name for path in sorted(folder.glob("*/campaign.toml"))]
     for name in names:
         one, _, other = name.partition(":")
         try:
             campaign = load_campaign(folder / one / "campaign.toml")
             if other:
-                found = {"whole": [covered(diagnose(campaign), load_campaign(folder / other / "campaign.toml"))]}
+                judge = load_campaign(folder / other / "campaign.toml")
+                found = {"whole": [covered(diagnose(campaign), judge)]}
             else:
                 found = by_halves(campaign)
         except InputError as error:

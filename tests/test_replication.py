@@ -11,7 +11,15 @@ from workbench.diagnosis.components import Component, Form, bare, cause_componen
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.reduced import Reduced, reduce
-from workbench.diagnosis.replication import Part, agreed, joined, power, renamed, replicated, searched_in_parts
+from workbench.diagnosis.replication import (
+    Part,
+    agreed,
+    joined,
+    power,
+    renamed,
+    replicated,
+    searched_in_parts,
+)
 from workbench.diagnosis.run import testable as all_that_may_be
 from workbench.diagnosis.sets import Chosen, Competition, Member
 from workbench.diagnosis.weight import prior_weight
@@ -117,7 +125,7 @@ def test_power_is_how_often_an_effect_of_that_size_wins():
         Reduced(slices, S, S[0] * size, 900.0, 900.0, 1e9),
         Reduced(slices, S, 0 * S[0], 1.0, 1.0, 1.0),
     )
-    one = Component(RATIO, (Form(np.zeros((0, 0, 1)), np.ones(1), ()),), float(odds))
+    one = Component(RATIO, (Form((), np.ones(1), ()),), float(odds))
     (found,) = power(whole, part, [Member(0, 0, 1.0)], [one])
     beta = float(Chosen(whole, [Member(0, 0, 1.0)]).beta[0])
     u = score * beta + np.sqrt(score) * np.random.default_rng(0).normal(size=200_000)

@@ -18,8 +18,9 @@ from ..effects.base import Effect
 from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
-from .components import Component, Form, cause_components, nameless_components
-from .reduced import Reduced, explained, products_of, slices_of
+from .components import Component, Form, cause_components, nameless_components, sized
+from .patterns import products_of
+from .reduced import Reduced, explained, slices_of
 from .screen import effective_dof
 from .sets import Chosen, Competition
 
@@ -58,7 +59,7 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
 def _worth_trying(final: Fit, components: Sequence[Component]) -> list[Form]:
     """The likeliest form of each component that has any evidence."""
     forms = [form for component in components for form in component.forms]
-    products = products_of(forms, final.J * final.columns.prior, final.r, np.arange(len(final.r)))
+    products = products_of(sized(forms), final.J * final.columns.prior, final.r, np.arange(len(final.r)))
     Z = solve_triangular(final.upper, products.JG, trans="T", check_finite=False)
     dof = effective_dof(final)
     reduced = Reduced(slices_of(components), products.GG - Z.T @ Z, products.Ge, final.chi2, dof, 0.0)

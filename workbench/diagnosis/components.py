@@ -17,6 +17,7 @@ from ..effects.base import UNKNOWN, Effect
 from ..effects.place import Where
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
+from .patterns import Pattern, pattern_of
 from .priors import PRIORS
 
 Key = tuple[str, Where]
@@ -28,12 +29,12 @@ EVERY_FINER = 3  # of an effect's finer settings, every third is a form of its o
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """One form of a component: columns (N, D, g), whitened, in prior sizes `sizes` (g,), main columns first.
+    """One form of a component: patterns with g columns together, main columns first, in prior sizes (g,).
 
     effects: what stands for it in the model. one_sided: its first number is held to be positive.
     """
 
-    columns: Array
+    patterns: tuple[Pattern, ...]
     sizes: Array
     effects: tuple[Effect, ...]
     one_sided: bool = False
@@ -44,14 +45,30 @@ class Form:
         return sum(len(effect.params) for effect in self.effects)
 
     @property
+    def columns(self) -> Array:
+        """(N, D, g) whitened."""
+        return np.concatenate([pattern.columns for pattern in self.patterns], axis=2)
+
+    @property
+    def sized(self) -> list[tuple[Pattern, Array]]:
+        """Its patterns, each with its prior sizes."""
+        ends = np.cumsum([pattern.amount.shape[-1] for pattern in self.patterns])
+        return list(zip(self.patterns, np.split(self.sizes, ends[:-1]), strict=True))
+
+    @property
     def shows(self) -> bool:
         """Whether any point is moved by it."""
-        return bool((np.abs(self.columns * self.sizes) > UNSEEN).any())
+        return any(pattern.most(sizes) > UNSEEN for pattern, sizes in self.sized)
 
     @property
     def held(self) -> bool:
         """Whether its prior sizes hold its weights in the fit as well: a free function."""
         return all(p.spread is not None for effect in self.effects for p in effect.params)
+
+
+def sized(forms: Iterable[Form]) -> list[tuple[Pattern, Array]]:
+    """The patterns of forms, each with its prior sizes."""
+    return [pair for form in forms for pair in form.sized]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +85,7 @@ class Component:
 
     def without_columns(self) -> Component:
         """What stays when its weight is known: the columns take much room."""
-        return replace(self, forms=tuple(replace(form, columns=np.zeros((0, 0, 0))) for form in self.forms))
+        return replace(self, forms=tuple(replace(form, patterns=()) for form in self.forms))
 
     @property
     def label(self) -> str:
@@ -129,10 +146,10 @@ def form_of(fit: Fit, effects: tuple[Effect, ...], about: Problem | None = None)
     """Effects together as one form, each parameter in its usual size; with the companions that they have in a
     problem (default: the fit's own)."""
     every = with_companions(fit, effects, about or fit.model.problem)
-    columns = np.concatenate([fit.whitened(effect) for effect, _ in every], axis=2)
+    patterns = tuple(pattern_of(fit, effect) for effect, _ in every)
     first = effects[0].params[0]
     one_sided = len(effects) == 1 and len(effects[0].params) == 1 and first.lower == 0.0
-    return Form(columns, np.concatenate([sizes for _, sizes in every]), effects, one_sided)
+    return Form(patterns, np.concatenate([sizes for _, sizes in every]), effects, one_sided)
 
 
 def with_companions(fit: Fit, effects: Sequence[Effect], about: Problem) -> list[tuple[Effect, Array]]:

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
 from ..robot.kinematics import Array
-from .components import Component, Form
-
-Index = NDArray[np.int64]
-BLOCK = 400  # poses whose columns stand side by side at once
+from .components import Component, sized
+from .patterns import Index, Products, products_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,42 +43,10 @@ def reduce(
     J, e = fit.J[some, :, :n] * fit.columns.prior[:n], (fit.r + explained(fit))[some]
     offset = offset_of(fit.model, fit.columns, fit.state)[:n]
     rows = int((np.abs(fit.whitener[some]).sum(axis=2) > 0).sum())
-    left = without_background(J.reshape(-1, n), offset, e.ravel(), rows, products_of(forms, J, e, some))
+    left = without_background(
+        J.reshape(-1, n), offset, e.ravel(), rows, products_of(sized(forms), J, e, some)
+    )
     return Reduced(slices_of(components), *left, noise_dof)
-
-
-@dataclass(frozen=True)
-class Products:
-    """Scalar products of columns G (R, g). GG: (g, g) with each other; JG: (n, g) with columns J of a
-    background; Ge: (g,) with the data."""
-
-    GG: Array
-    JG: Array
-    Ge: Array
-
-    @classmethod
-    def of(cls, J: Array, G: Array, e: Array) -> Products:
-        return cls(G.T @ G, J.T @ G, G.T @ e)
-
-    def __add__(self, other: Products) -> Products:
-        return Products(self.GG + other.GG, self.JG + other.JG, self.Ge + other.Ge)
-
-
-def products_of(forms: Sequence[Form], J: Array, e: Array, poses: Index) -> Products:
-    """Products of the columns of forms in their prior sizes with J (M, D, n) and e (M, D) of these poses
-    (M,); a block of poses at a time: the columns never stand side by side for all."""
-    total = None
-    for at in range(0, len(poses), BLOCK):
-        here = slice(at, at + BLOCK)
-        G = np.concatenate([form.columns[poses[here]] * form.sizes for form in forms], axis=2)
-        own = Products.of(_flat(J[here]), _flat(G), e[here].ravel())
-        total = own if total is None else total + own
-    assert total is not None, "a campaign without poses"
-    return total
-
-
-def _flat(X: Array) -> Array:
-    return X.reshape(-1, X.shape[2])
 
 
 def slices_of(components: Sequence[Component]) -> tuple[tuple[slice, ...], ...]:

@@ -33,7 +33,7 @@ def _of_joints(fit: Fit, base: Covariance) -> Covariance:
     arm = fit.model.problem.arm
     if positions(fit) < POSES_PER_JOINT * arm.n:
         return base
-    g = np.matmul(fit.whitener, fit.line.direct[:, :, arm.axial])
+    g = fit.axial
     free = fit.point_rows / max(effective_dof(fit), 1.0)
     score = np.einsum("ndj,nd->nj", g, fit.r) * np.sqrt(free)
     cross = np.einsum("ndj,ndk->njk", g, g)

@@ -89,6 +89,11 @@ class Fit:
         i = self.columns.index(name)
         return float(np.sqrt(self.covariance[i, i]))
 
+    @cached_property
+    def axial(self) -> Array:
+        """(N, D, n) whitened motions of the points by each joint's own motion."""
+        return np.matmul(self.whitener, self.line.direct[:, :, self.model.problem.arm.axial])
+
     def whitened(self, effect: Effect) -> Array:
         """(N, D, p) whitened columns of an effect at zero, in the model or not."""
         G = self.model.effect_jacobian(self.line, effect, np.zeros(len(effect.params)))

@@ -67,7 +67,7 @@ class Candidate:
 
     @property
     def component(self) -> Component:
-        forms = [Form(np.zeros((0, 0, 0)), s.sizes, s.effects, s.one_sided) for s in self.shapes]
+        forms = [Form((), s.sizes, s.effects, s.one_sided) for s in self.shapes]
         return Component((self.cause, self.where), tuple(forms), self.log_odds)
 
 

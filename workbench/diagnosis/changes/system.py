@@ -13,7 +13,8 @@ from scipy.linalg import qr, solve_triangular
 from ...identification.fit import fit
 from ...identification.rows import moved
 from ...robot.kinematics import Array
-from ..reduced import Products, Reduced, parts_of, without_background
+from ..patterns import Products
+from ..reduced import Reduced, parts_of, without_background
 from .candidates import Candidate, Shape, own_of
 from .occasions import Occasion, numbers_of
 

@@ -1,0 +1,148 @@
+"""Patterns in the data: whitened columns of effects, and their scalar products.
+
+What errs in a joint moves the points of a pose along one motion, that of the joint, by an amount that depends
+on the pose. Products of such columns need the amounts alone: one number per pose, not one per coordinate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..effects.base import Effect
+from ..effects.kinds import TransmissionEffect
+from ..identification.fit import Fit
+from ..robot.kinematics import Array
+
+Index = NDArray[np.int64]
+BLOCK = 400  # poses whose columns stand side by side at once
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Columns of an effect. amount: (N, p) by how much a pose's points go along the motion of joint number
+    `joint`, motion: (N, D); or, without a motion, the columns (N, D, p) themselves."""
+
+    amount: Array
+    motion: Array | None = None
+    joint: int = -1
+
+    @property
+    def columns(self) -> Array:
+        """(N, D, p)."""
+        if self.motion is None:
+            return self.amount
+        return np.asarray(self.motion[:, :, None] * self.amount[:, None, :])
+
+    def some(self, poses: Index) -> Pattern:
+        """Of these poses alone."""
+        motion = None if self.motion is None else self.motion[poses]
+        return Pattern(self.amount[poses], motion, self.joint)
+
+    def most(self, sizes: Array) -> float:
+        """The largest number of its columns in these sizes."""
+        largest = np.abs(self.amount * sizes)
+        if self.motion is not None:
+            largest = largest * np.abs(self.motion).max(axis=1)[:, None]
+        return float(largest.max(initial=0.0))
+
+
+def pattern_of(fit: Fit, effect: Effect) -> Pattern:
+    """The whitened columns of an effect at zero, in the model or not."""
+    if not isinstance(effect, TransmissionEffect):
+        return Pattern(fit.whitened(effect))
+    problem = fit.model.problem
+    j = problem.joint(effect.where.joint)
+    (amount,) = effect.motion(problem).values()
+    return Pattern(amount, fit.axial[:, :, j], j)
+
+
+@dataclass(frozen=True)
+class Products:
+    """Scalar products of columns G (R, g). GG: (g, g) with each other; JG: (n, g) with columns J of a
+    background; Ge: (g,) with the data."""
+
+    GG: Array
+    JG: Array
+    Ge: Array
+
+    @classmethod
+    def of(cls, J: Array, G: Array, e: Array) -> Products:
+        return cls(G.T @ G, J.T @ G, G.T @ e)
+
+
+def products_of(sized: Sequence[tuple[Pattern, Array]], J: Array, e: Array, poses: Index) -> Products:
+    """Products of the columns of patterns, in their sizes, with J (M, D, n) and e (M, D) of these poses (M,);
+    a block of poses at a time: the columns never stand side by side for all."""
+    ends = np.cumsum([0, *(len(sizes) for _, sizes in sized)])
+    order = sorted(range(len(sized)), key=lambda i: sized[i][0].joint)  # those without a motion come first
+    place = np.concatenate([np.arange(ends[i], ends[i + 1]) for i in order]) if order else np.zeros(0, int)
+    inverse = np.argsort(place)
+    total = _Sums(len(place), J.shape[2])
+    for at in range(0, len(poses), BLOCK):
+        here = slice(at, at + BLOCK)
+        total.add([(sized[i][0].some(poses[here]), sized[i][1]) for i in order], J[here], e[here])
+    return Products(total.GG[np.ix_(inverse, inverse)], total.JG[:, inverse], total.Ge[inverse])
+
+
+class _Sums:
+    """Products of columns of which those along one motion stand together, summed over blocks of poses."""
+
+    def __init__(self, columns: int, background: int) -> None:
+        self.GG = np.zeros((columns, columns))
+        self.JG = np.zeros((background, columns))
+        self.Ge = np.zeros(columns)
+
+    def add(self, sized: Sequence[tuple[Pattern, Array]], J: Array, e: Array) -> None:
+        groups = _grouped(sized)
+        plain = groups.pop(-1, None)
+        own = np.zeros((*e.shape, 0)) if plain is None else plain.amount
+        beside = np.concatenate([own, J, e[:, :, None]], axis=2)
+        h, n = own.shape[2], J.shape[2]
+        self._put(slice(0, h), h, n, _flat(own).T @ _flat(beside))
+        first, done = h, list[tuple[slice, Pattern]]()
+        for group in groups.values():
+            assert group.motion is not None
+            part = slice(first, first + group.amount.shape[1])
+            along = np.matmul(group.motion[:, None, :], beside)[:, 0]
+            self._put(part, h, n, group.amount.T @ along)
+            for other, before in done:
+                assert before.motion is not None
+                weight = (group.motion * before.motion).sum(axis=1)
+                both = group.amount.T @ (before.amount * weight[:, None])
+                self.GG[part, other] += both
+                self.GG[other, part] += both.T
+            scaled = group.amount * np.sqrt((group.motion**2).sum(axis=1))[:, None]
+            self.GG[part, part] += scaled.T @ scaled
+            done.append((part, group))
+            first = part.stop
+
+    def _put(self, part: slice, h: int, n: int, products: Array) -> None:
+        """Products of some columns with the h that have no motion, with the background, with the data."""
+        self.GG[part, :h] += products[:, :h]
+        if part.start:
+            self.GG[:h, part] += products[:, :h].T
+        self.JG[:, part] += products[:, h : h + n].T
+        self.Ge[part] += products[:, h + n]
+
+
+def _grouped(sized: Sequence[tuple[Pattern, Array]]) -> dict[int, Pattern]:
+    """The columns in their sizes, those along one motion together; by the joint, -1: without a motion."""
+    of = dict[int, list[tuple[Pattern, Array]]]()
+    for pattern, sizes in sized:
+        of.setdefault(pattern.joint, []).append((pattern, sizes))
+    return {
+        joint: Pattern(
+            np.concatenate([pattern.amount * sizes for pattern, sizes in those], axis=-1),
+            those[0][0].motion,
+            joint,
+        )
+        for joint, those in of.items()
+    }
+
+
+def _flat(X: Array) -> Array:
+    return X.reshape(X.shape[0] * X.shape[1], X.shape[2])
