@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..effects.base import Effect
-from ..effects.kinds import TransmissionEffect
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
 
@@ -52,12 +51,11 @@ class Pattern:
 
 def pattern_of(fit: Fit, effect: Effect) -> Pattern:
     """The whitened columns of an effect at zero, in the model or not."""
-    if not isinstance(effect, TransmissionEffect):
+    own = effect.of_joint(fit.model.problem)
+    if own is None:
         return Pattern(fit.whitened(effect))
-    problem = fit.model.problem
-    j = problem.joint(effect.where.joint)
-    (amount,) = effect.motion(problem).values()
-    return Pattern(amount, fit.axial[:, :, j], j)
+    joint, amount = own
+    return Pattern(amount, fit.axial[:, :, joint], joint)
 
 
 @dataclass(frozen=True)

@@ -190,6 +190,11 @@ class Effect(ABC):
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
         """(N, R, p) change of what is observed per unit of each parameter."""
 
+    def of_joint(self, problem: Problem) -> tuple[int, Array] | None:
+        """Of an error of one joint's angle without load: the joint's number, and (N, p) its motion [rad, m]
+        per unit of each parameter. None of other effects."""
+        return None
+
     @abstractmethod
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         """The effect over what it depends on."""

@@ -49,8 +49,12 @@ class TransmissionEffect(DirectEffect):
         """(N, p) joint motion [rad, m] per unit of each parameter, for joints q: (N, n)."""
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        column = int(problem.arm.axial[problem.joint(self.where.joint)])
-        return {column: self.basis(problem.q, problem.campaign.poses.side, problem.arm.names)}
+        joint, amount = self.of_joint(problem)
+        return {int(problem.arm.axial[joint]): amount}
+
+    def of_joint(self, problem: Problem) -> tuple[int, Array]:
+        amount = self.basis(problem.q, problem.campaign.poses.side, problem.arm.names)
+        return problem.joint(self.where.joint), amount
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         """Over the side of approach, the phase of its order, or the joint that it depends on."""
