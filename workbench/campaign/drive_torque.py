@@ -27,7 +27,7 @@ def project(problem: Problem, values: Array) -> Array:
     no torque was measured. The scale is that of the nominal arm's torques."""
     measured = problem.campaign.poses.torque
     assert measured is not None
-    expected = problem.nominal_load.local.reshape(len(problem.q), -1)[:, problem.arm.axial]
+    expected = problem.arm.own(problem.nominal_load.local)
     out = np.zeros_like(values)
     for j in range(measured.shape[1]):
         seen = np.isfinite(measured[:, j])

@@ -178,6 +178,6 @@ def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:
     if most <= NO_LOAD * arm:
         return typical
     if effect.axial:
-        loads = rest.load.local.reshape(len(rest.load.local), -1)[:, rest.arm.axial]
+        loads = rest.arm.own(rest.load.local)
         most = max(most, LITTLE * float(np.abs(loads).max(initial=0.0)))
     return np.array([usual / most])

@@ -209,7 +209,7 @@ class LoadEffect(Effect):
         """The joint that yields most to the effect, and the change of its torque (N,) [N·m, N]."""
         arm = rest.arm
         change = self.wrench(problem, rest.where, rest.loads) @ values
-        torque = change.reshape(len(change), -1)[:, arm.axial]
+        torque = arm.own(change)
         slot, component = np.divmod(arm.axial, 6)
         soft = arm.compliance[slot, component, component]
         most = int(np.argmax((torque**2).mean(axis=0) * (soft**2 if soft.any() else 1.0)))

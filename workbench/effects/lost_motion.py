@@ -113,5 +113,5 @@ class LostMotion(AxialYield):
 def _largest_torque(problem: Problem) -> tuple[Array, float]:
     """(n,) largest nominal torque of each joint in the campaign [N·m, N], and what counts as none."""
     local = problem.nominal_load.local
-    torque = np.abs(local.reshape(len(local), -1)[:, problem.arm.axial]).max(axis=0)
+    torque = np.abs(problem.arm.own(local)).max(axis=0)
     return torque, 1e-6 * float(np.abs(local).max(initial=1e-6))

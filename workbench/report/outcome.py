@@ -18,7 +18,7 @@ def write_outcome(outcome: Outcome, folder: str | Path) -> None:
     The scene shows the pose that bends most, rigid, and its loaded twin with the deflection enlarged.
     """
     folder, fit = Path(folder), outcome.fit
-    axial = fit.line.prediction.motion.reshape(len(outcome.problem.q), -1)[:, outcome.problem.arm.axial]
+    axial = outcome.problem.arm.own(fit.line.prediction.motion)
     n = int(np.argmax(np.abs(axial).sum(axis=1)))
     q = outcome.problem.q[n]
     bend = float(np.abs(axial[n]).max())

@@ -84,6 +84,10 @@ class Arm:
         """(n,) column 6 · slot + component of each joint's own motion."""
         return 6 * np.arange(1, self.n + 1) + np.where(self.prismatic, TZ, RZ)
 
+    def own(self, slots: Array) -> Array:
+        """(N, n) of motions or wrenches (N, S, 6) of all slots: what each joint has along its own axis."""
+        return np.asarray(slots.reshape(len(slots), -1)[:, self.axial])
+
     @property
     def span(self) -> Array:
         """(S, 3) [m] from the parent link's frame to each slot, on the slot's axes (nominal)."""

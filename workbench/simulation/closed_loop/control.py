@@ -50,7 +50,7 @@ def static_torque(nominal: Mechanics, q: Array) -> Array:
         nominal.compensator,
     )
     local = wrenches(arm, frames(arm, q), loads).local
-    return -local.reshape(count, -1)[:, arm.axial]
+    return -arm.own(local)
 
 
 def inertial_torque(nominal: Mechanics, q: Array, v: Array, a: Array) -> Array:

@@ -127,5 +127,4 @@ def largest_torque(problem: Problem, joint: int) -> float:
 
 def axial_torque(problem: Problem) -> Array:
     """(N, n) torques [N·m, N] of the joints, arm and loads as stated."""
-    local = problem.nominal_load.local
-    return np.asarray(local.reshape(len(local), -1)[:, problem.arm.axial])
+    return problem.arm.own(problem.nominal_load.local)

@@ -79,7 +79,7 @@ def gravity_compensator(problem: Problem, effect: GravityCompensator, rng: np.ra
     def torque(problem: Problem) -> Array:
         changed = replace(problem.loads, compensator=law)
         wrench = effect.wrench(problem, problem.rigid, changed)[..., 0]
-        column = wrench.reshape(len(problem.q), -1)[:, problem.arm.axial]
+        column = problem.arm.own(wrench)
         if effect.variant == "preload":
             s = law.ends(problem.rigid)[2]
             column = column * (1 + grow * (s - s.mean()) / 0.1)[:, None]
