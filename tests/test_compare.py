@@ -144,10 +144,11 @@ def test_a_bent_link_is_that_link():
 
 
 def test_a_compensator_that_leaked():
-    leaked = measured(2, loaded=True, effects=("gravity_compensator:relative=-0.1",))
+    """By less, it is not told from a mass of link_2 that changed."""
+    leaked = measured(2, loaded=True, effects=("gravity_compensator:relative=-0.15",))
     change = only(compare([before(True), leaked]))
     assert change.cause == "gravity_compensator"
-    assert within(change.parameters[0], -0.1)
+    assert within(change.parameters[0], -0.15)
 
 
 def test_a_tool_mounted_anew_is_not_the_robot():

@@ -94,8 +94,12 @@ def test_a_given_number_is_weighed_against_the_data():
     both = fit(Model(job, (), (), (fact,)), start_state(job), noise, tolerance=1e-4)
     (value,), ((variance,),) = free.effect_values(0)
     weight = np.array([1 / variance, fact.std**-2])
-    assert both.given_estimate(0)[0] == pytest.approx(weight @ [value, fact.value] / weight.sum(), abs=2e-4)
-    assert both.given_estimate(0)[1] == pytest.approx(weight.sum() ** -0.5, rel=0.02)
+    std = weight.sum() ** -0.5
+    # 65 standard deviations lie between the two: so far the arm is not quite linear
+    assert both.given_estimate(0)[0] == pytest.approx(
+        weight @ [value, fact.value] / weight.sum(), abs=0.2 * std
+    )
+    assert both.given_estimate(0)[1] == pytest.approx(std, rel=0.02)
 
 
 def test_a_reading_of_the_gauge_decides(tmp_path):

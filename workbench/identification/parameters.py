@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..effects.given import Given
+from ..robot.hidden_geometry import hidden_shifts
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 from ..robot.schema import GEOMETRY
 from .registration import STATED_TARGET, UNKNOWN_TARGET
 
 GEOMETRY_PRIOR = (5e-3, 5e-3)  # m, rad
+LEVER_PRIOR = 5e-4  # m, of a shift that no point shows: it changes levers of loads alone
 FRAME_PRIOR = 10.0  # m, rad: as good as none
 
 
@@ -86,10 +88,11 @@ def columns(
     every = range(6, 6 * (arm.n + 1))
     chosen = (every if geometry else ()) if isinstance(geometry, bool) else geometry
     which = np.array(chosen, dtype=np.int64)
-    for column in which:
-        slot, component = divmod(int(column), 6)
+    hidden = hidden_shifts(arm) if geometry is True else frozenset[int]()
+    for column in which.tolist():
+        slot, component = divmod(column, 6)
         names.append(f"geometry/{arm.names[slot - 1]}/{GEOMETRY[component]}")
-        prior.append(GEOMETRY_PRIOR[component // 3])
+        prior.append(LEVER_PRIOR if column in hidden else GEOMETRY_PRIOR[component // 3])
     for item in given:
         names += [f"given/{name}" for name in effect_names(item.effect)]
         prior.append(item.std)
