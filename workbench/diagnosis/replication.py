@@ -72,7 +72,8 @@ def replicated(
 
 
 def agreed(parts: Sequence[Part], components: Sequence[Component]) -> dict[int, Shares]:
-    """The causes that the parts find by themselves, as surely as a name asks for, with their shares."""
+    """The causes that the parts find by themselves, as surely as a name asks for, with their shares: what
+    complementary halves select is no chance of one search (Shah & Samworth 2013)."""
     found = {k for part in parts for share in part.shares for k in share if k is not None}
     means = {k: _mean(part.of(k) for part in parts) for k in sorted(found) if not components[k].nameless}
     return {k: mean for k, mean in means.items() if mean.get(k, 0.0) >= PRIORS.named}
