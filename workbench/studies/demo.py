@@ -60,7 +60,7 @@ HIDDEN = (
     "gear_kinematic_error:joint=joint_4,order={order},amplitude=2.2e-4,phase=0.6",
     "gear_kinematic_error:joint=joint_4,order={double},amplitude=4.4e-5,phase=1.1",
     "gravity_compensator:variant=charge,relative=-0.10",
-    "joint_compliance:joint=joint_3,relative=0.15",
+    "joint_compliance:joint=joint_3,relative=0.20",
     "backlash:joint=joint_5,half_width=6e-5",
 )
 PAYLOADS = {"heavy": (250.0, (0.0, 0.0, 0.15))}
