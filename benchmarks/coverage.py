@@ -16,11 +16,10 @@ from typing import Any
 
 import numpy as np
 from blind import git
-from halves import SEEDS, halves
+from halves import cuts
 
 from workbench import (
     Campaign,
-    Covariance,
     Model,
     diagnose,
     fit,
@@ -31,6 +30,7 @@ from workbench import (
 )
 from workbench import write_fit as write_model
 from workbench.correction.extended_arm import extended_arm
+from workbench.diagnosis.noise_choice import provisional
 from workbench.diagnosis.result import Noise
 from workbench.diagnosis.run import Outcome
 from workbench.files.faults import InputError
@@ -52,9 +52,8 @@ def _covered(robot: Robot, noise: Noise, other: Campaign) -> dict[str, Any]:
     whole = problem_of(campaign)
     names = [point.name for point in robot.uncertainty.points] if robot.uncertainty else []
     chosen = [[target.name for target in other.targets].index(name) for name in names]
-    even = Covariance(np.full(whole.seen.shape, 1e-4), np.zeros(whole.arm.n), np.ones(len(whole.q)))
     model = Model(whole, (), tuple(extended_arm(whole).acting))
-    off = np.linalg.norm(fit(model, noise=even, geometry=False).residual[:, chosen], axis=2)
+    off = np.linalg.norm(fit(model, noise=provisional(whole), geometry=False).residual[:, chosen], axis=2)
     near = np.isfinite(off) & errors.measured[:, None]
     far = np.isfinite(off) & ~errors.measured[:, None]
     held = off <= errors.corrected
@@ -70,12 +69,10 @@ def _covered(robot: Robot, noise: Noise, other: Campaign) -> dict[str, Any]:
 
 def by_halves(campaign: Campaign) -> dict[str, Any]:
     """Each half's model on the other half."""
-    out = {}
-    for seed in (None, *SEEDS):
-        one, other = halves(campaign, seed)
-        cut = "in order" if seed is None else f"at random, {seed}"
-        out[cut] = [covered(diagnose(a), b) for a, b in ((one, other), (other, one))]
-    return out
+    return {
+        cut: [covered(diagnose(a), b) for a, b in ((one, other), (other, one))]
+        for cut, (one, other) in cuts(campaign)
+    }
 
 
 def main(folder: Path, names: list[str]) -> int:

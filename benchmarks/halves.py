@@ -9,6 +9,7 @@ other does not, and whether that is at least among the other's causes or their r
 import json
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,12 @@ def halves(campaign: Campaign, seed: int | None) -> tuple[Campaign, Campaign]:
     return campaign.some(np.flatnonzero(one)), campaign.some(np.flatnonzero(~one))
 
 
+def cuts(campaign: Campaign) -> Iterator[tuple[str, tuple[Campaign, Campaign]]]:
+    """Its halves, by how it is cut."""
+    for seed in (None, *SEEDS):
+        yield "in order" if seed is None else f"at random, {seed}", halves(campaign, seed)
+
+
 def named(found: Diagnosis) -> set[str]:
     return {f.label for f in found.causes if f.status == "named" and f.cause != UNKNOWN}
 
@@ -45,12 +52,12 @@ def said(found: Diagnosis) -> set[str]:
     return rivals | {f.label for f in found.causes}
 
 
-def compared(campaign: Campaign, seed: int | None) -> dict[str, Any]:
-    both = [diagnose(half).diagnosis for half in halves(campaign, seed)]
+def compared(cut: str, pair: tuple[Campaign, Campaign]) -> dict[str, Any]:
+    both = [diagnose(half).diagnosis for half in pair]
     names = [named(one) for one in both]
     alone = sorted(names[0] ^ names[1])
     return {
-        "cut": "in order" if seed is None else f"at random, {seed}",
+        "cut": cut,
         "held_out_mm": [one.stages[-1].heldout_rms_mm for one in both],
         "named_by_both": sorted(names[0] & names[1]),
         "named_by_one": alone,
@@ -68,13 +75,13 @@ def main(folder: Path, names: list[str]) -> int:
     for path in paths:
         began = time.process_time()
         try:
-            cuts = [compared(load_campaign(path), seed) for seed in (None, *SEEDS)]
+            found = [compared(*cut) for cut in cuts(load_campaign(path))]
         except InputError as error:
             print(f"{path.parent.name}: {error}", flush=True)
             continue
-        kept[path.parent.name] = {"commit": git("rev-parse", "--short", "HEAD"), "cuts": cuts}
+        kept[path.parent.name] = {"commit": git("rev-parse", "--short", "HEAD"), "cuts": found}
         print(f"{path.parent.name}: {time.process_time() - began:.0f} s of CPU", flush=True)
-        for cut in cuts:
+        for cut in found:
             print(f"  {cut['cut']}: both {cut['named_by_both']}, one {cut['named_by_one']}", flush=True)
         RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     return 0

@@ -45,7 +45,7 @@ def test_products_are_those_of_the_whole_columns(prepared, patterns):
     poses = rng.integers(60, size=BLOCK + 50)
     J, e = fit.J[poses], rng.normal(size=fit.r[poses].shape)
     found = products_of(patterns, J, e, poses)
-    G = np.concatenate([pattern.some(poses).columns * sizes for pattern, sizes in patterns], axis=2)
+    G = np.concatenate([pattern.columns[poses] * sizes for pattern, sizes in patterns], axis=2)
     G, J, e = G.reshape(e.size, -1), J.reshape(e.size, -1), e.ravel()
     scale, own = np.linalg.norm(G, axis=0), np.linalg.norm(J, axis=0)
     assert (np.abs(found.GG - G.T @ G) <= 1e-12 * np.outer(scale, scale)).all()

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..robot.compensator import CompensatorLaw
 from ..robot.description import Robot
+from ..robot.hidden_geometry import hidden_shifts
 from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.loads import Loads, Wrenches, wrenches
 from . import Campaign
@@ -79,6 +80,11 @@ class Problem:
     def nominal_load(self) -> Wrenches:
         """Wrenches at the slots of the rigid arm under the stated loads."""
         return wrenches(self.arm, self.rigid, self.loads)
+
+    @cached_property
+    def hidden_shifts(self) -> frozenset[int]:
+        """Columns of corrections that no measured point can show."""
+        return hidden_shifts(self.arm)
 
     @cached_property
     def warmth(self) -> Array | None:

@@ -36,11 +36,6 @@ class Pattern:
             return self.amount
         return np.asarray(self.motion[:, :, None] * self.amount[:, None, :])
 
-    def some(self, poses: Index) -> Pattern:
-        """Of these poses alone."""
-        motion = None if self.motion is None else self.motion[poses]
-        return Pattern(self.amount[poses], motion, self.joint)
-
     def most(self, sizes: Array) -> float:
         """The largest number of its columns in these sizes."""
         largest = np.abs(self.amount * sizes)
@@ -76,13 +71,17 @@ def products_of(sized: Sequence[tuple[Pattern, Array]], J: Array, e: Array, pose
     """Products of the columns of patterns, in their sizes, with J (M, D, n) and e (M, D) of these poses (M,);
     a block of poses at a time: the columns never stand side by side for all."""
     ends = np.cumsum([0, *(len(sizes) for _, sizes in sized)])
-    order = sorted(range(len(sized)), key=lambda i: sized[i][0].joint)  # those without a motion come first
-    place = np.concatenate([np.arange(ends[i], ends[i + 1]) for i in order]) if order else np.zeros(0, int)
+    groups: dict[int, list[int]] = {}
+    for i in sorted(range(len(sized)), key=lambda i: sized[i][0].joint):  # those without a motion come first
+        groups.setdefault(sized[i][0].joint, []).append(i)
+    order = [i for own in groups.values() for i in own]
+    place = np.concatenate([np.zeros(0, int), *(np.arange(ends[i], ends[i + 1]) for i in order)])
     inverse = np.argsort(place)
     total = _Sums(len(place), J.shape[2])
     for at in range(0, len(poses), BLOCK):
         here = slice(at, at + BLOCK)
-        total.add([(sized[i][0].some(poses[here]), sized[i][1]) for i in order], J[here], e[here])
+        together = [_together([sized[i] for i in own], poses[here]) for own in groups.values()]
+        total.add(together, J[here], e[here])
     return Products(total.GG[np.ix_(inverse, inverse)], total.JG[:, inverse], total.Ge[inverse])
 
 
@@ -94,15 +93,15 @@ class _Sums:
         self.JG = np.zeros((background, columns))
         self.Ge = np.zeros(columns)
 
-    def add(self, sized: Sequence[tuple[Pattern, Array]], J: Array, e: Array) -> None:
-        groups = _grouped(sized)
-        plain = groups.pop(-1, None)
-        own = np.zeros((*e.shape, 0)) if plain is None else plain.amount
+    def add(self, groups: Sequence[Pattern], J: Array, e: Array) -> None:
+        """groups: one pattern for each motion, and before them those without one."""
+        moving = [group for group in groups if group.motion is not None]
+        own = groups[0].amount if len(moving) < len(groups) else np.zeros((*e.shape, 0))
         beside = np.concatenate([own, J, e[:, :, None]], axis=2)
         h, n = own.shape[2], J.shape[2]
         self._put(slice(0, h), h, n, _flat(own).T @ _flat(beside))
         first, done = h, list[tuple[slice, Pattern]]()
-        for group in groups.values():
+        for group in moving:
             assert group.motion is not None
             part = slice(first, first + group.amount.shape[1])
             along = np.matmul(group.motion[:, None, :], beside)[:, 0]
@@ -127,19 +126,11 @@ class _Sums:
         self.Ge[part] += products[:, h + n]
 
 
-def _grouped(sized: Sequence[tuple[Pattern, Array]]) -> dict[int, Pattern]:
-    """The columns in their sizes, those along one motion together; by the joint, -1: without a motion."""
-    of = dict[int, list[tuple[Pattern, Array]]]()
-    for pattern, sizes in sized:
-        of.setdefault(pattern.joint, []).append((pattern, sizes))
-    return {
-        joint: Pattern(
-            np.concatenate([pattern.amount * sizes for pattern, sizes in those], axis=-1),
-            those[0][0].motion,
-            joint,
-        )
-        for joint, those in of.items()
-    }
+def _together(sized: Sequence[tuple[Pattern, Array]], poses: Index) -> Pattern:
+    """Patterns along one motion, or without any, side by side in their sizes, at some poses."""
+    first = sized[0][0]
+    amount = np.concatenate([pattern.amount[poses] * sizes for pattern, sizes in sized], axis=-1)
+    return Pattern(amount, None if first.motion is None else first.motion[poses], first.joint)
 
 
 def _flat(X: Array) -> Array:

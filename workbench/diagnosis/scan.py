@@ -59,8 +59,7 @@ def spectrum(fit: Fit, joint: int, orders: Array) -> Array:
 
 
 def _behind(fit: Fit, joint: int) -> _Background:
-    column = int(fit.model.problem.arm.axial[joint])
-    g = np.matmul(fit.whitener, fit.line.direct[:, :, column, None])[..., 0]
+    g = fit.axial[:, :, joint]
     back = np.einsum("ndp,nd->np", fit.J, g) * fit.columns.prior
     Z = solve_triangular(fit.upper, back.T, trans="T", check_finite=False)
     return _Background((g * fit.r).sum(axis=1), (g**2).sum(axis=1), Z)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..effects.given import Given
-from ..robot.hidden_geometry import hidden_shifts
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 from ..robot.schema import GEOMETRY
@@ -88,7 +87,7 @@ def columns(
     every = range(6, 6 * (arm.n + 1))
     chosen = (every if geometry else ()) if isinstance(geometry, bool) else geometry
     which = np.array(chosen, dtype=np.int64)
-    hidden = hidden_shifts(arm) if geometry is True else frozenset[int]()
+    hidden = problem.hidden_shifts if geometry is True else frozenset[int]()
     for column in which.tolist():
         slot, component = divmod(column, 6)
         names.append(f"geometry/{arm.names[slot - 1]}/{GEOMETRY[component]}")
