@@ -13,6 +13,7 @@ class Priors:
     same of a gear line of unknown order. free: of a function without a name, by what it is a function of.
     unstated: of a yield for which the model has no number, at each place. scales: sizes of an effect in usual
     sizes, with half-Cauchy weights 1/(1 + s²) per s; largest: beyond which nothing passes for a cause.
+    form: share of an effect that its form and its companions miss, on a real machine.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
     physics holds to one sign has the other. present: least size, in its scale, of an effect that brings
     companions. named: probability from which a cause is named; by_data: the same, were no other cause less
@@ -27,6 +28,7 @@ class Priors:
     unstated: float = 0.2
     scales: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
     largest: float = 10.0
+    form: float = 0.02
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
     present: float = 0.3

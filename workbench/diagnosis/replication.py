@@ -82,15 +82,20 @@ def agreed(parts: Sequence[Part], components: Sequence[Component]) -> dict[int, 
 def joined(
     competition: Competition, agreed: dict[int, Shares], members: Sequence[Member], shares: Sequence[Shares]
 ) -> tuple[list[Member], list[Shares]]:
-    """With the causes that the parts agree on, though the whole's likeliest set does without them: a set that
-    was chosen once, among many that are nearly as likely, is no witness against them."""
+    """With the causes that the parts agree on, as sure as these are, though the whole's likeliest set does
+    without them, or has them as a doubtful name for something else: a set that was chosen once, among many
+    that are nearly as likely, is no witness against them."""
     members, shares = list(members), list(shares)
-    have = {bare(competition.components[m.component].key) for m in members}
+    have = {bare(competition.components[m.component].key): i for i, m in enumerate(members)}
     for k, share in agreed.items():
-        if bare(competition.components[k].key) not in have:
+        i = have.get(bare(competition.components[k].key))
+        if i is None:
             weight = competition.beside(Chosen(competition.reduced, members))[k]
             members.append(Member(k, weight.form, weight.scale))
             shares.append(share)
+        elif shares[i].get(members[i].component, 0.0) < share[k]:
+            rest = {other: p for other, p in share.items() if other != k}
+            shares[i] = {**rest, members[i].component: share[k]}
     return members, shares
 
 
