@@ -42,8 +42,8 @@ def _of_joints(fit: Fit, base: Covariance) -> Covariance:
     weight = 1 / np.maximum((own**2).sum(axis=0), 1e-300)
     A = (cross**2).sum(axis=0) * weight[:, None]
     b = (score**2 - own).sum(axis=0) * weight
-    unit = max(float(np.abs(b).max()), 1e-30)  # the solver's tolerance is absolute
-    found = unit * lsq_linear(A, b / unit, bounds=(-had / unit - 1e-9, np.inf)).x
+    unit = max(float(np.abs(b).max()), 1e-30)  # the tolerance is absolute; an interior method stops short
+    found = unit * lsq_linear(A, b / unit, bounds=(-had / unit - 1e-9, np.inf), method="bvls").x
     extra = np.maximum(had + found, 0.0)
     extra[extra < CLEAR * np.sqrt(2 * weight)] = 0.0
     return replace(base, joint=np.sqrt(base.joint**2 + extra))
