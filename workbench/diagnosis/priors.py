@@ -28,7 +28,7 @@ class Priors:
     unstated: float = 0.2
     scales: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
     largest: float = 10.0
-    form: float = 0.02
+    form: float = 0.03
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
     present: float = 0.3

@@ -14,7 +14,6 @@ from .priors import PRIORS
 from .reduced import Index, Reduced
 from .scatter import POSES_PER_JOINT
 from .sets import Chosen, Competition, Member, Shares
-from .weight import prior_weight
 
 Search = Callable[[Index], tuple[Sequence[Component], Sequence[Shares]]]
 Power = Callable[[Index], Sequence[float]]
@@ -109,11 +108,8 @@ def power(
     there = [replace(member, component=i) for i, member in enumerate(members)]
     size, beside, out = Chosen(whole, members), Chosen(part, there), []
     for i, member in enumerate(members):
-        own = part.parts[i][member.form]
-        S = beside.left_of(np.arange(own.start, own.stop)[None], i)[0][0]
+        S, cost = beside.price(i, components[member.component])
         beta = size.beta[size.own[i]]
-        cost = float(np.linalg.slogdet(np.eye(len(S)) + member.scale**2 * S)[1])
-        cost -= 2 * prior_weight(components[member.component], member.scale)
         out.append(1 - float(chndtr(cost, len(S), max(float(beta @ S @ beta), 0.0))))
     return out
 

@@ -110,6 +110,14 @@ class Chosen:
         back = self._given_back(member)[1]
         return self.explained - float(back @ back)
 
+    def price(self, i: int, component: Component) -> tuple[Array, float]:
+        """S (p, p) that the other members leave of the i-th, of that component, and what its freedom and its
+        prior cost, in χ²."""
+        member, own = self.members[i], self.index[self.own[i]]
+        S = self.left_of(own[None], i)[0][0]
+        freedom = float(np.linalg.slogdet(np.eye(len(S)) + member.scale**2 * S)[1])
+        return S, freedom - 2 * prior_weight(component, member.scale)
+
     @property
     def log_determinant(self) -> float:
         """log |1 + S P⁻¹|: what the set's freedom costs."""

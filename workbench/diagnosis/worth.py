@@ -7,14 +7,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import expit, ndtr
 
 from ..effects.base import Effect
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
+from ..robot.kinematics import Array
 from .competition import Selection
 from .components import Key, bare
 from .priors import PRIORS
+from .sets import Chosen
 from .stages import rms_mm, without
 
 FAINT = 0.1  # of the noise, or of what is left per axis: a gain that decides nothing
@@ -41,6 +43,11 @@ def worth_it(selection: Selection, seed: int) -> Selection:
         kept, error = replace(kept, fit=fit), after
     if kept.misfit:
         kept = as_sure_as_its_gain(kept, seed)
+    return more_than_a_form(_without_faint(kept, error, seed))
+
+
+def _without_faint(kept: Selection, error: float, seed: int) -> Selection:
+    """Beside what has no name, without names of what brings little. error: RMS [mm] on poses held out."""
     result, nameless = kept.fit, kept.nameless
     if not nameless:
         return kept
@@ -70,23 +77,65 @@ def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
     many causes would by chance, if none of them did anything (Šidák 1967); but for those that parts of the
     data found by themselves. What has no name, or else nothing, gets the rest; a cause that leaves nearly all
     of it is faint."""
-    fit, components = selection.fit, selection.components
-    tried = sum(not component.nameless for component in components)
-    rest = next((m.component for m in selection.members if components[m.component].nameless), None)
-    shares, faint = [dict(share) for share in selection.shares], set[Key]()
+    fit = selection.fit
+    tried = sum(not component.nameless for component in selection.components)
+    surest = dict[Key, float]()
     for effect, own, weaker in _by_strength(selection):
         if effect.key in selection.agreed:
             continue
         alone = [*selection.nameless, *weaker]
-        surest = max(_chance(fit, beside, own, seed) for beside in ([], alone)) ** (2 * tried)
-        if surest < PRIORS.absent:
-            faint.add(effect.key)
-        for share, member in zip(shares, selection.members, strict=True):
-            k = member.component
-            if bare(components[k].key) == effect.key and share[k] > surest:
-                share[rest] = share.get(rest, 0.0) + share[k] - surest
-                share[k] = surest
-    return replace(selection, shares=tuple(shares), faint=frozenset(faint))
+        surest[effect.key] = max(_chance(fit, beside, own, seed) for beside in ([], alone)) ** (2 * tried)
+    return _no_surer(selection, surest)
+
+
+def more_than_a_form(selection: Selection) -> Selection:
+    """No name surer than by what it makes of the points beyond the form of any other cause: the share of what
+    that makes, whichever in each pose, by which no form is truer."""
+    fit, groups = selection.fit, selection.groups
+    each = [
+        np.einsum("ndp,p->nd", fit.J[:, :, part], values)
+        for part, values in zip(fit.columns.effect, fit.state.values, strict=True)
+    ]
+    made = [np.sum([each[i] for i in own], axis=0) for _, own in groups]
+    surest = dict[Key, float]()
+    for k, (effect, _) in enumerate(groups):
+        others = [*made[:k], *made[k + 1 :]]
+        if others:
+            beyond = min(_beyond(made[k], other) for other in others)
+            surest[effect.key] = float(expit(0.5 * (beyond - _price(selection, effect.key))))
+    return _no_surer(selection, surest)
+
+
+def _beyond(its: Array, other: Array) -> float:
+    """χ² of one thing made of the points (N, D) that a share of another, in each pose, does not make."""
+    share = np.sum(its * other, axis=1) / np.maximum(np.sum(other**2, axis=1), NOTHING)
+    share = np.clip(share, -PRIORS.form, PRIORS.form)
+    return float(((its - share[:, None] * other) ** 2).sum())
+
+
+def _price(selection: Selection, key: Key) -> float:
+    """What the freedom and the prior of a cause cost beside the others, in χ²."""
+    chosen = Chosen(selection.reduced, selection.members)
+    components = [selection.components[member.component] for member in selection.members]
+    return min(
+        chosen.price(i, component)[1] for i, component in enumerate(components) if bare(component.key) == key
+    )
+
+
+def _no_surer(selection: Selection, surest: dict[Key, float]) -> Selection:
+    """With these probabilities for causes that are surer. What has no name, or else nothing, gets the rest; a
+    cause that leaves nearly all of it is faint."""
+    components = selection.components
+    rest = next((m.component for m in selection.members if components[m.component].nameless), None)
+    shares = [dict(share) for share in selection.shares]
+    for share, member in zip(shares, selection.members, strict=True):
+        k = member.component
+        most = surest.get(bare(components[k].key), 1.0)
+        if share[k] > most:
+            share[rest] = share.get(rest, 0.0) + share[k] - most
+            share[k] = most
+    faint = {key for key, most in surest.items() if most < PRIORS.absent}
+    return replace(selection, shares=tuple(shares), faint=selection.faint | faint)
 
 
 def _chance(fit: Fit, beside: Sequence[int], own: Sequence[int], seed: int) -> float:

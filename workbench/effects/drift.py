@@ -17,6 +17,8 @@ from .place import Parameter
 from .unnamed.campaign import Clock
 
 RATES = ("rate_x", "rate_y", "rate_z")
+CREEPS = (0.15, 0.4, 1.0)  # time constants that are tried, as shares of the campaign's duration
+EVEN, FIRST = 3e-8, 1e-7  # m/s, rad/s: usual speeds, even and before it comes to rest (0.1 mm/h, 0.4 mm/h)
 UNEVEN = 0.1  # share of the way in the campaign
 TURNS = ("turn_rate_x", "turn_rate_y", "turn_rate_z")
 
@@ -26,16 +28,19 @@ class Drift(DirectEffect):
     """The robot's base moves by v (t − t₀), on its own axes, v in m/s; `variant` "shift+turn" turns
     it by w (t − t₀) about its origin as well, w in rad/s.
 
-    An instrument that moves the other way looks the same. t₀ is the campaign's first instant `start`.
+    One that creeps to rest, as a stand that warms up does, goes by v t_c (1 − exp(−(t − t₀)/t_c)): t_c is
+    `constant` in s, 0: it goes evenly. An instrument that moves the other way looks the same. t₀ is the
+    campaign's first instant `start`.
     """
 
     start: float = 0.0
+    constant: float = 0.0
 
     cause: ClassVar[str] = "drift"
     title: ClassVar[str] = "Base or instrument drifts"
     depends: ClassVar[Depends] = frozenset({"time"})
     equation: ClassVar[str] = 'Delta X_"base" = v thin (t - t_0)'
-    settings: ClassVar[tuple[str, ...]] = ("start",)
+    settings: ClassVar[tuple[str, ...]] = ("start", "constant")
     separate: ClassVar[dict[str, str]] = {
         "thermal_growth": "thermometers on the arm; four fixed targets on the floor every ten minutes",
         "foundation": "return to some poses at other times",
@@ -44,10 +49,15 @@ class Drift(DirectEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        shift = tuple(Param(name, "m/s", 1e-8, "of the base, on its own axes") for name in RATES)
-        if self.variant == "shift":
+        usual = FIRST if self.constant else EVEN
+        shift = tuple(Param(name, "m/s", usual, "of the base, on its own axes") for name in RATES)
+        if not self.turns:
             return shift
-        return shift + tuple(Param(name, "rad/s", 1e-8, "of the base, about its origin") for name in TURNS)
+        return shift + tuple(Param(name, "rad/s", usual, "of the base, about its origin") for name in TURNS)
+
+    @property
+    def turns(self) -> bool:
+        return "turn" in self.variant
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
@@ -61,25 +71,43 @@ class Drift(DirectEffect):
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[Drift]:
-        start = 0.0 if problem.time is None else float(problem.time.min())
-        return [cls(variant=variant, start=start) for variant in ("shift", "shift+turn")]
+        time = np.zeros(1) if problem.time is None else problem.time
+        start, span = float(time.min()), float(np.ptp(time)) or 3600.0
+        ways = ("shift", "shift+turn")
+        even = [cls(variant=way, start=start) for way in ways]
+        creeping = [
+            cls(variant=f"{way}, creeping {share:g}", start=start, constant=share * span)
+            for way in ways
+            for share in CREEPS
+        ]
+        return even + creeping
+
+    def _gone(self, problem: Problem) -> Array:
+        """(N,) [s] how long it would have gone at its first speed."""
+        if problem.time is None:
+            return np.zeros(len(problem.q))
+        since = problem.time - self.start
+        if not self.constant:
+            return since
+        return self.constant * -np.expm1(-np.maximum(since, 0.0) / self.constant)
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real drift does not go evenly."""
-        way = self.params[0].typical * float(np.ptp(problem.time)) if problem.time is not None else 0.0
+        way = self.params[0].typical * float(np.ptp(self._gone(problem)))
         return [(UNEVEN * way / one.size, one) for one in Clock.sites(problem) if one.of_base]
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         if problem.time is None:
             return {}
-        since = (problem.time - self.start)[:, None]
-        return {c: since * unit for c, unit in enumerate(np.eye(len(self.params)))}
+        gone = self._gone(problem)[:, None]
+        return {c: gone * unit for c, unit in enumerate(np.eye(len(self.params)))}
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         since = np.zeros(len(problem.q)) if problem.time is None else problem.time - self.start
-        turns = "turn" in self.variant
-        moved = since * float(np.linalg.norm(values))  # with a turn: at one metre from the base's origin
-        name = "motion of the base" + (" at 1 m" if turns else "")
+        moved = self._gone(problem) * float(
+            np.linalg.norm(values)
+        )  # with a turn: at one metre from the base's origin
+        name = "motion of the base" + (" at 1 m" if self.turns else "")
         return Drawn(since / 60, "time", "min", moved, name, "m")
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
@@ -87,9 +115,15 @@ class Drift(DirectEffect):
         rate = float(np.linalg.norm(v))
         along = v / rate if rate > 0 else np.full(3, 3**-0.5)
         std = float(np.sqrt(along @ covariance[:3, :3] @ along))
-        return (Parameter("rate", rate, std, "m/s", "speed of the base"), *super().report(values, covariance))
+        return (
+            Parameter("rate", rate, std, "m/s", "speed of the base, at the start"),
+            *super().report(values, covariance),
+        )
 
     def sentence(self, values: Array) -> str:
         shift = np.linalg.norm(values[:3]) * 3600e6
         turn = f" and turns by {np.linalg.norm(values[3:]) * 3600e6:.0f} µrad/h" if len(values) > 3 else ""
-        return f"The base (or the instrument) drifts by {shift:.0f} µm/h{turn}."
+        rest = f" at first, and comes to rest with a time constant of {self.constant / 60:.0f} min"
+        return (
+            f"The base (or the instrument) drifts by {shift:.0f} µm/h{turn}{rest if self.constant else ''}."
+        )
