@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from ..robot.kinematics import Array
-from .components import Component
+from .components import Component, bare
 from .priors import PRIORS
 from .reduced import Index, Reduced
 from .weight import Forms, Weight, likelihood, prior_weight
@@ -234,22 +234,45 @@ class Competition:
     def shares(self, members: Sequence[Member]) -> list[Shares]:
         """For each member: probability of it, of each stand-in, and of nothing (None) in its place.
 
-        What would help beside the whole set as well stands in for nobody by that. No form is quite true: of
-        χ² that is more than what such a form misses, the likelihood is as much too sure.
+        What would help beside the whole set as well stands in for nobody by that.
         """
         out = []
         chosen = Chosen(self.reduced, members)
         anyway = {k: max(w.log_odds, 0.0) for k, w in self.beside(chosen).items()}
         for i, member in enumerate(members):
+            weights = self.beside(chosen, i)
             logs: Shares = {}
-            for k, w in self.beside(chosen, i).items():
+            for k, w in weights.items():
                 value = w.log_odds - anyway.get(k, 0.0)
                 if k == member.component or value - self.components[k].log_odds > EXPLAINS:
                     logs[k] = value
+            logs = self._no_truer_than_forms(chosen, i, weights, logs)
             logs[None] = 0.0
-            top, own = max(logs.values()), chosen.explained - chosen.explained_without(i)
-            too_sure = 1 + PRIORS.form**2 * own
-            mass = {k: float(np.exp((v - top) / too_sure)) for k, v in logs.items()}
+            top = max(logs.values())
+            mass = {k: float(np.exp(v - top)) for k, v in logs.items()}
             total = sum(mass.values())
             out.append({k: v / total for k, v in mass.items()})
         return out
+
+    def _no_truer_than_forms(
+        self, chosen: Chosen, i: int, weights: dict[int, Weight], logs: Shares
+    ) -> Shares:
+        """log odds of stand-ins for the i-th member, by how much better or worse they fit than it as far as
+        that can be believed: no form is quite true, and what a large effect's form misses is as large as a
+        small effect. Two orders of one gear are one form."""
+        own = chosen.members[i].component
+        too_sure = 1 + PRIORS.form**2 * (chosen.explained - chosen.explained_without(i))
+        mine = self._gain(chosen, i, own, weights[own])
+        out = dict(logs)
+        for k in logs:
+            if k is not None and bare(self.components[k].key) != bare(self.components[own].key):
+                out[k] -= (self._gain(chosen, i, k, weights[k]) - mine) * (1 - 1 / too_sure)
+        return out
+
+    def _gain(self, chosen: Chosen, i: int, k: int, weight: Weight) -> float:
+        """Log likelihood that a component gains in its likeliest form, in the i-th member's place."""
+        part = self.reduced.parts[k][weight.form]
+        S, u = (x[0] for x in chosen.left_of(np.arange(part.start, part.stop)[None], i))
+        S[np.diag_indices_from(S)] += weight.scale**-2
+        gained = np.array(u @ np.linalg.solve(S, u))
+        return float(likelihood(self.reduced, chosen.explained_without(i), gained))

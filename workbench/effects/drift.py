@@ -76,7 +76,7 @@ class Drift(DirectEffect):
         ways = ("shift", "shift+turn")
         even = [cls(variant=way, start=start) for way in ways]
         creeping = [
-            cls(variant=f"{way}, creeping {share:g}", start=start, constant=share * span)
+            cls(variant=f"{way} creeping {share:g}", start=start, constant=share * span)
             for way in ways
             for share in CREEPS
         ]
