@@ -142,6 +142,9 @@ def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[_Round
             break
         del members[least]  # one at a time: two that stand in for each other are not both superfluous
         shares = best.competition.shares(members)
+    members, shares = renamed(
+        best.competition, members, shares
+    )  # forms are not as true as the search takes them
     order = sorted(
         range(len(members)), key=lambda i: -Chosen(best.competition.reduced, [members[i]]).explained
     )

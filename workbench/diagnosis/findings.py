@@ -198,7 +198,8 @@ def _nameless(selection: Selection, left: Remainder, rms_mm: float, worth_mm: fl
             (function,) = component.forms[0].effects
             assert isinstance(function, Unnamed)
             worth = selection.worth_mm(member)
-            found.append(_unknown(selection.fit, function, share[member.component], worth))
+            own = _unknown(selection.fit, function, share[member.component], worth)
+            found.append(replace(own, rivals=_with_names(selection.components, share)))
     for member in selection.unrepeated:
         label = selection.components[member.component].label
         worth = selection.worth_mm(member)
@@ -209,12 +210,27 @@ def _nameless(selection: Selection, left: Remainder, rms_mm: float, worth_mm: fl
     return [_as_one(sorted(found, key=lambda finding: -finding.gain_mm), max(worth_mm, 0.0))]
 
 
+def _with_names(components: Sequence[Component], share: Shares) -> tuple[Rival, ...]:
+    """The causes that could be what has no name, likeliest first."""
+    causes = [
+        (p, components[k].key) for k, p in share.items() if k is not None and not components[k].nameless
+    ]
+    return tuple(
+        Rival(*key, p) for p, key in sorted(causes, key=lambda one: -one[0]) if p >= PRIORS.faintest_rival
+    )
+
+
 def _as_one(found: list[Finding], worth_mm: float) -> Finding:
-    """What has no name is one finding: its largest part, the others told with it."""
+    """What has no name is one finding: its largest part, the others told with it, and all causes that could
+    be one of them."""
     first, *others = found
+    likeliest: dict[tuple[str, Where], Rival] = {}
+    for rival in sorted((r for one in found for r in one.rivals), key=lambda r: -r.probability):
+        likeliest.setdefault((rival.cause, rival.where), rival)
     also = "; ".join(finding.structure or "" for finding in others[:ALSO_TOLD])
     structure = f"{first.structure} (besides: {also})" if also else first.structure
-    return replace(first, gain_mm=worth_mm, structure=structure)
+    rivals = tuple(likeliest.values())[:ALSO_TOLD]
+    return replace(first, gain_mm=worth_mm, structure=structure, rivals=rivals)
 
 
 def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
