@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from shlex import quote
 
 import numpy as np
@@ -53,10 +54,10 @@ def what_decides(outcome: Outcome) -> Outcome:
 
 
 def _offered(prior: PriorInformation, effects: Sequence[Effect]) -> Campaign:
-    """Records that can be driven, as `plan` offers them."""
+    """Records as `plan` offers them, but for whether the poses hang together: a plan's matter."""
     around = reach_of(prior, 0)
     factors = varied(effects).possible(around.cell.driving)
-    return candidates(prior, POOL, factors, np.random.default_rng(21), around.draw)
+    return candidates(prior, POOL, factors, np.random.default_rng(21), partial(around.draw, linked=False))
 
 
 def _with_torque(

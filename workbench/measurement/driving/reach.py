@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +41,7 @@ Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (coun
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """A robot in its cell. hulls: all bodies, those standing around too; map: poses that hang together;
+    """A robot in its cell. hulls: all bodies, those standing around too; free: (V, n) poses free of them;
     confined: (n,) joints that are kept within one turn; sight: None where no instrument is stated; places:
     (T, 3) [m] of the targets, NaN unknown, behind slots `on`; names: (T) of them."""
 
@@ -50,12 +50,17 @@ class Reach:
     cell: CellData
     hulls: tuple[Hull, ...]
     collisions: Collisions
-    map: Roadmap
+    free: Array
     confined: NDArray[np.bool_]
     sight: Sight | None
     places: Array
     on: tuple[int, ...]
     names: tuple[str, ...]
+
+    @cached_property
+    def map(self) -> Roadmap:
+        """Free poses that hang together."""
+        return roadmap(self.collisions, partial(_time, self.robot, self.cell), self.free)
 
     def looking_at(self, names: Collection[str]) -> Reach:
         """The same where of the targets these alone are measured."""
@@ -74,23 +79,24 @@ class Reach:
         """(N, n) where the arm comes to before poses q (N, n), of which side (N, n) says the last motion."""
         return approaches(self.robot, q, side)
 
-    def good(self, q: Array) -> NDArray[np.bool_]:
-        """(N,) which poses q (N, n) are seen, free with the ways to them from below and from above, and
-        within reach of the others."""
+    def good(self, q: Array, linked: bool = True) -> NDArray[np.bool_]:
+        """(N,) which poses q (N, n) are seen, free with the ways to them from below and from above, and, if
+        `linked`, within reach of the others."""
         out = np.ones(len(q), dtype=bool) if self.sight is None else self.sight.sees(q)
         for side in (0.0, 1.0, -1.0):
             kept = q[out]
             out[out] = self.collisions.free(self.approaches(kept, np.full_like(kept, side)))
-        out[out] = self.map.holds(q[out])
+        if linked:
+            out[out] = self.map.holds(q[out])
         return out
 
-    def draw(self, count: int, rng: np.random.Generator) -> Array:
-        """Random poses (count, n) that are good. Raises InputError where hardly any is."""
+    def draw(self, count: int, rng: np.random.Generator, linked: bool = True) -> Array:
+        """Random poses (count, n) that are `good`. Raises InputError where hardly any is."""
         kept: list[Array] = []
         drawn, batch = 0, 2 * count
         while len(kept) < count:
             q = within_a_turn(self.robot, random_poses(self.robot, batch, rng), self.confined)
-            kept.extend(q[self.good(q)])
+            kept.extend(q[self.good(q, linked)])
             drawn += batch
             if drawn > MOST_DRAWN * count:
                 raise InputError(self._why(q, len(kept), drawn))
@@ -133,10 +139,11 @@ def reach(
         )
     confined = _confined(robot, bodies, free[:SWEPT])
     free = within_a_turn(robot, free, confined)
-    nodes = roadmap(bodies, partial(_time, robot, cell), free[:NODES])
     sight = _sight(problem, places, shown, cell, hulls)
     names = tuple(target.name for target in problem.campaign.targets)
-    found = Reach(robot, arm, cell, hulls, bodies, nodes, confined, sight, places, tuple(problem.on), names)
+    found = Reach(
+        robot, arm, cell, hulls, bodies, free[:NODES], confined, sight, places, tuple(problem.on), names
+    )
     if found.sight is None or not np.isnan(found.sight.opens).any():
         return found
     q = random_poses(robot, FIRST, rng)
