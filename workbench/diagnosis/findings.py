@@ -28,7 +28,8 @@ from .remainder import Remainder, remainder
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .sets import Shares
-from .stages import Group, pose_errors, stages_of, without
+from .stages import pose_errors, stages_of
+from .worth import by_strength, gain_mm
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
@@ -57,8 +58,7 @@ def assemble(parts: Parts) -> Diagnosis:
     left = remainder(fit(final.model, final.state, prepared.covariance, max_iterations=4), known)
     best = stages[-1].heldout_rms_mm
     with_names = stages[1 + len(groups)].heldout_rms_mm
-    named_mm = without(final, selection.nameless, parts.seed)
-    findings = [_finding(parts, group, named_mm) for group in groups]
+    findings = [_finding(parts, *one) for one in by_strength(selection)]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = stages[1].heldout_rms_mm - with_names
     nameless = _nameless(selection, left, best, with_names - best)
@@ -109,23 +109,22 @@ def assemble(parts: Parts) -> Diagnosis:
     )
 
 
-def _finding(parts: Parts, group: Group, named_mm: float) -> Finding:
-    """One cause; named_mm: held-out RMS with all of them, and nothing without a name."""
-    effect, own = group
+def _finding(parts: Parts, effect: Effect, own: list[int], weaker: list[int]) -> Finding:
+    """One cause. own, weaker: numbers of its effects in the fit, and of those of weaker causes."""
     final, selection = parts.selection.fit, parts.selection
     probability, rivals, by_data = probability_of(selection, effect)
     named = probability >= PRIORS.named and by_data >= PRIORS.by_data
     advice = list(filter(None, (separation(effect.cause, rival.cause) for rival in rivals)))
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
-    parameters, sentence = _describe(final, group)
+    parameters, sentence = _describe(final, own)
     strongest = max(own, key=final.wald)
     return Finding(
         cause=effect.cause,
         title=effect.title,
         where=effect.where,
         status="named" if named else "ambiguous",
-        gain_mm=without(final, [*selection.nameless, *own], parts.seed) - named_mm,
+        gain_mm=gain_mm(selection, own, weaker, parts.seed),
         probability=probability,
         parameters=parameters,
         rivals=() if named else rivals,
@@ -171,11 +170,11 @@ def _handicap(components: Sequence[Component], own: int, other: int | None) -> f
     return float(np.exp(max(components[own].log_odds - components[other].log_odds, 0.0)))
 
 
-def _describe(final: Fit, group: Group) -> tuple[tuple[Parameter, ...], str]:
+def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], str]:
     """Parameters and sentence; further parts of one cause carry their order or form in the name."""
     parameters: list[Parameter] = []
     sentences: list[str] = []
-    for n, i in enumerate(group[1]):
+    for n, i in enumerate(own):
         effect = final.model.effects[i]
         values, covariance = final.effect_values(i)
         sentences.append(effect.sentence(values))

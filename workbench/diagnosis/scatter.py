@@ -73,7 +73,7 @@ def _of_body(fit: Fit, base: Covariance) -> Covariance:
         return value, unit * slope
 
     unit = np.array([1 / max(float(np.trace(p, axis1=1, axis2=2).mean()) / 3, 1e-30) for p in parts])
-    found = minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * 2)
+    found = minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * 2, tol=1e-12)
     if cost(np.zeros(2))[0] - found.fun < TOGETHER:
         return base
     shift, turn = np.sqrt(found.x * unit + np.square(base.body)).tolist()

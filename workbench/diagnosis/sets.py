@@ -261,18 +261,24 @@ class Competition:
         that can be believed: no form is quite true, and what a large effect's form misses is as large as a
         small effect. Two orders of one gear are one form."""
         own = chosen.members[i].component
-        too_sure = 1 + PRIORS.form**2 * (chosen.explained - chosen.explained_without(i))
-        mine = self._gain(chosen, i, own, weights[own])
+        rest = chosen.explained_without(i)
+        too_sure = 1 + PRIORS.form**2 * (chosen.explained - rest)
+        left = self.reduced
+        slope = 0.5 * (left.noise_dof + left.dof) / max(left.noise_dof + left.chi2 - chosen.explained, 1.0)
+        mine = self._takes(chosen, i, own, weights[own])
         out = dict(logs)
         for k in logs:
-            if k is not None and bare(self.components[k].key) != bare(self.components[own].key):
-                out[k] -= (self._gain(chosen, i, k, weights[k]) - mine) * (1 - 1 / too_sure)
+            if k is None or bare(self.components[k].key) == bare(self.components[own].key):
+                continue
+            theirs = self._takes(chosen, i, k, weights[k])
+            better = float(likelihood(left, rest, np.array(theirs)) - likelihood(left, rest, np.array(mine)))
+            most = slope * abs(theirs - mine) / too_sure
+            out[k] += float(np.clip(better, -most, most)) - better
         return out
 
-    def _gain(self, chosen: Chosen, i: int, k: int, weight: Weight) -> float:
-        """Log likelihood that a component gains in its likeliest form, in the i-th member's place."""
+    def _takes(self, chosen: Chosen, i: int, k: int, weight: Weight) -> float:
+        """What a component takes off χ² in its likeliest form, in the i-th member's place."""
         part = self.reduced.parts[k][weight.form]
         S, u = (x[0] for x in chosen.left_of(np.arange(part.start, part.stop)[None], i))
         S[np.diag_indices_from(S)] += weight.scale**-2
-        gained = np.array(u @ np.linalg.solve(S, u))
-        return float(likelihood(self.reduced, chosen.explained_without(i), gained))
+        return float(u @ np.linalg.solve(S, u))
