@@ -132,6 +132,17 @@ def test_the_score_of_a_set_is_its_log_posterior_odds(competition):
     assert competition.score([]) == 0
 
 
+def test_searches_that_end_at_one_set_are_one(competition, monkeypatch):
+    """In whichever order they found its members: what follows does not hang on which of them won."""
+    found = competition.best()
+    order = [member.component for member in found]
+    assert len(order) > 1
+    assert order == sorted(order)
+    search = Competition.search
+    monkeypatch.setattr(Competition, "search", lambda *args: search(*args)[::-1])
+    assert competition.best() == found
+
+
 def test_effects_left_out_of_held_out_errors_are_as_if_fitted_anew(prepared):
     selection = compete(prepared, candidates_of(prepared.problem)[0])
     fit = selection.fit

@@ -178,3 +178,17 @@ def test_what_brings_nothing_is_not_sure_whatever_its_likelihood(wheel):
     assert share[k][k] < 0.5
     assert share[k][None] == pytest.approx(1 - share[k][k])
     assert claimed.shares[-1] == {k: 1.0, None: 0.0}
+
+
+def test_what_the_parts_agree_on_is_as_sure_as_they_are(competition):
+    """Also where the whole has it as a doubtful name for something else."""
+    doubtful, sure = 3, 5
+    members, shares = (
+        [Member(doubtful, 0, 1.0), Member(sure, 0, 1.0)],
+        [{doubtful: 0.4, 8: 0.6}, {sure: 0.999}],
+    )
+    every = [{doubtful: 0.98, None: 0.02}, {sure: 0.97, 8: 0.03}]
+    certain = agreed(said_by_parts(every, every), competition.components)
+    now, theirs = joined(competition, certain, members, shares)
+    assert now == members
+    assert theirs == [pytest.approx({doubtful: 0.98, None: 0.02}), {sure: 0.999}]

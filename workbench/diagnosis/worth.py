@@ -28,7 +28,17 @@ def worth_it(selection: Selection, seed: int) -> Selection:
     something is left without a name, causes that bring less than a tenth of the noise keep none either.
 
     Causes that can stand in for each other each bring next to nothing beside the others. So each counts by
-    what it brings beside these, or by what it brings to those that are stronger, whichever is more."""
+    what it brings beside these, or by what it brings to those that are stronger, whichever is more. Those
+    that all parts of the data found by themselves stay in the fit, and count as the strongest."""
+    kept, error = _pruned(selection, seed)
+    if kept.misfit:
+        kept = as_sure_as_its_gain(kept, seed)
+    return _that_bring_something(more_than_a_form(_without_faint(kept, error, seed)), seed)
+
+
+def _pruned(selection: Selection, seed: int) -> tuple[Selection, float]:
+    """Without effects that bring nothing, the least first, as long as nothing else hangs on them; and its RMS
+    [mm] on poses held out."""
     kept, error = selection, rms_mm(heldout(selection.fit, seed=seed))
     while kept.fit.model.effects:
         gains = _gains(kept, error, seed)
@@ -44,9 +54,7 @@ def worth_it(selection: Selection, seed: int) -> Selection:
         if after > error:
             break  # it holds others in place
         kept, error = replace(kept, fit=fit), after
-    if kept.misfit:
-        kept = as_sure_as_its_gain(kept, seed)
-    return _that_bring_something(more_than_a_form(_without_faint(kept, error, seed)), seed)
+    return kept, error
 
 
 def _that_bring_something(kept: Selection, seed: int) -> Selection:

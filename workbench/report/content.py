@@ -187,7 +187,7 @@ def _stages(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
 
 def _cause(finding: Finding, number: int) -> Content:
-    unknown = finding.cause == "unknown"
+    unknown = finding.cause == UNKNOWN
     return {
         "title": finding.title or words(finding.cause),
         "id": finding.cause,
@@ -201,6 +201,7 @@ def _cause(finding: Finding, number: int) -> Content:
         "p": f"probability {probability(finding.probability)}",
         "parameters": [_parameter(parameter) for parameter in finding.parameters],
         "rivals": _rivals(finding),
+        "rivals_said": "May be" if unknown else "Fits as well",
         "separate_by": finding.separate_by or "",
         "decide": [[decision(one), one.command or ""] for one in finding.decide],
         "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..diagnosis.result import Diagnosis
+from ..effects.base import UNKNOWN
 from .content import decision, place
 
 
@@ -30,13 +31,14 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     for finding in diagnosis.causes:
         sentence = finding.sentence or finding.structure or ""
         where = place(finding.where)
-        name = f"{finding.cause} ({where})" if where and finding.cause != "unknown" else finding.cause
+        name = f"{finding.cause} ({where})" if where and finding.cause != UNKNOWN else finding.cause
         lines += ["", f"  {finding.status.upper():<10}{name}   gain {finding.gain_mm * 1e3:.1f} µm"]
         lines += [f"            {sentence}"] if sentence else []
         if finding.rivals:
             said = [(rival.cause, place(rival.where)) for rival in finding.rivals]
             rivals = ", ".join(f"{cause} ({at})" if at else cause for cause, at in said)
-            lines.append(f"            fits as well: {rivals}")
+            word = "may be" if finding.cause == UNKNOWN else "fits as well"
+            lines.append(f"            {word}: {rivals}")
         if finding.separate_by:
             lines.append(f"            to decide: {finding.separate_by}")
         for one in finding.decide:

@@ -1,0 +1,87 @@
+"""No form is quite true: what a strong effect's form misses is no cause, and decides between no two."""
+
+import numpy as np
+import pytest
+from diagnosis_cases import found, measured, named, with_points
+
+from workbench.diagnosis.components import Component, Form, bare
+from workbench.diagnosis.patterns import Pattern
+from workbench.diagnosis.priors import PRIORS
+from workbench.diagnosis.reduced import Reduced
+from workbench.diagnosis.sets import Competition, Member
+from workbench.diagnosis.worth import _beyond
+from workbench.effects.place import Where
+
+CREEP = 0.27  # of the campaign: a time constant that is none of those tried
+
+
+def competition_of(*columns: np.ndarray, data: np.ndarray, keys: list[tuple[str, Where]]) -> Competition:
+    """Components of one column each, nothing fitted before them."""
+    G = np.stack(columns, axis=1)
+    parts = tuple((slice(i, i + 1),) for i in range(G.shape[1]))
+    reduced = Reduced(parts, G.T @ G, G.T @ data, float(data @ data), float(len(data)), 1e9)
+    form = Form((Pattern.__new__(Pattern),), np.ones(1), ())
+    return Competition(reduced, [Component(key, (form,), float(np.log(0.01))) for key in keys])
+
+
+@pytest.fixture
+def plain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forms count as main columns without effects behind them."""
+    monkeypatch.setattr(Form, "main", property(lambda form: 1))
+
+
+def twins(chi2: float, off: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Data, a cause that makes them but for `off` of itself, and one that misses twice as much."""
+    rng = np.random.default_rng(1)
+    basis, _ = np.linalg.qr(rng.normal(size=(300, 3)))
+    truth = np.sqrt(chi2) * basis[:, 0]
+    one, two = basis[:, 0] + off * basis[:, 1], basis[:, 0] + 2 * off * basis[:, 2]
+    noise = rng.normal(size=300)
+    return truth + noise - basis @ (basis.T @ noise), *(np.sqrt(chi2) * x for x in (one, two))
+
+
+def share_of_second(chi2: float, off: float, keys: list[tuple[str, Where]]) -> float:
+    data, one, two = twins(chi2, off)
+    competition = competition_of(one, two, data=data, keys=keys)
+    (share,) = competition.shares([Member(0, 0, 1.0)])
+    return share.get(1, 0.0)
+
+
+@pytest.mark.usefixtures("plain")
+def test_a_form_that_is_a_little_off_is_no_proof_against_a_rival_that_is_a_little_more() -> None:
+    keys = [("link_bending", Where(link="link_1")), ("bearing_tilt", Where(joint="joint_2"))]
+    small, large = (share_of_second(chi2, 0.03, keys) for chi2 in (40.0, 8000.0))
+    # one misses 0.03 of itself, the other 0.06: 21 of χ² at 8000, as many as chance makes once in 30,000
+    believed = 0.5 * 8000 * (0.06**2 - 0.03**2) / (1 + PRIORS.form**2 * 8000)
+    assert large == pytest.approx(1 / (1 + np.exp(believed)), rel=0.05)
+    assert small == pytest.approx(0.5, abs=0.05)
+    assert share_of_second(8000.0, 0.3, keys) < 1e-6  # another form altogether
+
+
+@pytest.mark.usefixtures("plain")
+def test_two_orders_of_one_gear_are_one_form() -> None:
+    keys = [("gear_kinematic_error", Where(joint="joint_1", order=order)) for order in (20.0, 21.0)]
+    assert bare(keys[0]) == bare(keys[1])
+    assert share_of_second(8000.0, 0.03, keys) < 1e-4
+
+
+def test_what_is_beyond_a_share_of_another_effect() -> None:
+    strong = np.array([[100.0, 0.0], [0.0, 100.0], [0.0, 0.0]])
+    its = np.array([[2.0, 0.0], [5.0, 7.0], [0.0, 4.0]])
+    # within the share along the strong one nothing is left of it; else what exceeds it, and all across it
+    most = 100.0 * PRIORS.form
+    expected = max(2.0 - most, 0.0) ** 2 + 5.0**2 + (7.0 - most) ** 2 + 4.0**2
+    assert _beyond(its, strong) == pytest.approx(expected)
+    assert _beyond(its, 0 * strong) == pytest.approx((its**2).sum())
+
+
+def test_a_base_that_creeps_to_rest_drifts() -> None:
+    time = np.arange(60) * 40.0
+    campaign = measured("ur5", poses=60, loads=(), time=time)
+    gone = 1 - np.exp(-time / (CREEP * time[-1]))
+    moved = campaign.points + 3e-4 * gone[:, None, None] * np.array([0.6, -0.5, 0.62])
+    diagnosis = found(with_points(campaign, moved))
+    assert named(diagnosis) == {("drift", ""): "named"}
+    (rate,) = (p for p in diagnosis.causes[0].parameters if p.name == "rate")
+    assert rate.value == pytest.approx(3e-4 / (CREEP * time[-1]), rel=0.4)
+    assert "comes to rest" in diagnosis.causes[0].sentence
