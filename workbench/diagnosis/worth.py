@@ -123,12 +123,12 @@ def more_than_a_form(selection: Selection) -> Selection:
         for part, values in zip(fit.columns.effect, fit.state.values, strict=True)
     ]
     made = [np.sum([each[i] for i in own], axis=0) for _, own in groups]
-    surest = dict[Key, float]()
+    prices, surest = _prices(selection), dict[Key, float]()
     for k, (effect, _) in enumerate(groups):
         others = [*made[:k], *made[k + 1 :]]
         if others:
             beyond = min(_beyond(made[k], other) for other in others)
-            surest[effect.key] = float(expit(0.5 * (beyond - _price(selection, effect.key))))
+            surest[effect.key] = float(expit(0.5 * (beyond - prices[effect.key])))
     return _no_surer(selection, surest)
 
 
@@ -139,13 +139,14 @@ def _beyond(its: Array, other: Array) -> float:
     return float(((its - share[:, None] * other) ** 2).sum())
 
 
-def _price(selection: Selection, key: Key) -> float:
-    """What the freedom and the prior of a cause cost beside the others, in χ²."""
-    chosen = Chosen(selection.reduced, selection.members)
-    components = [selection.components[member.component] for member in selection.members]
-    return min(
-        chosen.price(i, component)[1] for i, component in enumerate(components) if bare(component.key) == key
-    )
+def _prices(selection: Selection) -> dict[Key, float]:
+    """What the freedom and the prior of each cause cost beside the others, in χ²; of several lines the least."""
+    chosen, out = Chosen(selection.reduced, selection.members), dict[Key, float]()
+    for i, member in enumerate(selection.members):
+        component = selection.components[member.component]
+        _, price = chosen.price(i, component)
+        out[bare(component.key)] = min(price, out.get(bare(component.key), np.inf))
+    return out
 
 
 def _no_surer(selection: Selection, surest: dict[Key, float]) -> Selection:
