@@ -140,7 +140,7 @@ def _beyond(its: Array, other: Array) -> float:
 
 
 def _prices(selection: Selection) -> dict[Key, float]:
-    """What the freedom and the prior of each cause cost beside the others, in χ²; of several lines the least."""
+    """What the freedom and the prior of each cause cost beside the others, in χ²; of lines the least."""
     chosen, out = Chosen(selection.reduced, selection.members), dict[Key, float]()
     for i, member in enumerate(selection.members):
         component = selection.components[member.component]
