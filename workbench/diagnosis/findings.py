@@ -63,7 +63,7 @@ def assemble(parts: Parts) -> Diagnosis:
     brought = stages[1].heldout_rms_mm - with_names
     nameless = _nameless(selection, left, best, with_names - best)
     verdict = verdict_of(findings, nameless, brought, with_names - ceiling)
-    findings = sorted(findings, key=lambda finding: -finding.gain_mm) + nameless
+    findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
         robot=problem.robot.name,
         robot_title=problem.robot.title,
@@ -107,6 +107,14 @@ def assemble(parts: Parts) -> Diagnosis:
         version=__version__,
         inputs=c.files,
     )
+
+
+def _beside_what_is_found(findings: list[Finding]) -> list[Finding]:
+    """Without rivals that are found themselves: these are there whatever it is."""
+    there = {(f.cause, f.where) for f in findings if f.status == "named"}
+    return [
+        replace(f, rivals=tuple(r for r in f.rivals if (r.cause, r.where) not in there)) for f in findings
+    ]
 
 
 def _finding(parts: Parts, effect: Effect, own: list[int], weaker: list[int]) -> Finding:
