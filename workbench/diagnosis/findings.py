@@ -236,8 +236,9 @@ def _as_one(found: list[Finding], worth_mm: float) -> Finding:
         likeliest.setdefault((rival.cause, rival.where), rival)
     also = "; ".join(finding.structure or "" for finding in others[:ALSO_TOLD])
     structure = f"{first.structure} (besides: {also})" if also else first.structure
+    sentence = f"What is left {structure}."
     rivals = tuple(likeliest.values())[:ALSO_TOLD]
-    return replace(first, gain_mm=worth_mm, structure=structure, rivals=rivals)
+    return replace(first, gain_mm=worth_mm, structure=structure, sentence=sentence, rivals=rivals)
 
 
 def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:

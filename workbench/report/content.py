@@ -203,9 +203,14 @@ def _cause(finding: Finding, number: int) -> Content:
         "rivals": _rivals(finding),
         "rivals_said": "May be" if unknown else "Fits as well",
         "separate_by": finding.separate_by or "",
-        "decide": [[decision(one), one.command or ""] for one in finding.decide],
+        "decide": [[decision(one), one.command or ""] for one in to_decide(finding)],
         "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",
     }
+
+
+def to_decide(finding: Finding) -> list[Decision]:
+    """What would decide, beyond what the advice says in the same words."""
+    return [one for one in finding.decide if one.command or decision(one) not in (finding.separate_by or "")]
 
 
 def decision(one: Decision) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..diagnosis.result import Diagnosis
 from ..effects.base import UNKNOWN
-from .content import decision, place
+from .content import decision, place, to_decide
 
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
@@ -41,7 +41,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             lines.append(f"            {word}: {rivals}")
         if finding.separate_by:
             lines.append(f"            to decide: {finding.separate_by}")
-        for one in finding.decide:
+        for one in to_decide(finding):
             lines.append(f"            - {decision(one)}")
             lines += [f"              {one.command}"] if one.command else []
     lines += [f"  {fact.sentence}" for fact in diagnosis.given]
