@@ -65,6 +65,13 @@ def other_units(c: Campaign, folder: Path) -> Campaign:
     return load_campaign(path)
 
 
+def written_twice(c: Campaign, _: Path) -> Campaign:
+    """Every row a second time, under another id."""
+    n = len(c.poses.q)
+    ids = tuple([*c.poses.ids, *(f"again {i}" for i in range(n))])
+    return c.some(np.tile(np.arange(n), 2)).with_poses(ids=ids)
+
+
 def an_outlier(c: Campaign, _: Path) -> Campaign:
     points = c.points.copy()
     seen = np.flatnonzero(np.isfinite(points[:, 0]).all(axis=1))
@@ -131,7 +138,7 @@ def test_the_simulated_campaign_shows_its_cause() -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [permuted, other_frame, other_names, other_units], ids=lambda f: f.__name__
+    "change", [permuted, other_frame, other_names, other_units, written_twice], ids=lambda f: f.__name__
 )
 @pytest.mark.parametrize("name", ["simulated", "in a bent valley"])
 def test_told_otherwise_it_is_the_same(tmp_path: Path, change: Change, name: str) -> None:
@@ -150,7 +157,9 @@ def test_one_outlier_or_two_files_change_no_cause(tmp_path: Path, change: Change
 @pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no measured data at {DATA.parent.name}/{DATA.name}")
 @pytest.mark.parametrize("name", MEASURED)
-@pytest.mark.parametrize("change", [turned_instrument, other_names, an_outlier])  # rows are in order of time
+@pytest.mark.parametrize(
+    "change", [turned_instrument, other_names, written_twice, an_outlier]
+)  # rows are in order of time
 def test_measured_campaigns_told_otherwise(tmp_path: Path, name: str, change: Change) -> None:
     after, before = found(change(campaign_of(name), tmp_path)), diagnosed(name)
     if change is an_outlier:

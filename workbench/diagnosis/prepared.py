@@ -23,6 +23,7 @@ from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import check_plausible, check_rest, enough_poses, plausible_geometry
+from .copies import without_copies
 from .moved_setup import jump, split_setup, step_in_time
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .result import FaultFound, Noise
@@ -87,13 +88,14 @@ def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambd
     campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
     progress("loading the robot")
     campaign, spare = parted(campaign, MOST_POSES)
+    campaign, copies = without_copies(campaign)
     read = problem(campaign)
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     try:
         sound = _without_faults(read, tuple(stated_effects(read)))
         progress("fitting geometry")
-        prepared = _fitted(sound)
+        prepared = _fitted(replace(sound, faults=(*copies, *sound.faults)))
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
             raise

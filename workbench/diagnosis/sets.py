@@ -259,7 +259,7 @@ class Competition:
     ) -> Shares:
         """log odds of stand-ins for the i-th member, by how much better or worse they fit than it as far as
         that can be believed: no form is quite true, and what a large effect's form misses is as large as a
-        small effect. Two orders of one gear are one form."""
+        small effect. Two orders of one gear are one form; a function without a name that fits worse has none."""
         own = chosen.members[i].component
         rest = chosen.explained_without(i)
         too_sure = 1 + PRIORS.form**2 * (chosen.explained - rest)
@@ -271,6 +271,8 @@ class Competition:
             if k is None or bare(self.components[k].key) == bare(self.components[own].key):
                 continue
             theirs = self._takes(chosen, i, k, weights[k])
+            if self.components[k].nameless and theirs < mine:
+                continue
             better = float(likelihood(left, rest, np.array(theirs)) - likelihood(left, rest, np.array(mine)))
             most = slope * abs(theirs - mine) / too_sure
             out[k] += float(np.clip(better, -most, most)) - better

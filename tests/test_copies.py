@@ -1,0 +1,25 @@
+"""A row that is there twice is one measurement."""
+
+from dataclasses import replace
+
+import numpy as np
+from diagnosis_cases import measured
+
+from workbench.diagnosis.copies import without_copies
+
+
+def test_copies_are_left_out_and_told_repeats_stay() -> None:
+    campaign = measured("cylindrical", poses=12, loads=(), repeats=2)
+    assert without_copies(campaign) == (campaign, ())
+    n = len(campaign.poses)
+    rows = np.array([*range(n), 3, 5])
+    twice = campaign.some(rows).with_poses(ids=tuple(f"P{i}" for i in range(n + 2)))
+    left, (fault,) = without_copies(twice)
+    assert left.poses.ids == tuple(f"P{i}" for i in range(n))
+    assert (fault.kind, fault.done) == ("copied_pose", "left out")
+    assert "2 poses" in fault.what
+    assert f"P{n}" in fault.what
+    later = twice.with_poses(time=np.arange(n + 2.0))  # the same reading at another time is no copy of a row
+    assert len(without_copies(later)[0].poses) == n + 2
+    hidden = replace(twice, points=np.where(rows[:, None, None] == 3, np.nan, twice.points))
+    assert len(without_copies(hidden)[0].poses) == n
