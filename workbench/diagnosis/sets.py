@@ -259,7 +259,7 @@ class Competition:
     ) -> Shares:
         """log odds of stand-ins for the i-th member, by how much better or worse they fit than it as far as
         that can be believed: no form is quite true, and what a large effect's form misses is as large as a
-        small effect. Two orders of one gear are one form; functions without a name that fit worse have none."""
+        small effect. Two orders of one gear are one form; functions without a name have none."""
         own = chosen.members[i].component
         rest = chosen.explained_without(i)
         too_sure = 1 + PRIORS.form**2 * (chosen.explained - rest)
