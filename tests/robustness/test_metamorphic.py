@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,6 +18,7 @@ from diagnosis_cases import found, measured, named, with_points
 
 from workbench.campaign import Campaign, join, load_campaign, write_campaign
 from workbench.diagnosis.result import Diagnosis
+from workbench.robot.description import load_robot
 from workbench.robot.rotations import rotation_about
 
 DATA = Path(__file__).parents[2].parent / "shared" / "data"
@@ -143,6 +145,27 @@ def test_the_simulated_campaign_shows_its_cause() -> None:
 @pytest.mark.parametrize("name", ["simulated", "in a bent valley"])
 def test_told_otherwise_it_is_the_same(tmp_path: Path, change: Change, name: str) -> None:
     same(found(change(campaign_of(name), tmp_path)), diagnosed(name))
+
+
+def test_axes_counted_the_other_way(tmp_path: Path) -> None:
+    """Which poses are held out together follows from their numbers: what is fitted is the same."""
+    c, before = simulated(), diagnosed("simulated")
+    folder = Path(shutil.copytree(c.robot.urdf.parent, tmp_path / "model"))
+    turning, along = (folder / c.robot.urdf.name).read_text().split('<joint name="joint_3"')
+    turning = turning.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>', 1)
+    along = along.replace('<axis xyz="1 0 0"/>', '<axis xyz="-1 0 0"/>', 1)
+    along = along.replace('lower="0" upper="0.5"', 'lower="-0.5" upper="0"', 1)
+    (folder / c.robot.urdf.name).write_text(f'{turning}<joint name="joint_3"{along}')
+    way, side = np.array([-1.0, 1.0, -1.0]), c.poses.side
+    assert side is not None
+    other = replace(c, robot=load_robot(folder / "cylindrical.toml"))
+    after = found(other.with_poses(q=c.poses.q * way, side=side * way))
+    assert named(after) == named(before)
+    assert after.verdict == before.verdict
+    for one, two in zip(after.causes, before.causes, strict=True):
+        assert one.probability == pytest.approx(two.probability, abs=EXACT)
+    for one, two in zip(after.stages, before.stages, strict=True):
+        assert one.fit_rms_mm == pytest.approx(two.fit_rms_mm, rel=EXACT)
 
 
 @pytest.mark.parametrize("change", [an_outlier, split_and_joined])
