@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
+from workbench.campaign import Target
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.scatter import with_scatter
 from workbench.effects.base import UNKNOWN
+from workbench.measurement.sweep import sweep
 
 SIGMA, SHIFT = 1.5e-5, 1.6e-5
 
@@ -52,3 +54,22 @@ def test_scatter_is_told_and_no_cause_named(seed):
     assert not [f for f in found.causes if f.cause != UNKNOWN and f.status == "named"]
     assert found.verdict == "unknown"
     assert "moves all targets of a pose together" in found.causes[-1].sentence
+
+
+@pytest.mark.parametrize("rounding", [1e-17, 1e-13, 1e-9, 1e-3])
+def test_joints_that_move_no_point_decide_nothing(rounding):
+    """A sweep of joint 2, its target on link_2: the wrist moves it by rounding alone, another on every
+    machine: that is not in the answer."""
+    target = Target("T", (0.0, -0.25, 0.95), "link_2")
+    plan = sweep(load_robot("rx170"), "joint_2", np.zeros(6), (-0.9, 0.9), 400, target)
+    bent = np.where(np.arange(6) == 1, 6e-5 * np.sin(123.4 * plan.poses.q[:, 1:2]), 0.0)
+    truth = Truth(joints=lambda job: bent, sigma=1e-6, repeatability=np.zeros(6))
+    geometry = prepare(simulate(plan, truth, seed=1)).geometry
+    moved = geometry.axial.copy()
+    moved[:, :, 2:] = 0.0
+    vars(geometry)["axial"] = moved  # in the place of the cached one
+    without = with_scatter(geometry, geometry.noise)
+    moved[:, :, 2:] = rounding * np.random.default_rng(0).normal(size=(*moved.shape[:2], 4))
+    noise = with_scatter(geometry, geometry.noise)
+    assert noise.joint[1] == pytest.approx(6e-5 / np.sqrt(2), rel=0.15)
+    assert noise.joint == pytest.approx(without.joint, rel=1e-9)

@@ -16,6 +16,7 @@ from ..robot.kinematics import Array
 from .screen import effective_dof
 
 CLEAR = 4.0  # standard deviations of its estimate from which a joint's variance counts
+SHOWN = 1e-2  # rad, m: a joint that moves the points by less than the noise on such a way shows no scatter
 TOGETHER = 8.0  # twice the log likelihood from which a pose's targets scatter together
 POSES_PER_JOINT = 10  # different joint positions, per joint, from which a variance can be told from causes
 
@@ -39,13 +40,17 @@ def _of_joints(fit: Fit, base: Covariance) -> Covariance:
     cross = np.einsum("ndj,ndk->njk", g, g)
     own = np.einsum("njj->nj", cross)
     had = fit.noise.joint**2 - base.joint**2
-    weight = 1 / np.maximum((own**2).sum(axis=0), 1e-300)
-    A = (cross**2).sum(axis=0) * weight[:, None]
-    b = (score**2 - own).sum(axis=0) * weight
+    shown = np.flatnonzero(own.mean(axis=0) > SHOWN**-2)
+    if not len(shown):
+        return base
+    weight = 1 / (own[:, shown] ** 2).sum(axis=0)
+    A = (cross**2).sum(axis=0)[np.ix_(shown, shown)] * weight[:, None]
+    b = (score**2 - own).sum(axis=0)[shown] * weight
     unit = max(float(np.abs(b).max()), 1e-30)  # the tolerance is absolute; an interior method stops short
-    found = unit * lsq_linear(A, b / unit, bounds=(-had / unit - 1e-9, np.inf), method="bvls").x
-    extra = np.maximum(had + found, 0.0)
-    extra[extra < CLEAR * np.sqrt(2 * weight)] = 0.0
+    found = unit * lsq_linear(A, b / unit, bounds=(-had[shown] / unit - 1e-9, np.inf), method="bvls").x
+    extra = np.zeros(arm.n)
+    extra[shown] = np.maximum(had[shown] + found, 0.0)
+    extra[shown[extra[shown] < CLEAR * np.sqrt(2 * weight)]] = 0.0
     return replace(base, joint=np.sqrt(base.joint**2 + extra))
 
 
