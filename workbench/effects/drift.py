@@ -11,13 +11,13 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from .base import Depends, Effect, Param, Rest
+from .coming_to_rest import SHARES, share_gone, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
 from .place import Parameter
 from .unnamed.campaign import Clock
 
 RATES = ("rate_x", "rate_y", "rate_z")
-CREEPS = (0.15, 0.4, 1.0)  # time constants that are tried, as shares of the campaign's duration
 EVEN, FIRST = 3e-8, 1e-7  # m/s, rad/s: usual speeds, even and before it comes to rest (0.1 mm/h, 0.4 mm/h)
 UNEVEN = 0.1  # share of the way in the campaign
 TURNS = ("turn_rate_x", "turn_rate_y", "turn_rate_z")
@@ -71,25 +71,24 @@ class Drift(DirectEffect):
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[Drift]:
-        time = np.zeros(1) if problem.time is None else problem.time
-        start, span = float(time.min()), float(np.ptp(time)) or 3600.0
+        start, span = start_and_span(problem)
         ways = ("shift", "shift+turn")
         even = [cls(variant=way, start=start) for way in ways]
         creeping = [
             cls(variant=f"{way} creeping {share:g}", start=start, constant=share * span)
             for way in ways
-            for share in CREEPS
+            for share in SHARES
         ]
         return even + creeping
 
+    def _since(self, problem: Problem) -> Array:
+        """(N,) [s] since the start."""
+        return np.zeros(len(problem.q)) if problem.time is None else problem.time - self.start
+
     def _gone(self, problem: Problem) -> Array:
         """(N,) [s] how long it would have gone at its first speed."""
-        if problem.time is None:
-            return np.zeros(len(problem.q))
-        since = problem.time - self.start
-        if not self.constant:
-            return since
-        return self.constant * -np.expm1(-np.maximum(since, 0.0) / self.constant)
+        since = self._since(problem)
+        return self.constant * share_gone(since, self.constant) if self.constant else since
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real drift does not go evenly."""
@@ -103,12 +102,9 @@ class Drift(DirectEffect):
         return {c: gone * unit for c, unit in enumerate(np.eye(len(self.params)))}
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
-        since = np.zeros(len(problem.q)) if problem.time is None else problem.time - self.start
-        moved = self._gone(problem) * float(
-            np.linalg.norm(values)
-        )  # with a turn: at one metre from the base's origin
+        speed = float(np.linalg.norm(values))  # with a turn: at one metre from the base's origin
         name = "motion of the base" + (" at 1 m" if self.turns else "")
-        return Drawn(since / 60, "time", "min", moved, name, "m")
+        return Drawn(self._since(problem) / 60, "time", "min", self._gone(problem) * speed, name, "m")
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         v = values[:3]
@@ -121,9 +117,9 @@ class Drift(DirectEffect):
         )
 
     def sentence(self, values: Array) -> str:
-        shift = np.linalg.norm(values[:3]) * 3600e6
-        turn = f" and turns by {np.linalg.norm(values[3:]) * 3600e6:.0f} µrad/h" if len(values) > 3 else ""
-        rest = f" at first, and comes to rest with a time constant of {self.constant / 60:.0f} min"
-        return (
-            f"The base (or the instrument) drifts by {shift:.0f} µm/h{turn}{rest if self.constant else ''}."
-        )
+        speed = f"{np.linalg.norm(values[:3]) * 3600e6:.0f} µm/h"
+        if self.turns:
+            speed += f" and turns by {np.linalg.norm(values[3:]) * 3600e6:.0f} µrad/h"
+        if self.constant:
+            speed += f" at first, and comes to rest with a time constant of {self.constant / 60:.0f} min"
+        return f"The base (or the instrument) drifts by {speed}."

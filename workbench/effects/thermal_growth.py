@@ -11,10 +11,9 @@ import numpy as np
 from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
 from ..robot.kinematics import Array
 from .base import Depends, Param, Rest
+from .coming_to_rest import SHARES, share_gone, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
-
-WARM_UP = (0.15, 0.4, 1.0)  # time constants that are tried, as shares of the campaign's duration
 
 
 @dataclass(frozen=True)
@@ -69,11 +68,10 @@ class ThermalGrowth(DirectEffect):
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[ThermalGrowth]:
-        time = np.zeros(1) if problem.time is None else problem.time
-        start, span = float(time.min()), float(np.ptp(time)) or 3600.0
+        start, span = start_and_span(problem)
         return [
             cls(),
-            *(cls(variant=f"warmup {share:g}", start=start, constant=share * span) for share in WARM_UP),
+            *(cls(variant=f"warmup {share:g}", start=start, constant=share * span) for share in SHARES),
         ]
 
     def _warmth(self, problem: Problem) -> Array | None:
@@ -81,8 +79,7 @@ class ThermalGrowth(DirectEffect):
             return problem.warmth
         if problem.time is None:
             return None
-        # before the start the arm is cold
-        return 1 - np.exp(-np.maximum(problem.time - self.start, 0.0) / self.constant)
+        return share_gone(problem.time - self.start, self.constant)
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         warmth, span = self._warmth(problem), problem.arm.span
