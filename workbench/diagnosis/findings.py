@@ -29,7 +29,6 @@ from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .sets import Shares
 from .stages import pose_errors, stages_of
-from .worth import by_strength, gain_mm
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
@@ -58,7 +57,7 @@ def assemble(parts: Parts) -> Diagnosis:
     left = remainder(fit(final.model, final.state, prepared.covariance, max_iterations=4), known)
     best = stages[-1].heldout_rms_mm
     with_names = stages[1 + len(groups)].heldout_rms_mm
-    findings = [_finding(parts, *one) for one in by_strength(selection)]
+    findings = [_finding(parts, *group) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = stages[1].heldout_rms_mm - with_names
     nameless = _nameless(selection, left, best, with_names - best)
@@ -117,8 +116,8 @@ def _beside_what_is_found(findings: list[Finding]) -> list[Finding]:
     ]
 
 
-def _finding(parts: Parts, effect: Effect, own: list[int], weaker: list[int]) -> Finding:
-    """One cause. own, weaker: numbers of its effects in the fit, and of those of weaker causes."""
+def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
+    """One cause. own: numbers of its effects in the fit."""
     final, selection = parts.selection.fit, parts.selection
     probability, rivals, by_data = probability_of(selection, effect)
     named = probability >= PRIORS.named and by_data >= PRIORS.by_data
@@ -132,7 +131,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int], weaker: list[int]) ->
         title=effect.title,
         where=effect.where,
         status="named" if named else "ambiguous",
-        gain_mm=gain_mm(selection, own, weaker, parts.seed),
+        gain_mm=selection.gains_mm[effect.key],
         probability=probability,
         parameters=parameters,
         rivals=() if named else rivals,

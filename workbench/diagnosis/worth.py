@@ -58,14 +58,14 @@ def _pruned(selection: Selection, seed: int) -> tuple[Selection, float]:
 
 
 def _that_bring_something(kept: Selection, seed: int) -> Selection:
-    """Without names of causes that, of those that have one in the end, bring nothing; the least first."""
-    while groups := list(by_strength(kept)):
-        gains = [gain_mm(kept, own, weaker, seed) for _, own, weaker in groups]
-        least = int(np.argmin(gains))
-        if gains[least] > 0:
+    """With what each cause brings, and without names of those that, of the causes that have one in the end,
+    bring nothing; the least first."""
+    while gains_mm := _gains_mm(kept, seed):
+        least = min(gains_mm, key=lambda key: gains_mm[key])
+        if gains_mm[least] > 0:
             break
-        kept = replace(kept, faint=kept.faint | {groups[least][0].key})
-    return kept
+        kept = replace(kept, faint=kept.faint | {least})
+    return replace(kept, gains_mm=gains_mm)
 
 
 def _without_faint(kept: Selection, error: float, seed: int) -> Selection:
@@ -75,12 +75,11 @@ def _without_faint(kept: Selection, error: float, seed: int) -> Selection:
         return kept
     least = FAINT * max(1e3 * result.noise.usual, error / np.sqrt(3))
     together = without(result, range(len(result.model.effects)), seed) - without(result, nameless, seed)
-    gains_mm = {effect.key: gain_mm(kept, own, weaker, seed) for effect, own, weaker in by_strength(kept)}
-    faint = frozenset(key for key, gain in gains_mm.items() if min(gain, together) < least)
+    faint = frozenset(key for key, gain in _gains_mm(kept, seed).items() if min(gain, together) < least)
     return replace(kept, faint=kept.faint | faint)
 
 
-def by_strength(selection: Selection) -> Iterator[tuple[Effect, list[int], list[int]]]:
+def _by_strength(selection: Selection) -> Iterator[tuple[Effect, list[int], list[int]]]:
     """Each named cause, those that the parts agree on first, then the strongest: one of its effects, the
     numbers of all of these in the fit, and those of the causes that come after it."""
     groups = sorted(selection.groups, key=lambda group: group[0].key not in selection.agreed)
@@ -88,14 +87,17 @@ def by_strength(selection: Selection) -> Iterator[tuple[Effect, list[int], list[
         yield effect, own, [i for _, others in groups[k + 1 :] for i in others]
 
 
-def gain_mm(selection: Selection, own: Sequence[int], weaker: Sequence[int], seed: int) -> float:
-    """What a cause takes off the held-out RMS [mm] beside the others that have a name, or to those that are
-    stronger, if that is more: causes that can stand in for each other bring nothing beside each other."""
+def _gains_mm(selection: Selection, seed: int) -> dict[Key, float]:
+    """What each cause takes off the held-out RMS [mm] beside the others that have a name, or to those that
+    are stronger, if that is more: causes that can stand in for each other bring nothing beside each other."""
     fit, nameless = selection.fit, selection.nameless
-    return max(
-        without(fit, [*beside, *own], seed) - without(fit, beside, seed)
-        for beside in (nameless, [*nameless, *weaker])
-    )
+    return {
+        effect.key: max(
+            without(fit, [*beside, *own], seed) - without(fit, beside, seed)
+            for beside in (nameless, [*nameless, *weaker])
+        )
+        for effect, own, weaker in _by_strength(selection)
+    }
 
 
 def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
@@ -106,7 +108,7 @@ def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
     fit = selection.fit
     tried = sum(not component.nameless for component in selection.components)
     surest = dict[Key, float]()
-    for effect, own, weaker in by_strength(selection):
+    for effect, own, weaker in _by_strength(selection):
         if effect.key in selection.agreed:
             continue
         alone = [*selection.nameless, *weaker]
@@ -183,7 +185,7 @@ def _gains(selection: Selection, whole: float, seed: int) -> list[float]:
     gains = [0.0] * len(fit.model.effects)
     for i in nameless:
         gains[i] = without(fit, [i], seed) - whole
-    for _, own, weaker in by_strength(selection):
+    for _, own, weaker in _by_strength(selection):
         out = [*nameless, *weaker]
         for i in own:
             gains[i] = without(fit, [*nameless, i], seed) - named
