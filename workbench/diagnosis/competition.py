@@ -11,7 +11,7 @@ from ..effects import line as gear_line
 from ..effects.base import UNKNOWN, Effect
 from ..effects.unnamed import products, unnamed
 from ..effects.unnamed.joints import Product
-from ..identification.fit import Fit, refit
+from ..identification.fit import ROUGH, Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from ..robot.kinematics import Array
@@ -28,7 +28,6 @@ from .sets import Chosen, Competition, Member, Shares
 from .stages import Group, rms_mm
 
 ROUNDS = 5
-ROUGH = 0.3  # standard deviations: a round's fit is a place to start from, and to be linear about
 CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
 BETTER = 0.99  # of the held-out error: what counts as an improvement of a round
 LOOSE = 30.0  # usual sizes: a prior that holds nothing

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 from ..campaign import Campaign, load_campaign
 from ..campaign.known import with_known
 from ..campaign.problem import Problem
@@ -66,9 +68,15 @@ def diagnose(
     >>> [finding.label for finding in outcome.diagnosis.causes]
     ['gear_eccentricity(joint_1)']
     """
-    test = None if test is None else _loaded(test)
-    prepared = prepare(_all_loaded(campaigns, known), progress)
-    del campaigns  # of a large one, parts stand in `prepared`: the whole takes room
+    with threadpool_limits(1, "blas"):  # many small products: threads of BLAS only wait for each other
+        return _diagnosed(
+            _all_loaded(campaigns, known), None if test is None else _loaded(test), progress, seed
+        )
+
+
+def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progress, seed: int) -> Outcome:
+    prepared = prepare(campaigns, progress)
+    campaigns.clear()  # of a large one, parts stand in `prepared`: the whole takes room
     test = test or prepared.spare
     progress("testing causes")
     candidates, not_testable = testable(prepared.problem)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..campaign.problem import Problem
 from ..effects.base import Effect
-from ..identification.fit import Fit, fit
+from ..identification.fit import ROUGH, Fit, fit
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.registration import register
@@ -64,7 +64,7 @@ def robust_fit(problem: Problem, start: State, noise: Covariance, known_effects:
     counted = np.asarray(problem.seen.any(axis=1))
     weight = _student(size, counted, noise.weight)
     for _ in range(6):
-        result = fit(model, start, replace(noise, weight=weight), max_iterations=12)
+        result = fit(model, start, replace(noise, weight=weight), tolerance=ROUGH, max_iterations=12)
         start = result.state
         new = _student(_pose_size(result, weight), counted, noise.weight)
         if float(np.abs(new - weight).max()) < 0.02:

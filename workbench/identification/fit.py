@@ -26,6 +26,7 @@ from .rows import Equations, equations, fitted_numbers, jacobian, moved, whiteni
 
 CORRECTIONS = 4  # of a step, until it follows the valley it goes along
 TOLERANCE = 1e-2  # standard deviations, all numbers together
+ROUGH = 0.3  # of a fit that is a place to start from, and to be linear about
 
 
 @dataclass(frozen=True, eq=False)
