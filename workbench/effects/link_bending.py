@@ -10,11 +10,12 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.beam import bending_compliance
-from ..robot.kinematics import Arm, Array
+from ..robot.kinematics import RX, Arm, Array
 from .base import Effect, Param
 from .bearing_tilt import BearingTilt
 from .kinds import LinearYield
 from .place import Where
+from .unnamed.loads import OwnWeight
 
 SHORTEST = 0.05  # m, shorter links are taken as rigid
 
@@ -26,7 +27,8 @@ class LinkBending(LinearYield):
     w = (F l³/3 + M l²/2)/EI,  turn = (F l²/2 + M l)/EI, both across the link.
 
     The parameter is 1/EI [1/(N·m²)], over the model's where the TOML states a bending stiffness. The
-    link's own weight counts at its joints only. Liu et al., eqs. (15)–(20).
+    link's own weight counts at its joints only; what it bends the link by itself, spread along it as nobody
+    knows, is a companion. Liu et al., eqs. (15)–(20).
     """
 
     nominal: float = 0.0
@@ -65,9 +67,20 @@ class LinkBending(LinearYield):
         ]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A real link gives way at its bearings as well."""
-        ends = (self.slot(problem.arm) - 1, self.slot(problem.arm))
-        return [(0.3, one) for one in BearingTilt.sites(problem) if one.slot(problem.arm) in ends]
+        """A real link gives way at its bearings as well, and under its own weight, wherever that is."""
+        slot = self.slot(problem.arm)
+        tilts = [one for one in BearingTilt.sites(problem) if one.slot(problem.arm) in (slot - 1, slot)]
+        own = [one for one in OwnWeight.sites(problem) if one.where == self.where]
+        return [*((0.3, one) for one in tilts), *((self._share(problem, one), one) for one in own)]
+
+    def _share(self, problem: Problem, own: OwnWeight) -> float:
+        """What a link's own weight bends it by, over the usual size of that, where the link is as soft as is
+        usual; no more than what hangs on it does."""
+        if self.stated:
+            return self.params[0].typical * own.largest / own.size
+        loads = problem.nominal_load.local[:, self.slot(problem.arm)]
+        ends = loads @ self.compliance(problem.arm)[:RX].T
+        return own.largest / max(float(np.linalg.norm(ends, axis=1).max(initial=0.0)), own.largest)
 
     def slot(self, arm: Arm) -> int:
         return arm.slot_of_link(str(self.where.link)) + 1

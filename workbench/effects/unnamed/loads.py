@@ -4,7 +4,7 @@ function of the fitted load, with masses fitted beside it, makes a product of tw
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -112,3 +112,63 @@ def _own_load(problem: Problem, j: int) -> Array:
     """(N,) torque or force of a joint of the stated robot."""
     load = problem.nominal_load.local
     return np.asarray(load.reshape(len(load), -1)[:, problem.arm.axial[j]])
+
+
+@dataclass(frozen=True)
+class OwnWeight(Unnamed, DirectEffect):
+    """A link's end sags under the weight of the link itself, spread evenly along it: by q l⁴/8, turning by
+    q l³/6, over EI, across the link (Euler–Bernoulli). largest [m]: what that is at EI = 1 N·m²."""
+
+    variant: str = "own weight"
+    size: float = 5e-5
+    largest: float = 1.0
+
+    depends: ClassVar[Depends] = frozenset({"joints"})
+    settings: ClassVar[tuple[str, ...]] = ("size", "largest")
+
+    @property
+    def functions(self) -> int:
+        return 1
+
+    @property
+    def variable(self) -> str:
+        return f"weight of {self.where.link} across it"
+
+    @property
+    def unit(self) -> str:
+        return "N"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(np.linalg.norm(self.across(problem), axis=1))
+
+    def across(self, problem: Problem) -> Array:
+        """(N, 3) [N] the link's weight across it, on the axes of the slot at its end."""
+        arm, slot = problem.arm, self.slot(problem)
+        axes = problem.rigid.R[slot - 1] @ arm.R[slot]
+        weight = arm.mass[slot - 1] * np.einsum("nji,j->ni", axes, arm.gravity)
+        along = arm.span[slot] / np.linalg.norm(arm.span[slot])
+        return np.asarray(weight - np.outer(weight @ along, along))
+
+    def slot(self, problem: Problem) -> int:
+        return problem.arm.slot_of_link(str(self.where.link)) + 1
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        slot, weight = self.slot(problem), self.across(problem)
+        span = problem.arm.span[slot]
+        length = float(np.linalg.norm(span))
+        shift, turn = weight * length**3 / 8, np.cross(span, weight) * length / 6
+        moved = np.concatenate([shift, turn], axis=1) / self.largest
+        return {6 * slot + k: moved[:, k : k + 1] for k in range(6)}
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[OwnWeight]:
+        """Moving links of some length and mass that are not upright in every pose."""
+        arm, out = problem.arm, []
+        for k in range(1, arm.n + 1):
+            length = float(np.linalg.norm(arm.span[k + 1]))
+            if length > 1e-3:
+                one = cls(Where(link=arm.links[k]))
+                most = float(one.x(problem).max(initial=0.0)) * length**3 / 8
+                if most > 1e-3:
+                    out.append(replace(one, largest=most))
+        return out

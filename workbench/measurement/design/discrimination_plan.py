@@ -18,8 +18,8 @@ from .t_optimal import Pair
 class Power:
     """λ beside the hardest rival, and what a diagnosis makes of it.
 
-    Of faults drawn as in the blind study these were named rightly: at 20 23 of 41, at 40 31 of 39, at 80 32
-    of 36, and in one of all these another one (`benchmarks/results/power.json`).
+    Of faults drawn as in the blind study these were named rightly: at 20 22 of 41, at 40 31 of 39, at 80 33
+    of 37, and in none of them another one (`benchmarks/results/power.json`).
     """
 
     least: float = 10.0  # below, it hardly ever names the cause (3 to 8 % of the blind study's cases)
