@@ -31,8 +31,10 @@ from workbench.effects.masses import MassEffect
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.noise import required_noise
+from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
+from workbench.robot.rigid_plant import arrays
 from workbench.simulation.virtual_campaign import Truth, pose_loads, true_robot
 
 PACKAGE = Path(workbench.__file__).parent
@@ -336,3 +338,10 @@ def test_a_new_cause_is_one_new_file(tmp_path, monkeypatch):
     finally:
         catalogue.cache_clear()
         sys.modules.pop("workbench.effects.dress_pack", None)
+
+
+def test_a_coil_is_the_same_spring_for_any_number_of_poses():
+    robot = load_robot("rx170")
+    law = compensator_law(robot, arrays(robot))
+    springs = {replace(law, charge=np.full(count, 0.9)).coil for count in (1, 20, 30, 60)}
+    assert springs == {replace(law, charge=0.9).coil}

@@ -193,6 +193,21 @@ def test_another_temperature_is_not_the_robot_written_down_or_not():
     assert {change.cause, *(r.cause for r in change.rivals)} == {"thermal_growth", "tracker_scale"}
     assert change.side != "robot"
     assert within(change.parameters[0], 12 * 1.15e-5)
+    for first, second in (
+        (cold.with_poses(temperature=None), warm),
+        (cold, warm.with_poses(temperature=None)),
+    ):
+        (change,) = compare([first, second]).changes  # nor can one thermometer tell
+        assert {change.cause, *(r.cause for r in change.rivals)} == {"thermal_growth", "tracker_scale"}
+
+
+def test_what_a_cause_brings_with_it_does_not_hide_how_large_it_is():
+    wheel = "gear_eccentricity:joint=joint_4,variant=1,amplitude=4e-4,phase=0.4"
+    (change,) = compare([before(), measured(2, effects=(wheel,))]).changes
+    assert change.cause == "gear_eccentricity"
+    amplitude = change.parameters[0]
+    assert within(amplitude, 4e-4)
+    assert amplitude.std < 0.15 * amplitude.value
 
 
 def test_nothing_changed_and_what_would_have_been_seen():

@@ -159,6 +159,18 @@ def test_a_cause_is_told_in_the_size_that_was_found(tmp_path, measured):
         plan(measured, tell=first, quick=True)
 
 
+def test_poses_and_minutes_are_two_limits(tmp_path, capsys):
+    assert main(["plan", "irb120", "--poses", "5", "--minutes", "5", "--out", str(tmp_path / "plan")]) == 2
+    assert "--poses, --minutes: are two limits" in capsys.readouterr().err
+
+
+def test_the_result_of_another_robot_is_refused(tmp_path, measured):
+    path = tmp_path / "result.json"
+    path.write_text(json.dumps({"schema": 1, "robot": "somebody's", "causes": []}))
+    with pytest.raises(InputError, match="is of somebody's, the campaign of "):
+        plan(measured, tell=str(path), quick=True)
+
+
 def test_a_result_that_leaves_nothing_open_is_refused(tmp_path, measured):
     path = tmp_path / "result.json"
     path.write_text(json.dumps({"schema": 1, "causes": []}))

@@ -251,3 +251,11 @@ def test_strong_faults_that_bend_the_geometry_are_not_another_robot(tmp_path, mo
     assert farthest(free[0]) > 0.3
     assert farthest(held) < 0.03
     assert held.noise is free[0].noise
+
+
+@pytest.mark.parametrize("degrees", [3.0, -4.0])
+def test_a_joint_with_its_zero_some_degrees_off_is_fitted_and_told(degrees):
+    campaign = turn(2, degrees)(honest("ur5"))
+    (said,) = check_plausible(problem_of(campaign))
+    assert "elbow_joint stands" in said
+    assert abs(judge(problem_of(campaign)).zero[1] + np.radians(degrees)) < np.radians(0.2)

@@ -47,7 +47,7 @@ class CompensatorLaw:
             return None
         assert self.data.rate is not None
         assert self.data.free_length is not None
-        rate = float(np.mean(self.charge)) * self.data.rate
+        rate = float(np.ravel(self.charge)[0]) * self.data.rate  # of a mean the rounding hangs on the number
         free = self.data.free_length - self.preload / rate if rate > 0 else 0.0
         return (rate, free) if free > 0 else None
 

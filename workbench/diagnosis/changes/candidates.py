@@ -14,6 +14,7 @@ from ...effects.base import Effect
 from ...effects.place import Where
 from ...robot.kinematics import Array
 from ...robot.schema import GEOMETRY
+from ..competition import LOOSE
 from ..components import EVERY_FINER, Component, Form, form_of, log_odds_of
 from ..priors import PRIORS
 from .occasions import Occasion
@@ -48,6 +49,15 @@ class Shape:
     def main(self) -> int:
         """Numbers that count; behind them come companions."""
         return len(self.geometry) or sum(len(effect.params) for effect in self.effects)
+
+    def held(self, scale: float) -> Array:
+        """(g,) in prior sizes, how its numbers are held where it was found at a scale: an effect's own
+        loosely; its companions, and the weights of a free function, as they were found."""
+        free = any(p.spread is not None for effect in self.effects for p in effect.params)
+        out = np.full(len(self.sizes), scale)
+        if not free:
+            out[: self.main] = LOOSE
+        return out
 
     def at(self, pattern: Array) -> Shape:
         """The same at some of the occasions only."""
@@ -98,9 +108,14 @@ def candidates_of(
             out += _candidate(effect, False, shapes, log_odds_of(effect, sites))
         shapes = [replace(_shape(occasions, (e,)), one_sided=False) for e in own]
         out += _candidate(effect, True, list(_stepped(shapes, patterns)), _odds(whole.arm.n))
-    if whole.campaign.poses.temperature is None:
+    if any(_nobody_says(one.problem.campaign.poses.temperature) for one in occasions):
         out += _growth(occasions, whole, patterns)
     return out
+
+
+def _nobody_says(temperatures: Array | None) -> bool:
+    """Whether no temperature of an occasion is known."""
+    return temperatures is None or not np.isfinite(temperatures).any()
 
 
 def own_of(occasions: Sequence[Occasion]) -> NDArray[np.int64]:

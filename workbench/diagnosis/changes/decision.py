@@ -10,7 +10,6 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...effects.base import Effect
-from ..competition import LOOSE
 from ..noise_choice import known_dof
 from ..priors import PRIORS
 from ..reduced import Reduced
@@ -73,16 +72,10 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
         sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
         members, shares = [members[i] for i in sure], [shares[i] for i in sure]
         shapes = [candidates[m.component].shapes[m.form] for m in members]
-        solved = solve(system, shapes, [_held(s, m) for s, m in zip(shapes, members, strict=True)])
+        solved = solve(system, shapes, [s.held(m.scale) for s, m in zip(shapes, members, strict=True)])
         if last < ROUNDS - 1:
             occasions = relinearised(system, shapes, solved)
     return Decided(system, tuple(candidates), reduced, tuple(members), tuple(shares), tuple(hidden), solved)
-
-
-def _held(shape: Shape, member: Member) -> float:
-    """How a member's numbers are held: as found where they are the weights of a free function."""
-    free = any(p.spread is not None for effect in shape.effects for p in effect.params)
-    return member.scale if free else LOOSE
 
 
 def _shares(

@@ -95,8 +95,9 @@ def parameters_of(shape: Shape, mean: Array, covariance: Array) -> tuple[Paramet
 
 def _without(decided: Decided, i: int) -> Solved:
     """All numbers with the other members alone: what is known before a change is looked for."""
-    others = [decided.shape(m) for j, m in enumerate(decided.members) if j != i]
-    return solve(decided.system, others, [LOOSE] * len(others))
+    others = [m for j, m in enumerate(decided.members) if j != i]
+    shapes = [decided.shape(m) for m in others]
+    return solve(decided.system, shapes, [s.held(m.scale) for s, m in zip(shapes, others, strict=True)])
 
 
 def _moves_mm(decided: Decided, shape: Shape, mean: Array) -> float:
@@ -176,9 +177,11 @@ def tracks(decided: Decided) -> Iterator[Track]:
         shape = next((s for s in shapes if s.main == 1 and (mine or s.zero)), None)
         if not candidate.change or shape is None:
             continue
-        others = [decided.shape(m) for m in decided.members if m not in mine]
-        own = [shape.at(pattern) for pattern in each]
-        solved = solve(system, [*others, *own], [LOOSE] * (len(others) + len(own)))
+        beside = [m for m in decided.members if m not in mine]
+        others, own = [decided.shape(m) for m in beside], [shape.at(pattern) for pattern in each]
+        scales = [*(m.scale for m in beside), *(mine[0].scale if mine else LOOSE for _ in own)]
+        every = [*others, *own]
+        solved = solve(system, every, [s.held(scale) for s, scale in zip(every, scales, strict=True)])
         at, p = sum(len(s.sizes) for s in others), len(shape.sizes)
         values, stds = [0.0], [0.0]
         for j in range(len(own)):

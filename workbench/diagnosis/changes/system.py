@@ -120,8 +120,8 @@ class Solved:
         return self.values[at], half @ half.T
 
 
-def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> Solved:
-    """The common numbers, and the shapes held by `scales` times their prior sizes."""
+def solve(system: System, shapes: Sequence[Shape], scales: Sequence[Array]) -> Solved:
+    """The common numbers, and the shapes held by `scales`, (g,) each, times their prior sizes."""
     C = [shape.columns * scale for shape, scale in zip(shapes, scales, strict=True)]
     A = np.concatenate([system.J, *C], axis=1)
     n = A.shape[1]
@@ -131,9 +131,7 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
     values = inverse @ R[:n, n]
     left = system.e - A @ values
     dof = float(system.used.sum()) - (n - float((inverse**2).sum()))
-    unit = np.concatenate(
-        [np.ones(system.J.shape[1]), *(np.full(c.shape[1], s) for c, s in zip(C, scales, strict=True))]
-    )
+    unit = np.concatenate([np.ones(system.J.shape[1]), *scales])
     return Solved(
         values * unit,
         inverse * unit[:, None],

@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ...campaign.problem import Problem
 from ...files.faults import Fault, InputError
+from ...robot.kinematics import Array
 from .exchanged import exchanged_names
 from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
 from .misfit import USUAL, Misfit, Sample, misfit, sample
@@ -27,6 +30,7 @@ RIGHT = 0.012  # of the spread at most, then
 SCALE = 0.02  # from which another size is no error of an instrument
 ROUGHLY = 6  # iterations in which the
 LIKELY = 12  # likeliest mistakes are told from the others
+FARTHEST_ZERO = np.radians(6.0)  # a joint mastered wrong or a belt some teeth off: fitted, not refused
 AS_GOOD = 1.3  # times the best misfit: mistakes that the data do not tell apart
 
 
@@ -36,25 +40,33 @@ Mistake = tuple[Hypothesis, ...]
 @dataclass(frozen=True)
 class Plausible:
     """misfit: of the robot as it is; mistakes: one or two at once that explain it, the likeliest first, each
-    with what it leaves; scale: without these, how much larger the points are than the robot."""
+    with what it leaves; scale: without these, how much larger the points are than the robot; zero: without
+    these, a joint and how far its zero is off [rad], where that alone explains it."""
 
     misfit: Misfit
     mistakes: tuple[tuple[Mistake, float], ...] = ()
     scale: float = 1.0
+    zero: tuple[str, float] | None = None
 
     @property
     def refused(self) -> bool:
         """The points are not of this robot in these poses, whatever the reason."""
         m = self.misfit
-        off = m.middle > REFUSED and m.middle * m.spread > SMALL
+        off = m.middle > REFUSED and m.middle * m.spread > SMALL and self.zero is None
         return bool(self.mistakes) or off or self.scale != 1.0
 
 
 def check_plausible(problem: Problem) -> list[str]:
-    """Remarks on stated places of targets that are wrong. Raises InputError where joints, points and robot do
-    not belong together, with the mistake if one of the usual explains it."""
+    """Remarks on a joint's zero or stated places of targets that are wrong. Raises InputError where joints,
+    points and robot do not belong together, with the mistake if one of the usual explains it."""
     found = judge(problem)
     m, campaign = found.misfit, problem.campaign
+    if found.zero is not None:
+        joint, off = found.zero
+        told = (
+            f"{joint} stands {np.degrees(off):+.2f}° from where its numbers say: its zero is fitted. It may"
+        )
+        return [f"{told} be mastered wrong, or a belt or gear is some teeth off."]
     if not found.refused:
         far = f"Targets are found up to {_length(m.displaced * m.spread + USUAL)} from where the campaign "
         return [far + "states them: the measured places are used."] if m.displaced else []
@@ -95,9 +107,27 @@ def judge(problem: Problem) -> Plausible:
     fits = [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))]
     # what only changes the stated places is no reason to send anyone away
     fits.sort(key=lambda one: (one[0][0].table != "targets", one[1]))
-    return Plausible(
-        now, tuple(fits), 1.0 if fits or max(now.middle, now.displaced) < REFUSED else _scale(data, enough)
-    )
+    if fits or max(now.middle, now.displaced) < REFUSED:
+        return Plausible(now, tuple(fits))
+    return Plausible(now, (), _scale(data, enough), _zero(problem, data, enough))
+
+
+def _zero(problem: Problem, data: Sample, enough: float) -> tuple[str, float] | None:
+    """A joint and how far its zero is off [rad], where that alone explains the points."""
+    best, arm = (enough, "", 0.0), problem.arm
+    for j in np.flatnonzero(~arm.prismatic):
+        one = np.eye(arm.n)[j]
+        found = minimize_scalar(
+            partial(_left_at, data=data, one=one), bounds=(-FARTHEST_ZERO, FARTHEST_ZERO), method="bounded"
+        )
+        shift = float(found.x)
+        best = min(best, (misfit(data.changed(q=data.q + shift * one)).total, arm.names[j], shift))
+    return (best[1], best[2]) if best[1] else None
+
+
+def _left_at(shift: float, data: Sample, one: Array) -> float:
+    """What is left, roughly, with a joint that stands farther by a shift; one: (n,) 1 at that joint."""
+    return misfit(data.changed(q=data.q + shift * one), rounds=ROUGHLY).total
 
 
 def _scale(data: Sample, enough: float) -> float:

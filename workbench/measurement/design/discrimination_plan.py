@@ -124,9 +124,9 @@ class DiscriminationPlan(DrivenPlan):
         lines += [f"No poses tell {label(a)} from {label(b)}." for a, b in self.hopeless]
         if self.hardest:
             alike, apart = f"below {LEVELS.least:g} alike", f"above {LEVELS.surely:g} apart"
-            lines.append(f"λ, how far apart these causes are ({alike}, {apart}), if of")
             size = "the size that was found" if self.found else f"typical size ({self._sizes()})"
-            lines.append(f"{size}, with {self.noise}:")
+            of = f"if of {size}, with {self.noise}"
+            lines.append(f"λ, how far apart these causes are ({alike}, {apart}), {of}:")
             for pair in self.hardest:
                 now = "" if pair.now is None else f"{pair.now:.3g} now, "
                 lines.append(

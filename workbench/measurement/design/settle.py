@@ -121,7 +121,12 @@ def _places_of(effect: Effect, rival: str, problem: Problem) -> Sequence[Effect]
 def ties_of(path: Path, fit: Fit) -> list[Tie]:
     """What a `result.json` left ambiguous, with the rivals that have a name. Raises InputError."""
     try:
-        causes = json.loads(read_text(path))["causes"]
+        told = json.loads(read_text(path))
+        causes, own = told["causes"], fit.model.problem.robot.name
+        if (robot := told.get("robot", own)) != own:
+            raise InputError(
+                Fault(str(path), f"is of {robot}, the campaign of {own}", "name this robot's result")
+            )
         found = [tie for one in causes if one["status"] != "named" and (tie := _tie(one, fit))]
     except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
         raise InputError(Fault(str(path), "is no result.json of a diagnosis", "name that of --out")) from None
