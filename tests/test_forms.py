@@ -85,3 +85,17 @@ def test_a_base_that_creeps_to_rest_drifts() -> None:
     (rate,) = (p for p in diagnosis.causes[0].parameters if p.name == "rate")
     assert rate.value == pytest.approx(3e-4 / (CREEP * time[-1]), rel=0.4)
     assert "comes to rest" in diagnosis.causes[0].sentence
+
+
+def test_a_wheel_that_runs_out_once_and_twice_a_turn_is_one_cause_with_both_numbers():
+    wheel = "gear_eccentricity:joint=joint_4"
+    once, twice = (
+        f"{wheel},variant=1,amplitude=3e-4,phase=0.4",
+        f"{wheel},variant=2,amplitude=2.1e-4,phase=1.1",
+    )
+    result = found(measured("lrmate200id", (once, twice), poses=80))
+    (cause,) = result.causes
+    assert (cause.cause, cause.status) == ("gear_eccentricity", "named")
+    said = {p.name: p for p in cause.parameters}
+    for name, true in {"amplitude": 3e-4, "amplitude (2)": 2.1e-4, "phase (2)": 1.1}.items():
+        assert abs(said[name].value - true) < 3.5 * said[name].std

@@ -16,10 +16,11 @@ class Priors:
     form: share of an effect that its form and its companions miss, on a real machine.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
     physics holds to one sign has the other. present: least size, in its scale, of an effect that brings
-    companions. named: probability from which a cause is named; by_data: the same, were no other cause less
-    likely before the data; listed: share of the probability that the
-    cause and its rivals must cover, faintest_rival: probability below which a rival is not worth a word;
-    absent: probability of nothing there from which a cause is not reported.
+    companions; companions: most that these are, in their prior sizes, over the effect in its own. named:
+    probability from which a cause is named; by_data: the same, were no other cause less likely before the
+    data; listed: share of the probability that the cause and its rivals must cover, faintest_rival:
+    probability below which a rival is not worth a word; absent: probability of nothing there from which a
+    cause is not reported.
     joint_yields, tilt_yields: usual motion of a yield [rad] at the campaign's largest load."""
 
     cause: float = 0.03
@@ -32,6 +33,7 @@ class Priors:
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
     present: float = 0.3
+    companions: float = 3.0
     named: float = 0.95
     by_data: float = 0.8
     listed: float = 0.97

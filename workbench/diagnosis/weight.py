@@ -16,6 +16,7 @@ from .reduced import Reduced
 
 SCALES = np.array(PRIORS.scales)
 WEIGHTS = np.log(SCALES / (1 + SCALES**2)) - logsumexp(np.log(SCALES / (1 + SCALES**2)))
+NOTHING_OF_IT = -1e6  # log factor
 Blocks = Callable[[NDArray[np.int64]], tuple[Array, Array]]
 
 
@@ -92,7 +93,9 @@ class Forms:
             table[alone] += np.log(2) + _sides(log_ndtr(z), log_ndtr(-z))
         for count in set(own[own > 0].tolist()):
             here = own == count
-            table[here] += _present(*_posterior(S[here], u[here], count), one_sided[here])
+            mean, covariance = _posterior(S[here], u[here], count)
+            table[here] += _present(mean[..., :count], covariance, one_sided[here])
+            table[here] += _mostly_itself(mean, count)
         return table
 
 
@@ -116,12 +119,19 @@ def _quadratic(S: Array, u: Array) -> tuple[Array, Array]:
 
 
 def _posterior(S: Array, u: Array, count: int) -> tuple[Array, Array]:
-    """Posterior mean (F, scales, count) and covariance of the first numbers of each block."""
+    """Posterior mean (F, scales, p) of each block's numbers, and covariance of the first (count) of them."""
     A = S[:, None] + SCALES[:, None, None] ** -2.0 * np.eye(S.shape[1])
     right = np.zeros((*A.shape[:3], count + 1))
     right[..., range(count), range(count)], right[..., count] = 1.0, u[:, None]
-    solved = np.asarray(np.linalg.solve(A, right)[..., :count, :], dtype=np.float64)
-    return solved[..., count], solved[..., :count]
+    solved = np.asarray(np.linalg.solve(A, right), dtype=np.float64)
+    return solved[..., count], solved[..., :count, :count]
+
+
+def _mostly_itself(mean: Array, count: int) -> Array:
+    """(F, scales) log factor on the evidence that takes out what is not the effect, but its companions: these
+    are larger, each in its prior size, than `PRIORS.companions` of the effect. mean: (F, scales, p)."""
+    own, more = (np.sqrt((part**2).mean(axis=-1)) for part in np.split(mean, [count], axis=-1))
+    return np.asarray(np.where(more > PRIORS.companions * own, NOTHING_OF_IT, 0.0))
 
 
 def _sides(right: Array, wrong: Array) -> Array:

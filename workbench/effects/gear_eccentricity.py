@@ -28,6 +28,7 @@ class GearEccentricity(Harmonic):
     cause: ClassVar[str] = "gear_eccentricity"
     title: ClassVar[str] = "Gear eccentricity"
     smooth: ClassVar[bool] = True
+    together: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = A sin(k q + phi), quad k in {1, 2}"
     separate: ClassVar[dict[str, str]] = {
         "gear_ratio": "sweep the joint over more than half a turn",

@@ -142,7 +142,8 @@ def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
     if one["cause"] == UNKNOWN:
         return None
     problem = fit.model.problem
-    values = {p["name"]: float(p["value"]) for p in one["parameters"]}
+    # of several parts of one law, as "amplitude" and "amplitude (2)", the strongest
+    values = {p["name"]: float(p["value"]) for p in one["parameters"] if not p["name"].endswith(")")}
     where = {key: one[key] for key in PLACES if key in one}
     effect, size = from_record(EffectRecord(cause=one["cause"], values=values, **where), problem)
     chances = {(r["cause"], _place(r)): float(r["probability"]) for r in one["rivals"]}
