@@ -33,7 +33,8 @@ def worth_it(selection: Selection, seed: int) -> Selection:
     kept, error = _pruned(selection, seed)
     if kept.misfit:
         kept = as_sure_as_its_gain(kept, seed)
-    return _that_bring_something(more_than_a_form(_without_faint(kept, error, seed)), seed)
+    least = FAINT * max(1e3 * kept.fit.noise.usual, error / np.sqrt(3))
+    return _that_bring_something(more_than_a_form(_without_faint(kept, least, seed)), least, seed)
 
 
 def _pruned(selection: Selection, seed: int) -> tuple[Selection, float]:
@@ -57,23 +58,22 @@ def _pruned(selection: Selection, seed: int) -> tuple[Selection, float]:
     return kept, error
 
 
-def _that_bring_something(kept: Selection, seed: int) -> Selection:
-    """With what each cause brings, and without names of those that, of the causes that have one in the end,
-    bring nothing; the least first."""
+def _that_bring_something(kept: Selection, least: float, seed: int) -> Selection:
+    """With what each cause brings [mm], and without names of those that, of the causes that have one in the
+    end, bring nothing, or little beside what has none; the weakest first."""
     while gains_mm := _gains_mm(kept, seed):
-        least = min(gains_mm, key=lambda key: gains_mm[key])
-        if gains_mm[least] > 0:
+        weakest = min(gains_mm, key=lambda key: gains_mm[key])
+        if gains_mm[weakest] > 0 and (gains_mm[weakest] >= least or not kept.nameless):
             break
-        kept = replace(kept, faint=kept.faint | {least})
+        kept = replace(kept, faint=kept.faint | {weakest})
     return replace(kept, gains_mm=gains_mm)
 
 
-def _without_faint(kept: Selection, error: float, seed: int) -> Selection:
-    """Beside what has no name, without names of what brings little. error: RMS [mm] on poses held out."""
+def _without_faint(kept: Selection, least: float, seed: int) -> Selection:
+    """Beside what has no name, without names of what brings less than the least [mm]."""
     result, nameless = kept.fit, kept.nameless
     if not nameless:
         return kept
-    least = FAINT * max(1e3 * result.noise.usual, error / np.sqrt(3))
     together = without(result, range(len(result.model.effects)), seed) - without(result, nameless, seed)
     faint = frozenset(key for key, gain in _gains_mm(kept, seed).items() if min(gain, together) < least)
     return replace(kept, faint=kept.faint | faint)
