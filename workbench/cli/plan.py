@@ -85,8 +85,6 @@ def run(arguments: argparse.Namespace) -> None:
     from ..campaign.cell import read_cell
     from ..measurement.design import plan
 
-    if arguments.poses is not None and arguments.minutes is not None:
-        raise InputError(Fault("--poses, --minutes", "are two limits", "give the number or the time"))
     poses, program = _places(arguments.out, arguments.format)
     check_folder(poses.parent)
     cell = None if arguments.cell is None else read_cell(arguments.cell)

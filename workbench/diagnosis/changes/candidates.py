@@ -108,14 +108,9 @@ def candidates_of(
             out += _candidate(effect, False, shapes, log_odds_of(effect, sites))
         shapes = [replace(_shape(occasions, (e,)), one_sided=False) for e in own]
         out += _candidate(effect, True, list(_stepped(shapes, patterns)), _odds(whole.arm.n))
-    if any(_nobody_says(one.problem.campaign.poses.temperature) for one in occasions):
+    if any(one.problem.warmth is None for one in occasions):
         out += _growth(occasions, whole, patterns)
     return out
-
-
-def _nobody_says(temperatures: Array | None) -> bool:
-    """Whether no temperature of an occasion is known."""
-    return temperatures is None or not np.isfinite(temperatures).any()
 
 
 def own_of(occasions: Sequence[Occasion]) -> NDArray[np.int64]:

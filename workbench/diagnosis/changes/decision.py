@@ -72,7 +72,7 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
         sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
         members, shares = [members[i] for i in sure], [shares[i] for i in sure]
         shapes = [candidates[m.component].shapes[m.form] for m in members]
-        solved = solve(system, shapes, [s.held(m.scale) for s, m in zip(shapes, members, strict=True)])
+        solved = solve(system, shapes, [m.scale for m in members])
         if last < ROUNDS - 1:
             occasions = relinearised(system, shapes, solved)
     return Decided(system, tuple(candidates), reduced, tuple(members), tuple(shares), tuple(hidden), solved)

@@ -96,8 +96,7 @@ def parameters_of(shape: Shape, mean: Array, covariance: Array) -> tuple[Paramet
 def _without(decided: Decided, i: int) -> Solved:
     """All numbers with the other members alone: what is known before a change is looked for."""
     others = [m for j, m in enumerate(decided.members) if j != i]
-    shapes = [decided.shape(m) for m in others]
-    return solve(decided.system, shapes, [s.held(m.scale) for s, m in zip(shapes, others, strict=True)])
+    return solve(decided.system, [decided.shape(m) for m in others], [m.scale for m in others])
 
 
 def _moves_mm(decided: Decided, shape: Shape, mean: Array) -> float:
@@ -179,9 +178,8 @@ def tracks(decided: Decided) -> Iterator[Track]:
             continue
         beside = [m for m in decided.members if m not in mine]
         others, own = [decided.shape(m) for m in beside], [shape.at(pattern) for pattern in each]
-        scales = [*(m.scale for m in beside), *(mine[0].scale if mine else LOOSE for _ in own)]
-        every = [*others, *own]
-        solved = solve(system, every, [s.held(scale) for s, scale in zip(every, scales, strict=True)])
+        scale = mine[0].scale if mine else LOOSE
+        solved = solve(system, [*others, *own], [*(m.scale for m in beside), *(scale for _ in own)])
         at, p = sum(len(s.sizes) for s in others), len(shape.sizes)
         values, stds = [0.0], [0.0]
         for j in range(len(own)):

@@ -86,8 +86,7 @@ def within_mm(decided: Decided) -> float:
     geometry = tuple(int(c) for c in system.occasions[0].fit.columns.geometry)
     every = moved(system.occasions, geometry).at(last)
     shapes = [decided.shape(m) for m in decided.members]
-    scales = [shape.held(m.scale) for shape, m in zip(shapes, decided.members, strict=True)]
-    solved = solve(system, [*shapes, every], [*scales, every.held(LOOSE)])
+    solved = solve(system, [*shapes, every], [*(m.scale for m in decided.members), LOOSE])
     before = sum(len(shape.sizes) for shape in shapes)
     mean, covariance = solved.of(slice(before, before + len(geometry)))
     S = _beside_local(system, every.columns, [shape.columns for shape in shapes])

@@ -120,9 +120,10 @@ class Solved:
         return self.values[at], half @ half.T
 
 
-def solve(system: System, shapes: Sequence[Shape], scales: Sequence[Array]) -> Solved:
-    """The common numbers, and the shapes held by `scales`, (g,) each, times their prior sizes."""
-    C = [shape.columns * scale for shape, scale in zip(shapes, scales, strict=True)]
+def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> Solved:
+    """The common numbers, and the shapes, each held as one that was found at its scale."""
+    held = [shape.held(scale) for shape, scale in zip(shapes, scales, strict=True)]
+    C = [shape.columns * scale for shape, scale in zip(shapes, held, strict=True)]
     A = np.concatenate([system.J, *C], axis=1)
     n = A.shape[1]
     stacked = np.column_stack([np.vstack([A, np.eye(n)]), np.concatenate([system.e, np.zeros(n)])])
@@ -131,7 +132,7 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[Array]) -> S
     values = inverse @ R[:n, n]
     left = system.e - A @ values
     dof = float(system.used.sum()) - (n - float((inverse**2).sum()))
-    unit = np.concatenate([np.ones(system.J.shape[1]), *scales])
+    unit = np.concatenate([np.ones(system.J.shape[1]), *held])
     return Solved(
         values * unit,
         inverse * unit[:, None],

@@ -109,7 +109,9 @@ def judge(problem: Problem) -> Plausible:
     fits.sort(key=lambda one: (one[0][0].table != "targets", one[1]))
     if fits or max(now.middle, now.displaced) < REFUSED:
         return Plausible(now, tuple(fits))
-    return Plausible(now, (), _scale(data, enough), _zero(problem, data, enough))
+    scale = _scale(data, enough)
+    zero = _zero(problem, data, enough) if scale == 1.0 and now.middle > REFUSED else None
+    return Plausible(now, (), scale, zero)
 
 
 def _zero(problem: Problem, data: Sample, enough: float) -> tuple[str, float] | None:

@@ -69,6 +69,8 @@ def plan(
     """
     if poses is not None and poses < 1:
         raise InputError(Fault("--poses", f"is {poses}", "give a number of poses"))
+    if poses is not None and minutes is not None:
+        raise InputError(Fault("--poses, --minutes", "are two limits", "give the number or the time"))
     count = poses or POSES
     made: Plan
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
