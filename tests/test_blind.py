@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from workbench.diagnosis.run import diagnose
 from workbench.effects import catalogue
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
+from workbench.report.reliability import COUNTED
 from workbench.studies.blind import blind, case_keys
 from workbench.studies.blind.cases import FORMS, draw_case
 from workbench.studies.blind.constants import changed, moved
@@ -191,3 +193,9 @@ def test_a_constant_varies_and_returns():
         assert PRIORS.cause == pytest.approx(3 * before)
     assert PRIORS.cause == before
     assert changed("named", 3.0) == pytest.approx(0.95 * 3 / (0.95 * 3 + 0.05))
+
+
+def test_the_reliability_that_pages_show_is_that_of_the_figures_that_are_quoted():
+    kept = Path(__file__).parents[1] / "benchmarks/results/blind.json"
+    shown, quoted = (json.loads(path.read_text(encoding="utf-8")) for path in (COUNTED, kept))
+    assert shown == {key: quoted[key] for key in shown}

@@ -18,9 +18,11 @@ SIZES = (
     "line",
     "free",
     "largest",
+    "form",
     "noise_dof",
     "wrong_sign",
     "present",
+    "companions",
     "joint_yields",
     "tilt_yields",
 )
