@@ -124,3 +124,33 @@ def test_a_pose_less_leaves_the_others_in_their_parts(repeats: int) -> None:
         assert one is not None
         assert other is not None
         assert len(set(one.poses.ids) ^ set(other.poses.ids)) <= repeats + 2
+
+
+def test_what_is_off_together_in_one_angle_is_no_outlier():
+    """A flat bump in one joint takes every point there off by twenty times the noise; one point is wild."""
+    campaign = measured(poses=120)
+    joint = campaign.robot.joint_names.index("joint_1")
+    q = campaign.poses.q[:, joint]
+    there = np.abs(q - np.quantile(q, 0.8)) < 0.1 * np.ptp(q)
+    points = campaign.points.copy()
+    points[there] += [4e-4, -4e-4, 3e-4]
+    alone = int(np.flatnonzero(there)[3])
+    points[alone, 1] += [0.02, 0.0, 0.01]
+    faults = prepared.prepare(with_points(campaign, points)).faults
+    assert there.sum() > 15
+    assert [(fault.kind, fault.pose_id, fault.target) for fault in faults] == [
+        ("outlier", campaign.poses.ids[alone], "T2")
+    ]
+
+
+def test_exact_data_with_exact_repeats_are_diagnosed():
+    campaign = measured("cylindrical", poses=40, loads=(), state_sigma=False)
+    model = diagnose(campaign).fit
+    exact = model.model.predict(model.state)
+    later = np.arange(2.0 * len(exact))  # at another time: no copies
+    twice = campaign.some(np.tile(np.arange(len(exact)), 2)).with_poses(
+        ids=tuple(f"P{i}" for i in range(len(later))), time=later
+    )
+    found = diagnose(with_points(twice, np.concatenate([exact, exact]))).diagnosis
+    assert found.verdict == "nothing_missing"
+    assert found.noise.source == "repeats"

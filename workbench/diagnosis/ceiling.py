@@ -28,6 +28,7 @@ ROUNDS = 25
 FAINTEST = 1e-5  # squared scale, in usual sizes, at which a component is gone
 SPEAKS = 1.0  # log Bayes factor, each alone, from which a component is tried
 LEAST = 0.05  # effective number of weights below which it is gone
+LEAST_NOISE = 1e-2  # of the variance that the noise says: what is left of exact data has no digits
 MOST_ROWS = 9000
 
 
@@ -99,7 +100,7 @@ def _relevant(
                     kept.append(k)
         used = len(columns) - float(variance @ precision)
         rest = total - weights @ (2 * right[columns] - normal[np.ix_(columns, columns)] @ weights)
-        noise = max(float(rest), 1e-12 * total) / max(rows - used, 1.0)
+        noise = max(float(rest), 1e-12 * total, LEAST_NOISE * rows) / max(rows - used, 1.0)
         live = kept
     columns, precision = staying()
     return columns, precision * noise

@@ -12,6 +12,7 @@ from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from ..campaign.problem import Problem
 from ..effects.base import Effect
@@ -23,6 +24,9 @@ from ..robot.kinematics import Array
 from .result import FaultFound
 
 WILD = 6.0  # robust standard deviations per axis from which a point is wild
+MIDDLE = 1.538  # the median of a 3-D normal's length, in its standard deviations per axis
+NEIGHBOURS = 31  # poses that are next in a joint's angle
+MANY = 2.0  # times the usual distance: half of the neighbours are off by more
 ROUNDS = 6  # of a fit and a cleaning: what is farthest off goes first
 GROSS = 10.0  # times what most points are off the rigid robot: no robot that is only inaccurate has that,
 GROSS_SHARE = 0.1  # and of the spread of the points
@@ -48,7 +52,8 @@ def clean(problem: Problem, start: State, noise: Covariance, known_effects: Acti
     for _ in range(ROUNDS):
         result = robust_fit(problem, start, noise, known_effects)
         length = np.linalg.norm(result.residual, axis=2)
-        found = mended(problem, result.line.prediction.points, wild_limit(length, least))
+        limit = np.maximum(wild_limit(length, least), _where_many_are_off(problem, length))
+        found = mended(problem, result.line.prediction.points, limit)
         start = result.state
         if not found.faults:
             break
@@ -92,8 +97,31 @@ def wild_limit(length: Array, least: Array) -> Array:
     seen: its robust scale per target counts, but no less than `least` (T,) [m], one sigma per axis."""
     middle = np.array([np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else np.inf
                        for column in length.T])  # fmt: skip
-    sigma = np.maximum(middle / 1.538, least)  # median of a 3-D normal's length
+    sigma = np.maximum(middle / MIDDLE, least)
     return np.asarray(WILD * np.sqrt(3) * sigma)[None]
+
+
+def _where_many_are_off(problem: Problem, length: Array) -> Array:
+    """(N, T) distance [m] from which a point is wild where its neighbours in the angle of one joint, or most
+    points with its load, are off as well: what clusters there comes of the robot. 0 where they are not. The
+    order in time counts for nothing here: an instrument that is disturbed for a while is no robot."""
+    limit, q = np.zeros(length.shape), problem.q
+    chance = np.random.default_rng(len(q)).permutation(len(q))  # decides among equal angles
+    for i, column in enumerate(length.T):
+        seen = chance[np.isfinite(column[chance])]
+        if len(seen) < 2 * NEIGHBOURS:
+            continue
+        usual = float(np.median(column[seen]))
+        near = np.zeros(len(q))
+        for angle in q.T:
+            order = seen[np.argsort(angle[seen], kind="stable")]
+            near[order] = np.maximum(near[order], median_filter(column[order], NEIGHBOURS, mode="nearest"))
+        for load in np.unique(problem.campaign.poses.payload[seen]):
+            same = seen[problem.campaign.poses.payload[seen] == load]
+            if len(same) >= NEIGHBOURS:
+                near[same] = np.maximum(near[same], np.median(column[same]))
+        limit[:, i] = np.where(near > MANY * usual, WILD * np.sqrt(3) * near / MIDDLE, 0.0)
+    return limit
 
 
 def least_sigma(problem: Problem, noise: Covariance | None) -> Array:

@@ -19,7 +19,7 @@ from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 
 NOTHING = 2 * np.log(1e-12)  # logarithm of a variance [m² or rad²] that is none
-LEAST = 1e-8  # m: no instrument that sees a robot is better, and squares of errors in it still have digits
+LEAST = 1e-7  # m: no instrument that sees a robot is better, and squares of errors in it still have digits
 
 
 @dataclass(frozen=True)
