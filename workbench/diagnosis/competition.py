@@ -15,6 +15,7 @@ from ..identification.fit import ROUGH, Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from ..robot.kinematics import Array
+from .acts_through import needs_of
 from .components import Component, Key, bare, cause_components, line_component, nameless_components
 from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
@@ -256,7 +257,7 @@ def _competition(
         *(_line(at, line) for line in lines),
         *nameless_components(at, functions),
     ]
-    return Competition(reduce(at, components, noise_dof), components)
+    return Competition(reduce(at, components, noise_dof), components, needs_of(at, components))
 
 
 def _misfit(left: Remainder, noise_dof: float) -> float:

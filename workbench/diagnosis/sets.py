@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from ..robot.kinematics import Array
+from .acts_through import Needs
 from .components import Component, bare
 from .priors import PRIORS
 from .reduced import Index, Reduced
@@ -128,10 +129,13 @@ class Chosen:
 
 
 class Competition:
-    """The search over sets of components at one linearisation."""
+    """The search over sets of components at one linearisation. needs: of a component, those beside which alone
+    it competes."""
 
-    def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
-        self.reduced, self.components = reduced, components
+    def __init__(
+        self, reduced: Reduced, components: Sequence[Component], needs: Needs | None = None
+    ) -> None:
+        self.reduced, self.components, self.needs = reduced, components, needs or {}
         self.forms = Forms(reduced, components)
 
     def beside(
@@ -141,6 +145,8 @@ class Competition:
         taken = {m.component for i, m in enumerate(chosen.members) if i != without}
         allowed = np.ones(len(self.components), bool) if among is None else among.copy()
         allowed[list(taken)] = False
+        for k, needed in self.needs.items():
+            allowed[k] &= needed <= taken
         explained = chosen.explained if without is None else chosen.explained_without(without)
         return self.forms.weigh(lambda index: chosen.left_of(index, without), explained, allowed)
 
@@ -173,7 +179,7 @@ class Competition:
         known = {component.label: k for k, component in enumerate(self.components)}
         here = [known[label] for label in labels if label in known]
         weights = self.beside(Chosen(self.reduced, []))
-        members = [Member(k, weights[k].form, weights[k].scale) for k in here]
+        members = [Member(k, weights[k].form, weights[k].scale) for k in here if k in weights]
         own = np.zeros(len(self.components), bool)
         own[here] = True
         return self.exchanged(members, own)
@@ -210,9 +216,9 @@ class Competition:
             for member in before:
                 i = members.index(member)
                 weights = self.beside(chosen, i, among)
-                k = max(weights, key=lambda i: weights[i].log_odds)
-                own = weights[member.component].log_odds
-                if max(weights[k].log_odds, own) <= 0:
+                k = max(weights, key=lambda i: weights[i].log_odds, default=member.component)
+                own = weights[member.component].log_odds if member.component in weights else -np.inf
+                if k not in weights or max(weights[k].log_odds, own) <= 0:
                     members = [m for m in members if m is not member]
                 else:
                     if weights[k].log_odds < own + 0.5:
@@ -241,6 +247,9 @@ class Competition:
         anyway = {k: max(w.log_odds, 0.0) for k, w in self.beside(chosen).items()}
         for i, member in enumerate(members):
             weights = self.beside(chosen, i)
+            if member.component not in weights:  # what it needs is gone
+                out.append({member.component: 0.0, None: 1.0})
+                continue
             logs: Shares = {}
             for k, w in weights.items():
                 value = w.log_odds - anyway.get(k, 0.0)

@@ -195,6 +195,15 @@ class Effect(ABC):
         per unit of each parameter. None of other effects."""
         return None
 
+    def pulled(self, problem: Problem, line: Slopes) -> Array | None:
+        """Of a load: (N, S, 6, p) change of the local wrenches per unit of each parameter. None of others."""
+        return None
+
+    def yields_to(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
+        """Of what yields: (N, R, p) motion of what is observed by its yield to more wrenches (N, S, 6, p), to
+        first order. None of others."""
+        return None
+
     @abstractmethod
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         """The effect over what it depends on."""

@@ -10,8 +10,9 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
-from .base import Param
+from .base import Effect, Param
 from .kinds import LinearYield
+from .tilting import uneven
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,10 @@ class Foundation(LinearYield):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Foundation]:
         return [cls()]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """No ground is alike in all directions."""
+        return uneven(self, problem)
 
     def slot(self, arm: Arm) -> int:
         return 0

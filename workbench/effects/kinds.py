@@ -121,6 +121,12 @@ class YieldEffect(Effect):
         by_value = self.law(rest.arm, rest.load.local[:, k], values)[2]
         return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ by_value)
 
+    def yields_to(self, line: Slopes, wrench: Array, values: Array) -> Array:
+        rest = line.prediction
+        k = self.slot(rest.arm)
+        by_wrench = self.law(rest.arm, rest.load.local[:, k], values)[1]
+        return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ (by_wrench @ wrench[:, k]))
+
 
 class AxialYield(YieldEffect):
     """A joint that yields about (or along) its own axis."""
@@ -196,9 +202,12 @@ class LoadEffect(Effect):
     def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
         """(N, S, 6, p) change of the local wrenches per unit of each parameter."""
 
+    def pulled(self, problem: Problem, line: Slopes) -> Array:
+        return self.wrench(problem, line.prediction.where, line.prediction.loads)
+
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
         rest = line.prediction
-        change = self.wrench(problem, rest.where, rest.loads)
+        change = self.pulled(problem, line)
         change = change.reshape(len(change), -1, change.shape[-1])
         out = np.asarray(line.torque @ change[:, line.rows])
         if problem.drives:
