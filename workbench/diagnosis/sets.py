@@ -129,8 +129,8 @@ class Chosen:
 
 
 class Competition:
-    """The search over sets of components at one linearisation. needs: of a component, those beside which alone
-    it competes."""
+    """The search over sets of components at one linearisation. needs: of a component, those beside which
+    alone it competes."""
 
     def __init__(
         self, reduced: Reduced, components: Sequence[Component], needs: Needs | None = None
