@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..campaign.problem import Problem
+from ..effects import catalogue
 from ..effects.base import Effect
 from ..effects.given import Exclusion, Given, exclusions, given_facts
 from ..effects.place import NOWHERE, Parameter
@@ -66,7 +68,7 @@ def search_with_given(
         obeyed.remove(worst)
     result = found[1].fit
     said = [_fact(fact, seen[fact], obeyed, result) for fact in facts]
-    said += [_excluded(one, named[one]) for one in excluded]
+    said += [_excluded(one, named[one], problem) for one in excluded]
     gone = {(e.cause, NOWHERE if one.text.strip() == e.cause else e.where): None
             for one in believed for e in candidates if one.covers(e)}  # fmt: skip
     missing = tuple(NotTestable(cause, "given: it is not there", where) for cause, where in gone)
@@ -145,7 +147,7 @@ def _fact(fact: Given, seen: tuple[float, float], obeyed: Sequence[Given], resul
     said = f"{fact.effect.label}: {fact.fact.said}"
     if fact in obeyed:
         fitted = _parameter(fact, *result.given_estimate(list(obeyed).index(fact)))
-        sentence = f"Given and kept to: {said}."
+        sentence = f"Given and kept to: {said}.{_silent(fact.effect, result.model.problem)}"
     else:
         sentence = (
             f"Given, but the data contradict it: {said} ({_plain(given)} against the model); the data alone "
@@ -157,10 +159,16 @@ def _fact(fact: Given, seen: tuple[float, float], obeyed: Sequence[Given], resul
     )  # fmt: skip
 
 
-def _excluded(one: Exclusion, probability: float) -> GivenFact:
+def _silent(kind: Effect | type[Effect], problem: Problem) -> str:
+    """A sentence where the data show nothing of a cause in any case; else nothing."""
+    why = kind.needs(problem)
+    return f" These data say nothing of it: {why}." if why else ""
+
+
+def _excluded(one: Exclusion, probability: float, problem: Problem) -> GivenFact:
     cause = one.text.partition("(")[0].strip()
     said = f"no {one.text.strip()}"
-    sentence = f"Given and kept to: {said}."
+    sentence = f"Given and kept to: {said}.{_silent(catalogue()[cause], problem)}"
     if probability:
         sentence = (
             f"Given, but the data contradict it: {said}; without it they name this cause with probability "

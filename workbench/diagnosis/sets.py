@@ -132,9 +132,7 @@ class Competition:
     """The search over sets of components at one linearisation. needs: of a component, those beside which
     alone it competes."""
 
-    def __init__(
-        self, reduced: Reduced, components: Sequence[Component], needs: Needs | None = None
-    ) -> None:
+    def __init__(self, reduced: Reduced, components: Sequence[Component], needs: Needs | None = None) -> None:
         self.reduced, self.components, self.needs = reduced, components, needs or {}
         self.forms = Forms(reduced, components)
 

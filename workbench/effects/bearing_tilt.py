@@ -10,10 +10,9 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
-from .base import Effect, Param
+from .base import Param
 from .kinds import LinearYield
 from .place import Where
-from .tilting import uneven
 
 
 @dataclass(frozen=True)
@@ -53,10 +52,6 @@ class BearingTilt(LinearYield):
             cls(Where(joint=joint.name), nominal=1 / (joint.data.tilt_stiffness or np.inf))
             for joint in problem.robot.joints
         ]
-
-    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """No housing is alike in all directions."""
-        return uneven(self, problem)
 
     def slot(self, arm: Arm) -> int:
         return arm.names.index(str(self.where.joint)) + 1

@@ -12,7 +12,9 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
 from .base import Effect, Param
 from .kinds import LinearYield
-from .tilting import uneven
+from .unnamed.loads import UnevenTilt
+
+UNEVEN = 0.3  # share of the tilt that is not alike in all directions
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,8 @@ class Foundation(LinearYield):
         return [cls()]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """No ground is alike in all directions."""
-        return uneven(self, problem)
+        """No ground is alike in all directions, nor as stiff under any load."""
+        return [(UNEVEN, one) for one in UnevenTilt.sites(problem)]
 
     def slot(self, arm: Arm) -> int:
         return 0

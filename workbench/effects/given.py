@@ -14,6 +14,7 @@ from . import catalogue
 from .base import Effect
 from .records import PLACE, from_record, stated_effects
 
+NEAR = 0.1  # of a number: no further from it is the slope taken that makes its spread the parameter's
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 
 
@@ -63,8 +64,9 @@ def _looked_up(fact: FactData, problem: Problem) -> Given:
         raise InputError(Fault(place, f"{fact.cause} has {len(effect.params)} numbers here", mend))
     value, std = _number(effect, fact, fact.value, problem), 0.0
     if fact.std:
-        sides = [_number(effect, fact, fact.value + side * fact.std, problem) for side in (-0.5, 0.5)]
-        std = abs(sides[1] - sides[0])
+        step = min(0.5 * fact.std, NEAR * abs(fact.value)) or 0.5 * fact.std
+        sides = [_number(effect, fact, fact.value + side * step, problem) for side in (-1, 1)]
+        std = abs(sides[1] - sides[0]) / (2 * step) * fact.std
     (param,) = effect.params
     stated = [v for other, v in stated_effects(problem) if other == effect]
     if whole in effect.wholes:  # what the model's own effects add to it is there already
@@ -81,6 +83,8 @@ def _number(effect: Effect, fact: FactData, value: float, problem: Problem) -> f
         return float(effect.given({fact.parameter: value})[0])
     warmth = 0.0 if fact.temp_degC is None else fact.temp_degC - REFERENCE_TEMPERATURE
     found = effect.of_whole(problem, fact.parameter, value, warmth)
+    if found is None and effect.of_whole(problem, fact.parameter, abs(value) or 1.0, warmth) is not None:
+        raise InputError(Fault(_place(fact), f"{value:g} is no {fact.parameter}", "give a positive number"))
     if found is None:
         mend = f"give {effect.params[0].name}, the difference from the model ({effect.params[0].unit})"
         raise InputError(Fault(_place(fact), f"the model has no {fact.parameter} to differ from", mend))

@@ -43,7 +43,7 @@ class JointMap(TransmissionEffect):
     smooth: ClassVar[bool] = True
     separate: ClassVar[dict[str, str]] = {
         "gear_kinematic_error": "sweep the joint in steps far below its shortest period",
-        "gear_eccentricity": "sweep the joint over at least one full turn",
+        "gear_eccentricity": "sweep the joint over its whole range, a full turn where it can",
         "gear_ratio": "sweep the joint over its whole range",
         "joint_compliance": "the same poses with another payload: a map does not change",
         "gravity_compensator": "record the motor torque of the joint",

@@ -81,6 +81,10 @@ def curves(
             plain_log(axes.yaxis)
         axes.set(xlabel=xlabel, ylabel=ylabel)
         axes.margins(x=0.02)
+        if (at == np.round(at)).all():
+            from matplotlib.ticker import MaxNLocator
+
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         columns = len(series) if len(series) < 5 else 3
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns)
     return Figure(name, title, f"{ylabel} over {xlabel}: {', '.join(series)}", svg[0])

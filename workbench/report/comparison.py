@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..diagnosis.changes.result import Apart, Change, Comparison, Track, Unchanged
+from ..diagnosis.changes.result import Apart, Change, Comparison, TargetMoved, Track, Unchanged
+from ..diagnosis.changes.words import with_std
 from . import charts
 from .drawing import Figure
 from .folder import json_bytes, write_together
@@ -133,16 +135,23 @@ def _apart(comparison: Comparison) -> list[list[str]]:
 
 def _instrument(one: Apart) -> str:
     return (
-        f"instrument from base: {one.frame_mm:.2f} ± {one.frame_std_mm:.2g} mm and "
-        f"{one.frame_mrad:.2f} ± {one.frame_std_mrad:.2g} mrad from the first"
+        f"instrument from base: {with_std(one.frame_mm, one.frame_std_mm)} mm and "
+        f"{with_std(one.frame_mrad, one.frame_std_mrad)} mrad from the first"
     )
 
 
 def _targets(one: Apart) -> str:
     if not (one.targets and one.targets_moved):
         return "targets where they were"
-    moved = [f"{t.target} {sum(v * v for v in t.by_mm) ** 0.5:.3f} mm" for t in one.targets]
+    moved = [f"{t.target} {_length(t)} mm" for t in one.targets]
     return f"targets moved: {', '.join(moved)}"
+
+
+def _length(target: TargetMoved) -> str:
+    """By how much a target moved [mm], with one sigma of that."""
+    length = math.hypot(*target.by_mm)
+    along = [v / length for v in target.by_mm] if length else (1.0, 0.0, 0.0)
+    return with_std(length, math.hypot(*(a * s for a, s in zip(along, target.std_mm, strict=True))))
 
 
 def chart(tracks: Sequence[Track], labels: Sequence[str]) -> list[Figure]:

@@ -176,17 +176,16 @@ class OwnWeight(Unnamed, DirectEffect):
 
 @dataclass(frozen=True)
 class UnevenTilt(Unnamed, DirectEffect):
-    """A slot that tilts under moment does not do so alike in all directions, nor evenly: softer about one
-    axis across it than about the other, whichever these are, and softer or stiffer under a large moment.
-    slot: its number; largest [N·m]: moment across it of the campaign."""
+    """A base that tilts under moment does not do so alike in all directions, nor evenly: softer about one
+    axis of the floor than about the other, whichever these are, and softer or stiffer under a large moment.
+    largest [N·m]: overturning moment of the campaign."""
 
     variant: str = "uneven tilt"
     size: float = 5e-5
-    slot: int = 0
     largest: float = 1.0
 
     depends: ClassVar[Depends] = frozenset({"load"})
-    settings: ClassVar[tuple[str, ...]] = ("size", "slot", "largest")
+    settings: ClassVar[tuple[str, ...]] = ("size", "largest")
 
     @property
     def functions(self) -> int:
@@ -194,7 +193,7 @@ class UnevenTilt(Unnamed, DirectEffect):
 
     @property
     def variable(self) -> str:
-        return f"moment across {self.where.joint or 'the base'}"
+        return "overturning moment"
 
     @property
     def unit(self) -> str:
@@ -204,22 +203,16 @@ class UnevenTilt(Unnamed, DirectEffect):
         return np.asarray(np.linalg.norm(self.moment(problem), axis=1))
 
     def moment(self, problem: Problem) -> Array:
-        """(N, 2) [N·m] across the slot, on its own axes."""
-        return np.asarray(problem.nominal_load.local[:, self.slot, RX : RX + 2])
+        """(N, 2) [N·m] overturning moment at the base, about both axes of the floor."""
+        return np.asarray(problem.nominal_load.local[:, 0, RX : RX + 2])
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         x, y = self.moment(problem).T / self.largest
         size = np.hypot(x, y)
-        first = 6 * self.slot + RX
-        return {first: np.column_stack([x, y, size * x]), first + 1: np.column_stack([-y, x, size * y])}
+        return {RX: np.column_stack([x, y, size * x]), RX + 1: np.column_stack([-y, x, size * y])}
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[UnevenTilt]:
-        """The base and every joint that bear a moment."""
-        out = []
-        for slot, name in enumerate((None, *problem.arm.names)):
-            one = cls(Where(joint=name), slot=slot)
-            most = float(one.x(problem).max(initial=0.0))
-            if most > 1e-3:
-                out.append(replace(one, largest=most))
-        return out
+        """The base, where there is a moment on it."""
+        most = float(cls().x(problem).max(initial=0.0))
+        return [cls(largest=most)] if most > 1e-3 else []
