@@ -156,10 +156,11 @@ def with_companions(fit: Fit, effects: Sequence[Effect], about: Problem) -> list
     """Effects and behind them their companions in a problem, each with its prior sizes (p,)."""
     shares = [(1.0, effect) for effect in effects]
     shares += [pair for effect in effects for pair in effect.companions(about)]
-    return [(effect, share * _usual(fit, effect)) for share, effect in shares]
+    return [(effect, share * usual(fit, effect)) for share, effect in shares]
 
 
-def _usual(fit: Fit, effect: Effect) -> Array:
+def usual(fit: Fit, effect: Effect) -> Array:
+    """(p,) usual sizes of an effect's parameters at a fit's loads."""
     typical = np.array([p.typical for p in effect.params])
     if effect.acts == "yielding" and not effect.stated:
         return usual_yield(fit, effect, typical)

@@ -15,6 +15,7 @@ from scipy.linalg import solve_triangular
 from ..effects.base import Effect
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
+from .components import usual
 
 SURVIVES = 1e-6  # share of a column's length² that the background must leave
 FAINT = 1e-2  # length² (a λ) below which a typical size of a cause moves nothing worth a test
@@ -24,7 +25,7 @@ FAINT = 1e-2  # length² (a λ) below which a typical size of a cause moves noth
 class Screen:
     """Candidates in reduced form. `parts[k]` are the columns of candidate k.
 
-    S: (g, g), u: (g,) in units where every column's parameter is counted in its typical size `scale`; own:
+    S: (g, g), u: (g,) in units where every column's parameter is counted in its usual size `scale`; own:
     (g,) length² of the columns before projection; dof: of the whitened residual.
     """
 
@@ -80,7 +81,7 @@ def screen(fit: Fit, candidates: Sequence[Effect]) -> Screen:
     """Reduced form of all candidates at a fit. Effects of the fit's model are background."""
     blocks, parts, scale, at = [], [], [], 0
     for effect in candidates:
-        typical = np.array([p.typical for p in effect.params])
+        typical = usual(fit, effect)
         blocks.append(fit.model.effect_jacobian(fit.line, effect, np.zeros(len(typical))) * typical)
         parts.append(slice(at, at + len(typical)))
         scale.append(typical)
