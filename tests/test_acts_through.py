@@ -1,7 +1,7 @@
 """A load that shows only through what yields in the fit is no rival of that yield; a base tilts unevenly."""
 
 import numpy as np
-from diagnosis_cases import measured
+from diagnosis_cases import found, measured, named
 
 from workbench.campaign.problem import problem
 from workbench.diagnosis.acts_through import needs_of
@@ -14,19 +14,30 @@ from workbench.effects.unnamed.loads import UnevenTilt
 from workbench.identification.fit import refit
 
 
-def test_a_payload_needs_the_one_joint_that_yields_to_it():
-    campaign = measured("cylindrical", poses=30, loads=(40.0,))
-    geometry = prepare(campaign).geometry
+def needs(name, load, *joints):
+    """Of the payload: joints whose fitted compliances it needs, in a robot of that name."""
+    geometry = prepare(measured(name, poses=30, loads=(load,))).geometry
     read = geometry.model.problem
-    loads, joints = list(Payload.sites(read)), list(JointCompliance.sites(read))
-    components = cause_components(geometry, [*loads, *joints])
-    assert needs_of(geometry, components) == {}
-    soft = next(one for one in joints if one.where.joint == "joint_2")
-    fitted = refit(geometry, [soft])
-    at = cause_components(fitted, [*loads, *joints])
-    by_key = {component.key: k for k, component in enumerate(at)}
-    found = needs_of(fitted, at)
-    assert set().union(*found.values()) <= {by_key[soft.key]}
+    sites = {one.where.joint: one for one in JointCompliance.sites(read)}
+    fitted = refit(geometry, [sites[joint] for joint in joints])
+    components = cause_components(fitted, [*Payload.sites(read), *sites.values()])
+    assert any(component.key[0] == "payload" for component in components)
+    return {
+        components[k].label: {components[i].key[1].joint for i in needed}
+        for k, needed in needs_of(fitted, components).items()
+    }
+
+
+def test_a_payload_needs_the_one_joint_that_yields_to_it():
+    for joint in ("joint_2", "joint_5"):
+        assert needs("irb120", 3.0, joint) == {"payload(load_1)": {joint}}  # nothing else of it yields
+    assert needs("cylindrical", 40.0, "joint_2") == {}  # its stated joints yield in any case
+
+
+def test_a_tilt_is_not_taken_for_the_load_that_shows_by_it():
+    tilt = "bearing_tilt:joint=joint_5,compliance=1.5e-4"
+    campaign = measured("irb120", (tilt,), poses=40, loads=(3.0,), sigma=1e-5)
+    assert named(found(campaign)) == {("bearing_tilt", "joint_5"): "named"}
 
 
 def test_an_uneven_base_is_a_share_of_its_tilt():

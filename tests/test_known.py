@@ -54,6 +54,7 @@ def test_facts_are_read_from_text_and_toml_alike(tmp_path):
         ("gear_rato:joint=joint_4,ratio=120,std=0", "no cause"),
         ("gravity_compensator:precharge_bar=-3,std=1", "is no gravity_compensator"),
         ("gravity_compensator:rate=3,std=1", "no rate to differ from"),
+        ("joint_compliance:joint=joint_2,stiffness=-3,std=1", "-3 is no stiffness"),
         ("no backlsh", "no cause 'backlsh'"),
         ("no backlash(joint_9)", "cannot sit there"),
     ],
@@ -100,6 +101,19 @@ def test_a_given_number_is_weighed_against_the_data():
         weight @ [value, fact.value] / weight.sum(), abs=0.2 * std
     )
     assert both.given_estimate(0)[1] == pytest.approx(std, rel=0.02)
+
+
+def test_a_number_may_be_known_worse_than_its_size():
+    known = (f"joint_compliance:joint=joint_2,stiffness=2e6,std={std}" for std in ("2e4", "4e6"))
+    little, much = (given_facts(problem_of(with_known(weak(), [text])))[0] for text in known)
+    assert little.value == much.value
+    assert much.std == pytest.approx(200 * little.std, rel=0.02)
+
+
+def test_a_fact_of_which_the_data_say_nothing_says_so():
+    (fact,) = diagnose(measured("cylindrical", poses=20, loads=()), known=["no drift"]).diagnosis.given
+    assert fact.obeyed
+    assert "say nothing of it: no column t_s" in fact.sentence
 
 
 def test_a_reading_of_the_gauge_decides(tmp_path):

@@ -21,20 +21,25 @@ Needs = Mapping[int, frozenset[int]]
 def needs_of(fit: Fit, components: Sequence[Component]) -> Needs:
     """Of each load's component, by its number: those of the fitted yields without which it moves nothing."""
     number = {bare(component.key): k for k, component in enumerate(components)}
-    fitted = list(zip(fit.model.effects, fit.state.values, strict=True))
+    fitted = [
+        (number[effect.key], effect, values)
+        for effect, values in zip(fit.model.effects, fit.state.values, strict=True)
+        if effect.acts == "yielding" and effect.key in number
+    ]
     found = dict[int, frozenset[int]]()
-    for k, component in enumerate(components):
-        load = component.forms[0].effects[0]
+    for k, component in enumerate(components if fitted else ()):
+        form = component.forms[0]
+        load = form.effects[0]
         wrench = load.pulled(fit.model.problem, fit.line)
         if wrench is None:
             continue
-        whole, live = fit.whitened(load), set[int]()
-        for effect, values in fitted:
+        whole, live = form.patterns[0].columns, set[int]()
+        for own, effect, values in fitted:
             by_it = effect.yields_to(fit.line, wrench, values)
-            if by_it is not None and effect.key in number:
+            if by_it is not None:
                 without = whole - np.matmul(fit.whitener, by_it)
                 if np.linalg.norm(without) < LEFT * np.linalg.norm(whole):
-                    live.add(number[effect.key])
+                    live.add(own)
         if live:
             found[k] = frozenset(live)
     return found

@@ -63,7 +63,7 @@ class Form:
     @property
     def held(self) -> bool:
         """Whether its prior sizes hold its weights in the fit as well: a free function."""
-        return all(p.spread is not None for effect in self.effects for p in effect.params)
+        return all(effect.free for effect in self.effects)
 
 
 def sized(forms: Iterable[Form]) -> list[tuple[Pattern, Array]]:

@@ -166,15 +166,14 @@ def _silent(kind: Effect | type[Effect], problem: Problem) -> str:
 
 
 def _excluded(one: Exclusion, probability: float, problem: Problem) -> GivenFact:
-    cause = one.text.partition("(")[0].strip()
     said = f"no {one.text.strip()}"
-    sentence = f"Given and kept to: {said}.{_silent(catalogue()[cause], problem)}"
+    sentence = f"Given and kept to: {said}.{_silent(catalogue()[one.cause], problem)}"
     if probability:
         sentence = (
             f"Given, but the data contradict it: {said}; without it they name this cause with probability "
             f"{probability:.2f}. It was not kept to."
         )
-    return GivenFact(cause, NOWHERE, said, obeyed=not probability, sentence=sentence)
+    return GivenFact(one.cause, NOWHERE, said, obeyed=not probability, sentence=sentence)
 
 
 def _parameter(fact: Given, value: float, std: float) -> Parameter:

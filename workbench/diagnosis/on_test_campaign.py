@@ -80,7 +80,7 @@ def _cleaned(problem: Problem, final: Fit) -> tuple[Problem, tuple[FaultFound, .
     least = np.full(len(problem.campaign.targets), float(np.median(final.noise.sigma)))
     for _ in range(ROUNDS):
         errors = _errors(problem, final)
-        found = mended(problem, errors.predicted, wild_limit(errors.length, least))
+        found = mended(problem, errors.predicted, wild_limit(problem, errors.length, least))
         if not found.faults:
             break
         problem, faults = found.problem, (*faults, *found.faults)

@@ -214,12 +214,12 @@ class Competition:
             for member in before:
                 i = members.index(member)
                 weights = self.beside(chosen, i, among)
-                k = max(weights, key=lambda i: weights[i].log_odds, default=member.component)
-                own = weights[member.component].log_odds if member.component in weights else -np.inf
-                if k not in weights or max(weights[k].log_odds, own) <= 0:
+                k = max(weights, key=lambda i: weights[i].log_odds, default=None)
+                if k is None or weights[k].log_odds <= 0:
                     members = [m for m in members if m is not member]
                 else:
-                    if weights[k].log_odds < own + 0.5:
+                    own = weights.get(member.component)  # None: what it needs is gone
+                    if own is not None and weights[k].log_odds < own.log_odds + 0.5:
                         k = member.component
                     new = Member(k, weights[k].form, weights[k].scale)
                     if new == member:

@@ -52,8 +52,7 @@ def clean(problem: Problem, start: State, noise: Covariance, known_effects: Acti
     for _ in range(ROUNDS):
         result = robust_fit(problem, start, noise, known_effects)
         length = np.linalg.norm(result.residual, axis=2)
-        limit = np.maximum(wild_limit(length, least), _where_many_are_off(problem, length))
-        found = mended(problem, result.line.prediction.points, limit)
+        found = mended(problem, result.line.prediction.points, wild_limit(problem, length, least))
         start = result.state
         if not found.faults:
             break
@@ -92,20 +91,21 @@ def _pose_size(result: Fit, weight: Array) -> Array:
     return np.asarray(size / np.where(weight > 0, weight, 1.0))
 
 
-def wild_limit(length: Array, least: Array) -> Array:
-    """(1, T) distance [m] from which a point is wild. length: (N, T) [m] how far each is off, NaN where not
-    seen: its robust scale per target counts, but no less than `least` (T,) [m], one sigma per axis."""
+def wild_limit(problem: Problem, length: Array, least: Array) -> Array:
+    """(N, T) distance [m] from which a point is wild. length: (N, T) [m] how far each is off, NaN where not
+    seen: its robust scale per target counts, or that of its neighbours where many of them are off, but no
+    less than `least` (T,) [m], one sigma per axis."""
     middle = np.array([np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else np.inf
                        for column in length.T])  # fmt: skip
-    sigma = np.maximum(middle / MIDDLE, least)
-    return np.asarray(WILD * np.sqrt(3) * sigma)[None]
+    sigma = np.maximum(np.maximum(middle, _where_many_are_off(problem, length)) / MIDDLE, least)
+    return np.asarray(WILD * np.sqrt(3) * sigma)
 
 
 def _where_many_are_off(problem: Problem, length: Array) -> Array:
-    """(N, T) distance [m] from which a point is wild where its neighbours in the angle of one joint, or most
-    points with its load, are off as well: what clusters there comes of the robot. 0 where they are not. The
-    order in time counts for nothing here: an instrument that is disturbed for a while is no robot."""
-    limit, q = np.zeros(length.shape), problem.q
+    """(N, T) median distance [m] of a point's neighbours in the angle of one joint, or of the points with its
+    load, where these are off as well: what clusters there comes of the robot. 0 where they are not. The order
+    in time counts for nothing here: an instrument that is disturbed for a while is no robot."""
+    out, q = np.zeros(length.shape), problem.q
     chance = np.random.default_rng(len(q)).permutation(len(q))  # decides among equal angles
     for i, column in enumerate(length.T):
         seen = chance[np.isfinite(column[chance])]
@@ -120,8 +120,8 @@ def _where_many_are_off(problem: Problem, length: Array) -> Array:
             same = seen[problem.campaign.poses.payload[seen] == load]
             if len(same) >= NEIGHBOURS:
                 near[same] = np.maximum(near[same], np.median(column[same]))
-        limit[:, i] = np.where(near > MANY * usual, WILD * np.sqrt(3) * near / MIDDLE, 0.0)
-    return limit
+        out[:, i] = np.where(near > MANY * usual, near, 0.0)
+    return out
 
 
 def least_sigma(problem: Problem, noise: Covariance | None) -> Array:
@@ -140,11 +140,10 @@ class Mended:
 
 
 def mended(problem: Problem, predicted: Array, limit: Array) -> Mended:
-    """One round: points farther than `limit` (N or 1, T) [m] from where they are predicted (N, T, 3) are
+    """One round: points farther than `limit` (N, T) [m] from where they are predicted (N, T, 3) are
     exchanged with those of another target where that puts them right, else left out."""
     c = problem.campaign
     length = np.where(problem.seen, np.linalg.norm(c.points - predicted, axis=2), 0.0)
-    limit = np.broadcast_to(limit, length.shape)
     wild = length > limit
     if not wild.any():
         return Mended(problem, ())

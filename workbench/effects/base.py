@@ -132,6 +132,11 @@ class Effect(ABC):
         return False
 
     @property
+    def free(self) -> bool:
+        """Whether it is a free function: its numbers are weights, each held by a spread."""
+        return all(p.spread is not None for p in self.params)
+
+    @property
     def lasting(self) -> bool:
         """Whether it is the robot's own, and there in other campaigns as well."""
         return True

@@ -102,6 +102,11 @@ class Exclusion:
 
     text: str
 
+    @property
+    def cause(self) -> str:
+        """The cause that is said not to be there."""
+        return self.text.partition("(")[0].strip()
+
     def covers(self, effect: Effect) -> bool:
         said = self.text.replace(" ", "")
         return said in (effect.cause, effect.label.replace(" ", ""))
@@ -113,7 +118,7 @@ def exclusions(problem: Problem) -> tuple[Exclusion, ...]:
     kinds = catalogue()
     faults = []
     for one in found:
-        cause = one.text.partition("(")[0].strip()
+        cause = one.cause
         if cause not in kinds:
             mend = suggest(cause, kinds) or f"known: {', '.join(kinds)}"
             faults.append(Fault(f"known: exclude {one.text!r}", f"no cause {cause!r}", mend))

@@ -53,7 +53,7 @@ class Shape:
     def held(self, scale: float) -> Array:
         """(g,) in prior sizes, how its numbers are held where it was found at a scale: an effect's own
         loosely; its companions, and the weights of a free function, as they were found."""
-        free = any(p.spread is not None for effect in self.effects for p in effect.params)
+        free = any(effect.free for effect in self.effects)
         out = np.full(len(self.sizes), scale)
         if not free:
             out[: self.main] = LOOSE

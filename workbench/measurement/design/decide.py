@@ -134,7 +134,7 @@ def _wholes(space: DesignSpace, tie: Tie) -> list[Effect]:
 
 def _whole(tie: Tie, rival: Effect) -> str:
     """Why no few poses settle a cause beside a rival that contains it."""
-    if any(p.spread is not None for p in rival.params):
+    if rival.free:
         return (
             f"{tie.effect.label} is a case of {rival.label}: no pose tells them apart, only that nothing "
             f"else shows at many more angles of {rival.where}; {POSES.most} poses are too few"
