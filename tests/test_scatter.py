@@ -1,5 +1,6 @@
 """What moves a pose's targets together, from pose to pose, is scatter and no cause."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -15,13 +16,13 @@ from workbench.measurement.sweep import sweep
 SIGMA, SHIFT = 1.5e-5, 1.6e-5
 
 
-def measured(seed, shift=SHIFT, poses=45, said=SIGMA):
+def measured(seed, shift=SHIFT, poses=45, said=SIGMA, sigma=SIGMA):
     """A robot that nobody knows the repeatability of, its three targets moved together from pose to pose."""
     robot = load_robot("lrmate200id")
     rng = np.random.default_rng(seed)
     plan = planned(robot, random_poses(robot, poses, rng))
     still = np.zeros(len(robot.joints))
-    campaign = simulate(plan, Truth(sigma=SIGMA, repeatability=still), seed=seed)
+    campaign = simulate(plan, Truth(sigma=sigma, repeatability=still), seed=seed)
     moved = shift * rng.normal(size=(poses, 1, 3))
     return replace(campaign, points=campaign.points + moved, noise_sigma=said)
 
@@ -73,3 +74,25 @@ def test_joints_that_move_no_point_decide_nothing(rounding):
     noise = with_scatter(geometry, geometry.noise)
     assert noise.joint[1] == pytest.approx(6e-5 / np.sqrt(2), rel=0.15)
     assert noise.joint == pytest.approx(without.joint, rel=1e-9)
+
+
+def test_scatter_as_small_as_a_robots_is_its_repeatability_and_no_cause():
+    found = diagnose(measured(0, shift=8e-6)).diagnosis
+    assert found.verdict == "nothing_missing"
+    assert not found.causes
+    (note,) = [note for note in found.notes if "its data sheet says 0.02 mm" in note]
+    repeats_to = float(re.search(r"repeats to (\S+) mm", note)[1])
+    assert repeats_to == pytest.approx(3.62e3 * 8e-6, rel=0.3)  # ISO 9283 RP of normal deviations
+
+
+def test_scatter_that_no_robot_makes_is_left():
+    found = diagnose(measured(0, shift=3e-5)).diagnosis
+    assert [cause.cause for cause in found.causes] == [UNKNOWN]
+
+
+def test_scatter_that_repeats_do_not_show_is_left():
+    """The same shift whenever a pose is visited again: no repeatability, though as small."""
+    exact = measured(0, shift=8e-6, sigma=0.0).some(np.r_[np.arange(45), np.arange(0, 45, 3)])
+    noise = SIGMA * np.random.default_rng(7).normal(size=exact.points.shape)
+    campaign = replace(exact, points=exact.points + noise, noise_sigma=SIGMA)
+    assert [cause.cause for cause in diagnose(campaign).diagnosis.causes] == [UNKNOWN]

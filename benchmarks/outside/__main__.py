@@ -45,7 +45,8 @@ def diagnosed(campaign: Path) -> dict[str, Any]:
     causes = [
         said(cause) | {"rivals": [said(rival) for rival in cause["rivals"]]} for cause in found["causes"]
     ]
-    return {"verdict": found["verdict"], "headline": found["headline"], "causes": causes}
+    faults = sorted({fault["kind"] for fault in found["faults"]})
+    return {"verdict": found["verdict"], "headline": found["headline"], "causes": causes, "faults": faults}
 
 
 def done_before(path: Path, run: dict[str, Any]) -> dict[int, dict[str, Any]]:

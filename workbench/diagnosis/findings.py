@@ -24,7 +24,7 @@ from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
 from .prepared import Prepared
 from .priors import PRIORS
-from .remainder import Remainder, remainder
+from .remainder import Remainder, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .sets import Shares
@@ -60,7 +60,11 @@ def assemble(parts: Parts) -> Diagnosis:
     findings = [_finding(parts, *group) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = stages[1].heldout_rms_mm - with_names
-    nameless = _nameless(selection, left, best, with_names - best)
+    rounded = rounded_joints(final, prepared.noise, left)
+    repeats_to = None if rounded else repeatability_mm(final, left, prepared.covariance)
+    nameless = _nameless(selection, with_names - best)
+    if not nameless and left.scatter and repeats_to is None:
+        nameless = [_scatter(selection, left, best)]
     verdict = verdict_of(findings, nameless, brought, with_names - ceiling)
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
@@ -80,6 +84,7 @@ def assemble(parts: Parts) -> Diagnosis:
             ceiling,
             visible_mm(final, parts.candidates),
             bool(final.model.given),
+            repeats_to,
         ),
         causes=tuple(findings),
         ceiling_mm=ceiling,
@@ -88,14 +93,14 @@ def assemble(parts: Parts) -> Diagnosis:
         remainder_p=left.p,
         not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry)),
         detectable=tuple(detectable(parts.candidates, final, known)),
-        faults=prepared.faults + rounded_joints(final, prepared.noise, left),
+        faults=prepared.faults + rounded,
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
         given=parts.given,
         notes=(
             *(fact.sentence for fact in parts.given if not fact.obeyed),
             *prepared.notes,
             *c.warnings,
-            *remarks(prepared, left, bool(nameless)),
+            *remarks(prepared, left, bool(nameless), repeats_to),
         ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
@@ -192,10 +197,9 @@ def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], st
     return tuple(parameters), " ".join(s for s in sentences if s)
 
 
-def _nameless(selection: Selection, left: Remainder, rms_mm: float, worth_mm: float) -> list[Finding]:
-    """Functions without a name that the likeliest set has, largest first; and scatter beyond the noise.
-
-    worth_mm: what all of them together bring on held-out poses."""
+def _nameless(selection: Selection, worth_mm: float) -> list[Finding]:
+    """Functions without a name that the likeliest set has, largest first, as one. worth_mm: what all of them
+    together bring on held-out poses."""
     found = []
     part = "set-up" if len(selection.fit.model.problem.campaign.setup_names) > 1 else "half of the poses"
     for member, share in zip(selection.members, selection.shares, strict=True):
@@ -211,9 +215,8 @@ def _nameless(selection: Selection, left: Remainder, rms_mm: float, worth_mm: fl
         worth = selection.worth_mm(member)
         structure = f"looks like {label} in one {part} and not in another ({worth:.4f} mm)"
         found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
-    if not found:
-        return [_scatter(selection, left, rms_mm)] if left.scatter else []
-    return [_as_one(sorted(found, key=lambda finding: -finding.gain_mm), max(worth_mm, 0.0))]
+    ordered = sorted(found, key=lambda finding: -finding.gain_mm)
+    return [_as_one(ordered, max(worth_mm, 0.0))] if found else []
 
 
 def _with_names(components: Sequence[Component], share: Shares) -> tuple[Rival, ...]:

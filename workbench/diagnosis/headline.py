@@ -34,9 +34,11 @@ def headline(
     ceiling_mm: float,
     visible_mm: float,
     given: bool = False,
+    repeatability_mm: float | None = None,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
-    beyond geometry that these data would have shown; given: numbers known by other means are in the model."""
+    beyond geometry that these data would have shown; given: numbers known by other means are in the model;
+    repeatability_mm: of the robot, where that is all that is left."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [_words(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
@@ -54,6 +56,10 @@ def headline(
     if verdict == "nothing_missing":
         explain = "geometry and what was given explain" if given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
+        if repeatability_mm is not None:
+            power = (
+                f"{power}, were it no scatter: the robot seems to repeat to {repeatability_mm:.3f} mm only"
+            )
         return f"Nothing is missing: {explain} these data, and {power}. {gain}."
     best = max(geometry - ceiling_mm, 0.0)
     gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
@@ -84,10 +90,21 @@ def _some(words: Sequence[str]) -> str:
     return ", ".join(words[:MOST_SAID]) + more
 
 
-def remarks(prepared: Prepared, left: Remainder, structured: bool) -> list[str]:
-    """What a reader should know of the noise besides."""
+def remarks(
+    prepared: Prepared, left: Remainder, structured: bool, repeatability_mm: float | None
+) -> list[str]:
+    """What a reader should know of the noise besides. repeatability_mm: of the robot, where what is left
+    beyond the noise looks like that."""
     notes = []
-    if prepared.noise_known and not structured and left.p < GLOBAL_LEVEL:
+    if repeatability_mm is not None:
+        sheet = prepared.problem.robot.pose_repeatability_mm
+        said = "of which nothing is known" if sheet is None else f"its data sheet says {sheet:g} mm"
+        notes.append(
+            "Beyond the stated noise the poses scatter, by nothing that was recorded, as those of a robot do "
+            f"that repeats to {repeatability_mm:.3f} mm from all sides (ISO 9283 RP; {said}). It was taken "
+            "for that: repeat ten poses five times to know it."
+        )
+    elif prepared.noise_known and not structured and left.p < GLOBAL_LEVEL:
         word = "larger" if left.inflation > 1 else "smaller"
         notes.append(
             f"The residual is {abs(left.inflation - 1):.0%} {word} than the noise says, without any "

@@ -55,10 +55,12 @@ def detectable(candidates: Sequence[Effect], final: Fit, known: bool) -> Iterato
 
 
 def visible_mm(final: Fit, candidates: Sequence[Effect]) -> float:
-    """RMS length [mm], beyond what geometry can explain, of an effect with two numbers that would have been
-    found with 80 % power."""
+    """RMS length [mm], beyond what geometry can explain, of an effect with two numbers that moves a pose's
+    points together, which would have been found with 80 % power beside the noise and the robot's scatter."""
     alpha = FALSE_ALARM / max(len(candidates), 1)
-    return 1e3 * final.usual * float(np.sqrt(3 * needed(2, alpha) / max(final.point_rows, 1)))
+    targets = final.model.problem.seen.shape[1]
+    shift = np.matmul(final.whitener[:, :, : 3 * targets], np.tile(np.eye(3), (targets, 1)))
+    return 1e3 * float(np.sqrt(3 * needed(2, alpha) / max(float((shift**2).sum()), 1e-30)))
 
 
 def swallowed(candidates: Sequence[Effect], geometry: Fit) -> list[NotTestable]:

@@ -5,13 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtrc, fdtrc
+from scipy.special import chdtr, chdtrc, fdtrc
 
 from ..identification.fit import Fit
+from ..identification.noise import Covariance, repeat_chi2
 from .screen import effective_dof
 
 GLOBAL_LEVEL = 1e-3  # chance that clean data's residual exceeds the noise
 INFLATED = 1.10  # residual over noise from which scatter counts as something left
+RP = float(
+    np.sqrt(8 / np.pi) + 3 * np.sqrt(3 - 8 / np.pi)
+)  # ISO 9283: mean and three s of a length, per sigma
+ORDINARY_MM = 0.05  # RP up to which a robot whose data sheet says no more is believed to scatter
+DENIED = 0.01  # chance that repeats scatter as little, were it the robot that does not repeat
 
 
 @dataclass(frozen=True)
@@ -37,3 +43,23 @@ def remainder(result: Fit, known: bool) -> Remainder:
         p = float(fdtrc(dof, result.noise.dof, chi2 / dof))
     inflation = float(np.sqrt(chi2 / dof))
     return Remainder(chi2, dof, p, inflation, bool(known and p < GLOBAL_LEVEL and inflation > INFLATED))
+
+
+def repeatability_mm(final: Fit, left: Remainder, noise: Covariance) -> float | None:
+    """ISO 9283 RP [mm] of a robot that would scatter as the residual does beyond a stated noise; None where
+    it does not, where that is no ordinary robot's, or where the repeatability is known.
+
+    What nobody measured is no cause: an instrument's data sheet leaves out how the robot repeats, and a
+    calibration comes from all sides to its poses, once to each. noise: what was stated."""
+    problem = final.model.problem
+    if not left.scatter or noise.joint.any() or np.isfinite(noise.dof):
+        return None
+    found = 1e3 * RP * noise.usual * float(np.sqrt(left.inflation**2 - 1))
+    if found > max(problem.robot.pose_repeatability_mm or 0.0, ORDINARY_MM):
+        return None
+    if not problem.campaign.six_dof:
+        axial = final.line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
+        chi2, dof = repeat_chi2(problem, noise.times(left.inflation), axial)
+        if dof and chdtr(dof, chi2) < DENIED:
+            return None
+    return found
