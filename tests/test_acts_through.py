@@ -8,8 +8,10 @@ from workbench.diagnosis.acts_through import needs_of
 from workbench.diagnosis.components import cause_components
 from workbench.diagnosis.prepared import prepare
 from workbench.effects.foundation import Foundation
+from workbench.effects.hose_torque import HoseTorque
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.payload import Payload
+from workbench.effects.place import Where
 from workbench.effects.unnamed.loads import UnevenTilt
 from workbench.identification.fit import refit
 
@@ -32,6 +34,18 @@ def test_a_payload_needs_the_one_joint_that_yields_to_it():
     for joint in ("joint_2", "joint_5"):
         assert needs("irb120", 3.0, joint) == {"payload(load_1)": {joint}}  # nothing else of it yields
     assert needs("cylindrical", 40.0, "joint_2") == {}  # its stated joints yield in any case
+
+
+def test_a_joint_yields_to_the_hose_alone_that_turns_it():
+    """No gravity turns the last joint, and that of a heavy arm turns the third."""
+    hose = "hose_torque:joint=joint_6,rate=60"
+    geometry = prepare(measured("kr500", (hose,), poses=30, loads=())).geometry
+    read = geometry.model.problem
+    fitted = refit(geometry, [HoseTorque(Where(joint="joint_6"))])
+    components = cause_components(fitted, [*HoseTorque.sites(read), *JointCompliance.sites(read)])
+    label = {k: component.label for k, component in enumerate(components)}
+    found = {label[k]: {label[i] for i in needed} for k, needed in needs_of(fitted, components).items()}
+    assert found == {"joint_compliance(joint_6)": {"hose_torque(joint_6)"}}
 
 
 def test_a_tilt_is_not_taken_for_the_load_that_shows_by_it():

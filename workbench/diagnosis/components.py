@@ -45,6 +45,11 @@ class Form:
         return sum(len(effect.params) for effect in self.effects)
 
     @property
+    def alone(self) -> Form:
+        """Without companions."""
+        return replace(self, patterns=self.patterns[: len(self.effects)], sizes=self.sizes[: self.main])
+
+    @property
     def columns(self) -> Array:
         """(N, D, g) whitened."""
         return np.concatenate([pattern.columns for pattern in self.patterns], axis=2)
@@ -111,6 +116,8 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
         forms = [form_of(fit, (effect,)) for effect in (*effects, *finer)]
         if effects[0].together and len(effects) > 1:
             forms.append(form_of(fit, tuple(effects)))
+        if effects[0].pure:
+            forms += [form.alone for form in forms if len(form.effects) == 1]
         forms = [form for form in forms if form.shows]
         if forms:
             out.append(Component(key, tuple(forms), log_odds_of(effects[0], sites[key[0]])))
@@ -121,7 +128,9 @@ def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
     """A gear line of unknown order; sharpness: width of its peak over the whole range (log)."""
     joints = fit.model.problem.arm.n
     odds = PRIORS.line / joints * sharpness
-    return Component((effect.cause, effect.where), (form_of(fit, (effect,)),), float(np.log(odds)))
+    form = form_of(fit, (effect,))
+    forms = (form, form.alone) if effect.pure else (form,)
+    return Component((effect.cause, effect.where), forms, float(np.log(odds)))
 
 
 def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component]:

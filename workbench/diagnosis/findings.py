@@ -14,9 +14,10 @@ from ..effects.base import UNKNOWN, Effect
 from ..effects.place import NOWHERE, Parameter, Where
 from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit, fit
+from ..robot.kinematics import Array
 from .ceiling import ceiling_mm
 from .competition import Selection
-from .components import Component, bare
+from .components import Component, bare, with_companions
 from .evidence import evidence, structure_evidence
 from .facts import facts, geometry, unidentifiable
 from .headline import headline, remarks, verdict_of
@@ -24,7 +25,7 @@ from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
 from .prepared import Prepared
 from .priors import PRIORS
-from .remainder import Remainder, remainder, repeatability_mm
+from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .sets import Shares
@@ -54,17 +55,20 @@ def assemble(parts: Parts) -> Diagnosis:
     groups = selection.groups
     stages = stages_of(prepared, final, groups, parts.seed)
     # what is left is judged by the noise that was there before any scatter was seen
-    left = remainder(fit(final.model, final.state, prepared.covariance, max_iterations=4), known)
+    judged = fit(final.model, final.state, prepared.covariance, max_iterations=4)
+    left = remainder(judged, known)
+    companions = _companions(selection, judged) if left.scatter else []
+    beyond = beyond_forms(judged, known, companions) if companions else left
     best = stages[-1].heldout_rms_mm
     with_names = stages[1 + len(groups)].heldout_rms_mm
     findings = [_finding(parts, *group) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = stages[1].heldout_rms_mm - with_names
-    rounded = rounded_joints(final, prepared.noise, left)
-    repeats_to = None if rounded else repeatability_mm(final, left, prepared.covariance)
+    rounded = rounded_joints(final, prepared.noise, beyond)
+    repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
     nameless = _nameless(selection, with_names - best)
-    if not nameless and left.scatter and repeats_to is None:
-        nameless = [_scatter(selection, left, best)]
+    if not nameless and beyond.scatter and repeats_to is None:
+        nameless = [_scatter(selection, beyond, best)]
     verdict = verdict_of(findings, nameless, brought, with_names - ceiling)
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
@@ -100,7 +104,7 @@ def assemble(parts: Parts) -> Diagnosis:
             *(fact.sentence for fact in parts.given if not fact.obeyed),
             *prepared.notes,
             *c.warnings,
-            *remarks(prepared, left, bool(nameless), repeats_to),
+            *remarks(prepared, left, beyond, bool(nameless), repeats_to),
         ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
@@ -111,6 +115,18 @@ def assemble(parts: Parts) -> Diagnosis:
         version=__version__,
         inputs=c.files,
     )
+
+
+def _companions(selection: Selection, near: Fit) -> list[tuple[Effect, Array]]:
+    """What real causes have beside the forms that they are fitted in, as large as these are likeliest."""
+    scale = {bare(selection.components[m.component].key): m.scale for m in selection.members}
+    problem = near.model.problem
+    return [
+        (companion, scale[effect.key] * sizes)
+        for effect in near.model.effects
+        if selection.named(effect)
+        for companion, sizes in with_companions(near, (effect,), problem)[1:]
+    ]
 
 
 def _beside_what_is_found(findings: list[Finding]) -> list[Finding]:

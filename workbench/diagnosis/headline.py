@@ -91,10 +91,14 @@ def _some(words: Sequence[str]) -> str:
 
 
 def remarks(
-    prepared: Prepared, left: Remainder, structured: bool, repeatability_mm: float | None
+    prepared: Prepared,
+    left: Remainder,
+    beyond: Remainder,
+    structured: bool,
+    repeatability_mm: float | None,
 ) -> list[str]:
-    """What a reader should know of the noise besides. repeatability_mm: of the robot, where what is left
-    beyond the noise looks like that."""
+    """What a reader should know of the noise besides. beyond: what is left beyond what real causes are off
+    their forms; repeatability_mm: of the robot, where that looks like it."""
     notes = []
     if repeatability_mm is not None:
         sheet = prepared.problem.robot.pose_repeatability_mm
@@ -103,6 +107,11 @@ def remarks(
             "Beyond the stated noise the poses scatter, by nothing that was recorded, as those of a robot do "
             f"that repeats to {repeatability_mm:.3f} mm from all sides (ISO 9283 RP; {said}). It was taken "
             "for that: repeat ten poses five times to know it."
+        )
+    elif left.scatter and not beyond.scatter and not structured:
+        notes.append(
+            f"The residual is {left.inflation:.2f} times the noise: no more than causes of this size leave "
+            "on a real machine, where none has quite the form that it is fitted in."
         )
     elif prepared.noise_known and not structured and left.p < GLOBAL_LEVEL:
         word = "larger" if left.inflation > 1 else "smaller"

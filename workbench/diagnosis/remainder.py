@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import solve_triangular
 from scipy.special import chdtr, chdtrc, fdtrc
 
+from ..effects.base import Effect
 from ..identification.fit import Fit
 from ..identification.noise import Covariance, repeat_chi2
+from ..robot.kinematics import Array
 from .screen import effective_dof
 
 GLOBAL_LEVEL = 1e-3  # chance that clean data's residual exceeds the noise
@@ -34,7 +38,24 @@ class Remainder:
 
 def remainder(result: Fit, known: bool) -> Remainder:
     """χ² test of what a fit leaves; F where the noise was measured with few repeats."""
-    dof, chi2 = effective_dof(result), result.chi2
+    return _tested(result, result.chi2, effective_dof(result), known)
+
+
+def beyond_forms(result: Fit, known: bool, companions: Sequence[tuple[Effect, Array]]) -> Remainder:
+    """The same of what is left where real causes are off their forms: companions of the fit's effects, with
+    their prior sizes (p,), take their share."""
+    J = (result.J * result.columns.prior).reshape(-1, result.J.shape[2])
+    G = np.concatenate([result.whitened(effect) * sizes for effect, sizes in companions], axis=2)
+    G = G.reshape(len(J), -1)
+    Z = solve_triangular(result.upper, J.T @ G, trans="T", check_finite=False)
+    L = np.linalg.cholesky(G.T @ G - Z.T @ Z + np.eye(G.shape[1]))
+    taken = solve_triangular(L, G.T @ result.r.ravel(), lower=True, check_finite=False)
+    kept = solve_triangular(L, np.eye(len(L)), lower=True, check_finite=False)
+    used = len(L) - float((kept**2).sum())
+    return _tested(result, result.chi2 - float(taken @ taken), effective_dof(result) - used, known)
+
+
+def _tested(result: Fit, chi2: float, dof: float, known: bool) -> Remainder:
     if not known:
         p = float("nan")
     elif np.isinf(result.noise.dof):

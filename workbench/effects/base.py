@@ -91,11 +91,12 @@ class Effect(ABC):
     cause share cause and place and differ in this; they are never each other's rivals. settings: names of
     the fields that are numbers but not fitted (a time constant, say); they are kept with the values in
     model.toml. ordered: `where` needs an order. together: the variants are parts of one law that may be off
-    at once. depends: what any form of it depends on (one form: `uses`). smooth: a smooth function of its
-    joint's angle, so that several of them can draw any such function. always: every machine has it, whether
-    its model states it or not. axial: it moves its joint along the joint's own axis, and nothing else.
-    in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
-    whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`).
+    at once. pure: some are quite true to their form, as a wrong number in a controller is: they compete
+    without companions as well. depends: what any form of it depends on (one form: `uses`). smooth: a smooth
+    function of its joint's angle, so that several of them can draw any such function. always: every machine
+    has it, whether its model states it or not. axial: it moves its joint along the joint's own axis, and
+    nothing else. in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure
+    of it, the whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`).
     """
 
     where: Where = NOWHERE
@@ -107,6 +108,7 @@ class Effect(ABC):
     separate: ClassVar[Mapping[str, str]] = {}
     settings: ClassVar[tuple[str, ...]] = ()
     ordered: ClassVar[bool] = False
+    pure: ClassVar[bool] = False
     together: ClassVar[bool] = False
     acts: ClassVar[Acts]
     depends: ClassVar[Depends]
@@ -202,6 +204,11 @@ class Effect(ABC):
 
     def pulled(self, problem: Problem, line: Slopes) -> Array | None:
         """Of a load: (N, S, 6, p) change of the local wrenches per unit of each parameter. None of others."""
+        return None
+
+    def under(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
+        """Of what yields: (N, R, p) motion of what is observed per unit of each parameter, were the local
+        wrenches (N, S, 6) these. None of others."""
         return None
 
     def yields_to(self, line: Slopes, wrench: Array, values: Array) -> Array | None:

@@ -29,6 +29,7 @@ class GearEccentricity(Harmonic):
     title: ClassVar[str] = "Gear eccentricity"
     smooth: ClassVar[bool] = True
     together: ClassVar[bool] = True
+    pure: ClassVar[bool] = True  # an encoder's is
     equation: ClassVar[str] = "Delta q = A sin(k q + phi), quad k in {1, 2}"
     separate: ClassVar[dict[str, str]] = {
         "gear_ratio": "sweep the joint over more than half a turn",

@@ -28,6 +28,7 @@ class GearRatio(TransmissionEffect):
     cause: ClassVar[str] = "gear_ratio"
     title: ClassVar[str] = "Reduction ratio is wrong"
     smooth: ClassVar[bool] = True
+    pure: ClassVar[bool] = True
     wholes: ClassVar[dict[str, str]] = {"ratio": "1"}
     equation: ClassVar[str] = "Delta q = epsilon thin q"
     separate: ClassVar[dict[str, str]] = {

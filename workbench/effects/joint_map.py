@@ -15,7 +15,7 @@ from .base import Param
 from .kinds import TransmissionEffect
 from .place import Parameter, Where
 
-LENGTHS = {"smooth": 0.7, "waves": 0.25, "fine": 0.1}  # rad over which the error forgets itself
+LENGTHS = {"broad": 1.5, "smooth": 0.7, "waves": 0.25, "fine": 0.1}  # rad: the error forgets itself
 USUAL = 1e-4  # rad, usual size of a gear's or an encoder's error
 MARGIN = 0.1  # share of the range that the functions go beyond it, where nothing is known
 FAINTEST = 0.02  # share of the largest wave below which a wave is left out
@@ -24,7 +24,7 @@ MOVES = 0.2  # rad that a joint must travel for a function of it to be seen
 
 @dataclass(frozen=True)
 class JointMap(TransmissionEffect):
-    """Δq = Σ a_k cos(π k (q − q₀)/L), a Gaussian process with the length of `variant` (smooth, waves, fine).
+    """Δq = Σ a_k cos(π k (q − q₀)/L), a Gaussian process with the length of `variant`, broad to fine.
 
     The waves' prior sizes are the square roots of the process' spectrum (Rasmussen & Williams 2006): a
     function of usual size `size` that forgets itself over `length` [rad]. q₀ `first` and L `span` [rad] are
@@ -74,14 +74,14 @@ class JointMap(TransmissionEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[JointMap]:
-        """Turning joints that travel, in three lengths."""
+        """Turning joints that travel, in lengths of less than half of that."""
         found = [cls.over(problem, j) for j in range(problem.arm.n)]
         return [
             replace(place, variant=v, length=x)
             for place in found
             if place is not None
             for v, x in LENGTHS.items()
-            if 3 * x < place.span / (1 + 2 * MARGIN)
+            if 2 * x < place.span / (1 + 2 * MARGIN)
         ]
 
     @classmethod

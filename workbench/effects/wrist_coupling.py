@@ -33,6 +33,7 @@ class WristCoupling(TransmissionEffect):
 
     cause: ClassVar[str] = "wrist_coupling"
     title: ClassVar[str] = "Wrist joints are coupled"
+    pure: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q_i = c thin q_j"
     separate: ClassVar[dict[str, str]] = {
         "gear_ratio": "sweep the other joint with this one at rest",

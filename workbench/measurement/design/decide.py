@@ -28,7 +28,7 @@ from .ties import Attempts, Tie, at_zero, contains, fewest, least, settled_at, s
 
 MOST = 3  # ambiguous findings that are worked out, the strongest
 POOL = 120  # candidate records
-POSES = Attempts(first=24, fewest=12, most=60, times=4, margin=1.1)  # of a follow-up
+POSES = Attempts(first=24, fewest=18, most=60, times=4, margin=1.4)  # others may turn up as rivals
 DRAWS = 3  # of random poses with torques
 TORQUES = (16, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
