@@ -110,14 +110,15 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     if misfit and at_stake and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
         parts = searched_in_parts(prepared.problem, components, of_part)
         shares = replicated(parts, components, members, shares, seen_in)
-        members, shares = renamed(competition, members, shares)
+        members, shares = _renamed_at_no_loss(best, members, shares)
         certain = agreed(parts, components)
         members, shares = joined(competition, certain, members, shares)
     final = _sharpened(_refitted(at, _effects(competition, members)), candidates)
     if final.model.effects:
         final = refit(final, final.model.effects)  # the rounds' fits are rough
     shown = [
-        share[m.component] >= PRIORS.absent > share[None] for share, m in zip(shares, members, strict=True)
+        share[m.component] == max(share.values()) and share[m.component] >= PRIORS.absent > share[None]
+        for share, m in zip(shares, members, strict=True)
     ]
     unrepeated = [m for m, there in zip(members, shown, strict=True) if not there]
     members = [m for m, there in zip(members, shown, strict=True) if there]
@@ -129,6 +130,21 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     return Selection(
         final, light, named, tuple(shares), reduced, not_named, scatter, misfit=misfit, agreed=keys
     )
+
+
+def _renamed_at_no_loss(
+    best: _Round, members: list[Member], shares: list[Shares]
+) -> tuple[list[Member], list[Shares]]:
+    """The members with the names that the parts have for them, unless these predict worse what they did not
+    see: then what is there without a name is better than another's."""
+
+    def error(chosen: Sequence[Member]) -> float:
+        return rms_mm(heldout(_refitted(best.found, _effects(best.competition, chosen))))
+
+    new, theirs = renamed(best.competition, members, shares)
+    if {m.component for m in new} == {m.component for m in members} or error(members) > BETTER * error(new):
+        return new, theirs
+    return members, shares
 
 
 def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[_Round, list[Member], list[Shares]]:

@@ -145,6 +145,9 @@ class Competition:
         allowed[list(taken)] = False
         for k, needed in self.needs.items():
             allowed[k] &= needed <= taken
+        return self._weighed(chosen, without, allowed)
+
+    def _weighed(self, chosen: Chosen, without: int | None, allowed: Mask) -> dict[int, Weight]:
         explained = chosen.explained if without is None else chosen.explained_without(without)
         return self.forms.weigh(lambda index: chosen.left_of(index, without), explained, allowed)
 
@@ -176,10 +179,10 @@ class Competition:
         """The components with these labels, each in its likeliest form beside the others."""
         known = {component.label: k for k, component in enumerate(self.components)}
         here = [known[label] for label in labels if label in known]
-        weights = self.beside(Chosen(self.reduced, []))
-        members = [Member(k, weights[k].form, weights[k].scale) for k in here if k in weights]
         own = np.zeros(len(self.components), bool)
         own[here] = True
+        weights = self._weighed(Chosen(self.reduced, []), None, own)
+        members = [Member(k, weights[k].form, weights[k].scale) for k in here]
         return self.exchanged(members, own)
 
     def search(self, start: list[Member], among: Mask) -> list[Member]:
