@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Effect, Param
+from .base import Param
 from .harmonics import Harmonic, amplitude_phase
 from .place import Parameter, Where
-
-SIDE = 0.2  # of the amplitude: a line one cycle per joint turn beside it
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,6 @@ class GearKinematicError(Harmonic):
     title: ClassVar[str] = "Kinematic error of a gear"
     ordered: ClassVar[bool] = True
     together: ClassVar[bool] = True
-    pure: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = A sin(k q + phi)"
     separate: ClassVar[dict[str, str]] = {
         "gear_kinematic_error": "sweep the joint in steps far below its shortest period",
@@ -69,11 +66,6 @@ class GearKinematicError(Harmonic):
         """Orders of known ratios, and any order of a turning joint (order None, for `replace`)."""
         turning = [joint.name for joint in problem.robot.joints if joint.kind == "revolute"]
         return [*cls.sites(problem), *(cls(Where(joint=name)) for name in turning)]
-
-    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A wheel that runs out makes the error larger on one side of a turn: lines a turn beside it."""
-        order = self.cycles
-        return [(SIDE, replace(self, where=replace(self.where, order=o))) for o in (order - 1, order + 1)]
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)
