@@ -179,3 +179,14 @@ def test_what_has_no_name_is_corrected_and_kept_in_the_model(tmp_path):
     kept = Model(problem, (), tuple(stated_effects(problem)))
     points = kept.predict(replace(outcome.fit.state, values=()))
     assert np.abs(points - outcome.fit.model.predict(outcome.fit.state)).max() < 1e-9
+
+
+def test_a_set_is_found_again_with_what_needs_one_another(competition):
+    """As a load and what alone yields to it: neither has a weight without the other, and both stay."""
+    members = [member.component for member in competition.best()]
+    first, last = members[0], members[-1]
+    needs = {first: frozenset([last]), last: frozenset([first])}
+    tied = Competition(competition.reduced, competition.components, needs)
+    assert not {first, last} & set(tied.beside(Chosen(competition.reduced, [])))
+    labels = [competition.components[k].label for k in members]
+    assert [member.component for member in tied.best(labels)] == members

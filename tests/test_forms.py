@@ -6,11 +6,15 @@ from diagnosis_cases import found, measured, named, with_points
 
 from workbench.diagnosis.components import Component, Form, bare
 from workbench.diagnosis.patterns import Pattern
+from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.reduced import Reduced
+from workbench.diagnosis.remainder import beyond_forms, remainder
 from workbench.diagnosis.sets import Competition, Member
 from workbench.diagnosis.worth import _beyond
+from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.place import Where
+from workbench.identification.fit import refit
 
 CREEP = 0.27  # of the campaign: a time constant that is none of those tried
 
@@ -99,3 +103,47 @@ def test_a_wheel_that_runs_out_once_and_twice_a_turn_is_one_cause_with_both_numb
     said = {p.name: p for p in cause.parameters}
     for name, true in {"amplitude": 3e-4, "amplitude (2)": 2.1e-4, "phase (2)": 1.1}.items():
         assert abs(said[name].value - true) < 3.5 * said[name].std
+
+
+def of_joint_1(size, curve):
+    """An error of the first joint by its angle q, (N,)."""
+
+    def joints(read):
+        out = np.zeros_like(read.q)
+        out[:, 0] = size * curve(read.q[:, 0])
+        return out
+
+    return joints
+
+
+def test_what_a_cause_is_off_its_form_is_nothing_unknown():
+    """A run-out with five per cent of three cycles a turn, which no run-out of the catalogue has."""
+    wheel = of_joint_1(6e-4, lambda q: np.sin(q + 0.3) + 0.2 * np.sin(2 * q) + 0.05 * np.sin(3 * q + 1))
+    diagnosis = found(measured(joints=wheel, loads=()))
+    assert named(diagnosis) == {("gear_eccentricity", "joint_1"): "named"}
+    assert diagnosis.verdict == "named"
+    (note,) = diagnosis.notes
+    assert "no more than causes of this size leave" in note
+
+
+def test_a_broad_map_is_not_taken_for_a_run_out_for_sure():
+    bell = of_joint_1(4e-4, lambda q: np.exp(-0.5 * ((q - q.mean() - 0.3) / 1.2) ** 2))
+    (cause,) = found(measured(joints=bell, loads=())).causes
+    assert "joint_map" in {cause.cause, *(rival.cause for rival in cause.rivals)}
+
+
+def test_companions_take_their_share_of_what_is_left():
+    """As a fit with them in would, each held by its prior size."""
+    wheel = of_joint_1(6e-4, lambda q: np.sin(q) + 0.1 * np.sin(2 * q + 1))
+    geometry = prepare(measured(joints=wheel, loads=())).geometry
+    one, two = (GearEccentricity(Where(joint="joint_1"), cycles) for cycles in "12")
+    fitted = refit(geometry, [one])
+    alone = remainder(fitted, known=True)
+    wide, held, never = (beyond_forms(fitted, True, [(two, np.full(2, s))]) for s in (1e-2, 1e-6, 1e-12))
+    both = remainder(refit(fitted, [one, two]), known=True)
+    assert both.chi2 < 0.8 * alone.chi2
+    assert wide.chi2 == pytest.approx(both.chi2, rel=0.01)
+    assert wide.dof == pytest.approx(both.dof, abs=0.1)
+    assert both.chi2 < held.chi2 < never.chi2 == pytest.approx(alone.chi2)
+    assert alone.scatter
+    assert not wide.scatter

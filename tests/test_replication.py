@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from workbench import Truth, Where, load_robot, parse_effect, planned, problem, random_poses, simulate
-from workbench.diagnosis.competition import compete
+from workbench.diagnosis import competition as competing
+from workbench.diagnosis.competition import _likeliest, _renamed_at_no_loss, compete
 from workbench.diagnosis.components import Component, Form, bare, cause_components
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
@@ -27,6 +28,7 @@ from workbench.diagnosis.worth import as_sure_as_its_gain
 from workbench.effects.base import UNKNOWN
 from workbench.identification.fit import refit
 
+RUN_OUT = ("gear_eccentricity", Where(joint="joint_1"))
 RATIO, MASS, NAMELESS = ("gear_ratio", Where(joint="joint_1")), ("link_mass", Where()), (UNKNOWN, Where())
 
 
@@ -144,6 +146,28 @@ def test_what_the_parts_name_instead_takes_the_place(competition):
     assert theirs == [shares[0], shares[2]]
     assert now[1] is members[2]
     assert now[0].scale in PRIORS.scales
+
+
+def test_a_name_of_the_parts_that_predicts_worse_is_not_taken_over(wheel, monkeypatch):
+    """The last link's mass in the place of the run-out loses it; a map of the joint is 2 % worse."""
+    candidates, _ = all_that_may_be(wheel.problem)
+    best, members, shares = _likeliest(wheel, candidates)
+    every = {component.key: k for k, component in enumerate(best.competition.components)}
+    (i,) = (i for i, m in enumerate(members) if m.component == every[RUN_OUT])
+
+    def taken(other):
+        k = every[other]
+        told = [*shares[:i], {k: 0.9, members[i].component: 0.1, None: 0.0}, *shares[i + 1 :]]
+        now, theirs = _renamed_at_no_loss(best, members, told)
+        assert theirs[i] is told[i]
+        return k in {m.component for m in now}
+
+    mass, joint_map = ("link_mass", Where(link="link_3")), ("joint_map", Where(joint="joint_1"))
+    assert not taken(mass)
+    assert not taken(joint_map)
+    monkeypatch.setattr(competing, "BETTER", 0.9)  # 2 % is no loss then
+    assert not taken(mass)
+    assert taken(joint_map)
 
 
 def test_some_poses_alone_have_their_own_noise(wheel):
