@@ -8,7 +8,9 @@ import pytest
 
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign import Target
+from workbench.diagnosis.headline import headline
 from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.result import Stage
 from workbench.diagnosis.scatter import with_scatter
 from workbench.effects.base import UNKNOWN
 from workbench.measurement.sweep import sweep
@@ -83,6 +85,13 @@ def test_scatter_as_small_as_a_robots_is_its_repeatability_and_no_cause():
     (note,) = [note for note in found.notes if "its data sheet says 0.02 mm" in note]
     repeats_to = float(re.search(r"repeats to (\S+) mm", note)[1])
     assert repeats_to == pytest.approx(3.62e3 * 8e-6, rel=0.3)  # ISO 9283 RP of normal deviations
+
+
+def test_the_headline_says_how_the_robot_seems_to_repeat():
+    stages = [Stage("nominal", 0, 1.0, 1.0, 1.0, 1.0), Stage("geometry", 18, 0.03, 0.03, 0.03, 0.03)]
+    said = headline("nothing_missing", [], stages, 0.0, 0.03, 0.008, repeatability_mm=0.043)
+    assert said.startswith("Nothing is missing, though the robot seems to repeat to 0.043 mm only: geometry ")
+    assert "an error of 0.008 mm RMS beyond it would have shown" in said
 
 
 def test_scatter_that_no_robot_makes_is_left():

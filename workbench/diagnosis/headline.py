@@ -56,11 +56,10 @@ def headline(
     if verdict == "nothing_missing":
         explain = "geometry and what was given explain" if given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
-        if repeatability_mm is not None:
-            power = (
-                f"{power}, were it no scatter: the robot seems to repeat to {repeatability_mm:.3f} mm only"
-            )
-        return f"Nothing is missing: {explain} these data, and {power}. {gain}."
+        if repeatability_mm is None:
+            return f"Nothing is missing: {explain} these data, and {power}. {gain}."
+        but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
+        return f"Nothing is missing, {but}: {explain} the rest, and {power}. {gain}."
     best = max(geometry - ceiling_mm, 0.0)
     gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
     if verdict == "unknown":
