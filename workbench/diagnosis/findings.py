@@ -54,11 +54,7 @@ def assemble(parts: Parts) -> Diagnosis:
     problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
     groups = selection.groups
     stages = stages_of(prepared, final, groups, parts.seed)
-    # what is left is judged by the noise that was there before any scatter was seen
-    judged = fit(final.model, final.state, prepared.covariance, max_iterations=4)
-    left = remainder(judged, known)
-    companions = _companions(selection, judged) if left.scatter else []
-    beyond = beyond_forms(judged, known, companions) if companions else left
+    left, beyond = _left(prepared, selection)
     best = stages[-1].heldout_rms_mm
     with_names = stages[1 + len(groups)].heldout_rms_mm
     findings = [_finding(parts, *group) for group in groups]
@@ -115,6 +111,16 @@ def assemble(parts: Parts) -> Diagnosis:
         version=__version__,
         inputs=c.files,
     )
+
+
+def _left(prepared: Prepared, selection: Selection) -> tuple[Remainder, Remainder]:
+    """What the final fit leaves, and what of that real causes are not off their forms: by the noise that was
+    there before any scatter was seen."""
+    final, known = selection.fit, prepared.noise_known
+    judged = fit(final.model, final.state, prepared.covariance, max_iterations=4)
+    left = remainder(judged, known)
+    companions = _companions(selection, judged) if left.scatter else []
+    return left, beyond_forms(judged, known, companions) if companions else left
 
 
 def _companions(selection: Selection, near: Fit) -> list[tuple[Effect, Array]]:

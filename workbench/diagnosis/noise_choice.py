@@ -43,7 +43,7 @@ def provisional(problem: Problem) -> Covariance:
 
 def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, list[str]]:
     """Noise before the residual is seen: stated or measured; else provisional, source "residual"."""
-    axial = line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
+    axial = line.by_joint
     said = stated_noise(problem)
     measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
     notes: list[str] = []
@@ -146,7 +146,7 @@ def _parts(result: Fit) -> Covariance:
     problem = result.model.problem
     mask = np.repeat(problem.seen, 3, axis=1)
     turning = np.where(problem.arm.prismatic, 0.0, 1.0)
-    J = result.line.direct[:, : mask.shape[1], problem.arm.axial] * turning
+    J = result.line.by_joint * turning
     B = body_motion(problem)
     moved = [np.where(mask[..., None], A, 0.0) for A in (J, B[:, :, :3], B[:, :, 3:])]
     parts = [mask[:, :, None] * np.eye(mask.shape[1]), *(A @ A.transpose(0, 2, 1) for A in moved)]

@@ -13,13 +13,12 @@ from ..effects.base import Effect
 from ..identification.fit import Fit
 from ..identification.noise import Covariance, repeat_chi2
 from ..robot.kinematics import Array
-from .screen import effective_dof
+from .screen import effective_dof, reduce_columns
 
 GLOBAL_LEVEL = 1e-3  # chance that clean data's residual exceeds the noise
 INFLATED = 1.10  # residual over noise from which scatter counts as something left
-RP = float(
-    np.sqrt(8 / np.pi) + 3 * np.sqrt(3 - 8 / np.pi)
-)  # ISO 9283: mean and three s of a length, per sigma
+# ISO 9283 RP per sigma of an axis: mean and three standard deviations of the length (Maxwell's distribution)
+RP = float(np.sqrt(8 / np.pi) + 3 * np.sqrt(3 - 8 / np.pi))
 ORDINARY_MM = 0.05  # RP up to which a robot whose data sheet says no more is believed to scatter
 DENIED = 0.01  # chance that repeats scatter as little, were it the robot that does not repeat
 
@@ -35,6 +34,10 @@ class Remainder:
     inflation: float
     scatter: bool
 
+    def excess(self, sigma: float) -> float:
+        """One sigma per axis of what is left beyond a noise of `sigma`, in its unit."""
+        return sigma * float(np.sqrt(max(self.inflation**2 - 1, 0.0)))
+
 
 def remainder(result: Fit, known: bool) -> Remainder:
     """χ² test of what a fit leaves; F where the noise was measured with few repeats."""
@@ -44,12 +47,10 @@ def remainder(result: Fit, known: bool) -> Remainder:
 def beyond_forms(result: Fit, known: bool, companions: Sequence[tuple[Effect, Array]]) -> Remainder:
     """The same of what is left where real causes are off their forms: companions of the fit's effects, with
     their prior sizes (p,), take their share."""
-    J = (result.J * result.columns.prior).reshape(-1, result.J.shape[2])
     G = np.concatenate([result.whitened(effect) * sizes for effect, sizes in companions], axis=2)
-    G = G.reshape(len(J), -1)
-    Z = solve_triangular(result.upper, J.T @ G, trans="T", check_finite=False)
-    L = np.linalg.cholesky(G.T @ G - Z.T @ Z + np.eye(G.shape[1]))
-    taken = solve_triangular(L, G.T @ result.r.ravel(), lower=True, check_finite=False)
+    S, u, _ = reduce_columns(result, G)
+    L = np.linalg.cholesky(S + np.eye(len(S)))
+    taken = solve_triangular(L, u, lower=True, check_finite=False)
     kept = solve_triangular(L, np.eye(len(L)), lower=True, check_finite=False)
     used = len(L) - float((kept**2).sum())
     return _tested(result, result.chi2 - float(taken @ taken), effective_dof(result) - used, known)
@@ -75,12 +76,11 @@ def repeatability_mm(final: Fit, left: Remainder, noise: Covariance) -> float | 
     problem = final.model.problem
     if not left.scatter or noise.joint.any() or np.isfinite(noise.dof):
         return None
-    found = 1e3 * RP * noise.usual * float(np.sqrt(left.inflation**2 - 1))
+    found = 1e3 * RP * left.excess(noise.usual)
     if found > max(problem.robot.pose_repeatability_mm or 0.0, ORDINARY_MM):
         return None
     if not problem.campaign.six_dof:
-        axial = final.line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
-        chi2, dof = repeat_chi2(problem, noise.times(left.inflation), axial)
+        chi2, dof = repeat_chi2(problem, noise.times(left.inflation), final.line.by_joint)
         if dof and chdtr(dof, chi2) < DENIED:
             return None
     return found

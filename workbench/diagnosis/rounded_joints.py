@@ -20,9 +20,8 @@ def rounded_joints(final: Fit, noise: Noise, left: Remainder) -> tuple[FaultFoun
     if not left.scatter:
         return ()
     problem = final.model.problem
-    axial = final.line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
-    lever = np.sqrt(np.mean(axial**2, axis=(0, 1)))
-    excess = noise.sigma_mm * 1e-3 * np.sqrt(max(left.inflation**2 - 1, 0.0))
+    lever = np.sqrt(np.mean(final.line.by_joint**2, axis=(0, 1)))
+    excess = left.excess(noise.sigma_mm * 1e-3)
     least, most = MADE_BY_ROUNDING
     for step in STEPS:
         turns = np.degrees(problem.q) / step

@@ -105,7 +105,7 @@ class Fit:
     def point_variance(self) -> Array:
         """(N, T) [m²] per axis of the points' noise: the instrument's, the joints' and the body's."""
         problem, noise = self.model.problem, self.noise
-        axial = self.line.direct[:, : 3 * noise.sigma.shape[1], problem.arm.axial] * noise.joint
+        axial = self.line.by_joint * noise.joint
         moved = np.concatenate([axial, body_motion(problem) * np.repeat(noise.body, 3)], axis=2)
         return np.asarray(noise.sigma**2 + (moved**2).reshape(*noise.sigma.shape, -1).sum(axis=2) / 3)
 

@@ -85,6 +85,11 @@ class Linearisation:
     target: Array
     centre: Array
 
+    @property
+    def by_joint(self) -> Array:
+        """(N, 3T, n) motion of the points by each joint's own motion."""
+        return self.direct[:, : 3 * self.target.shape[1], self.prediction.arm.axial]
+
     def precondition(self, change: Array) -> Array:
         """(N, S, 6) Newton step to where the arm rests, of the change that its wrenches ask for now."""
         out = change.reshape(len(change), -1).copy()

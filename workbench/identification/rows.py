@@ -16,14 +16,13 @@ from .parameters import Columns, body_motion
 
 def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array:
     """(N, D, R) that whitens the residuals of points and drive torques."""
-    axial = line.direct[:, : 3 * problem.seen.shape[1], problem.arm.axial]
     turned = None
     if problem.campaign.six_dof:
         points = line.prediction.points
         seen = problem.seen[..., None]
         middle = np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
         turned = points - middle[:, None]
-    W = whitener(problem, noise, axial, turned)
+    W = whitener(problem, noise, line.by_joint, turned)
     if not problem.drives:
         return W
     n_poses, rows, columns_ = W.shape

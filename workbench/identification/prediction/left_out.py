@@ -133,7 +133,7 @@ def joined(parts: list[LeftOut]) -> LeftOut:
 def _noise(fit: Fit) -> tuple[Array, Array]:
     """(N, T, 3, 3) [m²] covariances of the points: by the instrument, and by the joints' repeatability."""
     count, targets = fit.residual.shape[:2]
-    joint = fit.line.direct[:, : 3 * targets, fit.model.problem.arm.axial] * fit.noise.joint
+    joint = fit.line.by_joint * fit.noise.joint
     joint = joint.reshape(count, targets, 3, -1)
     scatter = np.einsum("ntik,ntjk->ntij", joint, joint)
     sigma = np.broadcast_to((fit.noise.sigma**2)[..., None, None] * np.eye(3), scatter.shape)
