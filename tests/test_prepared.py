@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,11 +10,13 @@ from diagnosis_cases import measured, with_points
 
 from workbench import Truth, load_robot, parse_effect, planned, random_poses, simulate
 from workbench.campaign import write_campaign
+from workbench.campaign.data import Target
 from workbench.campaign.parted import parted
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared
 from workbench.diagnosis.run import diagnose
+from workbench.identification.heldout import heldout
 from workbench.measurement.design import plan
 from workbench.measurement.design.prior_information import from_campaign
 
@@ -154,3 +157,51 @@ def test_exact_data_with_exact_repeats_are_diagnosed():
     found = diagnose(with_points(twice, np.concatenate([exact, exact]))).diagnosis
     assert found.verdict == "nothing_missing"
     assert found.noise.source == "repeats"
+
+
+def renamed(campaign, pose, target):
+    """One point under a name that nobody declared."""
+    points = np.pad(campaign.points, ((0, 0), (0, 1), (0, 0)), constant_values=np.nan)
+    shots = np.pad(campaign.shots, ((0, 0), (0, 1)))
+    points[pose, -1], points[pose, target] = points[pose, target], np.nan
+    shots[pose, -1], shots[pose, target] = shots[pose, target], 0
+    return replace(campaign, points=points, shots=shots, targets=(*campaign.targets, Target("abc")))
+
+
+def test_a_target_or_a_set_up_that_was_mistyped_is_left_out_and_told():
+    campaign = measured()
+    usual = prepared.prepare(campaign)
+    before = rms(heldout(usual.geometry))
+    mistyped = prepared.prepare(renamed(campaign, 7, 1))
+    (fault,) = mistyped.faults
+    assert (fault.kind, fault.pose_id, fault.target) == ("rare_target", "8", "abc")
+    assert "1 position of the joints" in fault.what
+    assert [target.name for target in mistyped.problem.campaign.targets] == ["T1", "T2", "T3"]
+    assert rms(heldout(mistyped.geometry)) == pytest.approx(before, rel=0.02)
+    setup = np.zeros(len(campaign.poses), np.int64)
+    setup[7] = 1
+    other = prepared.prepare(replace(campaign.with_poses(setup=setup), setup_names=("", "mornng")))
+    (fault,) = other.faults
+    assert (fault.kind, fault.pose_id) == ("rare_setup", "8")
+    assert "'mornng'" in fault.what
+    assert other.problem.campaign.setup_names == ("",)
+    assert rms(heldout(other.geometry)) == pytest.approx(before, rel=0.02)
+
+
+def test_a_target_of_three_poses_or_of_known_place_stays():
+    campaign = measured()
+    points = campaign.points.copy()
+    points[3:, 2] = np.nan
+    some = replace(
+        campaign, points=points, shots=np.where(np.isfinite(points).all(axis=2), campaign.shots, 0)
+    )
+    assert prepared.prepare(some).problem.seen[:, 2].sum() == 3
+    points[1:, 2] = np.nan
+    once = replace(some, points=points)
+    assert len(prepared.prepare(once).problem.campaign.targets) == 2
+    known = replace(once, targets=(*once.targets[:2], replace(once.targets[2], fixed=True)))
+    assert len(prepared.prepare(known).problem.campaign.targets) == 3
+
+
+def rms(residual):
+    return float(np.sqrt(np.nanmean(np.sum(residual**2, axis=2))))

@@ -148,6 +148,15 @@ class Campaign:
             sigma=None if self.sigma is None else self.sigma[:, kept],
         )
 
+    def measured(self) -> Campaign:
+        """Of its poses, set-ups and targets those that have whole points, in their order."""
+        seen = np.asarray(np.isfinite(self.points).all(axis=2))
+        poses, targets = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+        out = self.some(poses).looking_at([self.targets[t].name for t in targets])
+        setups, numbers = np.unique(out.poses.setup, return_inverse=True)
+        names = tuple(self.setup_names[k] for k in setups)
+        return replace(out.with_poses(setup=numbers.ravel().astype(np.int64)), setup_names=names)
+
     def with_poses(self, **columns: Column) -> Campaign:
         """The campaign with other columns of its poses, by their names in `Poses`."""
         return replace(self, poses=replace(self.poses, **columns))  # type: ignore[arg-type]

@@ -26,6 +26,7 @@ from ..identification.plausible import check_plausible, check_rest, enough_poses
 from .copies import without_copies
 from .moved_setup import jump, split_setup, step_in_time
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
+from .rarely_seen import without_rarely_seen
 from .result import FaultFound, Noise
 from .torque_noise import torque_noise
 from .wild_points import Acting, clean, least_sigma, without_gross, without_impossible
@@ -125,7 +126,8 @@ class _Sound:
 def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
     possible = without_impossible(problem)
-    problem, faults = _measured_only(possible.problem), possible.faults
+    told = without_rarely_seen(possible.problem)
+    problem, faults = _measured_only(told.problem), (*possible.faults, *told.faults)
     enough_poses(problem)  # what cannot be enough is not searched for mistakes
     far = jump(problem)
     if far is not None:
@@ -160,11 +162,9 @@ def _measured_only(problem: Problem) -> Problem:
         raise InputError(Fault(str(c.path), what, "look at the points, or take out `pose = true`"))
     if seen.any(axis=1).all() and seen.any(axis=0).all():
         return problem
-    poses, targets = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
-    if not len(poses):
+    if not seen.any():
         raise InputError(Fault(str(c.path), "no usable point is left", "look at the points"))
-    c = c.some(poses).looking_at([c.targets[i].name for i in targets])
-    return Problem(problem.robot, problem.arm, c, problem.compensator)
+    return Problem(problem.robot, problem.arm, c.measured(), problem.compensator)
 
 
 def _noise(problem: Problem, known_effects: Acting, start: State) -> tuple[Covariance, Noise, list[str]]:

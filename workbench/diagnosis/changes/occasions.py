@@ -91,20 +91,7 @@ def _shared(fits: Sequence[Fit], whole: Problem) -> list[Effect]:
 
 def _part(whole: Problem, poses: np.ndarray) -> Problem:
     """Only these poses of the joined campaign, with the set-ups and targets that they have."""
-    c = whole.campaign.some(poses)
-    setups, numbers = np.unique(c.poses.setup, return_inverse=True)
-    targets = np.flatnonzero(c.seen.any(axis=0))
-    return replace(
-        whole,
-        campaign=replace(
-            c.with_poses(setup=numbers.ravel().astype(np.int64)),
-            setup_names=tuple(c.setup_names[k] for k in setups),
-            targets=tuple(c.targets[i] for i in targets),
-            points=c.points[:, targets],
-            shots=c.shots[:, targets],
-            sigma=None if c.sigma is None else c.sigma[:, targets],
-        ),
-    )
+    return replace(whole, campaign=whole.campaign.some(poses).measured())
 
 
 def _noise(own: Covariance, part: Problem) -> Covariance:
