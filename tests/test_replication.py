@@ -15,6 +15,7 @@ from workbench.diagnosis.reduced import Reduced, reduce
 from workbench.diagnosis.replication import (
     Part,
     agreed,
+    exceeds,
     joined,
     power,
     renamed,
@@ -132,8 +133,20 @@ def test_power_is_how_often_an_effect_of_that_size_wins():
     beta = float(Chosen(whole, [Member(0, 0, 1.0)]).beta[0])
     u = score * beta + np.sqrt(score) * np.random.default_rng(0).normal(size=200_000)
     cost = 0.5 * np.log(1 + score) - prior_weight(one, 1.0)
-    assert found == pytest.approx(np.mean(0.5 * u**2 / score > cost), abs=0.005)
+    assert found == pytest.approx(np.mean(0.5 * u**2 / (score + 1) > cost), abs=0.005)
     assert 0.3 < found < 0.99
+
+
+@pytest.mark.parametrize("hardly_seen", [0, 37])
+def test_what_a_part_hardly_shows_gives_an_effect_no_power(hardly_seen):
+    """Companions that the prior holds take nothing by chance: a late half was taken to show a warm-up that
+    had gone by, for its thirty-nine columns."""
+    score = np.concatenate([[30.0, 12.0], np.full(hardly_seen, 0.02)])
+    shift = np.concatenate([[5.0, 1.0], np.full(hardly_seen, 0.01)])
+    weight, limit = score / (1 + score), 15.0
+    drawn = np.random.default_rng(1).normal(size=(200_000, len(score))) + np.sqrt(shift)
+    assert exceeds(weight, shift, limit) == pytest.approx(np.mean(drawn**2 @ weight > limit), abs=0.004)
+    assert exceeds(weight, shift, limit) < 0.2
 
 
 def test_what_the_parts_name_instead_takes_the_place(competition):

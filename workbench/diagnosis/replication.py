@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import chndtr
 
 from ..campaign.problem import Problem
+from ..robot.kinematics import Array
 from .components import Component, Key, bare
 from .priors import PRIORS
 from .reduced import Index, Reduced
@@ -102,16 +103,35 @@ def power(
     whole: Reduced, part: Reduced, members: Sequence[Member], components: Sequence[Component]
 ) -> list[float]:
     """For each member, of the size that the whole gives it, the chance that a part has it likelier there than
-    not beside the others: that a noncentral χ² exceeds what its freedom and its prior cost.
+    not beside the others: that what it takes off χ² exceeds what its freedom and its prior cost.
 
-    part: reduced equations of the members' own components alone, in their order."""
+    part: reduced equations of the members' own components alone, in their order. A number that the part shows
+    with d and the prior holds with s⁻² takes w χ²(1, d β²), w = s² d/(1 + s² d): of many columns that hardly
+    count little is taken by chance."""
     there = [replace(member, component=i) for i, member in enumerate(members)]
     size, beside, out = Chosen(whole, members), Chosen(part, there), []
     for i, member in enumerate(members):
         S, cost = beside.price(i, components[member.component])
-        beta = size.beta[size.own[i]]
-        out.append(1 - float(chndtr(cost, len(S), max(float(beta @ S @ beta), 0.0))))
+        d, axes = np.linalg.eigh(S)
+        d = np.maximum(d, 0.0)
+        shift = d * (axes.T @ size.beta[size.own[i]]) ** 2
+        weight = member.scale**2 * d / (1 + member.scale**2 * d)
+        out.append(exceeds(weight, shift, cost))
     return out
+
+
+def exceeds(weight: Array, shift: Array, limit: float) -> float:
+    """Chance that Σ weight χ²(1, shift) exceeds a limit, by a noncentral χ² with its first moments (Liu, Tang
+    & Zhang 2009). weight, shift: (p,), not negative."""
+    c1, c2, c3, c4 = (float((weight**k * (1 + k * shift)).sum()) for k in (1, 2, 3, 4))
+    if c2 <= 0:
+        return float(limit < 0)
+    skew, tail = c3 / c2**1.5, c4 / c2**2
+    a = 1 / (skew - np.sqrt(skew**2 - tail)) if skew**2 > tail else 1 / skew
+    off = skew * a**3 - a**2 if skew**2 > tail else 0.0
+    dof = a**2 - 2 * off if skew**2 > tail else skew**-2
+    at = (limit - c1) / np.sqrt(2 * c2) * np.sqrt(2) * a + dof + off
+    return 1 - float(chndtr(max(at, 0.0), dof, off))
 
 
 def renamed(
