@@ -15,10 +15,10 @@ from workbench.identification.noise import (
     Covariance,
     measure_noise,
     repeat_chi2,
-    repeat_groups,
     stated_noise,
     whitener,
 )
+from workbench.identification.repeats import repeat_groups, scatter_of_repeats
 from workbench.robot.description import load_robot
 from workbench.simulation.virtual_campaign import Truth, simulate
 from workbench.studies.blind.cases import draw_case
@@ -143,6 +143,48 @@ def test_stated_noise_that_repeats_contradict_is_replaced_and_told(factor):
     assert f"{factor * SIGMA / np.sqrt(3) * 1e3:.4f} mm" in notes[0]
     assert abs(noise.sigma[0, 0] / (SIGMA / np.sqrt(3)) - 1) < 0.1
     assert np.isfinite(noise.dof)
+
+
+def hours(job, motion):
+    """The same campaign over eight hours, 20 to 26 °C, its points moved by motion(points, share of the time,
+    warmth [K])."""
+    c, count = job.campaign, len(job.q)
+    share = np.linspace(0.0, 1.0, count)
+    warmth = 6 * np.sin(np.pi * share) ** 2
+    poses = job.campaign.with_poses(time=8 * 3600 * share, temperature=20 + warmth).poses
+    points = c.points + motion(c.points, share[:, None, None], warmth[:, None, None])
+    return replace(job, campaign=replace(c, poses=poses, points=points))
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        lambda points, share, warmth: 3e-4 * np.array([0.5, -1.0, 0.3]) * share,
+        lambda points, share, warmth: 3e-4 * np.array([0.5, -1.0, 0.3]) * (1 - np.exp(-share / 0.15)),
+        lambda points, share, warmth: 1.2e-5 * warmth * (points - np.array([0.2, 0.1, 0.0])),
+        lambda points, share, warmth: 2e-4 * share * np.cross([0.0, 0.6, 1.0], points),
+    ],
+    ids=["drift", "settles", "grows", "turns"],
+)
+def test_what_repeats_drift_by_is_no_noise(motion):
+    """Hours apart they differ by more than the instrument and the robot scatter by."""
+    job = hours(measured(), motion)
+    found = measure_noise(job, axial_of(job))
+    assert found.sigma == pytest.approx(SIGMA, rel=0.1)
+    assert found.joint == pytest.approx(np.full(6, JOINT), rel=0.25)
+    still = hours(measured(joint=0.0), motion)
+    noise, said, notes = choose(still, started(still))
+    assert (said.source, notes) == ("stated", [])
+    assert np.allclose(noise.sigma, SIGMA / np.sqrt(3))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_scatter_that_does_not_pass_slowly_stays_noise(seed):
+    """Nothing is taken out where nothing drifts, however much time is on record."""
+    job = measured(seed)
+    timed = hours(job, lambda points, share, warmth: 0.0)
+    for one, other in zip(scatter_of_repeats(timed), scatter_of_repeats(job), strict=True):
+        assert np.array_equal(one, other)
 
 
 def test_repeatability_that_the_statement_forgets_is_found():

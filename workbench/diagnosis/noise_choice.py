@@ -19,10 +19,9 @@ from ..identification.noise import (
     body_motion,
     measure_noise,
     repeat_chi2,
-    repeat_groups,
     stated_noise,
-    within,
 )
+from ..identification.repeats import repeat_groups, within
 from ..identification.variances import cost_of
 from ..robot.kinematics import Array
 from .priors import PRIORS

@@ -17,6 +17,7 @@ from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
+from .repeats import scatter_of_repeats
 
 NOTHING = 2 * np.log(1e-12)  # logarithm of a variance [m² or rad²] that is none
 LEAST = 1e-7  # m: no instrument that sees a robot is better, and squares of errors in it still have digits
@@ -133,21 +134,6 @@ def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:
     return np.asarray(np.where((count >= 3)[:, None, None], W, 0.0))
 
 
-def repeat_groups(problem: Problem) -> NDArray[np.int64]:
-    """(N,) number of the group of repeats of each pose (equal command, load, set-up and approach)."""
-    c = problem.campaign
-    parts = [
-        np.round(c.poses.q, 9),
-        c.poses.payload[:, None],
-        np.round(c.poses.wrench, 6),
-        c.poses.setup[:, None],
-    ]
-    if c.poses.side is not None:
-        parts.append(c.poses.side)
-    _, group = np.unique(np.hstack(parts), axis=0, return_inverse=True)
-    return np.asarray(group.ravel(), dtype=np.int64)
-
-
 @dataclass(frozen=True)
 class MeasuredNoise:
     """Noise from repeats and shots. sigma [m] per axis and shot, repeat [m] rms of the robot's part
@@ -167,7 +153,7 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     instrument's σ² and one for the joints (their ratio as the robot's TOML says, else equal).
     """
     c = problem.campaign
-    deviation, weight, dof = within(c.points, repeat_groups(problem))
+    deviation, weight, dof = scatter_of_repeats(problem)
     shot_ss, shot_dof = c.shot_scatter
     if dof < 12:
         return None
@@ -177,7 +163,7 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     ratio = ratio / ratio.max() if ratio.any() else np.where(problem.arm.prismatic, 0.0, 1.0)
     J = axial[kept] * ratio * np.repeat(problem.seen, 3, axis=1)[kept][..., None]
     total = max(float(np.sqrt((d**2).sum() / dof)), 1e-9)
-    # deviations from a group's mean of k members have covariance (1 − 1/k) of the noise's
+    # deviations from a group's mean of k members have covariance (1 − 1/k) of the noise's, at most
     share = weight[kept]
     d = d / np.sqrt(share)[:, None]
     shots = float(np.median(c.shots[problem.seen])) if problem.seen.any() else 1.0
@@ -213,22 +199,6 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
 def repeat_chi2(problem: Problem, covariance: Covariance, axial: Array) -> tuple[float, int]:
     """Sum of squares of the repeats about their means, whitened by a covariance, and its degrees of
     freedom; axial as in `measure_noise`."""
-    deviation, _, dof = within(problem.campaign.points, repeat_groups(problem))
+    deviation, _, dof = scatter_of_repeats(problem)
     W = whitener(problem, covariance, axial, None)
     return float(((W @ deviation.reshape(len(W), -1, 1)) ** 2).sum()), dof
-
-
-def within(points: Array, group: NDArray[np.int64]) -> tuple[Array, Array, int]:
-    """Deviation (N, T, 3) of each pose's points from their means in the pose's group (0 where not seen),
-    1 − 1/k of the group (0: alone), and the degrees of freedom."""
-    deviation, weight, dof = np.zeros_like(points), np.zeros(len(group)), 0
-    order = np.argsort(group, kind="stable")
-    for members in np.split(order, np.flatnonzero(np.diff(group[order])) + 1):
-        if len(members) > 1:
-            seen = np.isfinite(points[members])
-            count = seen.sum(axis=0)
-            mean = np.where(seen, points[members], 0.0).sum(axis=0) / np.maximum(count, 1)
-            deviation[members] = np.where(seen, points[members] - mean, 0.0)
-            weight[members] = 1 - 1 / len(members)
-            dof += int(np.maximum(count - 1, 0).sum())
-    return deviation, weight, dof
