@@ -214,6 +214,7 @@ def test_nothing_changed_and_what_would_have_been_seen():
     comparison = nothing()
     assert (comparison.changes, comparison.changed, comparison.exit_status) == ((), False, 0)
     assert comparison.headline.startswith("The robot is unchanged within 0.0")
+    assert "but for the zeros of joint_1 and joint_6: to these data a move of " in comparison.headline
     assert comparison.within_mm < 0.06
     seen = {item.label: item for item in comparison.unchanged}
     zero = seen["joint_4 zero"]

@@ -17,7 +17,7 @@ from ..prepared import Progress
 from ..priors import PRIORS
 from ..run import testable
 from .decision import Decided, decide
-from .findings import changes_of, repeats, tracks, unseen
+from .findings import changes_of, hidden_zeros, repeats, tracks, unseen
 from .frames import apart
 from .occasions import occasions_of
 from .result import Apart, Comparison
@@ -70,7 +70,7 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
         tuple(one.label for one in system.occasions),
         tuple(len(one.problem.q) for one in system.occasions),
         changed,
-        headline(changes, bound, _other(beside), changed),
+        headline(changes, bound, _other(beside), changed, hidden_zeros(decided)),
         changes,
         bound,
         tuple(unchanged(decided)),

@@ -130,6 +130,16 @@ def unseen(decided: Decided) -> Iterator[Unseen]:
             yield Unseen(label, hidden.same_as or "the instrument's frame or the targets")
 
 
+def hidden_zeros(decided: Decided) -> list[str]:
+    """Joints a change of whose zero looks like a move of the instrument or the targets."""
+    last = np.arange(decided.system.count) == decided.system.count - 1
+    return [
+        str(hidden.candidate.where.joint)
+        for hidden in decided.hidden
+        if hidden.shape.zero and hidden.same_as is None and np.array_equal(hidden.shape.pattern, last)
+    ]
+
+
 def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
     """The named effects of the robot that the campaigns show: whether they repeat, and how closely."""
     changed = {(change.cause, change.where) for change in changes}

@@ -41,12 +41,23 @@ def moved_by(change: Change) -> str:
     return f"{change.label} changed by {at} ({largest.name} by {said(largest)})"
 
 
-def headline(changes: Sequence[Change], within_mm: float, apart: Sequence[str], robot_changed: bool) -> str:
-    """What changed, what did not, and what is not the robot."""
+def headline(
+    changes: Sequence[Change],
+    within_mm: float,
+    apart: Sequence[str],
+    robot_changed: bool,
+    hidden: Sequence[str] = (),
+) -> str:
+    """What changed, what did not, and what is not the robot. hidden: joints a change of whose zero would look
+    like a move of the instrument or the targets."""
     robot = [c for c in changes if c.side == "robot"]
     sure = [moved_by(c) for c in changes if c.status == "named"]
     open_ = [_either(c) for c in changes if c.status != "named"]
     within = f"unchanged within {max(within_mm, 0.001):.2g} mm"
+    if hidden:
+        zeros = "zero" if len(hidden) == 1 else "zeros"
+        joints = f"{', '.join(hidden[:-1])} and {hidden[-1]}" if len(hidden) > 1 else hidden[0]
+        within += f" (but for the {zeros} of {joints}: to these data a move of the instrument or the targets)"
     parts = [*sure[:MOST_SAID], *(["and more"] if len(sure) > MOST_SAID else []), *open_[:MOST_SAID]]
     if not robot and not robot_changed:
         parts.append(f"the robot is {within}")

@@ -108,7 +108,7 @@ def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tup
     while first is not None and alone is None:
         alone, first = _fitted(first, ways, dwell, seconds, nothing, 0), first.fewer
     if alone is None:
-        what = f"{seconds / 60:.0f} min are too short for {FEWEST} poses"
+        what = f"{seconds / 60:g} min are too short for {FEWEST} poses"
         raise InputError(Fault("--minutes", what, "give more time, or a larger speed_share in [driving]"))
     best, tried, better = alone, {alone.choice}, True
     while better:

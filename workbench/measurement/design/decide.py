@@ -156,8 +156,8 @@ def _readings(problem: Problem, tie: Tie, space: DesignSpace, now: float) -> lis
                 continue
             std = float(f"{spread * effect.params[0].typical / slope:.1g}")
             where = f" of {effect.where}" if str(effect.where) else ""
-            words = f"read {name}{where} to ± {std:g} {unit}".removesuffix(" 1")
-            fact = f"{_text(effect)}{',' if ':' in _text(effect) else ':'}{name}=VALUE,std={std:g}"
+            words = f"read {name}{where} to ± {std:.10g} {unit}".removesuffix(" 1")
+            fact = f"{_text(effect)}{',' if ':' in _text(effect) else ':'}{name}=VALUE,std={std:.10g}"
             command = f'workbench diagnose {problem.campaign.path} --known "{fact}"'
             found.setdefault(f"{effect.label}", Decision("reading", words, command, None, now, after))
     return list(found.values())

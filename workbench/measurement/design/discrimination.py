@@ -102,7 +102,7 @@ def plan_discrimination_in_time(
         return _plan(space, None, 0)
     best, alone = in_time(space, ways, dwell, seconds)
     if best.worth < TELLS and len(best.levels[SESSIONS]) < len(np.unique(space.levels[:, SESSIONS])):
-        what = f"{seconds / 60:.0f} min are too short for poses warm and cold, or early and late"
+        what = f"{seconds / 60:g} min are too short for poses warm and cold, or early and late"
         mend = "give more time: from one to the next it takes warm_up_min of [driving]"
         raise InputError(Fault("--minutes", f"{what}, and others do not tell these causes apart", mend))
     made = _plan(space, best.drive.plan, len(best.drive.plan.poses))
