@@ -64,12 +64,19 @@ class Chosen:
 
     @cached_property
     def cross(self) -> Array:
-        return np.asarray(self.reduced.S[:, self.index])
+        """(g, c), zero but for the columns that will be asked for."""
+        if isinstance(self._about, slice):
+            return np.asarray(self.reduced.S[:, self.index])
+        out = np.zeros((len(self.reduced.u), len(self.index)))
+        out[self._about] = self.reduced.S[np.ix_(self._about, self.index)]
+        return out
 
     @cached_property
     def K(self) -> Array:
-        """(g, c), zero but for the columns that will be asked for."""
-        out = np.zeros_like(self.cross)
+        """(g, c), zero as `cross` is."""
+        if isinstance(self._about, slice):
+            return np.asarray(self.cross @ self.inverse)
+        out = np.zeros(self.cross.shape)
         out[self._about] = self.cross[self._about] @ self.inverse
         return out
 
