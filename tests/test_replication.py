@@ -161,6 +161,18 @@ def test_what_the_parts_name_instead_takes_the_place(competition):
     assert now[0].scale in PRIORS.scales
 
 
+def test_a_name_whose_need_is_not_there_is_not_taken_over(competition):
+    """A run of a measured robot's half ended in a KeyError: the parts had what nothing else was fitted for."""
+    own, theirs, needed = 3, 5, 8
+    bound = Competition(competition.reduced, competition.components, {theirs: frozenset({needed})})
+    member = Member(own, 0, 1.0)
+    share = {theirs: 0.9, own: 0.1, None: 0.0}
+    assert renamed(bound, [member], [share]) == ([member], [share])
+    now, _ = renamed(bound, [member, Member(needed, 0, 1.0)], [share, {needed: 1.0}])
+    assert [m.component for m in now] == [theirs, needed]
+    assert joined(bound, {theirs: {theirs: 1.0}}, [member], [{own: 1.0}]) == ([member], [{own: 1.0}])
+
+
 def test_a_name_of_the_parts_that_predicts_worse_is_not_taken_over(wheel, monkeypatch):
     """The last link's mass in the place of the run-out loses it; a map of the joint is 2 % worse."""
     candidates, _ = all_that_may_be(wheel.problem)

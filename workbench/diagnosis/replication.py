@@ -90,7 +90,9 @@ def joined(
     for k, share in agreed.items():
         i = have.get(bare(competition.components[k].key))
         if i is None:
-            weight = competition.beside(Chosen(competition.reduced, members))[k]
+            weight = competition.beside(Chosen(competition.reduced, members)).get(k)
+            if weight is None:  # what it needs is not there
+                continue
             members.append(Member(k, weight.form, weight.scale))
             shares.append(share)
         elif shares[i].get(members[i].component, 0.0) < share[k]:
@@ -141,13 +143,12 @@ def renamed(
     this; once, where it comes in the place of two."""
     out = dict[int, tuple[Member, Shares]]()
     for member, share in zip(members, shares, strict=True):
-        k = max(share, key=lambda k: share[k])
-        if k is None or k == member.component or share.get(None, 0.0) >= share[k]:
-            new = member
-        else:
+        k, new = max(share, key=lambda k: share[k]), member
+        if k not in (None, member.component) and share.get(None, 0.0) < share[k]:
             others = [m for m in members if m is not member and m.component != k]
-            weight = competition.beside(Chosen(competition.reduced, others))[k]
-            new = Member(k, weight.form, weight.scale)
+            weight = competition.beside(Chosen(competition.reduced, others)).get(k)
+            if weight is not None:  # else what it needs is not there
+                new = Member(k, weight.form, weight.scale)
         had = out.get(new.component)
         if had is None or had[1].get(new.component, 0.0) < share.get(new.component, 0.0):
             out[new.component] = new, share
