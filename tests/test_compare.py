@@ -26,7 +26,9 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.cli.main import main
+from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Comparison
+from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
 from workbench.files.faults import InputError
 
 DATA = Path(__file__).parents[1].parent / "shared" / "data"
@@ -279,3 +281,18 @@ def test_halves_of_a_measured_campaign_have_not_changed():
     order = np.arange(whole.n_poses)
     comparison = compare([whole.some(order[::2]), whole.some(order[1::2])])
     assert (comparison.changes, comparison.exit_status) == ((), 0)
+
+
+def test_numbers_without_a_part_are_those_of_a_fit_without_it():
+    """The jackknife's step, against all equations solved anew without these rows."""
+    occasions, _ = occasions_of([before(), measured(2)], lambda _: None)
+    system = system_of(occasions)
+    moved = moved_without_parts(system, [], [], solve(system, [], []), 1)
+    poses = np.unique(system.pose[system.own == 1])
+    for part in (0, PARTS - 1):
+        gone = np.isin(system.pose, poses[np.arange(len(poses)) * PARTS // len(poses) == part])
+        J, e = system.J[~gone], system.e[~gone]
+        again = np.linalg.solve(J.T @ J + np.eye(J.shape[1]), J.T @ e)
+        assert moved[part] == pytest.approx(again - solve(system, [], []).values, rel=1e-4, abs=1e-7)
+        assert np.abs(moved[part]).max() > 1e-4
+    assert len(moved) == PARTS

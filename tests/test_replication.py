@@ -162,7 +162,7 @@ def test_what_the_parts_name_instead_takes_the_place(competition):
 
 
 def test_a_name_whose_need_is_not_there_is_not_taken_over(competition):
-    """A run of a measured robot's half ended in a KeyError: the parts had what nothing else was fitted for."""
+    """Half of a measured robot ended in a KeyError: the parts had what nothing else was fitted for."""
     own, theirs, needed = 3, 5, 8
     bound = Competition(competition.reduced, competition.components, {theirs: frozenset({needed})})
     member = Member(own, 0, 1.0)

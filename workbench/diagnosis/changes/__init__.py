@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from ...campaign import Campaign, load_campaign
 from ...files.faults import Fault, InputError
 from ..prepared import Progress
@@ -23,7 +25,7 @@ from .occasions import occasions_of
 from .result import Apart, Comparison
 from .sensitivity import unchanged, within_mm
 from .system import relinearised
-from .words import headline
+from .words import headline, with_std
 
 OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
 
@@ -61,7 +63,7 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
     final = relinearised(system, shapes, decided.solved)
     changes = tuple(changes_of(decided))
     changed = any(change.any >= PRIORS.named for change in changes)
-    beside = tuple(apart(system, final, decided.solved))
+    beside = tuple(apart(system, final, decided.solved, shapes, [m.scale for m in decided.members]))
     bound = within_mm(decided)
     first = system.occasions[0].problem
     return Comparison(
@@ -89,7 +91,10 @@ def _other(beside: Sequence[Apart]) -> list[str]:
     for one in beside[1:]:
         at = f" ({one.label})" if len(beside) > 2 else ""
         if one.targets_moved:
-            out.append(f"the targets sit elsewhere{at}: tool or reflectors were mounted anew")
+            by = max(one.targets, key=lambda target: float(np.linalg.norm(target.by_mm)))
+            size, std = float(np.linalg.norm(by.by_mm)), float(np.linalg.norm(by.std_mm))
+            why = "tool or reflectors were mounted anew, or are warmer"
+            out.append(f"the targets sit elsewhere by {with_std(size, std)} mm{at}: {why}")
         ratio = one.sigma_mm / first.sigma_mm
         if max(ratio, 1 / ratio) > OTHER_NOISE:
             out.append(f"the instrument scatters {one.sigma_mm:.3f} instead of {first.sigma_mm:.3f} mm{at}")

@@ -8,18 +8,26 @@ import numpy as np
 from scipy.stats import chi2
 
 from ...robot.kinematics import Array
+from .candidates import Shape
 from .occasions import Occasion
 from .result import Apart, TargetMoved
-from .system import Solved, System
+from .system import Solved, System, moved_without_parts
 
 LEVEL = 1e-4  # of the test whether targets moved
 
 
-def apart(system: System, final: Sequence[Occasion], solved: Solved) -> Iterator[Apart]:
-    """Each occasion against the first. final: the occasions at what was solved for."""
+def apart(
+    system: System,
+    final: Sequence[Occasion],
+    solved: Solved,
+    shapes: Sequence[Shape],
+    scales: Sequence[float],
+) -> Iterator[Apart]:
+    """Each occasion against the first. final: the occasions at what was solved for, with these shapes."""
+    without = [moved_without_parts(system, shapes, scales, solved, k) for k in range(system.count)]
     for k, one in enumerate(final):
         shift, turn, std = _frame(system, solved, final[0], one, k)
-        targets, moved = _targets(system, final, solved, k)
+        targets, moved = _targets(system, final, solved, k, (without[0], without[k]))
         noise, temperature = one.prepared.noise, one.problem.campaign.poses.temperature
         warm = temperature is not None and np.isfinite(temperature).any()
         yield Apart(
@@ -74,20 +82,28 @@ def _at(system: System, solved: Solved, one: Occasion, k: int, middle: Array) ->
     return np.concatenate([half[:3] + np.cross(half[3:].T, lever).T, half[3:]])
 
 
-def _difference(system: System, solved: Solved, k: int, there: slice, here: slice) -> Array:
-    """Covariance of own numbers `there` of occasion k minus `here` of the first [m, rad]."""
+def _difference(
+    system: System, solved: Solved, k: int, there: slice, here: slice, without: Sequence[Array]
+) -> Array:
+    """Covariance of own numbers `there` of occasion k minus `here` of the first [m, rad]: by the noise, and
+    where that is too sure by as much as parts of either occasion say (jackknife: Efron & Stein 1981).
+    without: of either, by how much all numbers move without each of its parts."""
     a, b = system.local[0].start, system.local[k].start
-    scale = system.prior[b + there.start : b + there.stop, None]
-    half = solved.half[b + there.start : b + there.stop] * scale
-    half = (
-        half
-        - solved.half[a + here.start : a + here.stop] * system.prior[a + here.start : a + here.stop, None]
-    )
-    return np.asarray(solved.factor**2 * half @ half.T)
+    first, last = slice(a + here.start, a + here.stop), slice(b + there.start, b + there.stop)
+
+    def difference(x: Array) -> Array:
+        return np.asarray(x[last] * system.prior[last, None] - x[first] * system.prior[first, None])
+
+    half = difference(solved.half)
+    covariance = solved.factor**2 * half @ half.T
+    each = [difference(one.T) for one in without]
+    shown = sum((d.shape[1] - 1) ** 2 / d.shape[1] * np.atleast_2d(np.cov(d)) for d in each)
+    more = float(np.trace(np.linalg.solve(covariance, shown))) / len(covariance)
+    return np.asarray(covariance * max(1.0, more))
 
 
 def _targets(
-    system: System, final: Sequence[Occasion], solved: Solved, k: int
+    system: System, final: Sequence[Occasion], solved: Solved, k: int, without: Sequence[Array]
 ) -> tuple[tuple[TargetMoved, ...], bool]:
     """Targets that both occasions have in their first set-ups, and whether any moved."""
     first, one = final[0], final[k]
@@ -98,7 +114,7 @@ def _targets(
     both = [(name, place, part, *there[name]) for name, place, part in _own(first) if name in there]
     for name, place, part, place_now, part_now in both:
         change = place_now - place
-        covariance = _difference(system, solved, k, part_now, part)
+        covariance = _difference(system, solved, k, part_now, part, without)
         std = np.sqrt(np.diag(covariance))
         moved |= bool(change @ np.linalg.solve(covariance, change) > chi2.isf(LEVEL / len(both), len(change)))
         by, sigma = 1e3 * change[:3], 1e3 * std[:3]

@@ -18,6 +18,7 @@ from ..reduced import Reduced, parts_of, without_background
 from .candidates import Candidate, Shape, own_of
 from .occasions import Occasion, numbers_of
 
+PARTS = 10  # of an occasion, one after the other
 FREE = 100.0  # times their priors: frames and targets of an occasion explain what they can, at no price
 
 Mask = NDArray[np.bool_]
@@ -122,9 +123,7 @@ class Solved:
 
 def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> Solved:
     """The common numbers, and the shapes, each held as one that was found at its scale."""
-    held = [shape.held(scale) for shape, scale in zip(shapes, scales, strict=True)]
-    C = [shape.columns * scale for shape, scale in zip(shapes, held, strict=True)]
-    A = np.concatenate([system.J, *C], axis=1)
+    A, unit = _columns(system, shapes, scales)
     n = A.shape[1]
     stacked = np.column_stack([np.vstack([A, np.eye(n)]), np.concatenate([system.e, np.zeros(n)])])
     R = np.asarray(qr(stacked, mode="r", overwrite_a=True, check_finite=False)[0])
@@ -132,7 +131,6 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
     values = inverse @ R[:n, n]
     left = system.e - A @ values
     dof = float(system.used.sum()) - (n - float((inverse**2).sum()))
-    unit = np.concatenate([np.ones(system.J.shape[1]), *held])
     return Solved(
         values * unit,
         inverse * unit[:, None],
@@ -140,6 +138,32 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
         left,
         max(dof, 1.0),
     )
+
+
+def moved_without_parts(
+    system: System, shapes: Sequence[Shape], scales: Sequence[float], solved: Solved, k: int
+) -> Array:
+    """(`PARTS`, n + g) by how much all numbers move, in prior sizes, when one part of occasion k is left out,
+    after the other in the order of measurement."""
+    A = _columns(system, shapes, scales)[0]
+    N = A.T @ A + np.eye(A.shape[1])
+    poses = np.unique(system.pose[system.own == k])
+    part = np.full(len(system.e), -1)
+    here = system.own == k
+    part[here] = np.searchsorted(poses, system.pose[here]) * PARTS // len(poses)
+    out = []
+    for rows in (part == i for i in range(PARTS)):
+        own = A[rows]
+        out.append(-np.linalg.solve(N - own.T @ own, own.T @ solved.left[rows]))
+    return np.array(out)
+
+
+def _columns(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> tuple[Array, Array]:
+    """All columns (R, n + g), the shapes' as they are held, and how these are held (n + g,)."""
+    held = [shape.held(scale) for shape, scale in zip(shapes, scales, strict=True)]
+    C = [shape.columns * scale for shape, scale in zip(shapes, held, strict=True)]
+    A = np.concatenate([system.J, *C], axis=1)
+    return A, np.concatenate([np.ones(system.J.shape[1]), *held])
 
 
 def relinearised(system: System, shapes: Sequence[Shape], solved: Solved) -> list[Occasion]:
