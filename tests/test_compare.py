@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.cli.main import main
+from workbench.diagnosis.changes.findings import of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Comparison
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
@@ -296,3 +298,19 @@ def test_numbers_without_a_part_are_those_of_a_fit_without_it():
         assert moved[part] == pytest.approx(again - solve(system, [], []).values, rel=1e-4, abs=1e-7)
         assert np.abs(moved[part]).max() > 1e-4
     assert len(moved) == PARTS
+
+
+@pytest.mark.parametrize(("misfit", "cause", "side", "changed"), [
+    (False, "unknown", "robot", True),
+    (True, "unknown", "robot", False),
+    (True, "gear_eccentricity", "robot", True),
+    (False, "drift", "surroundings", False),
+])  # fmt: skip
+def test_what_has_no_name_changes_no_robot_where_the_model_does_not_fit(misfit, cause, side, changed):
+    """Other poses show another part of what the model lacks: a measured robot was told to have changed within
+    one campaign."""
+    decided = SimpleNamespace(
+        candidates=[SimpleNamespace(cause=cause, side=side)],
+        system=SimpleNamespace(occasions=[SimpleNamespace(misfit=False), SimpleNamespace(misfit=misfit)]),
+    )
+    assert of_robot(decided, 0) is changed

@@ -29,9 +29,17 @@ def changes_of(decided: Decided) -> Iterator[Change]:
         sure = sum(odds.values())
         own = share.get(member.component, 0.0)
         if sure >= PRIORS.named and decided.candidates[member.component].change:
-            robot = sum(p for k, p in odds.items() if decided.candidates[k].side == ROBOT)
+            robot = sum(p for k, p in odds.items() if of_robot(decided, k))
             found.append(_change(decided, i, own, robot))
     yield from sorted(found, key=lambda change: -change.moves_mm)
+
+
+def of_robot(decided: Decided, k: int) -> bool:
+    """Whether a candidate says that the robot changed. Where the model does not fit to the noise, what has no
+    name differs between campaigns for that alone: other poses show another part of it."""
+    candidate = decided.candidates[k]
+    misfit = any(one.misfit for one in decided.system.occasions)
+    return candidate.side == ROBOT and not (misfit and candidate.cause == UNKNOWN)
 
 
 def _change(decided: Decided, i: int, own: float, robot: float) -> Change:
