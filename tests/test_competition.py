@@ -10,6 +10,7 @@ from scipy.stats import chi2, norm
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import prepared as preparation
 from workbench.diagnosis.ceiling import ceiling_mm
+from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.competition import compete
 from workbench.diagnosis.components import cause_components, nameless_components
 from workbench.diagnosis.priors import PRIORS
@@ -17,7 +18,7 @@ from workbench.diagnosis.reduced import reduce
 from workbench.diagnosis.result import NAMELESS
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.run import testable as candidates_of
-from workbench.diagnosis.sets import Chosen, Competition, Member
+from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.stages import rms_mm
 from workbench.diagnosis.weight import SCALES, WEIGHTS
 from workbench.effects.records import stated_effects

@@ -4,15 +4,19 @@ import numpy as np
 import pytest
 from diagnosis_cases import found, measured, named, with_points
 
+from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.components import Component, Form, bare
 from workbench.diagnosis.patterns import Pattern
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.remainder import beyond_forms, remainder
-from workbench.diagnosis.sets import Competition, Member
+from workbench.diagnosis.sets import Competition
+from workbench.diagnosis.stand_ins import StandIns
+from workbench.diagnosis.weight import Weight
 from workbench.diagnosis.worth import _beyond
 from workbench.effects.gear_eccentricity import GearEccentricity
+from workbench.effects.joint_map import JointMap
 from workbench.effects.place import Where
 from workbench.identification.fit import refit
 
@@ -120,8 +124,10 @@ def test_what_a_cause_is_off_its_form_is_nothing_unknown():
     """A run-out with five per cent of three cycles a turn, which no run-out of the catalogue has."""
     wheel = of_joint_1(6e-4, lambda q: np.sin(q + 0.3) + 0.2 * np.sin(2 * q) + 0.05 * np.sin(3 * q + 1))
     diagnosis = found(measured(joints=wheel, loads=()))
-    assert named(diagnosis) == {("gear_eccentricity", "joint_1"): "named"}
-    assert diagnosis.verdict == "named"
+    (cause,) = diagnosis.causes
+    assert (cause.cause, str(cause.where.joint)) == ("gear_eccentricity", "joint_1")
+    assert {rival.cause for rival in cause.rivals} <= {"joint_map"}
+    assert diagnosis.verdict in ("named", "ambiguous")
     (note,) = diagnosis.notes
     assert "no more than causes of this size leave" in note
 
@@ -130,6 +136,43 @@ def test_a_broad_map_is_not_taken_for_a_run_out_for_sure():
     bell = of_joint_1(4e-4, lambda q: np.exp(-0.5 * ((q - q.mean() - 0.3) / 1.2) ** 2))
     (cause,) = found(measured(joints=bell, loads=())).causes
     assert "joint_map" in {cause.cause, *(rival.cause for rival in cause.rivals)}
+
+
+def test_what_kin_win_by_their_companions_counts_a_third():
+    """A pure run-out is one for sure; one that takes companions to be one, or a map, is not."""
+    sure, by_companions, as_map = (
+        found(measured(joints=of_joint_1(6e-4, curve), loads=())).causes[0]
+        for curve in (
+            lambda q: np.sin(q + 0.3) + 0.2 * np.sin(2 * q),
+            lambda q: np.sin(q + 0.3) + 0.2 * np.sin(2 * q) + 0.08 * np.sin(3 * q + 1) + 0.05 * np.cos(4 * q),
+            lambda q: np.sin(q) * np.exp(-0.5 * (q - q.mean()) ** 2),
+        )
+    )
+    assert (sure.cause, sure.status) == ("gear_eccentricity", "named")
+    assert by_companions.cause == "gear_eccentricity"
+    assert by_companions.probability < sure.probability
+    assert "joint_map" in {as_map.cause, *(rival.cause for rival in as_map.rivals)}
+    odds, one, other = 9.0, {0: 9.0, 1: 0.0}, {0: 0.0, 1: 9.0}
+    for by, expected in (
+        (0.0, odds),
+        (4.0, odds - 4.0),
+        (odds, odds / PRIORS.kin),
+        (np.inf, odds / PRIORS.kin),
+    ):
+        assert kin_odds(one, by) == pytest.approx(expected)
+        assert kin_odds(other, by) == pytest.approx(-odds / PRIORS.kin)  # a map's win is none of a pure form
+
+
+def kin_odds(logs, by_companions):
+    """log odds of a run-out over a map that are believed."""
+    effects = GearEccentricity(Where(joint="joint_1"), "1"), JointMap(Where(joint="joint_1"), "smooth")
+    S, u = np.diag([100.0, 100.0]), np.array([50.0, 50.0])
+    parts = ((slice(0, 1),), (slice(1, 2),))
+    components = [Component((e.cause, e.where), (Form((), np.ones(1), (e,)),), -3.0) for e in effects]
+    reduced = Reduced(parts, S, u, 1000.0, 900.0, 300.0)
+    weights = {0: Weight(logs[0], 0, 1.0, by_companions), 1: Weight(logs[1], 0, 1.0)}
+    believed = StandIns(reduced, components).believed(Chosen(reduced, [Member(0, 0, 1.0)]), 0, weights, logs)
+    return believed[0] - believed[1]
 
 
 def test_companions_take_their_share_of_what_is_left():

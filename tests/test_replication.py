@@ -7,6 +7,7 @@ import pytest
 
 from workbench import Truth, Where, load_robot, parse_effect, planned, problem, random_poses, simulate
 from workbench.diagnosis import competition as competing
+from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.competition import _likeliest, _renamed_at_no_loss, compete
 from workbench.diagnosis.components import Component, Form, bare, cause_components
 from workbench.diagnosis.prepared import prepare
@@ -23,7 +24,7 @@ from workbench.diagnosis.replication import (
     searched_in_parts,
 )
 from workbench.diagnosis.run import testable as all_that_may_be
-from workbench.diagnosis.sets import Chosen, Competition, Member
+from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.weight import prior_weight
 from workbench.diagnosis.worth import as_sure_as_its_gain
 from workbench.effects.base import UNKNOWN

@@ -18,11 +18,12 @@ from ..effects.base import Effect
 from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
+from .chosen import Chosen
 from .components import Component, Form, cause_components, nameless_components, sized
 from .patterns import products_of
 from .reduced import Reduced, explained, slices_of
 from .screen import effective_dof
-from .sets import Chosen, Competition
+from .sets import Competition
 
 ROUNDS = 25
 FAINTEST = 1e-5  # squared scale, in usual sizes, at which a component is gone

@@ -16,6 +16,7 @@ from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from ..robot.kinematics import Array
 from .acts_through import needs_of
+from .chosen import Chosen, Member, Shares
 from .components import Component, Key, bare, cause_components, line_component, nameless_components
 from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
@@ -25,7 +26,7 @@ from .remainder import GLOBAL_LEVEL, Remainder, remainder
 from .replication import agreed, joined, power, renamed, replicated, searched_in_parts
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
-from .sets import Chosen, Competition, Member, Shares
+from .sets import Competition
 from .stages import Group, rms_mm
 
 ROUNDS = 5
@@ -117,7 +118,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     if final.model.effects:
         final = refit(final, final.model.effects)  # the rounds' fits are rough
     shown = [
-        share[m.component] == max(share.values()) and share[m.component] >= PRIORS.absent > share[None]
+        share[m.component] == max(share.values()) and share[None] < PRIORS.absent
         for share, m in zip(shares, members, strict=True)
     ]
     unrepeated = [m for m, there in zip(members, shown, strict=True) if not there]

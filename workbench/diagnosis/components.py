@@ -7,7 +7,7 @@ A component is a prior for a pattern in the data: columns with prior sizes. The 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,6 +88,16 @@ class Component:
     def nameless(self) -> bool:
         return self.key[0] == UNKNOWN
 
+    @property
+    def kin(self) -> Hashable:
+        """Of causes that differ by how they are likely to look alone, what they have in common; else None."""
+        return next((effect.kin for form in self.forms for effect in form.effects), None)
+
+    @property
+    def pure(self) -> bool:
+        """Whether some of its kind are quite true to their form."""
+        return any(effect.pure for form in self.forms for effect in form.effects)
+
     def without_columns(self) -> Component:
         """What stays when its weight is known: the columns take much room."""
         return replace(self, forms=tuple(replace(form, patterns=()) for form in self.forms))
@@ -117,7 +127,7 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
         if effects[0].together and len(effects) > 1:
             forms.append(form_of(fit, tuple(effects)))
         if effects[0].pure:
-            forms += [form.alone for form in forms if len(form.effects) == 1]
+            forms += [form.alone for form in forms]
         forms = [form for form in forms if form.shows]
         if forms:
             out.append(Component(key, tuple(forms), log_odds_of(effects[0], sites[key[0]])))

@@ -16,6 +16,7 @@ from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit, fit
 from ..robot.kinematics import Array
 from .ceiling import ceiling_mm
+from .chosen import Shares
 from .competition import Selection
 from .components import Component, bare, with_companions
 from .evidence import evidence, structure_evidence
@@ -28,7 +29,6 @@ from .priors import PRIORS
 from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
-from .sets import Shares
 from .stages import pose_errors, stages_of
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest

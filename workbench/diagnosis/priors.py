@@ -13,7 +13,8 @@ class Priors:
     same of a gear line of unknown order. free: of a function without a name, by what it is a function of.
     unstated: of a yield for which the model has no number, at each place. scales: sizes of an effect in usual
     sizes, with half-Cauchy weights 1/(1 + s²) per s; largest: beyond which nothing passes for a cause.
-    form: share of an effect that its form and its companions miss, on a real machine.
+    form: share of an effect that its form and its companions miss, on a real machine; kin: times over that
+    odds are too sure between a run-out and a map of one joint.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
     physics holds to one sign has the other. present: least size, in its scale, of an effect that brings
     companions; companions: most that these are, in their prior sizes, over the effect in its own. named:
@@ -30,6 +31,7 @@ class Priors:
     scales: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
     largest: float = 10.0
     form: float = 0.03
+    kin: float = 3.0
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
     present: float = 0.3

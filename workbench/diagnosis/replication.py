@@ -10,11 +10,12 @@ from scipy.special import chndtr
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
+from .chosen import Chosen, Member, Shares
 from .components import Component, Key, bare
 from .priors import PRIORS
 from .reduced import Index, Reduced
 from .scatter import POSES_PER_JOINT
-from .sets import Chosen, Competition, Member, Shares
+from .sets import Competition
 
 Search = Callable[[Index], tuple[Sequence[Component], Sequence[Shares]]]
 Power = Callable[[Index], Sequence[float]]

@@ -22,11 +22,13 @@ Blocks = Callable[[NDArray[np.int64]], tuple[Array, Array]]
 
 @dataclass(frozen=True)
 class Weight:
-    """log odds of a component, prior included; and its likeliest form and scale."""
+    """log odds of a component, prior included; its likeliest form and scale; and by how much more these are
+    than in the forms alone that have no companions."""
 
     log_odds: float
     form: int
     scale: float
+    by_companions: float = np.inf
 
 
 def likelihood(left: Reduced, explained: float, more: Array) -> Array:
@@ -61,22 +63,25 @@ class Forms:
     def weigh(self, left_of: Blocks, explained: float, allowed: NDArray[np.bool_]) -> dict[int, Weight]:
         """Weights of the components `allowed`. left_of: S (F, p, p) and u (F, p) that a set leaves of blocks
         of columns (F, p); explained: what the set took off χ²."""
-        tables: dict[int, list[tuple[int, Array]]] = {}
+        tables: dict[int, list[tuple[int, Array, bool]]] = {}
         for owner, form, index, one_sided, named, own in self.groups:
             here = np.flatnonzero(allowed[owner])
             if not len(here):
                 continue
             table = self._table(*left_of(index[here]), explained, one_sided[here], own[here])
             table[np.ix_(named[here], PRIORS.largest < SCALES)] = -np.inf
-            for row, k, f in zip(table, owner[here], form[here], strict=True):
-                tables.setdefault(int(k), []).append((int(f), row))
+            for row, k, f, main in zip(table, owner[here], form[here], own[here], strict=True):
+                tables.setdefault(int(k), []).append((int(f), row, main == 0))
         out = {}
         for k, rows in tables.items():
-            values = np.array([row for _, row in rows])
+            values = np.array([row for _, row, _ in rows])
             best = np.unravel_index(int(np.argmax(values)), values.shape)
             most = float(values[best])
-            total = most + np.log(np.exp(values - most).sum() / len(rows)) + self.components[k].log_odds
-            out[k] = Weight(float(total), rows[int(best[0])][0], float(SCALES[best[1]]))
+            each = np.exp(values - most).sum(axis=1)
+            total = most + np.log(each.sum() / len(rows)) + self.components[k].log_odds
+            without = each[[alone for _, _, alone in rows]].sum()
+            more = np.log(each.sum() / without) if without > 0 else np.inf
+            out[k] = Weight(float(total), rows[int(best[0])][0], float(SCALES[best[1]]), float(more))
         return out
 
     def _table(

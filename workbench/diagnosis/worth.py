@@ -13,10 +13,10 @@ from ..effects.base import Effect
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
+from .chosen import Chosen
 from .competition import Selection
 from .components import Key, bare
 from .priors import PRIORS
-from .sets import Chosen
 from .stages import rms_mm, without
 
 FAINT = 0.1  # of the noise, or of what is left per axis: a gain that decides nothing

@@ -15,7 +15,7 @@ what it depends on, whether it is smooth, always there, along its joint's own ax
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, Protocol
 
@@ -127,6 +127,12 @@ class Effect(ABC):
     def uses(self) -> Depends:
         """What this form depends on."""
         return self.depends
+
+    @property
+    def kin(self) -> Hashable:
+        """What it has in common with causes that differ from it by how they are likely to look alone; None:
+        nothing."""
+        return None
 
     @property
     def stated(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -47,6 +47,11 @@ class GearEccentricity(Harmonic):
     def params(self) -> tuple[Param, ...]:
         # more than 3 mrad of run-out is no gear: it would be a function of q that something else causes
         return tuple(Param(name, "rad", 1e-4, lower=-3e-3, upper=3e-3) for name in ("sin", "cos"))
+
+    @property
+    def kin(self) -> Hashable:
+        """A map of the joint can look like it, as far as anybody knows how either looks."""
+        return "own angle", self.where.joint
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[GearEccentricity]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
@@ -64,6 +64,10 @@ class JointMap(TransmissionEffect):
         return tuple(
             Param(f"wave_{k}", "rad", float(s), spread=float(s)) for k, s in enumerate(self._sizes, 1)
         )
+
+    @property
+    def kin(self) -> Hashable:
+        return "own angle", self.where.joint
 
     def sized(self, scale: float) -> JointMap:
         return replace(self, size=scale * self.size)

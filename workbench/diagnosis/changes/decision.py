@@ -10,10 +10,11 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...effects.base import Effect
+from ..chosen import Chosen, Member, Shares
 from ..noise_choice import known_dof
 from ..priors import PRIORS
 from ..reduced import Reduced
-from ..sets import Chosen, Competition, Member, Shares
+from ..sets import Competition
 from .candidates import Candidate, Shape, candidates_of
 from .occasions import Occasion
 from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
