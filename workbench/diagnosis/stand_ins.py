@@ -16,10 +16,10 @@ from .weight import Weight, likelihood
 class StandIns:
     """Components in each other's place at one linearisation.
 
-    That one fits better than another says less than it seems to. No form is quite true: what a large effect's
-    form misses is as large as a small effect (`PRIORS.form`). And what a map wins over its joint's run-out, or
-    this by its companions, is won by how they are likely to look, of which little is known (`PRIORS.kin`). Two
-    orders of one gear are one form.
+    That one fits better than another says less than it seems to. No form is quite true: what a large
+    effect's form misses is as large as a small effect (`PRIORS.form`). And what a map wins over its joint's
+    run-out, or this by its companions, is won by how they are likely to look, of which little is known
+    (`PRIORS.kin`). Two orders of one gear are one form.
     """
 
     def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
