@@ -19,6 +19,7 @@ SIZES = (
     "free",
     "largest",
     "form",
+    "kin",
     "noise_dof",
     "wrong_sign",
     "present",
