@@ -78,11 +78,13 @@ def sized(forms: Iterable[Form]) -> list[tuple[Pattern, Array]]:
 
 @dataclass(frozen=True, eq=False)
 class Component:
-    """A cause at one place, a gear line, or a function without a name. log_odds: before the data."""
+    """A cause at one place, a gear line, or a function without a name. log_odds: before the data; group: kin
+    are those of one group alone."""
 
     key: Key
     forms: tuple[Form, ...]
     log_odds: float
+    group: Hashable = None
 
     @property
     def nameless(self) -> bool:
@@ -91,7 +93,8 @@ class Component:
     @property
     def kin(self) -> Hashable:
         """Of causes that differ by how they are likely to look alone, what they have in common; else None."""
-        return next((effect.kin for form in self.forms for effect in form.effects), None)
+        kin = next((effect.kin for form in self.forms for effect in form.effects), None)
+        return None if kin is None else (self.group, kin)
 
     @property
     def pure(self) -> bool:

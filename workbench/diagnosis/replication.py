@@ -124,8 +124,8 @@ def power(
 
 
 def exceeds(weight: Array, shift: Array, limit: float) -> float:
-    """Chance that Σ weight χ²(1, shift) exceeds a limit, by a noncentral χ² with its first moments (Liu, Tang
-    & Zhang 2009). weight, shift: (p,), not negative."""
+    """Chance that Σ weight χ²(1, shift) exceeds a limit, by a noncentral χ² with its moments (Liu et al.
+    2009). weight, shift: (p,), not negative."""
     c1, c2, c3, c4 = (float((weight**k * (1 + k * shift)).sum()) for k in (1, 2, 3, 4))
     if c2 <= 0:
         return float(limit < 0)

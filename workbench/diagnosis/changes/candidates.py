@@ -78,7 +78,7 @@ class Candidate:
     @property
     def component(self) -> Component:
         forms = [Form((), s.sizes, s.effects, s.one_sided) for s in self.shapes]
-        return Component((self.cause, self.where), tuple(forms), self.log_odds)
+        return Component((self.cause, self.where), tuple(forms), self.log_odds, self.change)
 
 
 def candidates_of(
