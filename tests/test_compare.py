@@ -289,7 +289,7 @@ def test_numbers_without_a_part_are_those_of_a_fit_without_it():
     """The jackknife's step, against all equations solved anew without these rows."""
     occasions, _ = occasions_of([before(), measured(2)], lambda _: None)
     system = system_of(occasions)
-    moved = moved_without_parts(system, [], [], solve(system, [], []), 1)
+    moved = moved_without_parts(system, [], [], solve(system, [], []))[1]
     poses = np.unique(system.pose[system.own == 1])
     for part in (0, PARTS - 1):
         gone = np.isin(system.pose, poses[np.arange(len(poses)) * PARTS // len(poses) == part])
@@ -311,6 +311,6 @@ def test_what_has_no_name_changes_no_robot_where_the_model_does_not_fit(misfit, 
     one campaign."""
     decided = SimpleNamespace(
         candidates=[SimpleNamespace(cause=cause, side=side)],
-        system=SimpleNamespace(occasions=[SimpleNamespace(misfit=False), SimpleNamespace(misfit=misfit)]),
+        system=SimpleNamespace(misfit=misfit),
     )
     assert of_robot(decided, 0) is changed

@@ -130,11 +130,11 @@ def exceeds(weight: Array, shift: Array, limit: float) -> float:
     if c2 <= 0:
         return float(limit < 0)
     skew, tail = c3 / c2**1.5, c4 / c2**2
-    a = 1 / (skew - np.sqrt(skew**2 - tail)) if skew**2 > tail else 1 / skew
-    off = skew * a**3 - a**2 if skew**2 > tail else 0.0
-    dof = a**2 - 2 * off if skew**2 > tail else skew**-2
-    at = (limit - c1) / np.sqrt(2 * c2) * np.sqrt(2) * a + dof + off
-    return 1 - float(chndtr(max(at, 0.0), dof, off))
+    a = 1 / (skew - np.sqrt(max(skew**2 - tail, 0.0)))
+    off = skew * a**3 - a**2
+    dof = a**2 - 2 * off
+    at = a * (limit - c1) / np.sqrt(c2) + dof + off
+    return 1 - float(chndtr(max(at, 0.0), dof, max(off, 0.0)))
 
 
 def renamed(

@@ -63,7 +63,7 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
     final = relinearised(system, shapes, decided.solved)
     changes = tuple(changes_of(decided))
     changed = any(change.any >= PRIORS.named for change in changes)
-    beside = tuple(apart(system, final, decided.solved, shapes, [m.scale for m in decided.members]))
+    beside = tuple(apart(decided, final))
     bound = within_mm(decided)
     first = system.occasions[0].problem
     return Comparison(
@@ -107,7 +107,7 @@ def _notes(decided: Decided) -> list[str]:
         out += [f"{one.label}: {note}" for note in one.prepared.notes]
         if one.prepared.faults:
             out.append(f"{one.label}: {len(one.prepared.faults)} data faults left out")
-    if any(one.misfit for one in decided.system.occasions):
+    if decided.system.misfit:
         out.append(
             "The noise does not explain what the model leaves: a change counts only where either half of the "
             "poses shows it."

@@ -89,7 +89,7 @@ def _shares(
     """The probabilities; where the noise does not explain what is left, those of the half of the poses that
     says least for each member."""
     shares = competition.shares(members)
-    if not members or not any(one.misfit for one in system.occasions):
+    if not members or not system.misfit:
         return shares
     out = [dict(share) for share in shares]
     for rows in _halves(system):

@@ -12,7 +12,7 @@ from ...robot.kinematics import Array
 from ..competition import CLEARER, LOOSE, worth_of
 from ..priors import PRIORS
 from .candidates import Shape, numbers_of_shape
-from .decision import Decided, label_of
+from .decision import Decided, Hidden, label_of
 from .recheck import recheck
 from .result import Change, Repeats, Rival, Track, Unseen
 from .system import Solved, solve
@@ -38,8 +38,7 @@ def of_robot(decided: Decided, k: int) -> bool:
     """Whether a candidate says that the robot changed. Where the model does not fit to the noise, what has no
     name differs between campaigns for that alone: other poses show another part of it."""
     candidate = decided.candidates[k]
-    misfit = any(one.misfit for one in decided.system.occasions)
-    return candidate.side == ROBOT and not (misfit and candidate.cause == UNKNOWN)
+    return candidate.side == ROBOT and not (decided.system.misfit and candidate.cause == UNKNOWN)
 
 
 def _change(decided: Decided, i: int, own: float, robot: float) -> Change:
@@ -131,21 +130,21 @@ def _rivals(decided: Decided, i: int) -> Iterator[Rival]:
 
 def unseen(decided: Decided) -> Iterator[Unseen]:
     """Numbers of the geometry whose change looks exactly like something else's."""
-    last = np.arange(decided.system.count) == decided.system.count - 1
-    for hidden in decided.hidden:
-        if np.array_equal(hidden.shape.pattern, last):
-            label = label_of(hidden.candidate, hidden.shape)
-            yield Unseen(label, hidden.same_as or "the instrument's frame or the targets")
+    for hidden in _hidden_now(decided):
+        label = label_of(hidden.candidate, hidden.shape)
+        yield Unseen(label, hidden.same_as or "the instrument's frame or the targets")
 
 
 def hidden_zeros(decided: Decided) -> list[str]:
     """Joints a change of whose zero looks like a move of the instrument or the targets."""
-    last = np.arange(decided.system.count) == decided.system.count - 1
-    return [
-        str(hidden.candidate.where.joint)
-        for hidden in decided.hidden
-        if hidden.shape.zero and hidden.same_as is None and np.array_equal(hidden.shape.pattern, last)
-    ]
+    found = [hidden for hidden in _hidden_now(decided) if hidden.shape.zero and hidden.same_as is None]
+    return [str(hidden.candidate.where.joint) for hidden in found]
+
+
+def _hidden_now(decided: Decided) -> list[Hidden]:
+    """What cannot be seen at the last occasion."""
+    last = decided.system.last
+    return [hidden for hidden in decided.hidden if np.array_equal(hidden.shape.pattern, last)]
 
 
 def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
@@ -156,7 +155,7 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
     common = (decided.solved.values[: decided.solved.background] * decided.system.prior)[
         decided.system.common
     ]
-    last = np.arange(decided.system.count) == decided.system.count - 1
+    last = decided.system.last
     for k, candidate in enumerate(decided.candidates):
         if not candidate.change or candidate.side != ROBOT or candidate.cause == UNKNOWN:
             continue
@@ -182,7 +181,7 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
 def tracks(decided: Decided) -> Iterator[Track]:
     """Over all campaigns, against the first: each number that changed alone, and each joint's zero. limit:
     two-sided 99.7 % of the largest uncertainty."""
-    system, last = decided.system, np.arange(decided.system.count) == decided.system.count - 1
+    system, last = decided.system, decided.system.last
     each = np.eye(system.count)[1:]
     for k, candidate in enumerate(decided.candidates):
         mine = [m for m in decided.members if m.component == k]

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from ...robot.kinematics import Array
-from .candidates import Shape
+from .decision import Decided
 from .occasions import Occasion
 from .result import Apart, TargetMoved
 from .system import Solved, System, moved_without_parts
@@ -16,15 +16,11 @@ from .system import Solved, System, moved_without_parts
 LEVEL = 1e-4  # of the test whether targets moved
 
 
-def apart(
-    system: System,
-    final: Sequence[Occasion],
-    solved: Solved,
-    shapes: Sequence[Shape],
-    scales: Sequence[float],
-) -> Iterator[Apart]:
-    """Each occasion against the first. final: the occasions at what was solved for, with these shapes."""
-    without = [moved_without_parts(system, shapes, scales, solved, k) for k in range(system.count)]
+def apart(decided: Decided, final: Sequence[Occasion]) -> Iterator[Apart]:
+    """Each occasion against the first. final: the occasions at what was solved for."""
+    system, solved = decided.system, decided.solved
+    shapes, scales = [decided.shape(m) for m in decided.members], [m.scale for m in decided.members]
+    without = moved_without_parts(system, shapes, scales, solved)
     for k, one in enumerate(final):
         shift, turn, std = _frame(system, solved, final[0], one, k)
         targets, moved = _targets(system, final, solved, k, (without[0], without[k]))

@@ -29,7 +29,7 @@ SEEN = 0.95
 def unchanged(decided: Decided) -> Iterator[Unchanged]:
     """Every number that no member has, at the last campaign against those before."""
     taken = {m.component for m in decided.members}
-    last = _last(decided.system)
+    last = decided.system.last
     for k, candidate in enumerate(decided.candidates):
         if not candidate.change or k in taken:
             continue
@@ -82,7 +82,7 @@ def seen_mm(system: System, columns: Array, size: Array, pattern: Array) -> floa
 def within_mm(decided: Decided) -> float:
     """95 % bound [mm] of what all changes of geometry together make of the points, as far as neither frames
     and targets nor the members do the same."""
-    system, last = decided.system, _last(decided.system)
+    system, last = decided.system, decided.system.last
     geometry = tuple(int(c) for c in system.occasions[0].fit.columns.geometry)
     every = moved(system.occasions, geometry).at(last)
     shapes = [decided.shape(m) for m in decided.members]
@@ -106,7 +106,3 @@ def _beside_local(system: System, columns: Array, more: Sequence[Array] = ()) ->
 def _per_root(system: System, pattern: Array) -> float:
     here = pattern[system.own] > 0
     return system.mm * float(np.sqrt(system.used.sum() / max(system.used[here].sum(), 1)))
-
-
-def _last(system: System) -> Array:
-    return (np.arange(system.count) == system.count - 1).astype(float)

@@ -46,6 +46,16 @@ class System:
         return len(self.occasions)
 
     @property
+    def last(self) -> Array:
+        """(K,) 1 at the last occasion, 0 at those before."""
+        return (np.arange(self.count) == self.count - 1).astype(float)
+
+    @property
+    def misfit(self) -> bool:
+        """Whether the noise does not explain what the model leaves of an occasion."""
+        return any(one.misfit for one in self.occasions)
+
+    @property
     def mm(self) -> float:
         """RMS length [mm] of a motion of the points per root of its whitened sum of squares: by the mean
         variance of the points' noise."""
@@ -141,21 +151,19 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
 
 
 def moved_without_parts(
-    system: System, shapes: Sequence[Shape], scales: Sequence[float], solved: Solved, k: int
-) -> Array:
-    """(`PARTS`, n + g) by how much all numbers move, in prior sizes, when one part of occasion k is left out,
-    after the other in the order of measurement."""
+    system: System, shapes: Sequence[Shape], scales: Sequence[float], solved: Solved
+) -> list[Array]:
+    """Of each occasion (`PARTS`, n + g): by how much all numbers move, in prior sizes, when one part of it is
+    left out, after the other in the order of measurement."""
     A = _columns(system, shapes, scales)[0]
     N = A.T @ A + np.eye(A.shape[1])
-    poses = np.unique(system.pose[system.own == k])
-    part = np.full(len(system.e), -1)
-    here = system.own == k
-    part[here] = np.searchsorted(poses, system.pose[here]) * PARTS // len(poses)
     out = []
-    for rows in (part == i for i in range(PARTS)):
-        own = A[rows]
-        out.append(-np.linalg.solve(N - own.T @ own, own.T @ solved.left[rows]))
-    return np.array(out)
+    for here in (system.own == k for k in range(system.count)):
+        poses = np.unique(system.pose[here])
+        part = np.where(here, np.searchsorted(poses, system.pose) * PARTS // len(poses), -1)
+        left_out = [(A[rows], solved.left[rows]) for rows in (part == i for i in range(PARTS))]
+        out.append(np.array([-np.linalg.solve(N - own.T @ own, own.T @ left) for own, left in left_out]))
+    return out
 
 
 def _columns(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> tuple[Array, Array]:
