@@ -31,6 +31,8 @@ from workbench.diagnosis.changes.findings import of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Comparison
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
+from workbench.diagnosis.changes.words import headline
+from workbench.diagnosis.priors import PRIORS
 from workbench.files.faults import InputError
 
 DATA = Path(__file__).parents[1].parent / "shared" / "data"
@@ -234,6 +236,18 @@ def test_the_size_called_detectable_is_found():
     (change,) = comparison.changes
     assert comparison.changed
     assert "joint_3 zero" in (change.label, *(rival.label for rival in change.rivals))
+
+
+def test_a_change_that_may_be_none_is_told_as_such():
+    comparison = compare([before(), measured(2, {(JOINT_4, 5): 2.5e-4})])
+    (change,) = comparison.changes
+    assert (change.label, change.status) == ("joint_4 zero", "possible")
+    assert PRIORS.absent <= change.any < PRIORS.named
+    assert (comparison.changed, comparison.exit_status) == (False, 0)
+    assert comparison.headline.startswith("not decided: joint_4 zero changed by 0.06 mm")
+    assert "the robot is unchanged" not in comparison.headline.lower()
+    alone = replace(change, rivals=())
+    assert headline([alone], 0.01, [], False).startswith("perhaps joint_4 zero changed by 0.06 mm")
 
 
 def test_a_link_that_a_gear_could_mimic_is_not_named():

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from workbench import Truth, load_campaign, load_robot, plan, planned, problem_o
 from workbench.cli.main import main
 from workbench.diagnosis.screen import screen
 from workbench.effects.joint_compliance import JointCompliance
+from workbench.effects.records import parse_effect
 from workbench.files.faults import InputError
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
@@ -19,6 +21,7 @@ from workbench.measurement.design.candidates import Factors, candidates, take
 from workbench.measurement.design.causes import factors, named_causes
 from workbench.measurement.design.fedorov import gains, information
 from workbench.measurement.design.prior_information import from_campaign, from_robot
+from workbench.measurement.design.settle import found_by
 from workbench.measurement.design.t_optimal import design_space, t_criterion
 
 HEAVY = {"heavy": (250.0, (0.15, 0.0, 0.1))}
@@ -314,3 +317,16 @@ def test_the_command_refuses(tmp_path, capsys):
         shown, err = capsys.readouterr()
         assert shown == ""
         assert any(line.startswith("error: ") and said in line for line in err.splitlines()), err
+
+
+def test_a_noise_that_nobody_knows_is_what_the_found_cause_leaves():
+    """Not what geometry leaves, with the cause in it."""
+    plan = planned(load_robot("kr500"), random_poses(load_robot("kr500"), 24, np.random.default_rng(3)))
+    leak = "gravity_compensator:variant=charge,relative=-0.5"
+    truth = Truth(sigma=3e-5, effects=(parse_effect(leak, problem_of(plan)),))
+    campaign = replace(simulate(plan, truth, seed=3), noise_sigma=None)
+    tell = f"{leak},probability=0.8,gear_ratio:joint=joint_2,probability=0.2"
+    blind, told = (from_campaign(campaign, partial(found_by, text)) for text in (None, tell))
+    assert told.sigma.mean() == pytest.approx(3e-5, rel=0.3)
+    assert told.joint.max() < 0.4 * blind.joint.max()
+    assert "what the model leaves" in told.noise

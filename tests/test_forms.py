@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from diagnosis_cases import found, measured, named, with_points
 
+from workbench.campaign.problem import problem_of
 from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.components import Component, Form, bare
 from workbench.diagnosis.patterns import Pattern
@@ -12,12 +13,13 @@ from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.remainder import beyond_forms, remainder
 from workbench.diagnosis.sets import Competition
-from workbench.diagnosis.stand_ins import StandIns
+from workbench.diagnosis.stand_ins import StandIns, times_too_sure
 from workbench.diagnosis.weight import Weight
 from workbench.diagnosis.worth import _beyond
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.joint_map import JointMap
 from workbench.effects.place import Where
+from workbench.effects.records import parse_effect
 from workbench.identification.fit import refit
 
 CREEP = 0.27  # of the campaign: a time constant that is none of those tried
@@ -184,3 +186,21 @@ def test_companions_take_their_share_of_what_is_left():
     assert both.chi2 < held.chi2 < never.chi2 == pytest.approx(alone.chi2)
     assert alone.scatter
     assert not wide.scatter
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "times"),
+    [
+        ("joint_compliance:joint=joint_2", "link_bending:link=link_2", PRIORS.yields),
+        ("joint_compliance:joint=joint_2", "joint_compliance:joint=joint_3", 1),
+        ("joint_compliance:joint=joint_2", "lost_motion:joint=joint_2", 1),
+        ("joint_compliance:joint=joint_2", "lost_motion:joint=joint_3", PRIORS.yields),
+        ("joint_compliance:joint=joint_2", "link_mass:link=link_2", 1),
+        ("gear_eccentricity:joint=joint_2", "joint_map:joint=joint_2", PRIORS.kin),
+        ("gear_eccentricity:joint=joint_2", "joint_map:joint=joint_3", 1),
+    ],
+)
+def test_odds_are_too_large_between_causes_of_one_kind_in_other_forms(one, other, times):
+    problem = problem_of(measured())
+    effects = [parse_effect(text, problem)[0] for text in (one, other)]
+    assert times_too_sure(*effects) == times_too_sure(*reversed(effects)) == times

@@ -7,8 +7,11 @@ import pytest
 
 from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis import run
+from workbench.diagnosis.competition import compete
 from workbench.diagnosis.noise_choice import choose, from_residual
 from workbench.diagnosis.prepared import prepare
+from workbench.effects.records import parse_effect
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.noise import (
@@ -261,3 +264,19 @@ def test_a_noise_that_the_residual_hardly_shows_ends_the_search_for_it(tmp_path)
     """Variances that were tried without end made the covariance singular, and an honest robot was refused."""
     campaign = first_campaign(draw_case("lost_motion/16", 5, tmp_path).campaign)
     assert np.isfinite(prepare(campaign).noise.sigma_mm)
+
+
+def test_a_noise_from_few_repeats_may_be_off_without_a_misfit():
+    """Eighteen degrees of freedom know it to 17 %: what the causes leave beyond that is a misfit."""
+    robot = load_robot("ur5")
+    q = random_poses(robot, 40, np.random.default_rng(7))
+    plan = planned(robot, np.concatenate([q, q[:2]]))
+    ratio = parse_effect("gear_ratio:joint=elbow_joint,relative=1e-3", problem_of(plan))
+    campaign = simulate(plan, Truth(sigma=SIGMA, effects=(ratio,)), seed=7)
+    off = []
+    for stated in (None, SIGMA / 2):
+        prepared = prepare(replace(campaign, sigma=None, noise_sigma=stated))
+        found = compete(prepared, run.testable(prepared.problem)[0])
+        off.append((prepared.noise.source, prepared.noise.sigma_mm, found.misfit))
+    assert off[0] == ("repeats", pytest.approx(0.022, abs=0.001), False)
+    assert off[1][2]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnosis_cases import found, measured
 
 from workbench import Truth, Where, load_robot, parse_effect, planned, problem, random_poses, simulate
 from workbench.diagnosis import competition as competing
@@ -26,8 +27,9 @@ from workbench.diagnosis.replication import (
 from workbench.diagnosis.run import testable as all_that_may_be
 from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.weight import prior_weight
-from workbench.diagnosis.worth import as_sure_as_its_gain
+from workbench.diagnosis.worth import VOUCHED, as_sure_as_its_gain
 from workbench.effects.base import UNKNOWN
+from workbench.effects.unnamed.joints import Product
 from workbench.identification.fit import refit
 
 RUN_OUT = ("gear_eccentricity", Where(joint="joint_1"))
@@ -242,3 +244,24 @@ def test_what_the_parts_agree_on_is_as_sure_as_they_are(competition):
     now, theirs = joined(competition, certain, members, shares)
     assert now == members
     assert theirs == [pytest.approx({doubtful: 0.98, None: 0.02}), {sure: 0.999}]
+
+
+def test_no_cause_by_loads_is_sure_beside_larger_bending_without_a_name(monkeypatch):
+    """An error that goes with two joints leaves a compliance its name; the same taken for one by loads may be
+    what the compliance is a part of."""
+
+    def joints(problem):
+        out, q = np.zeros_like(problem.q), problem.q
+        out[:, 3] = 1e-3 * np.sin(1.3 * q[:, 1] + 0.4) * np.cos(q[:, 2] - 0.3)
+        return out
+
+    campaign = measured(effects=("joint_compliance:joint=joint_3,relative=0.5",), joints=joints)
+    said = []
+    for by_loads in (False, True):
+        monkeypatch.setattr(Product, "by_loads", by_loads)
+        (cause,) = (f for f in found(campaign).causes if f.cause != UNKNOWN)
+        assert cause.label == "joint_compliance(joint_3)"
+        said.append((cause.status, [rival.cause for rival in cause.rivals]))
+        if by_loads:
+            assert cause.probability == pytest.approx(VOUCHED)
+    assert said == [("named", []), ("ambiguous", [UNKNOWN])]

@@ -21,13 +21,12 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))  # for blind.py, behin
 from blind import git
 from draw import draw
 from robots import write_robots
+from runs import MODELS, ROOT, done_before
 from score import print_tables, tables
 from write import write_case
 
 from workbench import diagnose, load_campaign
 
-ROOT = Path(__file__).resolve().parents[2]
-MODELS = ROOT / "models"
 RESULTS = ROOT / "benchmarks/results/outside.json"
 CASES = 480
 SEED = 20261122
@@ -47,16 +46,6 @@ def diagnosed(campaign: Path) -> dict[str, Any]:
     ]
     faults = sorted({fault["kind"] for fault in found["faults"]})
     return {"verdict": found["verdict"], "headline": found["headline"], "causes": causes, "faults": faults}
-
-
-def done_before(path: Path, run: dict[str, Any]) -> dict[int, dict[str, Any]]:
-    """The lines of an earlier run, by case."""
-    if not path.is_file():
-        return {}
-    lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-    if any({key: line[key] for key in run} != run for line in lines):
-        raise SystemExit(f"{path} is of another seed or commit: give another folder")
-    return {line["case"]: line for line in lines}
 
 
 def done(number: int, folder: Path, run: dict[str, Any]) -> dict[str, Any]:

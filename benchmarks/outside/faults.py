@@ -337,3 +337,24 @@ class Slip(Form):
         since = (cell.seconds >= self.seconds).astype(float)
         slipped = self.direction[None, None] + np.cross(self.turn, cell.targets)[None]
         return self.amplitude * since[:, None, None] * slipped
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Zero(Form):
+    """A joint's encoder has lost its zero."""
+
+    joint: int
+
+    def deflect(self, rest: Rest, bent: Deflection) -> None:
+        bent.joints[:, self.joint] += self.amplitude
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BentLink(Form):
+    """A joint's link is bent for good: its end is shifted and turned by `way` (6,)."""
+
+    joint: int
+    way: Array
+
+    def deflect(self, rest: Rest, bent: Deflection) -> None:
+        bent.bend[:, self.joint] += self.amplitude * self.way

@@ -34,6 +34,38 @@ class Yardstick:
 
 def yardstick(arm: Arm, cell: Cell, bent: Deflection, sigma: Array, repeatability: Array) -> Yardstick:
     """For an instrument's `sigma` (3,), m, in its own axes and the joints' `repeatability` (n,), rad."""
+    joints, whiten, matrix = _columns(arm, cell, bent, sigma, repeatability)
+    return Yardstick(joints, whiten, _basis(matrix))
+
+
+def strength_of_change(
+    arm: Arm,
+    cells: tuple[Cell, Cell],
+    bent: Deflection,
+    sigmas: tuple[Array, Array],
+    repeatability: Array,
+    shift: Array,
+) -> float:
+    """λ of a shift (p, t, 3), m, in the second of two campaigns, which share the robot's geometry, but
+    neither frame nor targets. bent: (second campaign) the arm without the change."""
+    still = Deflection.none(len(cells[0].joints), arm.count)
+    _, _, first = _columns(arm, cells[0], still, sigmas[0], repeatability)
+    _, whiten, second = _columns(arm, cells[1], bent, sigmas[1], repeatability)
+    shared = 6 * arm.count
+    one = np.pad(first[:, shared:], ((0, len(second)), (0, 0)))
+    other = np.pad(second[:, shared:], ((len(first), 0), (0, 0)))
+    geometry = np.concatenate([first[:, :shared], second[:, :shared]])
+    basis = _basis(np.concatenate([geometry, one, other], 1))
+    white = np.einsum("pij,pj->pi", whiten, shift.reshape(len(shift), -1)).ravel()
+    taken = basis[len(first) :].T @ white
+    return float(white @ white - taken @ taken)
+
+
+def _columns(
+    arm: Arm, cell: Cell, bent: Deflection, sigma: Array, repeatability: Array
+) -> tuple[Array, Array, Array]:
+    """Points by joint angles (p, 3t, n), what whitens them (p, 3t, 3t), and the whitened columns of what a
+    calibration takes up, six of geometry per joint first."""
     start = points(arm, cell, bent)
     poses, targets = start.shape[:2]
     moved = [
@@ -48,10 +80,13 @@ def yardstick(arm: Arm, cell: Cell, bent: Deflection, sigma: Array, repeatabilit
         np.einsum("pij,pj->pi", whiten, (points(arm, one, bent) - start).reshape(poses, -1) / STEP).ravel()
         for one in _calibrated(arm, cell)
     ]
-    matrix = np.stack(columns, 1)
-    matrix /= np.linalg.norm(matrix, axis=0) + 1e-30
-    basis, singular, _ = np.linalg.svd(matrix, full_matrices=False)
-    return Yardstick(joints, whiten, basis[:, singular > 1e-7 * singular[0]])
+    return joints, whiten, np.stack(columns, 1)
+
+
+def _basis(matrix: Array) -> Array:
+    """Orthonormal columns of what a matrix spans."""
+    basis, singular, _ = np.linalg.svd(matrix / (np.linalg.norm(matrix, axis=0) + 1e-30), full_matrices=False)
+    return basis[:, singular > 1e-7 * singular[0]]
 
 
 def _calibrated(arm: Arm, cell: Cell) -> list[Cell]:

@@ -5,7 +5,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from draw import BROUGHT_KG, Case
+from draw import Case
+from plan import BROUGHT_KG
 
 
 def _campaign_toml(case: Case, robot: str) -> str:

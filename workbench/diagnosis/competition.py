@@ -104,7 +104,8 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
         part = reduce(best.at, own, reduced.noise_dof, poses)
         return power(reduced, part, members, components)
 
-    misfit = source == "residual" or not np.isclose(at.usual, geometry.usual, rtol=UNUSUAL)
+    unusual = max(UNUSUAL, np.sqrt(2 / max(reduced.noise_dof, 1.0)))  # two sigma of a sigma by so few
+    misfit = source == "residual" or not np.isclose(at.usual, geometry.usual, rtol=unusual)
     misfit = misfit or any(components[m.component].nameless for m in members)
     certain = dict[int, Shares]()
     at_stake = any(not components[m.component].nameless for m in members)

@@ -91,10 +91,9 @@ class Component:
         return self.key[0] == UNKNOWN
 
     @property
-    def kin(self) -> Hashable:
-        """Of causes that differ by how they are likely to look alone, what they have in common; else None."""
-        kin = next((effect.kin for form in self.forms for effect in form.effects), None)
-        return None if kin is None else (self.group, kin)
+    def effect(self) -> Effect | None:
+        """One of its effects; None of a change of geometry."""
+        return next((effect for form in self.forms for effect in form.effects), None)
 
     @property
     def pure(self) -> bool:

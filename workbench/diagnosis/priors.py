@@ -13,8 +13,10 @@ class Priors:
     same of a gear line of unknown order. free: of a function without a name, by what it is a function of.
     unstated: of a yield for which the model has no number, at each place. scales: sizes of an effect in usual
     sizes, with half-Cauchy weights 1/(1 + s²) per s; largest: beyond which nothing passes for a cause.
-    form: share of an effect that its form and its companions miss, on a real machine; kin: times over that
-    odds are too sure between a run-out and a map of one joint.
+    form: share of an effect that its form and its companions miss, on a real machine; kin, yields: times
+    over that log odds are too sure between a run-out and a map of one joint, and between two causes that
+    yield to loads; shadow: size of a cause by loads, over that of what loads do without a name, from which
+    it is no part of that.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
     physics holds to one sign has the other. present: least size, in its scale, of an effect that brings
     companions; companions: most that these are, in their prior sizes, over the effect in its own. named:
@@ -32,6 +34,8 @@ class Priors:
     largest: float = 10.0
     form: float = 0.03
     kin: float = 3.0
+    yields: float = 2.0
+    shadow: float = 2.0
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
     present: float = 0.3

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..effects.base import Effect
 from .chosen import Chosen, Shares
 from .components import Component, bare
 from .priors import PRIORS
@@ -13,13 +14,25 @@ from .reduced import Reduced
 from .weight import Weight, likelihood
 
 
+def times_too_sure(one: Effect, other: Effect) -> float:
+    """By how much log odds between two causes are too large where it is how they are likely to look that
+    tells them apart, of which little is known. Two laws of one joint's yield are told apart by their
+    freedom."""
+    if one.cause == other.cause or one.kin is None or one.kin != other.kin:
+        return 1.0
+    if one.acts != "yielding":
+        return PRIORS.kin
+    same = one.axial and other.axial and one.where == other.where
+    return 1.0 if same else PRIORS.yields
+
+
 class StandIns:
     """Components in each other's place at one linearisation.
 
     That one fits better than another says less than it seems to. No form is quite true: what a large
-    effect's form misses is as large as a small effect (`PRIORS.form`). And what a map wins over its joint's
-    run-out, or this by its companions, is won by how they are likely to look, of which little is known
-    (`PRIORS.kin`). Two orders of one gear are one form.
+    effect's form misses is as large as a small effect (`PRIORS.form`), and some odds are too large by a
+    factor (`times_too_sure`) but for what a cause that may be true to its form wins without its companions.
+    Two orders of one gear are one form.
     """
 
     def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
@@ -31,19 +44,25 @@ class StandIns:
         own = chosen.members[i].component
         rivals = [k for k in logs if k is not None and self._differ(k, own)]
         out = self._no_truer_than_forms(chosen, i, weights, logs, rivals)
-        for k in (k for k in rivals if self._kin(k, own)):
+        for k in rivals:
+            times = self._times_too_sure(k, own)
+            if times == 1:
+                continue
             before = self.components[k].log_odds - self.components[own].log_odds
             odds = out[k] - logs[own] - before
             winner = k if odds > 0 else own
             by_itself = abs(odds) - weights[winner].by_companions if self.components[winner].pure else 0.0
-            out[k] = logs[own] + before + np.sign(odds) * max(abs(odds) / PRIORS.kin, by_itself)
+            out[k] = logs[own] + before + np.sign(odds) * max(abs(odds) / times, by_itself)
         return out
 
     def _differ(self, k: int, own: int) -> bool:
         return bare(self.components[k].key) != bare(self.components[own].key)
 
-    def _kin(self, k: int, own: int) -> bool:
-        return self.components[k].kin is not None and self.components[k].kin == self.components[own].kin
+    def _times_too_sure(self, k: int, own: int) -> float:
+        one, other = (self.components[c] for c in (k, own))
+        if one.nameless or other.nameless or one.effect is None or other.effect is None:
+            return 1.0
+        return times_too_sure(one.effect, other.effect) if one.group == other.group else 1.0
 
     def _no_truer_than_forms(
         self, chosen: Chosen, i: int, weights: dict[int, Weight], logs: Shares, rivals: Sequence[int]

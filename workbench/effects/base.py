@@ -90,13 +90,14 @@ class Effect(ABC):
     measurement that tells it apart (in words; `separation` reads both sides). variant: forms of the same
     cause share cause and place and differ in this; they are never each other's rivals. settings: names of
     the fields that are numbers but not fitted (a time constant, say); they are kept with the values in
-    model.toml. ordered: `where` needs an order. together: the variants are parts of one law that may be off
-    at once. pure: some are quite true to their form, as a wrong number in a controller is: they compete
-    without companions as well. depends: what any form of it depends on (one form: `uses`). smooth: a smooth
-    function of its joint's angle, so that several of them can draw any such function. always: every machine
-    has it, whether its model states it or not. axial: it moves its joint along the joint's own axis, and
-    nothing else. in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure
-    of it, the whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`).
+    model.toml. ordered: `where` needs an order. together: the variants are parts of one law that may be
+    off at once. pure: some are quite true to their form, as a wrong number in a controller is: they
+    compete without companions as well. depends: what any form of it depends on (one form: `uses`).
+    smooth: a smooth function of its joint's angle, so that several of them can draw any such function.
+    always: every machine has it, whether its model states it or not. axial: it moves its joint along the
+    joint's own axis, and nothing else. by_loads: it is how an arm bends under its loads, or may be.
+    in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
+    whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`).
     """
 
     where: Where = NOWHERE
@@ -115,6 +116,7 @@ class Effect(ABC):
     smooth: ClassVar[bool] = False
     always: ClassVar[bool] = False
     axial: ClassVar[bool] = False
+    by_loads: ClassVar[bool] = False
     in_drake: ClassVar[str]
     wholes: ClassVar[Mapping[str, str]] = {}
 
@@ -130,8 +132,8 @@ class Effect(ABC):
 
     @property
     def kin(self) -> Hashable:
-        """What it has in common with causes that differ from it by how they are likely to look alone; None:
-        nothing."""
+        """What it has in common with other causes that differ from it by how they are likely to look alone;
+        None: nothing."""
         return None
 
     @property

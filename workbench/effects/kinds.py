@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -85,11 +85,17 @@ class YieldEffect(Effect):
     """A slot that yields under its own wrench."""
 
     acts: ClassVar[Acts] = "yielding"
+    by_loads: ClassVar[bool] = True
     depends: ClassVar[Depends] = frozenset({"load"})
     in_drake: ClassVar[str] = (
         "a joint for each component that gives way, with a RevoluteSpring or PrismaticSpring; "
         "where components are coupled or the law is not linear, SlotSprings at the plant's port"
     )
+
+    @property
+    def kin(self) -> Hashable:
+        """Real arms yield in other forms than these, and everywhere a little."""
+        return "yield"
 
     @abstractmethod
     def slot(self, arm: Arm) -> int:
@@ -194,6 +200,7 @@ class LoadEffect(Effect):
     """A change of what pulls on the arm."""
 
     acts: ClassVar[Acts] = "load"
+    by_loads: ClassVar[bool] = True
     in_drake: ClassVar[str] = "a torque on the joint's motor and on its spring, at the plant's port"
     depends: ClassVar[Depends] = frozenset({"joints"})
 

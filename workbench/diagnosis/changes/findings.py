@@ -14,7 +14,7 @@ from ..priors import PRIORS
 from .candidates import Shape, numbers_of_shape
 from .decision import Decided, Hidden, label_of
 from .recheck import recheck
-from .result import Change, Repeats, Rival, Track, Unseen
+from .result import POSSIBLE, Change, Repeats, Rival, Track, Unseen
 from .system import Solved, solve
 
 ROBOT = "robot"
@@ -22,15 +22,15 @@ REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
 
 
 def changes_of(decided: Decided) -> Iterator[Change]:
-    """The members that are changes, or whose rivals are; the surest first."""
+    """The members that are changes, if likely enough that they or others changed; the largest first."""
     found = []
     for i, (member, share) in enumerate(zip(decided.members, decided.shares, strict=True)):
         odds = {k: p for k, p in share.items() if k is not None and decided.candidates[k].change}
         sure = sum(odds.values())
         own = share.get(member.component, 0.0)
-        if sure >= PRIORS.named and decided.candidates[member.component].change:
+        if sure >= PRIORS.absent and decided.candidates[member.component].change:
             robot = sum(p for k, p in odds.items() if of_robot(decided, k))
-            found.append(_change(decided, i, own, robot))
+            found.append(_change(decided, i, _status(decided, i, own, sure), own, robot))
     yield from sorted(found, key=lambda change: -change.moves_mm)
 
 
@@ -41,7 +41,14 @@ def of_robot(decided: Decided, k: int) -> bool:
     return candidate.side == ROBOT and not (decided.system.misfit and candidate.cause == UNKNOWN)
 
 
-def _change(decided: Decided, i: int, own: float, robot: float) -> Change:
+def _status(decided: Decided, i: int, own: float, sure: float) -> str:
+    """own: probability of the i-th member; sure: that anything changed in its place."""
+    if sure < PRIORS.named:
+        return POSSIBLE
+    return "named" if own >= PRIORS.named and not _tied(decided, i) else "ambiguous"
+
+
+def _change(decided: Decided, i: int, status: str, own: float, robot: float) -> Change:
     member = decided.members[i]
     candidate, shape = decided.candidates[member.component], decided.shape(member)
     mean, covariance = decided.solved.of(decided.part(i))
@@ -53,7 +60,7 @@ def _change(decided: Decided, i: int, own: float, robot: float) -> Change:
         candidate.cause,
         candidate.where,
         candidate.side,
-        "named" if own >= PRIORS.named and not _tied(decided, i) else "ambiguous",
+        status,
         labels[first],
         bool(shape.pattern[-1] == 0),
         own,
@@ -149,7 +156,7 @@ def _hidden_now(decided: Decided) -> list[Hidden]:
 
 def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
     """The named effects of the robot that the campaigns show: whether they repeat, and how closely."""
-    changed = {(change.cause, change.where) for change in changes}
+    said = {(change.cause, change.where): change.status for change in changes}
     result = decided.system.occasions[0].fit
     start = result.columns.geometry_slice.start
     common = (decided.solved.values[: decided.solved.background] * decided.system.prior)[
@@ -172,9 +179,11 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
             size = float(np.linalg.norm(shape.columns[:, :p] @ (value / shape.sizes[:p])))
             spread = 1.96 * decided.solved.factor * float(np.linalg.norm(shape.columns[:, :p] @ half))
             share = float(np.hypot(np.linalg.norm(shape.columns[:, :p] @ change), spread)) / max(size, 1e-12)
-            status = "repeats" if share < REPEATS else "not decided"
-            if (candidate.cause, candidate.where) in changed:
-                status = "changed"
+            status = said.get((candidate.cause, candidate.where))
+            if status is not None:
+                status = "not decided" if status == POSSIBLE else "changed"
+            else:
+                status = "repeats" if share < REPEATS else "not decided"
             yield Repeats(label_of(candidate, shape), status, share)
 
 

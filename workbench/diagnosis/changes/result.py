@@ -9,6 +9,7 @@ from typing import Any
 from ...effects.place import Parameter, Where
 
 UNCHANGED, CHANGED = 0, 3  # exit status of the command
+POSSIBLE = "possible"  # status of a change that may be none
 
 
 @dataclass(frozen=True)
@@ -28,10 +29,10 @@ class Change:
     """What changed.
 
     side: robot, load, instrument or surroundings; status: named (probability from 0.95 on, and no rival that
-    fits as well, number for number) or ambiguous; since: label of the first campaign with it; alone: only
-    that has it; probability: of this; any: that something of the robot changed here; moves_mm: RMS of what it
-    makes of the points; recheck_poses: how many poses would show it again with 80 % power (None: more than
-    were measured), recheck_ids: which.
+    fits as well, number for number), ambiguous (something changed here) or possible (from 0.2 on); since:
+    label of the first campaign with it; alone: only that has it; probability: of this; any: that something of
+    the robot changed here; moves_mm: RMS of what it makes of the points; recheck_poses: how many poses would
+    show it again with 80 % power (None: more than were measured), recheck_ids: which.
     """
 
     label: str

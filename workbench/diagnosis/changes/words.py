@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...effects.place import Parameter
-from .result import Change
+from .result import POSSIBLE, Change
 
 MOST_SAID = 3
+WORTH_SAYING = 0.05  # probability of what a change may be instead
 SAID = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "rad/(N·m)": (1e9, "nrad/(N·m)")}
 
 
@@ -68,6 +69,17 @@ def headline(
 
 
 def _either(change: Change) -> str:
+    if change.status == POSSIBLE:
+        return _perhaps(change)
     rivals = [r.label if r.change else f"{r.label} (in all campaigns)" for r in change.rivals]
     names = " or ".join([change.label, *rivals])
     return f"something changed by {change.moves_mm:.2f} mm RMS at the targets, not decided: {names}"
+
+
+def _perhaps(change: Change) -> str:
+    """A change that may be none, with what else it may be."""
+    likely = [r for r in change.rivals if r.probability >= WORTH_SAYING]
+    others = [f"{r.label} {'did' if r.change else 'is in all campaigns'}" for r in likely]
+    others += ["something less likely did"] if len(likely) < len(change.rivals) else []
+    ways = [f"{change.label} changed by {change.moves_mm:.2f} mm RMS at the targets", *others]
+    return f"not decided: {', or '.join(ways)}" if others else f"perhaps {ways[0]}"

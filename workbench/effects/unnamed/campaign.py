@@ -107,6 +107,7 @@ class PerPayload(Unnamed, DirectEffect):
     others: float = 1.0
 
     depends: ClassVar[Depends] = frozenset({"payload"})
+    by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "others")
 
     @property
@@ -142,6 +143,7 @@ class Attitude(Unnamed, DirectEffect):
     variant: str = "attitude"
 
     depends: ClassVar[Depends] = frozenset({"joints"})
+    by_loads: ClassVar[bool] = True
 
     @property
     def functions(self) -> int:

@@ -28,6 +28,7 @@ class Torque(Unnamed, DirectEffect):
     largest: float = 1.0
 
     depends: ClassVar[Depends] = frozenset({"load"})
+    by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
 
     @property
@@ -72,6 +73,7 @@ class Load(Unnamed, DirectEffect):
     moment: float = 1.0
 
     depends: ClassVar[Depends] = frozenset({"load"})
+    by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "force", "moment")
 
     @property
@@ -124,6 +126,7 @@ class OwnWeight(Unnamed, DirectEffect):
     largest: float = 1.0
 
     depends: ClassVar[Depends] = frozenset({"joints"})
+    by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
 
     @property
@@ -185,6 +188,7 @@ class UnevenTilt(Unnamed, DirectEffect):
     largest: float = 1.0
 
     depends: ClassVar[Depends] = frozenset({"load"})
+    by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
 
     @property

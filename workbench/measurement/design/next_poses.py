@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from .discrimination import plan_discrimination, plan_discrimination_in_time
 from .discrimination_plan import DiscriminationPlan
 from .fedorov import Search
 from .prior_information import PriorInformation, from_campaign, from_robot
-from .settle import is_found, plan_settling
+from .settle import found_by, is_found, plan_settling
 
 POSES = 30
 POOL, QUICK_POOL = 1200, 400  # candidate records,
@@ -75,7 +76,7 @@ def plan(
     made: Plan
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
     if isinstance(source, Campaign):
-        prior = from_campaign(with_known(source, known))
+        prior = from_campaign(with_known(source, known), partial(found_by, tell))
     else:
         prior = from_robot(source, known)
     around = reach_of(prior, seed, cell)

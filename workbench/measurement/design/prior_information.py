@@ -7,7 +7,7 @@ geometry and effects are what the records share with those that are there alread
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +22,7 @@ from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
 from ...effects.given import Given, exclusions, given_facts
 from ...effects.records import stated_effects
-from ...identification.fit import Fit, fit
+from ...identification.fit import Fit, fit, refit
 from ...identification.model import Model, State
 from ...identification.noise import Covariance
 from ...identification.parameters import effect_names
@@ -228,9 +228,14 @@ def from_robot(robot: Robot, known: Sequence[str] = ()) -> PriorInformation:
     return PriorInformation(nothing, effects, None, sigma, joint, 1.0, noise, shown, places, given=given)
 
 
-def from_campaign(campaign: Campaign) -> PriorInformation:
-    """A robot with its campaign, as a diagnosis prepares it. Raises InputError where data are unusable."""
+def from_campaign(
+    campaign: Campaign, found: Callable[[Problem], Sequence[Effect]] = lambda _: ()
+) -> PriorInformation:
+    """A robot with its campaign, as a diagnosis prepares it. found: the effects that it found; where nobody
+    knows the noise, it is what geometry leaves beside these. Raises InputError where data are unusable."""
     prepared = prepare(campaign)
+    if not prepared.noise_known and (effects := found(prepared.problem)):
+        prepared = prepared.with_noise_of(refit(prepared.geometry, effects))
     return from_prepared(prepared.with_given(given_facts(prepared.problem)))
 
 
@@ -243,7 +248,7 @@ def from_prepared(prepared: Prepared) -> PriorInformation:
     where = [problem.seen[problem.campaign.poses.setup == k].sum(axis=0) for k in setups]
     places = prepared.geometry.state.targets[np.argmax(where, axis=0), np.arange(len(share))]
     sigma = np.sqrt(np.mean(covariance.sigma**2, axis=0))
-    source = {"stated": "as stated", "repeats": "measured from repeats", "residual": "what geometry leaves"}
+    source = {"stated": "as stated", "repeats": "measured from repeats", "residual": "what the model leaves"}
     mm = 1e3 * float(np.sqrt(np.mean(sigma[shown] ** 2)))
     words = f"{mm:.4f} mm per axis, {source[prepared.noise.source]}"
     if covariance.joint.any():

@@ -7,7 +7,8 @@ that is said with the size that was found.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from ...effects.records import PLACE, from_record, parse_effect
 from ...effects.unnamed import unnamed
 from ...files.faults import Fault, InputError, read_text
 from ...identification.fit import Fit
+from ...robot.kinematics import Array
 from ...robot.schema import EffectRecord
 from .candidates import candidates, random_rows, take
 from .causes import EXAMPLE, chance_of, has_size, named_causes, pairs_of, split_causes, varied
@@ -38,6 +40,16 @@ PLACES = (*PLACE, "order")
 def is_found(text: str) -> bool:
     """Whether `--tell` says what a diagnosis found: a `result.json`, or a first cause with its size."""
     return text.endswith(".json") or any(has_size(cause) for cause in split_causes(text)[:1])
+
+
+def found_by(tell: str | None, problem: Problem) -> list[Effect]:
+    """The effects that a diagnosis found, as far as `--tell` says them. Raises InputError."""
+    if tell is None or not is_found(tell):
+        return []
+    if not tell.endswith(".json"):
+        return [parse_effect(chance_of(split_causes(tell)[0])[0], problem)[0]]
+    with _result(Path(tell), problem) as causes:
+        return [_effect(one, problem)[0] for one in causes if one["cause"] != UNKNOWN]
 
 
 def plan_settling(
@@ -120,16 +132,8 @@ def _places_of(effect: Effect, rival: str, problem: Problem) -> Sequence[Effect]
 
 def ties_of(path: Path, fit: Fit) -> list[Tie]:
     """What a `result.json` left ambiguous, with the rivals that have a name. Raises InputError."""
-    try:
-        told = json.loads(read_text(path))
-        causes, own = told["causes"], fit.model.problem.robot.name
-        if (robot := told.get("robot", own)) != own:
-            raise InputError(
-                Fault(str(path), f"is of {robot}, the campaign of {own}", "name this robot's result")
-            )
+    with _result(path, fit.model.problem) as causes:
         found = [tie for one in causes if one["status"] != "named" and (tie := _tie(one, fit))]
-    except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
-        raise InputError(Fault(str(path), "is no result.json of a diagnosis", "name that of --out")) from None
     if not found:
         what = "leaves no cause ambiguous beside another that has a name"
         raise InputError(
@@ -138,14 +142,35 @@ def ties_of(path: Path, fit: Fit) -> list[Tie]:
     return found
 
 
+@contextmanager
+def _result(path: Path, problem: Problem) -> Iterator[list[dict[str, Any]]]:
+    """The causes of a `result.json` of this robot. Raises InputError, also where what is read of them is not
+    there."""
+    try:
+        told = json.loads(read_text(path))
+        causes, own = told["causes"], problem.robot.name
+        if (robot := told.get("robot", own)) != own:
+            raise InputError(
+                Fault(str(path), f"is of {robot}, the campaign of {own}", "name this robot's result")
+            )
+        yield causes
+    except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
+        raise InputError(Fault(str(path), "is no result.json of a diagnosis", "name that of --out")) from None
+
+
+def _effect(one: dict[str, Any], problem: Problem) -> tuple[Effect, Array]:
+    """A cause of a `result.json`, and its size (p,)."""
+    # of several parts of one law, as "amplitude" and "amplitude (2)", the strongest
+    values = {p["name"]: float(p["value"]) for p in one["parameters"] if not p["name"].endswith(")")}
+    where = {key: one[key] for key in PLACES if key in one}
+    return from_record(EffectRecord(cause=one["cause"], values=values, **where), problem)
+
+
 def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
     if one["cause"] == UNKNOWN:
         return None
     problem = fit.model.problem
-    # of several parts of one law, as "amplitude" and "amplitude (2)", the strongest
-    values = {p["name"]: float(p["value"]) for p in one["parameters"] if not p["name"].endswith(")")}
-    where = {key: one[key] for key in PLACES if key in one}
-    effect, size = from_record(EffectRecord(cause=one["cause"], values=values, **where), problem)
+    effect, size = _effect(one, problem)
     chances = {(r["cause"], _place(r)): float(r["probability"]) for r in one["rivals"]}
     rivals = sites_of(chances, problem)
     chances[effect.key] = float(one.get("probability", 1 - sum(chances.values())))

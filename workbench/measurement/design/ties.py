@@ -23,6 +23,7 @@ from ...diagnosis.components import Key, with_companions
 from ...diagnosis.priors import PRIORS
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome
+from ...diagnosis.stand_ins import times_too_sure
 from ...effects import catalogue
 from ...effects.base import UNKNOWN, Effect
 from ...effects.unnamed import unnamed
@@ -208,7 +209,9 @@ def _named_share(
         then, more = after.evidence(other, columns, size)
         odds = 2 * float(np.log(tie.chance(keys[k]) / tie.chance(key)))
         needed = max(wanted - odds, SPARE)
-        shares.append(share_of_way(own - (then - now), 4 * (more - left), needed))
+        slow = 1.0 if key[0] == UNKNOWN else times_too_sure(tie.forms[k][0][0], tie.forms[other][0][0])
+        gain, variance = own - (then - now), 4 * (more - left)
+        shares.append(share_of_way(gain / slow, variance / slow**2, needed))
     return min(shares)
 
 

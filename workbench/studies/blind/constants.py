@@ -20,6 +20,8 @@ SIZES = (
     "largest",
     "form",
     "kin",
+    "yields",
+    "shadow",
     "noise_dof",
     "wrong_sign",
     "present",
