@@ -244,10 +244,10 @@ def test_a_change_that_may_be_none_is_told_as_such():
     assert (change.label, change.status) == ("joint_4 zero", "possible")
     assert PRIORS.absent <= change.any < PRIORS.named
     assert (comparison.changed, comparison.exit_status) == (False, 0)
-    assert comparison.headline.startswith("not decided: joint_4 zero changed by 0.06 mm")
+    assert comparison.headline.startswith("Not decided: joint_4 zero changed by 0.06 mm")
     assert "the robot is unchanged" not in comparison.headline.lower()
     alone = replace(change, rivals=())
-    assert headline([alone], 0.01, [], False).startswith("perhaps joint_4 zero changed by 0.06 mm")
+    assert headline([alone], 0.01, [], False).startswith("Perhaps joint_4 zero changed by 0.06 mm")
 
 
 def test_a_link_that_a_gear_could_mimic_is_not_named():

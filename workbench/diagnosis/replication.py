@@ -16,6 +16,9 @@ from .priors import PRIORS
 from .reduced import Index, Reduced
 from .scatter import POSES_PER_JOINT
 from .sets import Competition
+from .side_by_side import side_by_side
+
+LARGE = 1000  # points from which parts are worth processes of their own
 
 Search = Callable[[Index], tuple[Sequence[Component], Sequence[Shares]]]
 Power = Callable[[Index], Sequence[float]]
@@ -38,11 +41,15 @@ def searched_in_parts(problem: Problem, components: Sequence[Component], search:
     """Parts of the data, each searched by itself: these see nothing of what the others found. search: of some
     poses, components and shares of what it finds."""
     known = _known(components)
-    parts = []
-    for poses in parts_of(problem):
+
+    def searched(poses: Index) -> Part:
         theirs, found = search(poses)
-        parts.append(Part(poses, [_translated(share, theirs, known) for share in found]))
-    return parts
+        return Part(poses, [_translated(share, theirs, known) for share in found])
+
+    parts = parts_of(problem)
+    if problem.seen.sum() < LARGE:
+        return [searched(poses) for poses in parts]
+    return side_by_side(searched, parts)
 
 
 def replicated(

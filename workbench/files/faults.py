@@ -40,6 +40,10 @@ class InputError(ValueError):
         self.faults: tuple[Fault, ...] = (faults,) if isinstance(faults, Fault) else tuple(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Fault, ...]]]:
+        """From another process it comes with its faults."""
+        return type(self), (self.faults,)
+
 
 def plain(text: str) -> str:
     """The text with what acts in a terminal made visible, and without places in Drake's own source."""

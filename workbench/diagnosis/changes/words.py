@@ -65,7 +65,7 @@ def headline(
     else:
         parts.append(f"everything else {within}")
     text = "; ".join([*parts, *apart])
-    return f"The {text[4:]}." if text.startswith("the ") else f"{text}."
+    return f"{text}." if sure else f"{text[0].upper()}{text[1:]}."  # a name stays as it is written
 
 
 def _either(change: Change) -> str:
@@ -80,6 +80,6 @@ def _perhaps(change: Change) -> str:
     """A change that may be none, with what else it may be."""
     likely = [r for r in change.rivals if r.probability >= WORTH_SAYING]
     others = [f"{r.label} {'did' if r.change else 'is in all campaigns'}" for r in likely]
-    others += ["something less likely did"] if len(likely) < len(change.rivals) else []
+    others += ["something less likely"] if len(likely) < len(change.rivals) else []
     ways = [f"{change.label} changed by {change.moves_mm:.2f} mm RMS at the targets", *others]
     return f"not decided: {', or '.join(ways)}" if others else f"perhaps {ways[0]}"
