@@ -10,24 +10,17 @@ was done before, by the same seed on the same commit, is not done again. Writes
 `benchmarks/results/outside.json` unless the checkout has changes: its figures belong to a commit.
 """
 
-import json
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # for blind.py, behind this folder
-
-from blind import git
 from draw import draw
-from robots import write_robots
-from runs import MODELS, ROOT, done_before
+from runs import MODELS, Run
 from score import print_tables, tables
 from write import write_case
 
 from workbench import diagnose, load_campaign
 
-RESULTS = ROOT / "benchmarks/results/outside.json"
 CASES = 480
 SEED = 20261122
 KEPT = ("cause", "joint", "other", "link", "payload", "order", "status", "probability")
@@ -48,43 +41,21 @@ def diagnosed(campaign: Path) -> dict[str, Any]:
     return {"verdict": found["verdict"], "headline": found["headline"], "causes": causes, "faults": faults}
 
 
-def done(number: int, folder: Path, run: dict[str, Any]) -> dict[str, Any]:
-    """A case drawn, written and diagnosed; a diagnosis that fails is kept with its error."""
-    where = folder / f"cases/{number:04d}"
-    line = run | write_case(draw(run["seed"], number, folder / "robots", MODELS), where)
-    began = time.process_time()
-    try:
-        line["found"] = diagnosed(where / "campaign.toml")
-    except Exception as error:
-        line["failed"] = f"{type(error).__name__}: {error}"
-    return line | {"cpu_s": round(time.process_time() - began, 2)}
-
-
 def main(folder: Path, cases: int = CASES, seed: int = SEED) -> int:
-    changed = git("status", "--porcelain", "workbench", "models", "benchmarks/outside")
-    run = {"seed": seed, "commit": git("rev-parse", "--short", "HEAD") + ("+" if changed else "")}
-    path = folder / "results.jsonl"
-    lines = done_before(path, run)
-    write_robots(MODELS, folder / "robots")
-    for number in range(cases):
-        if number in lines:
-            continue
-        line = lines[number] = done(number, folder, run)
-        with open(path, "a", encoding="utf-8") as file:
-            file.write(json.dumps(line, ensure_ascii=False) + "\n")
-        truth = [(fault["kind"], fault["lambda"]) for fault in line["faults"]]
-        answer = line["found"]["headline"] if "found" in line else line["failed"]
-        print(f"{number} {line['robot']} {line['sort']} {truth}: {answer} ({line['cpu_s']} s)", flush=True)
-    judged = [lines[number] for number in range(cases)]
-    found = tables([line for line in judged if "found" in line])
+    run = Run.of(folder, seed)
+
+    def done(number: int) -> dict[str, Any]:
+        where = folder / f"cases/{number:04d}"
+        truth = write_case(draw(seed, number, folder / "robots", MODELS), where)
+        return run.line(truth, lambda: diagnosed(where / "campaign.toml"))
+
+    def truth(line: dict[str, Any]) -> str:
+        return f"{line['sort']} {[(fault['kind'], fault['lambda']) for fault in line['faults']]}"
+
+    lines = run.lines(cases, done, truth)
+    found = tables([line for line in lines if "found" in line])
     print_tables(found)
-    failed = {line["case"]: line["failed"].split(":")[0] for line in judged if "failed" in line}
-    if changed:
-        print(f"not written to {RESULTS.name}: the checkout has changes")
-    else:
-        kept = {"commit": run["commit"], "seed": seed, "cases": cases, "failed": failed, **found}
-        RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
-    return int(bool(failed))
+    return run.keep("outside.json", lines, found)
 
 
 if __name__ == "__main__":

@@ -12,23 +12,16 @@ twin of it. A change of geometry is right where its joint is.
 
 import json
 import sys
-import time
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # for blind.py, behind this folder
-
-from blind import git
 from draw_change import Pair, draw_pair
-from robots import write_robots
-from runs import MODELS, ROOT, done_before
-from score import BANDS, Json, band, says_any
-from write import write_case
+from runs import MODELS, Json, Run
+from score import BANDS, band, says_any
+from write import plain, write_case
 
 from workbench import compare
 
-RESULTS = ROOT / "benchmarks/results/changes.json"
 PAIRS, SEED = 240, 20261124
 KEPT = ("what", "cause", "joint", "other", "link", "order", "side", "status", "probability", "moves_mm")
 
@@ -77,48 +70,22 @@ def tables(lines: list[Json]) -> Json:
     }
 
 
-def done(number: int, folder: Path, run: Json) -> Json:
-    """A pair drawn, written and compared; a comparison that fails is kept with its error."""
-    pair = draw_pair(run["seed"], number, folder / "robots", MODELS)
-    line: dict[str, Any] = run | {"case": number} | json.loads(json.dumps(pair.truth, default=_plain))
-    began = time.process_time()
-    try:
-        line["found"] = compared(pair, folder / "cases")
-    except Exception as error:
-        line["failed"] = f"{type(error).__name__}: {error}"
-    return line | {"cpu_s": round(time.process_time() - began, 2)}
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist()
-
-
 def main(folder: Path, pairs: int = PAIRS, seed: int = SEED) -> int:
-    changed = git("status", "--porcelain", "workbench", "models", "benchmarks/outside")
-    run = {"seed": seed, "commit": git("rev-parse", "--short", "HEAD") + ("+" if changed else "")}
-    path = folder / "results.jsonl"
-    lines = done_before(path, run)
-    write_robots(MODELS, folder / "robots")
-    for number in range(pairs):
-        if number in lines:
-            continue
-        line = lines[number] = done(number, folder, run)
-        with open(path, "a", encoding="utf-8") as file:
-            file.write(json.dumps(line, ensure_ascii=False) + "\n")
-        answer = line["found"]["headline"] if "found" in line else line["failed"]
-        truth = f"{line['kind']} {line.get('names', '')} {line.get('lambda', '')}"
-        print(f"{number} {line['robot']} {truth}: {answer} ({line['cpu_s']} s)", flush=True)
-    judged = [lines[number] for number in range(pairs)]
-    found = tables([line for line in judged if "found" in line])
-    failed = {line["case"]: line["failed"].split(":")[0] for line in judged if "failed" in line}
+    run = Run.of(folder, seed)
+
+    def done(number: int) -> Json:
+        pair = draw_pair(seed, number, folder / "robots", MODELS)
+        truth = {"case": number} | json.loads(json.dumps(pair.truth, default=plain))
+        return run.line(truth, lambda: compared(pair, folder / "cases"))
+
+    def truth(line: Json) -> str:
+        return f"{line['kind']} {line.get('names', '')} {line.get('lambda', '')}"
+
+    lines = run.lines(pairs, done, truth)
+    found = tables([line for line in lines if "found" in line])
     for name, table in found.items():
         print(name, *(f"\n  {key}: {counts}" for key, counts in table.items()))
-    if changed:
-        print(f"not written to {RESULTS.name}: the checkout has changes")
-    else:
-        kept = {"commit": run["commit"], "seed": seed, "pairs": pairs, "failed": failed, **found}
-        RESULTS.write_text(json.dumps(kept, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
-    return int(bool(failed))
+    return run.keep("changes.json", lines, found)
 
 
 if __name__ == "__main__":

@@ -56,7 +56,7 @@ def _point_rows(case: Case) -> list[list[Any]]:
     return rows
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """NumPy's arrays and numbers as JSON has them."""
     return value.tolist()
 
@@ -70,6 +70,6 @@ def write_case(case: Case, folder: Path) -> dict[str, Any]:
     for name, rows in (("poses.csv", _pose_rows(case)), ("points.csv", _point_rows(case))):
         with open(folder / name, "w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows(rows)
-    truth = json.dumps(case.truth, ensure_ascii=False, indent=1, default=_plain)
+    truth = json.dumps(case.truth, ensure_ascii=False, indent=1, default=plain)
     (folder / "truth.json").write_text(truth + "\n", encoding="utf-8")
     return json.loads(truth)
