@@ -15,7 +15,7 @@ from .base import Effect, Param
 from .bearing_tilt import BearingTilt
 from .kinds import LinearYield
 from .place import Where
-from .unnamed.loads import OwnWeight
+from .unnamed.loads import OwnWeight, PivotForce
 
 SHORTEST = 0.05  # m, shorter links are taken as rigid
 
@@ -67,15 +67,17 @@ class LinkBending(LinearYield):
         ]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A real link gives way at its bearings as well, and under its own weight, wherever that is."""
+        """A real link gives way at its bearings as well, under its own weight, wherever that is, and under
+        more or less of the compensator's force."""
         slot = self.slot(problem.arm)
         tilts = [one for one in BearingTilt.sites(problem) if one.slot(problem.arm) in (slot - 1, slot)]
-        own = [one for one in OwnWeight.sites(problem) if one.where == self.where]
+        every: list[OwnWeight | PivotForce] = [*OwnWeight.sites(problem), *PivotForce.sites(problem)]
+        own = [one for one in every if one.where == self.where]
         return [*((0.3, one) for one in tilts), *((self._share(problem, one), one) for one in own)]
 
-    def _share(self, problem: Problem, own: OwnWeight) -> float:
-        """What a link's own weight bends it by, over the usual size of that, where the link is as soft as is
-        usual; no more than what hangs on it does."""
+    def _share(self, problem: Problem, own: OwnWeight | PivotForce) -> float:
+        """What a link's own weight or the compensator bends it by, over the usual size of that, where the
+        link is as soft as is usual; no more than what hangs on it does."""
         if self.stated:
             return self.params[0].typical * own.largest / own.size
         loads = problem.nominal_load.local[:, self.slot(problem.arm)]

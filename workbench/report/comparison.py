@@ -93,7 +93,7 @@ def _change(change: Change) -> dict[str, Any]:
             f"{r.label}{'' if r.change else ' in all campaigns'} ({percent(r.probability)})"
             for r in change.rivals
         ]
-        lines.append(f"fits as well: {', '.join(said)}")
+        lines.append(f"or instead: {', '.join(said)}")
     if change.side != "robot":
         lines.append(f"not the robot: {change.side}")
     if change.recheck_poses is not None:

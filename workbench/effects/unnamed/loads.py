@@ -10,7 +10,9 @@ from typing import ClassVar
 import numpy as np
 
 from ...campaign.problem import Problem
+from ...robot.beam import bending_compliance
 from ...robot.kinematics import RX, Array
+from ...robot.loads import wrenches
 from ..base import Depends
 from ..kinds import DirectEffect
 from ..place import Where
@@ -175,6 +177,59 @@ class OwnWeight(Unnamed, DirectEffect):
                 if most > 1e-3:
                     out.append(replace(one, largest=most))
         return out
+
+
+@dataclass(frozen=True)
+class PivotForce(Unnamed, DirectEffect):
+    """A link bends by the compensator's force as well, as far as that passes it: what it adds at the link's
+    end, by the cantilever's F l³/3 + M l²/2 and F l²/2 + M l over EI; how much of that a casting between
+    bracket and bearings bends by nobody knows. largest [m]: what it is at EI = 1 N·m²."""
+
+    variant: str = "pivot force"
+    size: float = 5e-5
+    largest: float = 1.0
+
+    depends: ClassVar[Depends] = frozenset({"joints"})
+    by_loads: ClassVar[bool] = True
+    settings: ClassVar[tuple[str, ...]] = ("size", "largest")
+
+    @property
+    def functions(self) -> int:
+        return 1
+
+    @property
+    def variable(self) -> str:
+        return f"compensator's force on {self.where.link}"
+
+    @property
+    def unit(self) -> str:
+        return "N"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(np.linalg.norm(self.wrench(problem)[:, :RX], axis=1))
+
+    def wrench(self, problem: Problem) -> Array:
+        """(N, 6) [N, N·m] what the stated compensator adds at the link's end."""
+        without = wrenches(problem.arm, problem.rigid, replace(problem.loads, compensator=None))
+        return np.asarray((problem.nominal_load.local - without.local)[:, self.slot(problem)])
+
+    def slot(self, problem: Problem) -> int:
+        return problem.arm.slot_of_link(str(self.where.link)) + 1
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        slot = self.slot(problem)
+        moved = self.wrench(problem) @ bending_compliance(problem.arm.span[slot]).T / self.largest
+        return {6 * slot + k: moved[:, k : k + 1] for k in range(6)}
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[PivotForce]:
+        """The link with the compensator's fixed pivot, where it is one that moves and has some length."""
+        arm, law = problem.arm, problem.loads.compensator
+        if law is None or law.body == 0 or np.linalg.norm(arm.span[law.body + 1]) < 1e-3:
+            return []
+        one = cls(Where(link=arm.links[law.body]))
+        bends = one.wrench(problem) @ bending_compliance(arm.span[law.body + 1])[:RX].T
+        return [replace(one, largest=float(np.linalg.norm(bends, axis=1).max(initial=1e-12)))]
 
 
 @dataclass(frozen=True)

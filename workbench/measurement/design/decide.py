@@ -30,7 +30,7 @@ MOST = 3  # ambiguous findings that are worked out, the strongest
 POOL = 120  # candidate records
 POSES = Attempts(first=24, fewest=18, most=60, times=4, margin=1.4)  # others may turn up as rivals
 DRAWS = 3  # of random poses with torques
-TORQUES = (16, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
+TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
 Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
@@ -121,7 +121,7 @@ def _settled_by_torque(torques: Torques, tie: Tie) -> tuple[int, float] | None:
             order = np.random.default_rng([23, draw]).permutation(POOL)
             space = torques(np.sort(order[:count]))
             reached.append((share_of(space, space.everything, tie), least(space, space.everything, tie)))
-        if min(reached)[0] >= 1:
+        if min(reached)[0] >= POSES.margin:
             return count, min(power for _, power in reached)
     return None
 
