@@ -22,7 +22,7 @@ from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
-from .remainder import GLOBAL_LEVEL, Remainder, remainder
+from .remainder import GLOBAL_LEVEL, RP, Remainder, ordinary_mm, remainder
 from .replication import agreed, joined, power, renamed, replicated, searched_in_parts
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
@@ -104,8 +104,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
         part = reduce(best.at, own, reduced.noise_dof, poses)
         return power(reduced, part, members, components)
 
-    unusual = max(UNUSUAL, np.sqrt(2 / max(reduced.noise_dof, 1.0)))  # two sigma of a sigma by so few
-    misfit = source == "residual" or not np.isclose(at.usual, geometry.usual, rtol=unusual)
+    misfit = source == "residual" or not _as_known(at, geometry, reduced.noise_dof)
     misfit = misfit or any(components[m.component].nameless for m in members)
     certain = dict[int, Shares]()
     at_stake = any(not components[m.component].nameless for m in members)
@@ -132,6 +131,15 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     return Selection(
         final, light, named, tuple(shares), reduced, not_named, scatter, misfit=misfit, agreed=keys
     )
+
+
+def _as_known(at: Fit, geometry: Fit, noise_dof: float) -> bool:
+    """Whether the noise is the one that was known, or what the robot adds to it is no more than an ordinary
+    robot's repeatability."""
+    unusual = max(UNUSUAL, np.sqrt(2 / max(noise_dof, 1.0)))  # two sigma of a sigma by so few
+    added = at.usual**2 - geometry.usual**2
+    ordinary = 1e-3 * ordinary_mm(geometry.model.problem.robot) / RP
+    return bool(np.isclose(at.usual, geometry.usual, rtol=unusual) or 0 < added <= ordinary**2)
 
 
 def _renamed_at_no_loss(

@@ -12,6 +12,7 @@ from scipy.special import chdtr, chdtrc, fdtrc
 from ..effects.base import Effect
 from ..identification.fit import Fit
 from ..identification.noise import Covariance, repeat_chi2
+from ..robot.description import Robot
 from ..robot.kinematics import Array
 from .screen import effective_dof, reduce_columns
 
@@ -67,6 +68,12 @@ def _tested(result: Fit, chi2: float, dof: float, known: bool) -> Remainder:
     return Remainder(chi2, dof, p, inflation, bool(known and p < GLOBAL_LEVEL and inflation > INFLATED))
 
 
+def ordinary_mm(robot: Robot) -> float:
+    """ISO 9283 RP [mm] up to which a robot's scatter is its repeatability: its data sheet's, or an ordinary
+    robot's if that is more."""
+    return max(robot.pose_repeatability_mm or 0.0, ORDINARY_MM)
+
+
 def repeatability_mm(final: Fit, left: Remainder, noise: Covariance) -> float | None:
     """ISO 9283 RP [mm] of a robot that would scatter as the residual does beyond a stated noise; None where
     it does not, where that is no ordinary robot's, or where the repeatability is known.
@@ -77,7 +84,7 @@ def repeatability_mm(final: Fit, left: Remainder, noise: Covariance) -> float | 
     if not left.scatter or noise.joint.any() or np.isfinite(noise.dof):
         return None
     found = 1e3 * RP * left.excess(noise.usual)
-    if found > max(problem.robot.pose_repeatability_mm or 0.0, ORDINARY_MM):
+    if found > ordinary_mm(problem.robot):
         return None
     if not problem.campaign.six_dof:
         chi2, dof = repeat_chi2(problem, noise.times(left.inflation), final.line.by_joint)
