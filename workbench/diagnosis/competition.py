@@ -22,7 +22,7 @@ from .noise_choice import from_residual, known_dof
 from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
-from .remainder import GLOBAL_LEVEL, RP, Remainder, ordinary_mm, remainder
+from .remainder import GLOBAL_LEVEL, Remainder, ordinary_mm, remainder, rp_mm
 from .replication import agreed, joined, power, renamed, replicated, searched_in_parts
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
@@ -134,12 +134,13 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
 
 
 def _as_known(at: Fit, geometry: Fit, noise_dof: float) -> bool:
-    """Whether the noise is the one that was known, or what the robot adds to it is no more than an ordinary
+    """Whether the noise is the one that was known, or what a fit adds to it is no more than an ordinary
     robot's repeatability."""
     unusual = max(UNUSUAL, np.sqrt(2 / max(noise_dof, 1.0)))  # two sigma of a sigma by so few
+    if np.isclose(at.usual, geometry.usual, rtol=unusual):
+        return True
     added = at.usual**2 - geometry.usual**2
-    ordinary = 1e-3 * ordinary_mm(geometry.model.problem.robot) / RP
-    return bool(np.isclose(at.usual, geometry.usual, rtol=unusual) or 0 < added <= ordinary**2)
+    return added > 0 and rp_mm(np.sqrt(added)) <= ordinary_mm(geometry.model.problem.robot)
 
 
 def _renamed_at_no_loss(

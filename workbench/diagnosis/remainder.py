@@ -68,6 +68,11 @@ def _tested(result: Fit, chi2: float, dof: float, known: bool) -> Remainder:
     return Remainder(chi2, dof, p, inflation, bool(known and p < GLOBAL_LEVEL and inflation > INFLATED))
 
 
+def rp_mm(sigma: float) -> float:
+    """ISO 9283 RP [mm] of a robot that scatters by one sigma [m] per axis."""
+    return 1e3 * RP * sigma
+
+
 def ordinary_mm(robot: Robot) -> float:
     """ISO 9283 RP [mm] up to which a robot's scatter is its repeatability: its data sheet's, or an ordinary
     robot's if that is more."""
@@ -83,7 +88,7 @@ def repeatability_mm(final: Fit, left: Remainder, noise: Covariance) -> float | 
     problem = final.model.problem
     if not left.scatter or noise.joint.any() or np.isfinite(noise.dof):
         return None
-    found = 1e3 * RP * left.excess(noise.usual)
+    found = rp_mm(left.excess(noise.usual))
     if found > ordinary_mm(problem.robot):
         return None
     if not problem.campaign.six_dof:
