@@ -54,13 +54,23 @@ def test_a_load_that_would_have_to_be_too_large_takes_nothing_out():
     assert np.array_equal(narrow, plain)
 
 
-def test_records_bring_torques_where_the_campaign_has_them():
+def brought_by_torques(hose: str) -> float:
+    """How much larger the squares of a hose's rows are with torques than without."""
     campaign, _ = measured(HIDDEN["none"])
-    effect, _ = parse_effect(HIDDEN["hose"], problem_of(campaign))
+    effect, _ = parse_effect(hose, problem_of(campaign))
     valued = ((effect, np.zeros(1)),)
-    rows = []
+    squares = []
     for one in (campaign, campaign.with_poses(torque=None)):
         prior = from_prepared(prepare(one))
         records = prior.records(campaign.poses.q, np.zeros(POSES, dtype=np.int64))
-        rows.append(prior.of_records(records, valued).values[..., -1])
-    assert (rows[0] ** 2).sum() > 3 * (rows[1] ** 2).sum()
+        squares.append((prior.of_records(records, valued).values[..., -1] ** 2).sum())
+    return float(squares[0] / squares[1])
+
+
+def test_records_bring_torques_where_the_campaign_has_them():
+    assert brought_by_torques(HIDDEN["hose"]) > 3
+
+
+def test_no_plan_counts_on_a_column_that_may_stay_quiet():
+    """Nothing hangs beside the flange's axis: without a hose its column shows no load, nobody believes it."""
+    assert brought_by_torques("hose_torque:joint=joint_6,rate=80") == pytest.approx(1.0)

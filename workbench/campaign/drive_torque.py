@@ -88,4 +88,9 @@ def noise(problem: Problem, moved: Array | None = None, largest: float = np.inf)
     assert measured is not None
     rms = scatter(problem, moved, largest)
     total = np.array([np.nanstd(column) if np.isfinite(column).any() else 0.0 for column in measured.T])
-    return np.where(rms**2 < (1 - SHOWS) * total**2, rms, np.inf)
+    return np.where(shown(rms, total), rms, np.inf)
+
+
+def shown(rms: Array, total: Array) -> Array:
+    """(n,) whether columns of that scatter are believed, of which the model leaves `rms` [N·m, N]."""
+    return np.asarray(rms**2 < (1 - SHOWS) * total**2)

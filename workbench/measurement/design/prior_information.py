@@ -139,19 +139,19 @@ class PriorInformation:
 
     def _torque_noise(self, records: Campaign, effects: ValuedEffects) -> Array:
         """(n,) one sigma of torques by motor currents [N·m, N]: a share of the largest that the stated loads
-        and these effects, in their usual sizes, make at a joint."""
+        and these effects, in their usual sizes, make at a joint; infinite where the stated loads alone would
+        not have a column believed, so that one that stays quiet is no witness."""
         problem = replace(self.problem, campaign=records)
-        axial, nominal = problem.arm.axial, problem.nominal_load.local
-
-        def at_joints(local: Array) -> Array:
-            return np.abs(local.reshape(len(local), -1)[:, axial])
-
-        torque = at_joints(nominal)
+        nominal, own = problem.nominal_load.local, problem.arm.own
+        stated = own(nominal)
+        torque, least = np.abs(stated), drive_torque.axis_error(problem)
         for effect, _ in effects:
             typical = np.array([p.typical for p in effect.params])
             arm, loads = effect.apply(problem, problem.arm, problem.loads, typical)
-            torque = torque + at_joints(wrenches(arm, problem.rigid, loads).local - nominal)
-        return np.hypot(drive_torque.ACCURACY * torque.max(axis=0), drive_torque.axis_error(problem))
+            torque = torque + np.abs(own(wrenches(arm, problem.rigid, loads).local - nominal))
+        alone = np.hypot(drive_torque.ACCURACY * np.abs(stated).max(axis=0), least)
+        believed = drive_torque.shown(alone, np.hypot(alone, stated.std(axis=0)))
+        return np.where(believed, np.hypot(drive_torque.ACCURACY * torque.max(axis=0), least), np.inf)
 
     def of_predictions(self, records: Campaign, effects: ValuedEffects) -> Array:
         """(D0, P) rows [m] of poses that will have to be right, by the names of `of_records`: what the
