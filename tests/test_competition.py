@@ -78,6 +78,26 @@ def test_what_a_set_leaves_without_a_member_needs_no_new_solution(competition, c
     assert np.allclose(u[0], direct_u, rtol=0, atol=1e-8 * np.abs(reduced.u[block]).max())
 
 
+@pytest.mark.parametrize("new", [None, Member(20, 0, 0.3)])
+def test_a_set_with_another_member_is_not_solved_anew(competition, chosen, new):
+    other = chosen.replaced(1, new)
+    assert list(other.members) == [chosen.members[0], chosen.members[2], *([] if new is None else [new])]
+    anew = Chosen(competition.reduced, other.members)
+    assert np.allclose(other.inverse, anew.inverse, rtol=0, atol=1e-9 * np.abs(anew.inverse).max())
+    assert other.explained == pytest.approx(anew.explained, rel=1e-9)
+
+
+def test_nothing_is_likelier_in_a_place_than_it_can_be(competition, chosen):
+    """What cannot be likelier than a member is not weighed in its place: the limit holds, and spares work."""
+    numbers = list(competition.beside(chosen))
+    most = competition.forms.most(chosen, numbers, range(3))
+    for i, limit in enumerate(most.T):
+        weights = competition.beside(chosen, i)
+        exact = np.array([weights[k].log_odds for k in numbers])
+        assert (exact <= limit).all()
+        assert np.median(limit - exact) < 3
+
+
 def test_weights_in_batches_are_those_of_each_form_alone(competition, chosen):
     """The log Bayes factor again by eigenvalues, form by form and scale by scale."""
     reduced = competition.reduced

@@ -9,7 +9,8 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import cho_factor, solve_triangular
+from scipy.linalg.lapack import dpotri
 
 from ..robot.kinematics import Array
 from .components import Component
@@ -29,14 +30,12 @@ class Member:
 class Chosen:
     """A set of members in the reduced equations: what it explains, and what it leaves of everything.
 
-    With C the set's columns and P their prior precisions: K = S_C (S_CC + P)⁻¹, left S − K S_Cᵀ. One member
-    less gives back K_m (M_mm)⁻¹ K_mᵀ, M = (S_CC + P)⁻¹: no need to solve again. about: columns that will be
-    asked for; default: all.
+    With C the set's columns and P their prior precisions, M = (S_CC + P)⁻¹: left is S − S_C M S_Cᵀ. One
+    member less gives back S_C M_m (M_mm)⁻¹ M_mᵀ S_Cᵀ: no need to solve again.
     """
 
-    def __init__(self, reduced: Reduced, members: Sequence[Member], about: Index | None = None) -> None:
+    def __init__(self, reduced: Reduced, members: Sequence[Member]) -> None:
         self.reduced, self.members = reduced, tuple(members)
-        self._about = slice(None) if about is None else about
         self._back = dict[int, tuple[Array, Array]]()
         every = np.arange(len(reduced.u))
         index = [every[reduced.parts[m.component][m.form]] for m in members]
@@ -53,25 +52,9 @@ class Chosen:
 
     @cached_property
     def inverse(self) -> Array:
-        return np.asarray(cho_solve(self._factor, np.eye(len(self.index)), check_finite=False))
-
-    @cached_property
-    def cross(self) -> Array:
-        """(g, c), zero but for the columns that will be asked for."""
-        if isinstance(self._about, slice):
-            return np.asarray(self.reduced.S[:, self.index])
-        out = np.zeros((len(self.reduced.u), len(self.index)))
-        out[self._about] = self.reduced.S[np.ix_(self._about, self.index)]
-        return out
-
-    @cached_property
-    def K(self) -> Array:
-        """(g, c), zero as `cross` is."""
-        if isinstance(self._about, slice):
-            return np.asarray(self.cross @ self.inverse)
-        out = np.zeros(self.cross.shape)
-        out[self._about] = self.cross[self._about] @ self.inverse
-        return out
+        """(c, c) M."""
+        half = np.asarray(dpotri(*self._factor)[0])
+        return np.asarray(np.triu(half) + np.triu(half, 1).T)
 
     @cached_property
     def beta(self) -> Array:
@@ -82,32 +65,68 @@ class Chosen:
         """What the set takes off χ²."""
         return float(self.reduced.u[self.index] @ self.beta) if len(self.index) else 0.0
 
-    def left_of(self, index: NDArray[np.int64], without: int | None = None) -> tuple[Array, Array]:
-        """S (F, p, p) and u (F, p) of blocks of columns (F, p) beside the set, or beside all but a member."""
+    def replaced(self, i: int, new: Member | None) -> Chosen:
+        """The set without its i-th member and with a new one behind the others, by bordering: no need to
+        invert again."""
+        others = [member for j, member in enumerate(self.members) if j != i]
+        rest = np.delete(np.arange(len(self.index)), self.own[i])
+        across = self.inverse[rest][:, self.own[i]] @ self._given_back(i)[0]
+        M = self.inverse[np.ix_(rest, rest)] - across @ across.T
+        out = Chosen(self.reduced, others if new is None else [*others, new])
+        if new is not None:
+            own = out.index[out.own[-1]]
+            beside = self.reduced.S[np.ix_(self.index[rest], own)]
+            T = M @ beside
+            left = self.reduced.S[np.ix_(own, own)] + np.diag(out.precision[out.own[-1]]) - beside.T @ T
+            half = _half_inverse(left)
+            T = T @ half
+            M = np.block([[M + T @ T.T, -T @ half.T], [-half @ T.T, half @ half.T]])
+        out.inverse = M
+        return out
+
+    def left_of(
+        self, index: NDArray[np.int64], without: int | NDArray[np.int64] | None = None
+    ) -> tuple[Array, Array]:
+        """S (F, p, p) and u (F, p) of blocks of columns (F, p) beside the set, or beside all but a member:
+        one for all blocks, or one for each (F,)."""
         S = self.reduced.S[index[:, :, None], index[:, None, :]]
         u = self.reduced.u[index]
         if not len(self.index):
             return S, u
-        K = self.K[index]
-        S = S - K @ self.cross[index].swapaxes(1, 2)
-        u = u - K @ self.reduced.u[self.index]
-        if without is not None:
-            half, back = self._given_back(without)
-            Kh = K[:, :, self.own[without]] @ half
-            S = S + Kh @ Kh.swapaxes(1, 2)
-            u = u + Kh @ back
+        cross = self.reduced.S[index[:, :, None], self.index]
+        flat = cross.reshape(-1, len(self.index))
+        u = u - cross @ self.beta
+        if without is None:
+            half = solve_triangular(*self._factor[:1], flat.T, trans="T", check_finite=False)
+            half = half.T.reshape(cross.shape)
+            S = S - half @ half.swapaxes(1, 2)
+        else:
+            K = (flat @ self.inverse).reshape(cross.shape)
+            S = S - K @ cross.swapaxes(1, 2)
+            each = np.broadcast_to(without, len(index))
+            for member in np.unique(each).tolist():
+                half, back = self._given_back(member)
+                here = each == member
+                Kh = K[here][:, :, self.own[member]] @ half
+                S[here] += Kh @ Kh.swapaxes(1, 2)
+                u[here] += Kh @ back
         return S, u
+
+    def given_back(self, index: NDArray[np.int64], members: Sequence[int]) -> Array:
+        """(F, p, M) what each member, left out of the set, gives back to u of blocks of columns (F, p)."""
+        back = [self.inverse[:, self.own[i]] @ np.matmul(*self._given_back(i)) for i in members]
+        return np.asarray(self.reduced.S[index[:, :, None], self.index] @ np.stack(back, axis=1))
 
     def _given_back(self, member: int) -> tuple[Array, Array]:
         """Of a member H with H Hᵀ = (M_mm)⁻¹, and Hᵀ beta_m."""
         if member not in self._back:
             own = self.own[member]
-            lower = np.linalg.cholesky(self.inverse[own, own])
-            half = solve_triangular(lower, np.eye(len(lower)), lower=True, check_finite=False).T
+            half = _half_inverse(self.inverse[own, own])
             self._back[member] = half, half.T @ self.beta[own]
         return self._back[member]
 
     def explained_without(self, member: int) -> float:
+        """What the set but a member takes off χ²."""
         back = self._given_back(member)[1]
         return self.explained - float(back @ back)
 
@@ -126,3 +145,9 @@ class Chosen:
             return 0.0
         diagonal = np.diag(self._factor[0])
         return float(2 * np.log(np.abs(diagonal)).sum() - np.log(self.precision).sum())
+
+
+def _half_inverse(A: Array) -> Array:
+    """H with H Hᵀ = A⁻¹."""
+    lower = np.linalg.cholesky(A)
+    return np.asarray(solve_triangular(lower, np.eye(len(lower)), lower=True, check_finite=False).T)

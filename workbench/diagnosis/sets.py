@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 from .acts_through import Needs
 from .chosen import Chosen, Member, Shares
 from .components import Component
-from .reduced import Index, Reduced
+from .forms import Forms
+from .reduced import Reduced
 from .stand_ins import StandIns
-from .weight import Forms, Weight, likelihood, prior_weight
+from .weight import Weight, likelihood, prior_weight
 
 MOST = 24
 EXPLAINS = 1.0  # log Bayes factor from which a component explains anything at all
 EXCHANGES = 4  # rounds of them
+AT_ONCE = 4  # members that are weighed together: of as many, one changes
+CLEARLY = 0.5  # log odds by which another component must be likelier to take a member's place
 
 Mask = NDArray[np.bool_]
 
@@ -33,16 +36,21 @@ class Competition:
         self, chosen: Chosen, without: int | None = None, among: Mask | None = None
     ) -> dict[int, Weight]:
         """Weights of the other components beside a set, or beside all of it but one member."""
+        return self._weights(chosen, self._open(chosen, without, among), without)
+
+    def _weights(self, chosen: Chosen, numbers: Sequence[int], without: int | None) -> dict[int, Weight]:
+        """Of components by their numbers, beside a set, or beside all of it but one member."""
+        gone = None if without is None else np.full(len(numbers), without)
+        return dict(zip(numbers, self.forms.weigh(chosen, numbers, gone), strict=True))
+
+    def _open(self, chosen: Chosen, without: int | None, among: Mask | None) -> list[int]:
+        """Components that may stand beside a set, or beside all of it but one member."""
         taken = {m.component for i, m in enumerate(chosen.members) if i != without}
         allowed = np.ones(len(self.components), bool) if among is None else among.copy()
         allowed[list(taken)] = False
         for k, needed in self.needs.items():
             allowed[k] &= needed <= taken
-        return self._weighed(chosen, without, allowed)
-
-    def _weighed(self, chosen: Chosen, without: int | None, allowed: Mask) -> dict[int, Weight]:
-        explained = chosen.explained if without is None else chosen.explained_without(without)
-        return self.forms.weigh(lambda index: chosen.left_of(index, without), explained, allowed)
+        return [int(k) for k in np.flatnonzero(allowed)]
 
     def score(self, members: Sequence[Member]) -> float:
         """log posterior odds of a set against the empty one."""
@@ -74,8 +82,8 @@ class Competition:
         here = [known[label] for label in labels if label in known]
         own = np.zeros(len(self.components), bool)
         own[here] = True
-        weights = self._weighed(Chosen(self.reduced, []), None, own)
-        members = [Member(k, weights[k].form, weights[k].scale) for k in here]
+        weights = self.forms.weigh(Chosen(self.reduced, []), here)
+        members = [Member(k, weight.form, weight.scale) for k, weight in zip(here, weights, strict=True)]
         return self.exchanged(members, own)
 
     def search(self, start: list[Member], among: Mask) -> list[Member]:
@@ -103,33 +111,55 @@ class Competition:
 
     def exchanged(self, members: list[Member], among: Mask) -> list[Member]:
         """Each member again, the others kept: in its best form, exchanged for a better one, or dropped."""
-        about = self._columns(among)
         for _ in range(2):
-            before = list(members)
-            chosen = Chosen(self.reduced, members, about)
-            for member in before:
-                i = members.index(member)
-                weights = self.beside(chosen, i, among)
-                k = max(weights, key=lambda i: weights[i].log_odds, default=None)
-                if k is None or weights[k].log_odds <= 0:
-                    members = [m for m in members if m is not member]
-                else:
-                    own = weights.get(member.component)  # None: what it needs is gone
-                    if own is not None and weights[k].log_odds < own.log_odds + 0.5:
-                        k = member.component
-                    new = Member(k, weights[k].form, weights[k].scale)
-                    if new == member:
-                        continue
-                    members = [new if m is member else m for m in members]
-                chosen = Chosen(self.reduced, members, about)
+            before, still = list(members), list(members)
+            chosen = Chosen(self.reduced, members)
+            while still:
+                change = self._first_change(chosen, still, among)
+                if change is None:
+                    break
+                member, new = change
+                chosen = chosen.replaced(chosen.members.index(member), new)
+                still = still[still.index(member) + 1 :]
+                at = members.index(member)
+                members = [*members[:at], *([] if new is None else [new]), *members[at + 1 :]]
             if members == before:
                 break
         return members
 
-    def _columns(self, among: Mask) -> Index:
-        """Of some components, in all their forms."""
-        forms = [part for k in np.flatnonzero(among) for part in self.reduced.parts[k]]
-        return np.concatenate([np.arange(part.start, part.stop) for part in forms] or [np.zeros(0, int)])
+    def _first_change(
+        self, chosen: Chosen, still: Sequence[Member], among: Mask
+    ) -> tuple[Member, Member | None] | None:
+        """The first of some members that is better in another form or gives way, and what comes in its place;
+        of other components those alone are weighed that may be likelier."""
+        places = [chosen.members.index(member) for member in still]
+        can = [self._open(chosen, i, among) for i in places]
+        others = sorted(set[int]().union(*can).difference(m.component for m in chosen.members))
+        most = self.forms.most(chosen, others, places) if others else np.zeros((0, len(still)))
+        mine = self._own_weights(chosen, places, can)
+        for i, here, own, limit in zip(places, can, mine, most.T, strict=True):
+            least = own.log_odds + CLEARLY if own is not None and own.log_odds > 0 else 0.0
+            rivals = [k for k, top in zip(others, limit, strict=True) if top > least and k in here]
+            weights = self._weights(chosen, rivals, i)
+            member = chosen.members[i]
+            if own is not None:
+                weights[member.component] = own
+            new = _likeliest(member, weights)
+            if new != member:
+                return member, new
+        return None
+
+    def _own_weights(
+        self, chosen: Chosen, places: Sequence[int], can: Sequence[Sequence[int]]
+    ) -> Iterator[Weight | None]:
+        """Of members by their places, beside the others; None where what one needs is not there."""
+        own = [chosen.members[i].component for i in places]
+        for at in range(0, len(own), AT_ONCE):
+            some = range(at, min(at + AT_ONCE, len(own)))
+            there = [n for n in some if own[n] in can[n]]
+            weighed = self.forms.weigh(chosen, [own[n] for n in there], np.array([places[n] for n in there]))
+            found = dict(zip(there, weighed, strict=True))
+            yield from (found.get(n) for n in some)
 
     def shares(self, members: Sequence[Member]) -> list[Shares]:
         """For each member: probability of it, of each stand-in, and of nothing (None) in its place.
@@ -139,11 +169,15 @@ class Competition:
         out = []
         chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.reduced, self.components)
         anyway = {k: max(w.log_odds, 0.0) for k, w in self.beside(chosen).items()}
-        for i, member in enumerate(members):
-            weights = self.beside(chosen, i)
-            if member.component not in weights:  # what it needs is gone
+        least = np.array([anyway[k] + self.components[k].log_odds + EXPLAINS for k in anyway])
+        most = self.forms.most(chosen, list(anyway), range(len(members))) if members else np.zeros((0, 0))
+        for i, (member, limit) in enumerate(zip(members, most.T, strict=True)):
+            can = self._open(chosen, i, None)
+            if member.component not in can:  # what it needs is gone
                 out.append({member.component: 0.0, None: 1.0})
                 continue
+            may = {member.component, *np.array([*anyway], int)[limit > least].tolist()}
+            weights = self._weights(chosen, [k for k in can if k in may], i)
             logs: Shares = {}
             for k, w in weights.items():
                 value = w.log_odds - anyway.get(k, 0.0)
@@ -156,3 +190,14 @@ class Competition:
             total = sum(mass.values())
             out.append({k: v / total for k, v in mass.items()})
         return out
+
+
+def _likeliest(member: Member, weights: dict[int, Weight]) -> Member | None:
+    """What is likeliest in a member's place, itself where nothing is clearly likelier; None: nothing."""
+    k = max(sorted(weights), key=lambda k: weights[k].log_odds, default=None)
+    if k is None or weights[k].log_odds <= 0:
+        return None
+    own = weights.get(member.component)
+    if own is not None and weights[k].log_odds < own.log_odds + CLEARLY:
+        k = member.component
+    return Member(k, weights[k].form, weights[k].scale)

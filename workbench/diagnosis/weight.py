@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +16,7 @@ from .reduced import Reduced
 SCALES = np.array(PRIORS.scales)
 WEIGHTS = np.log(SCALES / (1 + SCALES**2)) - logsumexp(np.log(SCALES / (1 + SCALES**2)))
 NOTHING_OF_IT = -1e6  # log factor
-Blocks = Callable[[NDArray[np.int64]], tuple[Array, Array]]
+Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,7 @@ class Weight:
     by_companions: float = np.inf
 
 
-def likelihood(left: Reduced, explained: float, more: Array) -> Array:
+def likelihood(left: Reduced, explained: float | Array, more: Array) -> Array:
     """Log likelihood gained by taking `more` off χ² beyond `explained`: Student's t, by how well the noise
     is known."""
     nu, n = left.noise_dof, left.dof
@@ -47,61 +46,36 @@ def prior_weight(component: Component, scale: float) -> float:
     return float(component.log_odds - np.log(len(component.forms)) + WEIGHTS[at])
 
 
-class Forms:
-    """All forms of all components, those with equally many columns together: weighed at once."""
+def table_of(
+    left: Reduced, S: Array, u: Array, explained: Array, one_sided: NDArray[np.bool_], own: Numbers
+) -> Array:
+    """(F, scales) log Bayes factors of forms with columns S (F, p, p), u (F, p), weighed by the scales'
+    priors. explained: (F,) what a set took off χ² before. own: (F,) number of an effect's
+    own columns where companions follow, 0: none do."""
+    q, log_det = _quadratic(S, u)
+    table = likelihood(left, explained[:, None], q) - 0.5 * log_det + WEIGHTS
+    alone = one_sided & (own == 0)
+    if alone.any():
+        mean, covariance = _posterior(S[alone], u[alone], 1)
+        z = mean[..., 0] / np.sqrt(covariance[..., 0, 0])
+        table[alone] += np.log(2) + _sides(log_ndtr(z), log_ndtr(-z))
+    for count in set(own[own > 0].tolist()):
+        here = own == count
+        mean, covariance = _posterior(S[here], u[here], count)
+        table[here] += _present(mean[..., :count], covariance, one_sided[here])
+        table[here] += _mostly_itself(mean, count)
+    return table
 
-    def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
-        self.reduced, self.components = reduced, components
-        rows: dict[int, list[tuple[int, int, Array, bool, bool, int]]] = {}  # by the number of columns
-        for k, component in enumerate(components):
-            for f, (form, part) in enumerate(zip(component.forms, reduced.parts[k], strict=True)):
-                own = form.main if form.main < part.stop - part.start else 0
-                row = (k, f, np.arange(part.start, part.stop), form.one_sided, not component.nameless, own)
-                rows.setdefault(part.stop - part.start, []).append(row)
-        self.groups = [tuple(map(np.array, zip(*group, strict=True))) for group in rows.values()]
 
-    def weigh(self, left_of: Blocks, explained: float, allowed: NDArray[np.bool_]) -> dict[int, Weight]:
-        """Weights of the components `allowed`. left_of: S (F, p, p) and u (F, p) that a set leaves of blocks
-        of columns (F, p); explained: what the set took off χ²."""
-        tables: dict[int, list[tuple[int, Array, bool]]] = {}
-        for owner, form, index, one_sided, named, own in self.groups:
-            here = np.flatnonzero(allowed[owner])
-            if not len(here):
-                continue
-            table = self._table(*left_of(index[here]), explained, one_sided[here], own[here])
-            table[np.ix_(named[here], PRIORS.largest < SCALES)] = -np.inf
-            for row, k, f, main in zip(table, owner[here], form[here], own[here], strict=True):
-                tables.setdefault(int(k), []).append((int(f), row, main == 0))
-        out = {}
-        for k, rows in tables.items():
-            values = np.array([row for _, row, _ in rows])
-            best = np.unravel_index(int(np.argmax(values)), values.shape)
-            most = float(values[best])
-            each = np.exp(values - most).sum(axis=1)
-            total = most + np.log(each.sum() / len(rows)) + self.components[k].log_odds
-            without = each[[alone for _, _, alone in rows]].sum()
-            more = np.log(each.sum() / without) if without > 0 else np.inf
-            out[k] = Weight(float(total), rows[int(best[0])][0], float(SCALES[best[1]]), float(more))
-        return out
-
-    def _table(
-        self, S: Array, u: Array, explained: float, one_sided: NDArray[np.bool_], own: NDArray[np.int64]
-    ) -> Array:
-        """(F, scales) log Bayes factors, weighed by the scales' priors. own: (F,) number of an effect's own
-        columns where companions follow, 0: none do."""
-        q, log_det = _quadratic(S, u)
-        table = likelihood(self.reduced, explained, q) - 0.5 * log_det + WEIGHTS
-        alone = one_sided & (own == 0)
-        if alone.any():
-            mean, covariance = _posterior(S[alone], u[alone], 1)
-            z = mean[..., 0] / np.sqrt(covariance[..., 0, 0])
-            table[alone] += np.log(2) + _sides(log_ndtr(z), log_ndtr(-z))
-        for count in set(own[own > 0].tolist()):
-            here = own == count
-            mean, covariance = _posterior(S[here], u[here], count)
-            table[here] += _present(mean[..., :count], covariance, one_sided[here])
-            table[here] += _mostly_itself(mean, count)
-        return table
+def most_of(left: Reduced, S: Array, u: Array, more: Array, rest: Array, own: Numbers) -> Array:
+    """(F, scales, M) what `table_of` cannot exceed in the place of members without which a set explains rest
+    (M,), where u is more (F, p, M) and S no less."""
+    held = S[:, None] + SCALES[:, None, None] ** -2.0 * np.eye(S.shape[1])
+    log_det = np.linalg.slogdet(held)[1] + 2 * S.shape[1] * np.log(SCALES)
+    together = (u[:, :, None] + more)[:, None]
+    q = (together * np.linalg.solve(held, together)).sum(axis=2)
+    present = np.where(own > 0, -np.log(chdtrc(np.maximum(own, 1), PRIORS.present**2)), 0.0)
+    return likelihood(left, rest, q) + (WEIGHTS - 0.5 * log_det + np.log(2) + present[:, None])[..., None]
 
 
 def _quadratic(S: Array, u: Array) -> tuple[Array, Array]:

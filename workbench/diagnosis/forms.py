@@ -1,0 +1,98 @@
+"""All forms of all components: weighed at once beside a set, or in the places of its members."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from ..robot.kinematics import Array
+from .chosen import Chosen
+from .components import Component
+from .priors import PRIORS
+from .reduced import Index, Reduced
+from .weight import SCALES, Weight, most_of, table_of
+
+SLACK = 1e-3  # log odds: far more than rounding
+
+
+class Forms:
+    """The forms of components, those with equally many columns weighed together."""
+
+    def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
+        self.reduced, self.components = reduced, components
+        forms = [(k, form) for k, component in enumerate(components) for form in component.forms]
+        parts = [part for own in reduced.parts for part in own]
+        self._start = np.array([part.start for part in parts], int)
+        self._width = np.array([part.stop - part.start for part in parts], int)
+        self._one_sided = np.array([form.one_sided for _, form in forms], bool)
+        main = np.array([form.main for _, form in forms], int)
+        self._own = np.where(main < self._width, main, 0)  # 0: no companions follow
+        self._too_large = np.array([not components[k].nameless for k, _ in forms], bool)[:, None] & (
+            PRIORS.largest < SCALES
+        )
+        ends = np.cumsum([0, *(len(component.forms) for component in components)])
+        self._of = [np.arange(a, b) for a, b in pairwise(ends.tolist())]
+
+    def weigh(
+        self, chosen: Chosen, numbers: Sequence[int], without: NDArray[np.int64] | None = None
+    ) -> list[Weight]:
+        """Weights of components, by their numbers (P,), beside a set, or each beside all of it but a member,
+        by its number (P,)."""
+        if not len(numbers):
+            return []
+        rows, counts, first = self._rows(numbers)
+        gone = None if without is None else np.repeat(without, counts)
+        takes = [chosen.explained] if without is None else [chosen.explained_without(i) for i in without]
+        explained = np.repeat(np.resize(takes, len(numbers)), counts)
+        table = np.empty((len(rows), len(SCALES)))
+        for here, block in self._alike(rows):
+            S, u = chosen.left_of(block, None if gone is None else gone[here])
+            own = self._one_sided[rows[here]], self._own[rows[here]]
+            table[here] = table_of(self.reduced, S, u, explained[here], *own)
+        table[self._too_large[rows]] = -np.inf
+        most = np.maximum.reduceat(table.max(axis=1), first)
+        each = np.exp(table - np.repeat(most, counts)[:, None]).sum(axis=1)
+        every = np.add.reduceat(each, first)
+        alone = np.add.reduceat(np.where(self._own[rows] == 0, each, 0.0), first)
+        more = np.full(len(numbers), np.inf)
+        np.log(every / np.where(alone > 0, alone, 1.0), where=alone > 0, out=more)
+        out = []
+        for i, (k, rows_k) in enumerate(zip(numbers, np.split(table, first[1:]), strict=True)):
+            form, scale = divmod(int(np.argmax(rows_k)), len(SCALES))
+            odds = float(most[i] + np.log(every[i] / counts[i]) + self.components[k].log_odds)
+            out.append(Weight(odds, form, float(SCALES[scale]), float(more[i])))
+        return out
+
+    def most(self, chosen: Chosen, numbers: Sequence[int], members: Sequence[int]) -> Array:
+        """(P, M) log odds that components cannot exceed in the places of members of a set.
+
+        Without a member the others leave more of everything, u + v and S + H Hᵀ in the place of u and S: with
+        S in that of S + H Hᵀ a component takes more off χ², and its freedom costs less.
+        """
+        rows, counts, first = self._rows(numbers)
+        rest = np.array([chosen.explained_without(i) for i in members])
+        table = np.empty((len(rows), len(members)))
+        for here, block in self._alike(rows):
+            S, u = chosen.left_of(block)
+            more = chosen.given_back(block, members)
+            most = most_of(self.reduced, S, u, more, rest, self._own[rows[here]])
+            most[self._too_large[rows[here]]] = -np.inf
+            table[here] = logsumexp(most, axis=1)
+        prior = np.array([self.components[k].log_odds for k in numbers]) - np.log(counts)
+        return np.asarray(np.logaddexp.reduceat(table, first, axis=0) + prior[:, None] + SLACK)
+
+    def _rows(self, numbers: Sequence[int]) -> tuple[Index, Index, Index]:
+        """The forms of components, how many each has, and where its first stands among them."""
+        counts = np.array([len(self._of[k]) for k in numbers])
+        return np.concatenate([self._of[k] for k in numbers]), counts, np.cumsum(counts) - counts
+
+    def _alike(self, rows: Index) -> Iterator[tuple[Index, Index]]:
+        """Those with equally many columns, and their columns (F, p), one width after the other."""
+        widths = self._width[rows]
+        for width in np.unique(widths).tolist():
+            here = np.flatnonzero(widths == width)
+            yield here, self._start[rows[here], None] + np.arange(width)
