@@ -8,6 +8,7 @@ from diagnosis_cases import found, measured
 
 from workbench import Truth, Where, load_robot, parse_effect, planned, problem, random_poses, simulate
 from workbench.diagnosis import competition as competing
+from workbench.diagnosis.candidates import testable as all_that_may_be
 from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.competition import _likeliest, _renamed_at_no_loss, compete
 from workbench.diagnosis.components import Component, Form, bare, cause_components
@@ -24,7 +25,6 @@ from workbench.diagnosis.replication import (
     replicated,
     searched_in_parts,
 )
-from workbench.diagnosis.run import testable as all_that_may_be
 from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.weight import prior_weight
 from workbench.diagnosis.worth import VOUCHED, as_sure_as_its_gain
