@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import __version__
 from ..campaign import Campaign
+from ..campaign.problem import Problem
 from ..effects import separation
 from ..effects.base import UNKNOWN, Effect
 from ..effects.place import NOWHERE, Parameter, Where
@@ -83,6 +84,7 @@ def assemble(parts: Parts) -> Diagnosis:
             brought,
             ceiling,
             visible_mm(final, parts.candidates),
+            1e3 * np.sqrt(3) * final.usual,
             bool(final.model.given),
             repeats_to,
         ),
@@ -97,6 +99,7 @@ def assemble(parts: Parts) -> Diagnosis:
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
         given=parts.given,
         notes=(
+            *_unweighed(problem),
             *(fact.sentence for fact in parts.given if not fact.obeyed),
             *prepared.notes,
             *c.warnings,
@@ -111,6 +114,17 @@ def assemble(parts: Parts) -> Diagnosis:
         version=__version__,
         inputs=c.files,
     )
+
+
+def _unweighed(problem: Problem) -> list[str]:
+    """A remark where the model has no masses: how an arm bends under its own weight looks like what its gears
+    do."""
+    if problem.arm.mass[1:].any() or not problem.arm.gravity.any() or problem.arm.prismatic.all():
+        return []
+    return [
+        f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is not in the "
+        "model, and looks like errors of its gears and joints. State the links' masses before you believe these."
+    ]
 
 
 def _left(prepared: Prepared, selection: Selection) -> tuple[Remainder, Remainder]:

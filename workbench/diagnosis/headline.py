@@ -11,6 +11,7 @@ from .remainder import GLOBAL_LEVEL, Remainder
 from .result import Finding, Stage, Verdict
 
 MOST_SAID = 3  # causes that a headline says
+MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
@@ -33,12 +34,13 @@ def headline(
     brought_mm: float,
     ceiling_mm: float,
     visible_mm: float,
+    noise_mm: float,
     given: bool = False,
     repeatability_mm: float | None = None,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
-    beyond geometry that these data would have shown; given: numbers known by other means are in the model;
-    repeatability_mm: of the robot, where that is all that is left."""
+    beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; given: numbers
+    known by other means are in the model; repeatability_mm: of the robot, where that is all that is left."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [_words(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
@@ -51,8 +53,10 @@ def headline(
         f"Held-out error {stages[0].heldout_rms_mm:.3f} → {after:.3f} mm RMS, "
         f"{geometry:.3f} mm with geometry alone"
     )
-    if verdict == "nothing_missing" and stages[1].heldout_rms_mm > stages[0].heldout_rms_mm:
-        return f"Too few poses to say: fitted to them, the robot is worse at others. {gain}"
+    few = after > MOST_SPREAD * noise_mm
+    if verdict == "nothing_missing" and few:
+        times = f"{after / noise_mm:.1f} times the noise of {noise_mm:.3f} mm"
+        return f"Too few poses to say: at others the fitted robot is off by {times}. {gain}."
     if verdict == "nothing_missing":
         explain = "geometry and what was given explain" if given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
@@ -60,6 +64,8 @@ def headline(
             return f"Nothing is missing: {explain} these data, and {power}. {gain}."
         but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
         return f"Nothing is missing, {but}: {explain} the rest, and {power}. {gain}."
+    if few and geometry > stages[0].heldout_rms_mm:
+        said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
     best = max(geometry - ceiling_mm, 0.0)
     gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
     if verdict == "unknown":
