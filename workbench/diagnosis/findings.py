@@ -122,8 +122,8 @@ def _unweighed(problem: Problem) -> list[str]:
     if problem.arm.mass[1:].any() or not problem.arm.gravity.any() or problem.arm.prismatic.all():
         return []
     return [
-        f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is not in the "
-        "model, and looks like errors of its gears and joints. State the links' masses before you believe these."
+        f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is not in "
+        "the model, and looks like errors of gears and joints. State the masses before you believe these."
     ]
 
 
