@@ -104,6 +104,7 @@ def assemble(parts: Parts) -> Diagnosis:
             *prepared.notes,
             *c.warnings,
             *remarks(prepared, left, beyond, bool(nameless), repeats_to),
+            *_carried(selection),
         ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
@@ -124,6 +125,18 @@ def _unweighed(problem: Problem) -> list[str]:
     return [
         f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is not in "
         "the model, and looks like errors of gears and joints. State the masses before you believe these."
+    ]
+
+
+def _carried(selection: Selection) -> list[str]:
+    """A remark on effects of known forms that the model has in it without their being named."""
+    effects = [selection.fit.model.effects[i] for i in selection.nameless]
+    labels = dict.fromkeys(effect.label for effect in effects if effect.cause != UNKNOWN)
+    if not labels:
+        return []
+    return [
+        "The model carries what has no name by effects of known forms as well, which the data do not settle "
+        f"(model.toml has their numbers, no finding does): {', '.join(labels)}."
     ]
 
 

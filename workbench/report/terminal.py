@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..diagnosis.result import Diagnosis
+from ..diagnosis.result import NAMELESS, Diagnosis
 from ..effects.base import UNKNOWN
 from .content import decision, place, to_decide
 
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     """A few lines: verdict, causes with gain, faults, and where the report lies (`folder`, if written)."""
-    first, last = diagnosis.stages[0], diagnosis.stages[-1]
-    geometry = diagnosis.stages[1]
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
         f"noise {diagnosis.noise.sigma_mm:.4f} mm per axis ({diagnosis.noise.source})",
         "",
         diagnosis.headline,
         "",
-        f"  held-out error, mm RMS   nominal {first.heldout_rms_mm:.4f}"
-        f"   geometry {geometry.heldout_rms_mm:.4f}   with causes {last.heldout_rms_mm:.4f}",
+        f"  held-out error, mm RMS   {'   '.join(_steps(diagnosis))}",
     ]
     if diagnosis.test:
         t = diagnosis.test
@@ -58,3 +55,13 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             f"  page: {folder}/index.html   report: {folder}/report.pdf   model: {folder}/model.toml",
         ]
     return "\n".join(lines)
+
+
+def _steps(diagnosis: Diagnosis) -> list[str]:
+    """Nominal, geometry, with the causes, and with what has no name as well, as far as there is any."""
+    nominal, geometry, *more = diagnosis.stages
+    steps = [("nominal", nominal), ("geometry", geometry)]
+    with_names = [stage for stage in more if not stage.name.endswith(NAMELESS)]
+    steps += [("with causes", stage) for stage in with_names[-1:]]
+    steps += [(f"with {NAMELESS}", stage) for stage in more if stage not in with_names]
+    return [f"{name} {stage.heldout_rms_mm:.4f}" for name, stage in steps]
