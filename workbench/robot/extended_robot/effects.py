@@ -62,7 +62,7 @@ class Effects(LeafSystem):
         return np.array([at, rate])
 
     def drives(self, q: Any, v: Any) -> Any:
-        """(2, n) the same the other way: of the drives, for the plant's joints at q (n,) that move at v (n,)."""
+        """(2, n) the other way: of the drives, for the plant's joints at q (n,) that move at v (n,)."""
         there = np.array([q, v])
         found = there
         for _ in range(ROUNDS if self.rigid else 0):
