@@ -262,7 +262,7 @@ def _nameless(selection: Selection, worth_mm: float) -> list[Finding]:
     for member in selection.unrepeated:
         label = selection.components[member.component].label
         worth = selection.worth_mm(member)
-        structure = f"looks like {label} in one {part} and not in another ({worth:.4f} mm)"
+        structure = f"looks like {label} in one {part} and not in another (it makes {worth:.3f} mm RMS)"
         found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
     ordered = sorted(found, key=lambda finding: -finding.gain_mm)
     return [_as_one(ordered, max(worth_mm, 0.0))] if found else []

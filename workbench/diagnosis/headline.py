@@ -46,7 +46,7 @@ def headline(
     parts = [f"Found: {_some(sure)}"] if sure else []
     open_ = [_either(f) for f in causes if f.status != "named"]
     if open_:
-        parts.append(f"{'not decided' if sure else 'Not decided'}: {_some(open_)}")
+        parts.append(f"{'not decided' if sure else 'Not decided'}: {_some(open_, ', and ')}")
     said = "; ".join(parts)
     after, geometry = stages[-1].heldout_rms_mm, stages[1].heldout_rms_mm
     gain = (
@@ -90,9 +90,9 @@ def _either(finding: Finding) -> str:
     return f"{own} or {other}"
 
 
-def _some(words: Sequence[str]) -> str:
+def _some(words: Sequence[str], between: str = ", ") -> str:
     more = f" and {len(words) - MOST_SAID} more" if len(words) > MOST_SAID else ""
-    return ", ".join(words[:MOST_SAID]) + more
+    return between.join(words[:MOST_SAID]) + more
 
 
 def remarks(
