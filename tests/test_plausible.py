@@ -253,6 +253,58 @@ def test_strong_faults_that_bend_the_geometry_are_not_another_robot(tmp_path, mo
     assert held.noise is free[0].noise
 
 
+def shown(*spoilt):
+    """Columns as another counting shows them: each of `spoilt` is a joint, its sign, its zero [deg] and what
+    else it counts."""
+
+    def change(q):
+        true = q.copy()
+        for j, sign, zero, *other in spoilt:
+            q[:, j] = sign * true[:, j] + np.radians(zero)
+            for i, factor in other:
+                q[:, j] += factor * true[:, i]
+
+    return lambda c: joints(c, change)
+
+
+COUNTED = {
+    "two signs": ("irb120", shown((3, -1, 0), (5, -1, 0)), ["joint_4 is -q4", "joint_6 is -q6"]),
+    "three signs": ("kr120", shown((0, -1, 0), (3, -1, 0), (5, -1, 0)), ["joint_1 is -q1", "joint_4 is -q4"]),
+    "sign and zero": ("ur5", shown((1, -1, 90)), ["shoulder_lift_joint is 90° - q2"]),
+    "like KUKA": (
+        "irb120",
+        shown((0, -1, 0), (1, 1, -90), (2, 1, 90), (3, -1, 0), (5, -1, 0)),
+        ["joint_1 is -q1, joint_2 is q2 + 90°, joint_3 is q3 - 90°, joint_4 is -q4, joint_6 is -q6",
+         "signs = [-1, 1, 1, -1, 1, -1], zeros = [0, -90, 90, 0, 0, 0]"],
+    ),
+    "like FANUC": (
+        "irb120",
+        shown((2, -1, 0, (1, -1))),
+        ["joint_3 is -q3 - q2", 'couplings = [{joint = "J3", on = "J2", factor = -1}]'],
+    ),
+    "as its controller does": (
+        "kr500", shown((0, -1, 0), (3, -1, 0), (5, -1, 0)), ['say joints = "controller" under']
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", COUNTED)
+def test_joints_counted_otherwise_in_several_ways_at_once(case):
+    name, spoil, told = COUNTED[case]
+    with pytest.raises(InputError) as caught:
+        check_plausible(problem_of(spoil(honest(name))))
+    (fault,) = caught.value.faults
+    assert all(part in str(fault) for part in told)
+
+
+def test_a_mend_that_stays_within_the_limits_comes_first():
+    """On this robot q2 + 180° explains the sign of q1 as well, and cannot be."""
+    with pytest.raises(InputError) as caught:
+        check_plausible(problem_of(flip(0)(honest("irb120"))))
+    assert "turn the sign of q1" in str(caught.value)
+    assert "180°" not in str(caught.value)
+
+
 @pytest.mark.parametrize("degrees", [3.0, -4.0])
 def test_a_joint_with_its_zero_some_degrees_off_is_fitted_and_told(degrees):
     campaign = turn(2, degrees)(honest("ur5"))

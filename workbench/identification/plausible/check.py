@@ -17,6 +17,7 @@ from scipy.optimize import minimize_scalar
 from ...campaign.problem import Problem
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
+from .conventions import counted_otherwise
 from .exchanged import exchanged_names
 from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
 from .misfit import USUAL, Misfit, Sample, misfit, sample
@@ -31,6 +32,7 @@ SCALE = 0.02  # from which another size is no error of an instrument
 ROUGHLY = 6  # iterations in which the
 LIKELY = 12  # likeliest mistakes are told from the others
 FARTHEST_ZERO = np.radians(6.0)  # a joint mastered wrong or a belt some teeth off: fitted, not refused
+WITHIN = np.radians(1.0)  # rad or m, beyond a joint's limit that is none
 AS_GOOD = 1.3  # times the best misfit: mistakes that the data do not tell apart
 
 
@@ -101,17 +103,38 @@ def judge(problem: Problem) -> Plausible:
     if _least(tried) > enough and now.middle > REFUSED:
         tried = [((h,), misfit(h.undo(data)).total) for h in exchanged_names(problem)]
     if _least(tried) > enough and now.middle > REFUSED:
+        tried = [((h,), left) for h, left in counted_otherwise(problem, data, enough)]
+    if _least(tried) > enough and now.middle > REFUSED:
         tried = _two_at_once(data, every, enough)
     if _least(tried) > enough and now.middle > REFUSED and not np.isfinite(data.stated).all():
         tried = [((h,), misfit(h.undo(data), turns=True).total) for h in every]
-    fits = [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))]
-    # what only changes the stated places is no reason to send anyone away
-    fits.sort(key=lambda one: (one[0][0].table != "targets", one[1]))
+    fits = _likeliest(problem, data, [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))])
     if fits or max(now.middle, now.displaced) < REFUSED:
-        return Plausible(now, tuple(fits))
+        return Plausible(now, fits)
     scale = _scale(data, enough)
     zero = _zero(problem, data, enough) if scale == 1.0 and now.middle > REFUSED else None
     return Plausible(now, (), scale, zero)
+
+
+def _likeliest(
+    problem: Problem, data: Sample, fits: list[tuple[Mistake, float]]
+) -> tuple[tuple[Mistake, float], ...]:
+    """Mistakes that the data do not tell apart: those whose mend leaves the fewest joints beyond their
+    limits, the simplest and best first."""
+    lower, upper = np.array([(joint.lower, joint.upper) for joint in problem.robot.joints]).T
+
+    def rank(one: tuple[Mistake, float]) -> tuple[bool, int, int, float]:
+        mended = data
+        for h in one[0]:
+            mended = h.undo(mended)
+        # another robot has its own limits
+        beyond = (mended.q < lower - WITHIN) | (mended.q > upper + WITHIN)
+        outside = int(beyond.any(axis=0).sum()) if mended.arm is data.arm else 0
+        # what only changes the stated places is no reason to send anyone away
+        return one[0][0].table != "targets", outside, sum(h.parts for h in one[0]), one[1]
+
+    ranked = sorted(((rank(one), one) for one in fits), key=lambda pair: pair[0])
+    return tuple(one for order, one in ranked if order[:2] == ranked[0][0][:2])
 
 
 def _zero(problem: Problem, data: Sample, enough: float) -> tuple[str, float] | None:
