@@ -99,7 +99,8 @@ def _likeliest(data: Sample, coupled: bool) -> Iterator[Counted]:
         left = np.concatenate(
             [_left(data, rows, more[k : k + KEPT], j + 2) for k in range(0, len(more), KEPT)]
         )
-        order = np.lexsort(([way.parts for way in more], np.round(np.log(left + 1e-300), 4)))
+        parts = np.array([way.parts for way in more], dtype=np.float64)
+        order = np.lexsort((parts, np.round(np.log(left + 1e-300), 4)))
         kept = [more[i] for i in order[:KEPT]]
     for way, zero in product(kept[:TRIED], ZEROS if not arm.prismatic[-1] else (0,)):
         yield way.with_zero(arm.n - 1, zero)
@@ -159,7 +160,7 @@ def _told(way: Counted, robot: Robot) -> Hypothesis:
 def _formula(way: Counted, j: int) -> str:
     """The URDF's joint j of the columns, as people write it."""
     others = [i for i in np.flatnonzero(way.change[j]) if i != j]
-    terms = [(way.change[j, i], f"q{i + 1}") for i in (j, *others)]
+    terms = [(float(way.change[j, i]), f"q{i + 1}") for i in (j, *others)]
     if way.shift[j]:
         terms.append((float(way.shift[j]), f"{abs(way.shift[j])}°"))
     terms.sort(key=lambda term: term[0] < 0)  # 90° - q2 rather than -q2 + 90°
@@ -174,7 +175,8 @@ def _controller(way: Counted, robot: Robot) -> str:
     zeros = [0 - int(sign * shift) for sign, shift in zip(signs, way.shift, strict=True)]
     said = "" if robot.controller.names else f"names = {json.dumps(names)}, "
     said += f"signs = {signs.tolist()}, zeros = {zeros}"
-    for j, i in np.argwhere(way.change - np.diag(signs)):
+    coupled: list[tuple[int, int]] = np.argwhere(way.change - np.diag(signs)).tolist()
+    for j, i in coupled:
         factor = int(-signs[j] * way.change[j, i])
         said += f', couplings = [{{joint = "{names[j]}", on = "{names[i]}", factor = {factor}}}]'
     return said
