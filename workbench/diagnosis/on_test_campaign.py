@@ -16,6 +16,7 @@ from ..identification.plausible import check_plausible
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .moved_setup import was_split
+from .remarks_on_test import elsewhere, nothing_new
 from .result import FaultFound, TestFigures
 from .wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
 
@@ -40,13 +41,14 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         )
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
-    check_plausible(possible.problem)
+    said = check_plausible(possible.problem)
     problem, faults = _cleaned(possible.problem, final)
     before, after = _errors(problem, nominal), _errors(problem, final)
     if not problem.seen.any():
         raise InputError(Fault(str(campaign.path), "no usable point is left", "look at the points"))
     off = np.linalg.norm(possible.problem.campaign.points - after.predicted, axis=2)
     all_points = np.where(problem.seen, after.length, off)
+    moved = elsewhere(problem.campaign, after.predicted, _new_setups(problem, fitted))
     mm = 1e3
     return TestFigures(
         campaign=campaign.title,
@@ -59,6 +61,8 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         all_mean_mm=mm * float(np.nanmean(all_points)),
         all_rms_mm=mm * float(np.sqrt(np.nanmean(all_points**2))),
         faults=(*possible.faults, *faults),
+        notes=(*map(str, moved), *nothing_new(campaign, final), *said),
+        moved=tuple((one.setup, mm * one.shift, mm * one.left) for one in moved),
     )
 
 
@@ -99,13 +103,17 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)
     state = _carried(problem, result)
-    fitted = result.model.problem.campaign.setup_names
-    new = [n for n in problem.campaign.setup_names if n not in fitted or was_split(n, fitted)]
-    if new:
+    if new := _new_setups(problem, result.model.problem):
         state = _own_setups(model, state, new)
     predicted = model.predict(state)
     length = np.linalg.norm(problem.campaign.points - predicted, axis=2)
     return _Errors(predicted, np.where(problem.seen, length, np.nan))
+
+
+def _new_setups(problem: Problem, fitted: Problem) -> list[str]:
+    """Set-ups of the test whose frames no fit has."""
+    known = fitted.campaign.setup_names
+    return [name for name in problem.campaign.setup_names if name not in known or was_split(name, known)]
 
 
 def _carried(problem: Problem, result: Fit) -> State:

@@ -2,11 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from ..diagnosis.result import Diagnosis
+from ..diagnosis.result import Diagnosis, FaultFound
 from ..effects.base import UNKNOWN
 from .content import decision, place, to_decide
+
+FAULTS = 10  # lines of faults; the rest is counted
+
+
+def fault_lines(faults: Sequence[FaultFound], word: str) -> list[str]:
+    """A line for each pose with a fault of a kind, with all its targets; beyond some, how many more."""
+    together: dict[tuple[str, str | None, str], list[FaultFound]] = {}
+    for n, fault in enumerate(faults):
+        # without a pose each fault stands for itself
+        pose = fault.pose_id if fault.pose_id is not None else f"\0{n}"
+        together.setdefault((fault.kind, pose, fault.done), []).append(fault)
+    lines = [f"{word}: {_fault_line(group)}" for group in together.values()]
+    more = len(lines) - FAULTS
+    return lines if more <= 1 else [*lines[:FAULTS], f"... and {more} more lines like these"]
+
+
+def _fault_line(group: list[FaultFound]) -> str:
+    first = group[0]
+    names = ", ".join(fault.target for fault in group if fault.target)
+    where = (f" at pose {first.pose_id}" if first.pose_id is not None else "") + (
+        f", {names}" if names else ""
+    )
+    more = f" ({first.target})" if len(group) > 1 else ""
+    return f"{first.kind}{where}: {first.what}{more} ({first.done})"
 
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
@@ -28,6 +53,8 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             f"  test campaign, mm mean   before {t.before_mean_mm:.4f}   after {t.after_mean_mm:.4f}"
             f"   (max {t.after_max_mm:.4f})"
         )
+        lines += [f"    {note}" for note in t.notes]
+        lines += [f"    {line}" for line in fault_lines(t.faults, "data fault of the test")]
     for finding in diagnosis.causes:
         sentence = finding.sentence or finding.structure or ""
         where = place(finding.where)
@@ -45,10 +72,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             lines.append(f"            - {decision(one)}")
             lines += [f"              {one.command}"] if one.command else []
     lines += [f"  {fact.sentence}" for fact in diagnosis.given]
-    for fault in diagnosis.faults[:10]:
-        lines.append(f"  data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done})")
-    if len(diagnosis.faults) > 10:
-        lines.append(f"  ... and {len(diagnosis.faults) - 10} more data faults")
+    lines += [f"  {line}" for line in fault_lines(diagnosis.faults, "data fault")]
     causes = sorted({item.cause for item in diagnosis.not_testable if not item.where.keys()})
     if causes:
         lines += ["", f"  not testable with these data: {', '.join(causes)}"]

@@ -159,8 +159,8 @@ def _told(way: Counted, robot: Robot) -> Hypothesis:
 
 def _formula(way: Counted, j: int) -> str:
     """The URDF's joint j of the columns, as people write it."""
-    others = [i for i in np.flatnonzero(way.change[j]) if i != j]
-    terms = [(float(way.change[j, i]), f"q{i + 1}") for i in (j, *others)]
+    others = [i for i in np.flatnonzero(way.change[j]).tolist() if i != j]
+    terms = [(float(way.change[j, i]), f"q{i + 1}") for i in [j, *others]]
     if way.shift[j]:
         terms.append((float(way.shift[j]), f"{abs(way.shift[j])}°"))
     terms.sort(key=lambda term: term[0] < 0)  # 90° - q2 rather than -q2 + 90°
@@ -175,8 +175,7 @@ def _controller(way: Counted, robot: Robot) -> str:
     zeros = [0 - int(sign * shift) for sign, shift in zip(signs, way.shift, strict=True)]
     said = "" if robot.controller.names else f"names = {json.dumps(names)}, "
     said += f"signs = {signs.tolist()}, zeros = {zeros}"
-    coupled: list[tuple[int, int]] = np.argwhere(way.change - np.diag(signs)).tolist()
-    for j, i in coupled:
+    for j, i in ((int(j), int(i)) for j, i in np.argwhere(way.change - np.diag(signs))):
         factor = int(-signs[j] * way.change[j, i])
         said += f', couplings = [{{joint = "{names[j]}", on = "{names[i]}", factor = {factor}}}]'
     return said
