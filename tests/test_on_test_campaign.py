@@ -41,7 +41,7 @@ def test_an_instrument_elsewhere_is_told_with_what_its_own_frame_leaves():
 
 
 def test_poses_that_were_fitted_are_no_test():
-    _, test, campaign = halves()
+    campaign = halves()[2]
     (said,) = figures(campaign.some(np.arange(20))).notes
     assert said == (
         "20 of the test campaign's 20 poses are those that were fitted, with the same points: as a test they "
@@ -51,6 +51,15 @@ def test_poses_that_were_fitted_are_no_test():
     noise = np.random.default_rng(0).normal(0, 3e-5, again.points.shape)
     (said,) = figures(with_points(again, again.points + noise)).notes
     assert "measured another time" in said
+
+
+def test_targets_named_for_one_another_in_a_test_keep_their_points():
+    _, test, _ = halves()
+    mixed = figures(with_points(test, test.points[:, [1, 0, 2]]))
+    assert mixed.faults == ()
+    (said,) = mixed.notes
+    assert "T1, T2 are stated for one another" in said
+    assert mixed.after_rms_mm == pytest.approx(figures(test).after_rms_mm)
 
 
 def test_faults_have_a_line_for_each_pose_with_its_targets():

@@ -153,6 +153,18 @@ def test_names_exchanged_at_a_part_of_the_poses(order, stated):
     assert "exchange them there in the column target" in said
 
 
+def test_targets_stated_for_one_another_keep_their_points():
+    one, two, three = honest().targets
+    renamed = replace(honest(), targets=(replace(one, xyz=two.xyz), replace(two, xyz=one.xyz), three))
+    prepared = preparation.prepare(renamed)
+    assert prepared.faults == ()
+    assert [t.xyz for t in prepared.problem.campaign.targets] == [
+        pytest.approx(t.xyz) for t in honest().targets
+    ]
+    left = preparation.prepare(honest()).geometry.chi2
+    assert prepared.geometry.chi2 == pytest.approx(left, rel=1e-3)
+
+
 def test_targets_listed_in_another_order_are_the_same_campaign():
     order = [2, 0, 1]
     same = honest()

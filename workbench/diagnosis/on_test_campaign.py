@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..campaign import Campaign
+from ..campaign import Campaign, Target
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.plausible import check_plausible
+from ..identification.plausible import believed
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .moved_setup import was_split
@@ -41,8 +42,8 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         )
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
-    said = check_plausible(possible.problem)
-    problem, faults = _cleaned(possible.problem, final)
+    meant, said = believed(possible.problem)
+    problem, faults = _cleaned(meant, final)
     before, after = _errors(problem, nominal), _errors(problem, final)
     if not problem.seen.any():
         raise InputError(Fault(str(campaign.path), "no usable point is left", "look at the points"))
@@ -126,10 +127,24 @@ def _carried(problem: Problem, result: Fit) -> State:
         source = fitted.setup_names.index(name)
         R[k], t[k] = result.state.R[source], result.state.t[source]
         for i, target in enumerate(problem.campaign.targets):
-            match = [j for j, other in enumerate(fitted.targets) if other.name == target.name]
-            if match:
-                targets[k, i] = result.state.targets[source, match[0]]
+            match = _same_target(target, fitted.targets)
+            if match is not None:
+                targets[k, i] = result.state.targets[source, match]
     return State(result.state.geometry, R, t, targets)
+
+
+def _same_target(target: Target, fitted: Sequence[Target]) -> int | None:
+    """Which of the fitted targets it is: the one of its name, unless that is stated elsewhere and another one
+    there (the names were exchanged). None where it is none of them."""
+    named = [j for j, other in enumerate(fitted) if other.name == target.name]
+    there = [
+        j
+        for j, other in enumerate(fitted)
+        if target.xyz is not None
+        and other.xyz is not None
+        and np.allclose(other.xyz, target.xyz, rtol=0, atol=1e-6)
+    ]
+    return next(iter(there if named and there and named[0] not in there else named), None)
 
 
 def _own_setups(model: Model, state: State, new: list[str]) -> State:

@@ -8,7 +8,7 @@ one by one, and one that brings the rest back to the usual is named.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -59,8 +59,14 @@ class Plausible:
 
 
 def check_plausible(problem: Problem) -> list[str]:
-    """Remarks on a joint's zero or stated places of targets that are wrong. Raises InputError where joints,
-    points and robot do not belong together, with the mistake if one of the usual explains it."""
+    """The remarks of `believed`."""
+    return believed(problem)[1]
+
+
+def believed(problem: Problem) -> tuple[Problem, list[str]]:
+    """The problem with its targets where they are meant to be; remarks on a joint's zero or stated places of
+    targets that are wrong. Raises InputError where joints, points and robot do not belong together, with the
+    mistake if one of the usual explains it."""
     found = judge(problem)
     m, campaign = found.misfit, problem.campaign
     if found.zero is not None:
@@ -68,10 +74,10 @@ def check_plausible(problem: Problem) -> list[str]:
         told = (
             f"{joint} stands {np.degrees(off):+.2f}° from where its numbers say: its zero is fitted. It may"
         )
-        return [f"{told} be mastered wrong, or a belt or gear is some teeth off."]
+        return problem, [f"{told} be mastered wrong, or a belt or gear is some teeth off."]
     if not found.refused:
         far = f"Targets are found up to {_length(m.displaced * m.spread + USUAL)} from where the campaign "
-        return [far + "states them: the measured places are used."] if m.displaced else []
+        return problem, [far + "states them: the measured places are used."] if m.displaced else []
     size = f"the points are {_length(m.middle * m.spread)} off the robot ({m.middle:.2%} of their spread)"
     if m.share <= SUSPECT:
         size = f"targets are {_length(m.displaced * m.spread)} from where they are stated"
@@ -79,11 +85,20 @@ def check_plausible(problem: Problem) -> list[str]:
         raise InputError(Fault(str(campaign.path), *_nothing_fits(problem, size, found.scale)))
     (best, left), *others = found.mistakes
     if best[0].table == "targets" and not any(target.fixed for target in campaign.targets):
-        return [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
+        return _restated(problem, best[0]), [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
     alike = "; ".join(" and ".join(one.what for one in other) for other, _ in others[:3])
     alike = f" (or: {alike})" if alike else ""
     told = f": {size}, so mended {left:.2%}"
     raise InputError([Fault(f"{campaign.path}: {h.table}", h.what + told, h.mend + alike) for h in best])
+
+
+def _restated(problem: Problem, mistake: Hypothesis) -> Problem:
+    """The problem with the targets stated where they are without the mistake."""
+    mended, targets = mistake.undo(sample(problem)), list(problem.campaign.targets)
+    for i, slot, place in zip(mended.targets, mended.on, mended.stated, strict=True):
+        x, y, z = (problem.arm.R_link[slot].T @ place).tolist()
+        targets[i] = replace(targets[i], xyz=(x, y, z) if np.isfinite(place).all() else None)
+    return replace(problem, campaign=replace(problem.campaign, targets=tuple(targets)))
 
 
 def judge(problem: Problem) -> Plausible:

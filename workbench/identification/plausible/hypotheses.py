@@ -201,7 +201,7 @@ def _rows(problem: Problem) -> Iterator[Hypothesis]:
 
 def _targets(problem: Problem) -> Iterator[Hypothesis]:
     """Places of the targets stated for one another, or in other units."""
-    targets, mend = problem.campaign.targets, "mend xyz_mm; here the measured places are used"
+    targets, mend = problem.campaign.targets, "mend xyz_mm; here they are used so mended"
     moving = [i for i, slot in enumerate(problem.on) if slot > 0] or list(range(len(targets)))
     for order in islice(permutations(range(len(moving))), 1, MOST_ORDERS):
         names = [targets[moving[i]].name for i, other in enumerate(order) if other != i]
