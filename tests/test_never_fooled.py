@@ -140,6 +140,17 @@ def test_six_dof_targets_that_were_not_said_are_noticed():
     assert not any("pose = true" in note for note in prepare(campaign).notes)
 
 
+@pytest.mark.parametrize(("order", "said"), [(1, "the pose before"), (-1, "the pose after")])
+def test_a_stretch_of_poses_shifted_by_a_row_is_recognised(order, said):
+    stretch = np.arange(10, 18)
+    faults = prepare(spoilt(lambda z: z.__setitem__(stretch, z[np.roll(stretch, order)]))).faults
+    assert [fault.pose_id for fault in faults] == [str(n + 1) for n in stretch]
+    assert {fault.kind for fault in faults} == {"shifted_pose"}
+    assert all(
+        f"fit the joints of {said}: pose_id is mixed up between poses 11 and 18" in f.what for f in faults
+    )
+
+
 def test_a_file_of_six_dof_targets_is_taken_as_such(tmp_path):
     exact = measured("ur5", poses=20, loads=(), sigma=0.0, state_sigma=False)
     bodies = exact.points + np.random.default_rng(3).normal(0, 3e-5, (20, 1, 3))

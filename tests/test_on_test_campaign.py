@@ -70,4 +70,7 @@ def test_faults_have_a_line_for_each_pose_with_its_targets():
         "data fault: outlier, T1: is nowhere (all its points left out)",
     ]
     many = [FaultFound("outlier", str(n), None, "off", "left out") for n in range(15)]
+    (said,) = fault_lines(many, "data fault")
+    assert "outlier at poses 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 … 14: off (left out)" in said
+    many = [replace(fault, what=f"{n} mm off") for n, fault in enumerate(many)]
     assert fault_lines(many, "data fault")[10:] == ["... and 5 more lines like these"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,28 +11,36 @@ from ..effects.base import UNKNOWN
 from .content import decision, place, to_decide
 
 FAULTS = 10  # lines of faults; the rest is counted
+POSES = 12  # by their ids in a line
 
 
 def fault_lines(faults: Sequence[FaultFound], word: str) -> list[str]:
-    """A line for each pose with a fault of a kind, with all its targets; beyond some, how many more."""
-    together: dict[tuple[str, str | None, str], list[FaultFound]] = {}
-    for n, fault in enumerate(faults):
-        # without a pose each fault stands for itself
-        pose = fault.pose_id if fault.pose_id is not None else f"\0{n}"
-        together.setdefault((fault.kind, pose, fault.done), []).append(fault)
+    """A line for what is said of several poses alike, and for each other pose with all its targets; beyond
+    some, how many more."""
+    said = Counter((fault.kind, fault.what) for fault in faults)
+    together: dict[tuple[str | None, ...], list[FaultFound]] = {}
+    for fault in faults:
+        alike = said[fault.kind, fault.what] > 1 or fault.pose_id is None
+        key = (fault.what,) if alike else (None, fault.pose_id)
+        together.setdefault((fault.kind, fault.done, *key), []).append(fault)
     lines = [f"{word}: {_fault_line(group)}" for group in together.values()]
     more = len(lines) - FAULTS
     return lines if more <= 1 else [*lines[:FAULTS], f"... and {more} more lines like these"]
 
 
 def _fault_line(group: list[FaultFound]) -> str:
+    """What is wrong with the points of one pose, or with several poses alike."""
     first = group[0]
-    names = ", ".join(fault.target for fault in group if fault.target)
-    where = (f" at pose {first.pose_id}" if first.pose_id is not None else "") + (
-        f", {names}" if names else ""
-    )
-    more = f" ({first.target})" if len(group) > 1 else ""
+    names = list(dict.fromkeys(fault.target for fault in group if fault.target))
+    poses = list(dict.fromkeys(fault.pose_id for fault in group if fault.pose_id is not None))
+    where = f" at pose{'s' * (len(poses) > 1)} {_some(poses)}" if poses else ""
+    where += f", {', '.join(names)}" if names else ""
+    more = f" ({first.target})" if len({fault.what for fault in group}) > 1 else ""
     return f"{first.kind}{where}: {first.what}{more} ({first.done})"
+
+
+def _some(poses: list[str]) -> str:
+    return ", ".join(poses) if len(poses) <= POSES else f"{', '.join(poses[: POSES - 1])} … {poses[-1]}"
 
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
