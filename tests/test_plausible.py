@@ -317,6 +317,13 @@ def test_a_mend_that_stays_within_the_limits_comes_first():
     assert "180°" not in str(caught.value)
 
 
+def test_the_command_line_warns_of_a_zero_that_is_off(tmp_path, capsys):
+    path = str(write_campaign(tmp_path / "c", turn(2, 3.0)(honest("ur5"))))
+    assert main(["diagnose", path, "--json"]) == 0
+    err = capsys.readouterr().err
+    assert "warning: elbow_joint stands -3.09° from where its numbers say" in err
+
+
 @pytest.mark.parametrize("degrees", [3.0, -4.0])
 def test_a_joint_with_its_zero_some_degrees_off_is_fitted_and_told(degrees):
     campaign = turn(2, degrees)(honest("ur5"))
