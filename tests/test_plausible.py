@@ -12,9 +12,11 @@ from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared as preparation
+from workbench.diagnosis.first_look import first_look
 from workbench.effects import catalogue
 from workbench.files.faults import InputError
 from workbench.identification.plausible import check_plausible, judge, plausible_geometry
+from workbench.report.first_look import check_campaign
 from workbench.robot.description import load_robot
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
@@ -315,6 +317,15 @@ def test_a_mend_that_stays_within_the_limits_comes_first():
         check_plausible(problem_of(flip(0)(honest("irb120"))))
     assert "turn the sign of q1" in str(caught.value)
     assert "180°" not in str(caught.value)
+
+
+def test_a_check_does_not_promise_that_calibration_mends_another_robot():
+    checked = check_campaign(first_look(flip(2)(honest())))
+    assert "not of this robot in these poses" in checked.headline
+    assert "no calibration mends that" in checked.text
+    right = check_campaign(first_look(honest()))
+    assert "0 suspicious" in right.headline
+    assert "calibration takes most of that" in right.text
 
 
 def test_the_command_line_warns_of_a_zero_that_is_off(tmp_path, capsys):
