@@ -226,6 +226,16 @@ def test_tables_of_points_are_guessed(tmp_path, header, rows, separator, wanted)
     assert guess_points(table(tmp_path / "t.csv", header, rows, separator)).keys == wanted
 
 
+def test_the_names_of_german_tables_are_known(tmp_path):
+    joints = [MovingJoint(f"joint_{j}", "revolute", "link", -3, 3, 1, 1) for j in (1, 2)]
+    poses = table(tmp_path / "roboter.csv", "Punkt;A1;A2", [["P1", "10", "20"], ["P2", "-90", "30"]], ";")
+    assert guess_poses(poses, joints).keys["columns"] == {"pose_id": "Punkt", "q1_deg": "A1", "q2_deg": "A2"}
+    rows = [["P1", "R1", *"123"], ["P2", "R1", *"456"]]
+    points = table(tmp_path / "tracker.csv", "Punkt;Reflektor;X;Y;Z", rows, ";")
+    found = guess_points(points).keys["columns"]
+    assert (found["pose_id"], found["target"]) == ("Punkt", "Reflektor")
+
+
 def test_what_is_not_found_is_said(measured, monkeypatch, tmp_path, capsys):
     _, urdf, _ = measured
     monkeypatch.chdir(tmp_path)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from diagnosis_cases import found, measured, named, with_points
 
-from workbench.campaign import write_campaign
+from workbench.campaign import load_campaign, write_campaign
 from workbench.cli.main import main
 from workbench.diagnosis import run
 from workbench.diagnosis.components import cause_components
@@ -139,6 +139,28 @@ def test_six_dof_targets_that_were_not_said_are_noticed():
     (said,) = [note for note in prepare(with_points(exact, points)).notes if "pose = true" in note]
     assert "T1, T2, T3 never change" in said
     assert not any("pose = true" in note for note in prepare(campaign).notes)
+
+
+@pytest.mark.parametrize(("order", "said"), [(1, "the pose before"), (-1, "the pose after")])
+def test_a_stretch_of_poses_shifted_by_a_row_is_recognised(order, said):
+    stretch = np.arange(10, 18)
+    faults = prepare(spoilt(lambda z: z.__setitem__(stretch, z[np.roll(stretch, order)]))).faults
+    assert [fault.pose_id for fault in faults] == [str(n + 1) for n in stretch]
+    assert {fault.kind for fault in faults} == {"shifted_pose"}
+    assert all(
+        f"fit the joints of {said}: pose_id is mixed up between poses 11 and 18" in f.what for f in faults
+    )
+
+
+def test_a_file_of_six_dof_targets_is_taken_as_such(tmp_path):
+    exact = measured("ur5", poses=20, loads=(), sigma=0.0, state_sigma=False)
+    bodies = exact.points + np.random.default_rng(3).normal(0, 3e-5, (20, 1, 3))
+    loaded = load_campaign(write_campaign(tmp_path / "six", with_points(exact, bodies)))
+    assert loaded.six_dof
+    (said,) = [line for line in loaded.warnings if "pose = true" in line]
+    assert "distances between T1, T2, T3 never change" in said
+    one_by_one = measured("ur5", poses=20, loads=())
+    assert not load_campaign(write_campaign(tmp_path / "three", one_by_one)).six_dof
 
 
 def test_too_few_poses_are_refused_and_few_are_remarked():

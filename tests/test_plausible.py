@@ -12,9 +12,11 @@ from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared as preparation
+from workbench.diagnosis.first_look import first_look
 from workbench.effects import catalogue
 from workbench.files.faults import InputError
 from workbench.identification.plausible import check_plausible, judge, plausible_geometry
+from workbench.report.first_look import check_campaign
 from workbench.robot.description import load_robot
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
@@ -153,6 +155,18 @@ def test_names_exchanged_at_a_part_of_the_poses(order, stated):
     assert "exchange them there in the column target" in said
 
 
+def test_targets_stated_for_one_another_keep_their_points():
+    one, two, three = honest().targets
+    renamed = replace(honest(), targets=(replace(one, xyz=two.xyz), replace(two, xyz=one.xyz), three))
+    prepared = preparation.prepare(renamed)
+    assert prepared.faults == ()
+    assert [t.xyz for t in prepared.problem.campaign.targets] == [
+        pytest.approx(t.xyz) for t in honest().targets
+    ]
+    left = preparation.prepare(honest()).geometry.chi2
+    assert prepared.geometry.chi2 == pytest.approx(left, rel=1e-3)
+
+
 def test_targets_listed_in_another_order_are_the_same_campaign():
     order = [2, 0, 1]
     same = honest()
@@ -251,6 +265,74 @@ def test_strong_faults_that_bend_the_geometry_are_not_another_robot(tmp_path, mo
     assert farthest(free[0]) > 0.3
     assert farthest(held) < 0.03
     assert held.noise is free[0].noise
+
+
+def shown(*spoilt):
+    """Columns as another counting shows them: each of `spoilt` is a joint, its sign, its zero [deg] and what
+    else it counts."""
+
+    def change(q):
+        true = q.copy()
+        for j, sign, zero, *other in spoilt:
+            q[:, j] = sign * true[:, j] + np.radians(zero)
+            for i, factor in other:
+                q[:, j] += factor * true[:, i]
+
+    return lambda c: joints(c, change)
+
+
+COUNTED = {
+    "two signs": ("irb120", shown((3, -1, 0), (5, -1, 0)), ["joint_4 is -q4", "joint_6 is -q6"]),
+    "three signs": ("kr120", shown((0, -1, 0), (3, -1, 0), (5, -1, 0)), ["joint_1 is -q1", "joint_4 is -q4"]),
+    "sign and zero": ("ur5", shown((1, -1, 90)), ["shoulder_lift_joint is 90° - q2"]),
+    "like KUKA": (
+        "irb120",
+        shown((0, -1, 0), (1, 1, -90), (2, 1, 90), (3, -1, 0), (5, -1, 0)),
+        ["joint_1 is -q1, joint_2 is q2 + 90°, joint_3 is q3 - 90°, joint_4 is -q4, joint_6 is -q6",
+         "signs = [-1, 1, 1, -1, 1, -1], zeros = [0, -90, 90, 0, 0, 0]"],
+    ),
+    "like FANUC": (
+        "irb120",
+        shown((2, -1, 0, (1, -1))),
+        ["joint_3 is -q3 - q2", 'couplings = [{joint = "J3", on = "J2", factor = -1}]'],
+    ),
+    "as its controller does": (
+        "kr500", shown((0, -1, 0), (3, -1, 0), (5, -1, 0)), ['say joints = "controller" under']
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", COUNTED)
+def test_joints_counted_otherwise_in_several_ways_at_once(case):
+    name, spoil, told = COUNTED[case]
+    with pytest.raises(InputError) as caught:
+        check_plausible(problem_of(spoil(honest(name))))
+    (fault,) = caught.value.faults
+    assert all(part in str(fault) for part in told)
+
+
+def test_a_mend_that_stays_within_the_limits_comes_first():
+    """On this robot q2 + 180° explains the sign of q1 as well, and cannot be."""
+    with pytest.raises(InputError) as caught:
+        check_plausible(problem_of(flip(0)(honest("irb120"))))
+    assert "turn the sign of q1" in str(caught.value)
+    assert "180°" not in str(caught.value)
+
+
+def test_a_check_does_not_promise_that_calibration_mends_another_robot():
+    checked = check_campaign(first_look(flip(2)(honest())))
+    assert "not of this robot in these poses" in checked.headline
+    assert "no calibration mends that" in checked.text
+    right = check_campaign(first_look(honest()))
+    assert "0 suspicious" in right.headline
+    assert "calibration takes most of that" in right.text
+
+
+def test_the_command_line_warns_of_a_zero_that_is_off(tmp_path, capsys):
+    path = str(write_campaign(tmp_path / "c", turn(2, 3.0)(honest("ur5"))))
+    assert main(["diagnose", path, "--json"]) == 0
+    err = capsys.readouterr().err
+    assert "warning: elbow_joint stands -3.09° from where its numbers say" in err
 
 
 @pytest.mark.parametrize("degrees", [3.0, -4.0])

@@ -417,3 +417,13 @@ def test_what_is_written_is_read_back(
     assert table.texts["pose_id"] == [name for name, *_ in rows]
     for index, axis in enumerate("xyz", 1):
         np.testing.assert_allclose(table.numbers[axis], [row[index] for row in rows], rtol=1e-11)
+
+
+def test_decimal_commas_between_commas_are_one_fault(tmp_path):
+    rows = "".join(f"{n},T1,{n},5,-2,25,3,{n}1\n" for n in range(1, 30))
+    (tmp_path / "points.csv").write_text("pose_id,target,x_mm,y_mm,z_mm\n" + rows, encoding="utf-8")
+    wanted = [Column("pose_id", text=True), Column("target", text=True)]
+    wanted += [Column(axis, ("length",), required=True) for axis in "xyz"]
+    (fault,) = read_table(tmp_path / "points.csv", Layout(), wanted, "points").faults
+    assert "line 2: decimal commas, and commas between the columns as well (29 rows)" in str(fault)
+    assert "decimal points, or with ';' between the columns and say separator = \";\"" in str(fault)

@@ -20,8 +20,14 @@ from ..robot.chain import MovingJoint
 
 COMMENT = re.compile(r"\s*(//|#|%|!)")
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
-POSE = ("poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "index", "group", "name", "point")
-TARGET = ("target", "smr", "reflector", "marker", "targetname", "pointname", "point", "name")
+POSE = (
+    "poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "nummer", "index", "group", "gruppe",
+    "name", "point", "punkt", "punktnr", "messpunkt", "stellung",
+)  # fmt: skip
+TARGET = (
+    "target", "smr", "reflector", "reflektor", "marker", "marke", "ziel", "targetname", "pointname",
+    "punktname", "point", "punkt", "name",
+)  # fmt: skip
 UNITS = {"mm": "mm", "m": "m", "deg": "deg", "°": "deg", "degree": "deg", "degrees": "deg", "rad": "rad"}
 JOINT = re.compile(r"(?:a|j|q|ax|axis|achse|joint|jt|theta|actualq|targetq)(?:pos|cmd)?0?(\d)(?:pos|cmd)?")
 

@@ -15,6 +15,7 @@ from .controller_joints import by_the_controllers_names, joints_in_order, stated
 from .data import Campaign
 from .file import CampaignFile, pose_columns, read_campaign_file
 from .point_table import number_points, number_poses, read_points
+from .six_dof import with_six_dof
 
 
 def load_campaign(path: str | Path) -> Campaign:
@@ -71,7 +72,7 @@ def joined(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: T
         raise InputError(faults)
     campaign = assemble(path, file, robot, poses, points)
     said = (f"{points.path}: no column pose_id: the points are joined to the poses in order",) * in_order
-    return replace(campaign, warnings=(*said, *campaign.warnings))
+    return with_six_dof(replace(campaign, warnings=(*said, *campaign.warnings)))
 
 
 def _poses_table(path: Path, file: CampaignFile, robot: Robot) -> Table:

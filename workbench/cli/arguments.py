@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from ..files.faults import Fault, InputError
-from .status import progress
+from .status import progress, warn
 
 if TYPE_CHECKING:
     from ..campaign import Campaign
@@ -135,7 +134,7 @@ def load_all(paths: Sequence[str]) -> list[Campaign]:
         raise InputError(faults)
     for campaign in campaigns:
         for warning in campaign.warnings:
-            print(f"warning: {warning}", file=sys.stderr)
+            warn(warning)
     return campaigns
 
 

@@ -15,7 +15,7 @@ from .arguments import (
     out_option,
     seed_option,
 )
-from .status import progress
+from .status import progress, warn
 
 
 def add(commands: Commands) -> None:
@@ -48,6 +48,8 @@ def run(arguments: argparse.Namespace) -> None:
     outcome = diagnose([*moved], test, progress, arguments.seed, arguments.known)
     progress("working out what would decide")
     outcome = what_decides(outcome)
+    for note in outcome.prepared.notes:
+        warn(note)
     folder = arguments.out
     if folder is None and not arguments.json:
         folder = Path("reports") / Path(arguments.campaigns[0]).resolve().parent.name

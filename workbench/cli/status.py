@@ -72,6 +72,11 @@ def progress(message: str) -> None:
     print(f"… {message}", file=sys.stderr, flush=True)
 
 
+def warn(message: str) -> None:
+    """What changes how a result is to be read, beside it."""
+    print(f"warning: {plain(message)}", file=sys.stderr, flush=True)
+
+
 @contextmanager
 def _workers_stop_too() -> Iterator[None]:
     """Ctrl-C and SIGTERM in here stop worker processes as well: a pool would wait for the tasks that they are

@@ -11,7 +11,7 @@ from ..campaign import Campaign
 from ..campaign.problem import problem_of
 from ..effects import catalogue
 from ..files.faults import Fault, InputError
-from ..identification.plausible import check_plausible
+from ..identification.plausible import believed
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .result import NotTestable
@@ -57,9 +57,10 @@ def first_look(campaign: Campaign) -> FirstLook:
     problem = problem_of(campaign)
     no_faults: tuple[Fault, ...] = ()
     try:
-        remarks, wrong = tuple(check_plausible(problem)), no_faults
+        problem, remarks = believed(problem)
+        wrong = no_faults
     except InputError as unfit:
-        remarks, wrong = (), unfit.faults
+        remarks, wrong = [], unfit.faults
     R, t, targets = register(problem)
     setup, on = campaign.poses.setup, problem.on
     nominal = np.empty_like(campaign.points)
@@ -82,6 +83,6 @@ def first_look(campaign: Campaign) -> FirstLook:
         distance > SUSPICIOUS * np.median(distance),
         problem.q[middle],
         tuple(NotTestable(cause, why) for cause, why in missing if why is not None),
-        remarks,
+        tuple(remarks),
         wrong,
     )

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..campaign import Campaign
+from ..campaign import Campaign, Target
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.plausible import check_plausible
+from ..identification.plausible import believed
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .moved_setup import was_split
+from .remarks_on_test import elsewhere, nothing_new
 from .result import FaultFound, TestFigures
 from .wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
 
@@ -40,13 +42,14 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         )
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
-    check_plausible(possible.problem)
-    problem, faults = _cleaned(possible.problem, final)
+    meant, said = believed(possible.problem)
+    problem, faults = _cleaned(meant, final)
     before, after = _errors(problem, nominal), _errors(problem, final)
     if not problem.seen.any():
         raise InputError(Fault(str(campaign.path), "no usable point is left", "look at the points"))
     off = np.linalg.norm(possible.problem.campaign.points - after.predicted, axis=2)
     all_points = np.where(problem.seen, after.length, off)
+    moved = elsewhere(problem.campaign, after.predicted, _new_setups(problem, fitted))
     mm = 1e3
     return TestFigures(
         campaign=campaign.title,
@@ -59,6 +62,8 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         all_mean_mm=mm * float(np.nanmean(all_points)),
         all_rms_mm=mm * float(np.sqrt(np.nanmean(all_points**2))),
         faults=(*possible.faults, *faults),
+        notes=(*map(str, moved), *nothing_new(campaign, final), *said),
+        moved=tuple((one.setup, mm * one.shift, mm * one.left) for one in moved),
     )
 
 
@@ -99,13 +104,17 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)
     state = _carried(problem, result)
-    fitted = result.model.problem.campaign.setup_names
-    new = [n for n in problem.campaign.setup_names if n not in fitted or was_split(n, fitted)]
-    if new:
+    if new := _new_setups(problem, result.model.problem):
         state = _own_setups(model, state, new)
     predicted = model.predict(state)
     length = np.linalg.norm(problem.campaign.points - predicted, axis=2)
     return _Errors(predicted, np.where(problem.seen, length, np.nan))
+
+
+def _new_setups(problem: Problem, fitted: Problem) -> list[str]:
+    """Set-ups of the test whose frames no fit has."""
+    known = fitted.campaign.setup_names
+    return [name for name in problem.campaign.setup_names if name not in known or was_split(name, known)]
 
 
 def _carried(problem: Problem, result: Fit) -> State:
@@ -118,10 +127,24 @@ def _carried(problem: Problem, result: Fit) -> State:
         source = fitted.setup_names.index(name)
         R[k], t[k] = result.state.R[source], result.state.t[source]
         for i, target in enumerate(problem.campaign.targets):
-            match = [j for j, other in enumerate(fitted.targets) if other.name == target.name]
-            if match:
-                targets[k, i] = result.state.targets[source, match[0]]
+            match = _same_target(target, fitted.targets)
+            if match is not None:
+                targets[k, i] = result.state.targets[source, match]
     return State(result.state.geometry, R, t, targets)
+
+
+def _same_target(target: Target, fitted: Sequence[Target]) -> int | None:
+    """Which of the fitted targets it is: the one of its name, unless that is stated elsewhere and another one
+    there (the names were exchanged). None where it is none of them."""
+    named = [j for j, other in enumerate(fitted) if other.name == target.name]
+    there = [
+        j
+        for j, other in enumerate(fitted)
+        if target.xyz is not None
+        and other.xyz is not None
+        and np.allclose(other.xyz, target.xyz, rtol=0, atol=1e-6)
+    ]
+    return next(iter(there if named and there and named[0] not in there else named), None)
 
 
 def _own_setups(model: Model, state: State, new: list[str]) -> State:

@@ -22,7 +22,7 @@ from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.plausible import check_plausible, check_rest, enough_poses, plausible_geometry
+from ..identification.plausible import believed, check_rest, enough_poses, plausible_geometry
 from .copies import without_copies
 from .moved_setup import jump, split_setup, step_in_time
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
@@ -132,7 +132,7 @@ def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
     far = jump(problem)
     if far is not None:
         problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))
-    said = check_plausible(problem)
+    problem, said = believed(problem)
     gross = without_gross(problem)
     problem, faults = _measured_only(gross.problem), (*faults, *gross.faults)
     start = start_state(problem)

@@ -174,7 +174,11 @@ class Noise:
 
 @dataclass(frozen=True)
 class TestFigures:
-    """Errors on the campaign of --test, in mm, 3-D norms; without its data faults, `all_`: with them."""
+    """Errors on the campaign of --test, in mm, 3-D norms; without its data faults, `all_`: with them.
+
+    notes: what to know before they are believed; moved: set-ups that stand elsewhere than the fit has them,
+    by how much, and the mean error that is left with their frame fitted anew.
+    """
 
     __test__ = False  # not a pytest class
 
@@ -188,6 +192,8 @@ class TestFigures:
     all_mean_mm: float
     all_rms_mm: float
     faults: tuple[FaultFound, ...] = ()
+    notes: tuple[str, ...] = ()
+    moved: tuple[tuple[str, float, float], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -75,6 +75,11 @@ def _test(test: TestFigures) -> dict[str, Any]:
         "all_mean_mm": _number(test.all_mean_mm),
         "all_rms_mm": _number(test.all_rms_mm),
         "faults": [fault_json(fault) for fault in test.faults],
+        "notes": list(test.notes),
+        "moved": [
+            {"setup": setup, "moved_mm": _number(moved), "anew_mean_mm": _number(left)}
+            for setup, moved, left in test.moved
+        ],
     }
 
 

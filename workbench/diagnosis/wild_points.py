@@ -23,6 +23,7 @@ from ..identification.registration import register
 from ..robot.kinematics import Array
 from .off_together import off_together
 from .result import FaultFound
+from .shifted_poses import shifted_poses, without_shifted
 
 WILD = 6.0  # robust standard deviations per axis from which a point is wild
 MIDDLE = 1.538  # the median of a 3-D normal's length, in its standard deviations per axis
@@ -204,9 +205,11 @@ def without_gross(problem: Problem) -> Mended:
     target = _wild_targets(problem, length, limit)
     if target.faults:
         problem = target.problem
-        predicted, _, limit = _off_the_rigid(problem)
+        predicted, length, limit = _off_the_rigid(problem)
+    shifted = shifted_poses(problem, predicted, length, limit)
+    problem = without_shifted(problem, shifted)
     gross = mended(problem, predicted, limit)
-    faults = [*frozen.faults, *target.faults, *gross.faults]
+    faults = [*frozen.faults, *target.faults, *shifted, *gross.faults]
     for _ in range(ROUNDS):  # those that the worst ones hid
         if not gross.faults:
             break

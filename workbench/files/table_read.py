@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .column_read import ColumnRead
 from .faults import Fault, InputError, line_faults, read_text
 from .table_columns import Column, Finding, Layout, find_columns
-from .table_rows import Numbered, blocks, split, usual_width, wrong_layout
+from .table_rows import Numbered, blocks, decimal_commas, split, torn_numbers, usual_width, wrong_layout
 from .table_units import Unit
 from .toml import LONGEST
 
@@ -130,13 +130,15 @@ def _width(head: list[str], text: str, layout: Layout) -> int:
 def _read_rows(table: Table, text: str, layout: Layout, finding: Finding, width: int) -> None:
     """The rows below the header, block by block, into the table."""
     columns = [ColumnRead(found, layout) for found in finding.found.values()]
-    cannot, ragged, kept = list[Fault](), list[tuple[int, str, str]](), list[int]()
+    cannot, ragged, kept, torn = list[Fault](), list[tuple[int, str, str]](), list[int](), list[int]()
     header = layout.header
     for block in blocks(text, layout):
         rows, lines, faults = split(block, layout.separator, str(table.path))
         cannot += faults
         if header and rows:
             rows, lines, header = rows[1:], lines[1:], False
+        if layout.separator == ",":
+            torn += [line for row, line in zip(rows, lines, strict=True) if torn_numbers(row, width)]
         body, here = _rectangular(rows, lines, width, ragged)
         kept += here
         cells = list(zip(*body, strict=True)) or [()] * width
@@ -147,6 +149,9 @@ def _read_rows(table: Table, text: str, layout: Layout, finding: Finding, width:
         table.faults.append(Fault(str(table.path), "has a header but no rows", "it needs a line per row"))
         return
     table.lines = np.array(kept, dtype=np.int64)
+    if len(torn) > len(kept) + 1:  # what most rows have is how the table was written
+        table.faults.append(decimal_commas(f"{table.path} line {torn[0]}", len(torn)))
+        ragged = [told for told in ragged if told[0] not in torn]
     table.faults += line_faults(table.path, ragged)
     for column in columns:
         _put(table, column)

@@ -105,6 +105,22 @@ def wrong_layout(
     return None
 
 
+def torn_numbers(row: list[str], width: int) -> bool:
+    """Whether a row has too many cells because commas, its separators, stand in its numbers as well."""
+    whole = [re.fullmatch(r"[+-]?\d+", cell) is not None for cell in row]
+    pairs = sum(a and b and cell[0].isdigit() for a, b, cell in zip(whole, whole[1:], row[1:], strict=False))
+    return 0 < len(row) - width <= pairs and not any("." in cell and _is_number(cell) for cell in row)
+
+
+def decimal_commas(place: str, rows: int) -> Fault:
+    """The one fault behind rows that are torn so."""
+    what = f"decimal commas, and commas between the columns as well ({rows} rows): they cannot be told apart"
+    mend = (
+        "write the table with decimal points, or with ';' between the columns and say separator = \";\" and "
+    )
+    return Fault(place, what, mend + 'decimal = ","')
+
+
 def _fits(line: str, separator: str, finding: Finding, find: Callable[[list[str]], Finding]) -> bool:
     other = find(_cells_or_none(line, separator))
     return len(other.found) > len(finding.found) and len(other.found) > 1

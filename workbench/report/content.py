@@ -168,6 +168,7 @@ def _test(diagnosis: Diagnosis) -> str:
         f"On the test campaign “{test.campaign}” ({test.n_points} points, nothing fitted on it) the mean "
         f"error {mm_change(test.before_mean_mm, test.after_mean_mm)}, the largest "
         f"{mm_change(test.before_max_mm, test.after_max_mm)}; RMS {mm(test.after_rms_mm)} mm."
+        + "".join(f" {note}" for note in test.notes)
     )
 
 

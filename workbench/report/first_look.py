@@ -69,10 +69,11 @@ def check_campaign(look: FirstLook) -> Checked:
     listed = [f"pose {look.names[i]}: {mm[i]:.1f} mm off" for i in bad[:LISTED]]
     listed += [f"and {len(bad) - LISTED} more"] if len(bad) > LISTED else []
     targets = ", ".join(target.name for target in campaign.targets)
+    calibrated = "no calibration mends that" if look.wrong else "calibration takes most of that"
     read = [
         f"{len(campaign.poses)} poses, {len(mm)} points of {targets}",
         f"after registration the points are {np.median(mm):.2f} mm (median), at most {mm.max():.1f} mm, from "
-        "where the URDF has them; calibration takes most of that",
+        f"where the URDF has them; {calibrated}",
         f"instrument: {_noise(look)}",
     ]
     sections: dict[str, Sequence[str]] = {"What was read": read}
@@ -96,7 +97,8 @@ def check_campaign(look: FirstLook) -> Checked:
         "not_testable": [{"cause": item.cause, "why": item.why} for item in look.not_testable],
         "inputs": dict(campaign.files),
     }
-    headline = f"{len(mm)} points, {np.median(mm):.2f} mm from the nominal robot, {len(bad)} suspicious"
+    judged = "not of this robot in these poses" if look.wrong else f"{len(bad)} suspicious"
+    headline = f"{len(mm)} points, {np.median(mm):.2f} mm from the nominal robot, {judged}"
     shown = Shown(
         look.q,
         look.points,

@@ -2,11 +2,45 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
-from ..diagnosis.result import NAMELESS, Diagnosis
+from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound
 from ..effects.base import UNKNOWN
 from .content import decision, place, to_decide
+
+FAULTS = 10  # lines of faults; the rest is counted
+POSES = 12  # by their ids in a line
+
+
+def fault_lines(faults: Sequence[FaultFound], word: str) -> list[str]:
+    """A line for what is said of several poses alike, and for each other pose with all its targets; beyond
+    some, how many more."""
+    said = Counter((fault.kind, fault.what) for fault in faults)
+    together: dict[tuple[str | None, ...], list[FaultFound]] = {}
+    for fault in faults:
+        alike = said[fault.kind, fault.what] > 1 or fault.pose_id is None
+        key = (fault.what,) if alike else (None, fault.pose_id)
+        together.setdefault((fault.kind, fault.done, *key), []).append(fault)
+    lines = [f"{word}: {_fault_line(group)}" for group in together.values()]
+    more = len(lines) - FAULTS
+    return lines if more <= 1 else [*lines[:FAULTS], f"... and {more} more lines like these"]
+
+
+def _fault_line(group: list[FaultFound]) -> str:
+    """What is wrong with the points of one pose, or with several poses alike."""
+    first = group[0]
+    names = list(dict.fromkeys(fault.target for fault in group if fault.target))
+    poses = list(dict.fromkeys(fault.pose_id for fault in group if fault.pose_id is not None))
+    where = f" at pose{'s' * (len(poses) > 1)} {_some(poses)}" if poses else ""
+    where += f", {', '.join(names)}" if names else ""
+    more = f" ({first.target})" if len({fault.what for fault in group}) > 1 else ""
+    return f"{first.kind}{where}: {first.what}{more} ({first.done})"
+
+
+def _some(poses: list[str]) -> str:
+    return ", ".join(poses) if len(poses) <= POSES else f"{', '.join(poses[: POSES - 1])} … {poses[-1]}"
 
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
@@ -25,6 +59,8 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             f"  test campaign, mm mean   before {t.before_mean_mm:.4f}   after {t.after_mean_mm:.4f}"
             f"   (max {t.after_max_mm:.4f})"
         )
+        lines += [f"    {note}" for note in t.notes]
+        lines += [f"    {line}" for line in fault_lines(t.faults, "data fault of the test")]
     for finding in diagnosis.causes:
         sentence = finding.sentence or finding.structure or ""
         where = place(finding.where)
@@ -42,10 +78,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             lines.append(f"            - {decision(one)}")
             lines += [f"              {one.command}"] if one.command else []
     lines += [f"  {fact.sentence}" for fact in diagnosis.given]
-    for fault in diagnosis.faults[:10]:
-        lines.append(f"  data fault: {fault.kind} at pose {fault.pose_id}: {fault.what} ({fault.done})")
-    if len(diagnosis.faults) > 10:
-        lines.append(f"  ... and {len(diagnosis.faults) - 10} more data faults")
+    lines += [f"  {line}" for line in fault_lines(diagnosis.faults, "data fault")]
     causes = sorted({item.cause for item in diagnosis.not_testable if not item.where.keys()})
     if causes:
         lines += ["", f"  not testable with these data: {', '.join(causes)}"]

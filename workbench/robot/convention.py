@@ -141,6 +141,11 @@ class Convention:
     world: Array
     flange: Array
 
+    @property
+    def counts_as_the_urdf(self) -> bool:
+        """Whether it shows the URDF's joints as they are."""
+        return np.array_equal(self.A, np.eye(len(self.names))) and not self.zero.any()
+
     def shown(self, q: Array) -> Array:
         """(N, n) what the controller shows of the URDF's joints (N, n); SI both."""
         return np.asarray(q @ self.A.T + self.zero)

@@ -1,7 +1,15 @@
 """Whether joints, points and robot belong together, before anything is fitted to explain them."""
 
-from .check import Plausible, check_plausible, judge
+from .check import Plausible, believed, check_plausible, judge
 from .few_poses import enough_poses
 from .machine import check_rest, plausible_geometry
 
-__all__ = ["Plausible", "check_plausible", "check_rest", "enough_poses", "judge", "plausible_geometry"]
+__all__ = [
+    "Plausible",
+    "believed",
+    "check_plausible",
+    "check_rest",
+    "enough_poses",
+    "judge",
+    "plausible_geometry",
+]

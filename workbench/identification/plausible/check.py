@@ -8,7 +8,7 @@ one by one, and one that brings the rest back to the usual is named.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -17,6 +17,7 @@ from scipy.optimize import minimize_scalar
 from ...campaign.problem import Problem
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
+from .conventions import counted_otherwise
 from .exchanged import exchanged_names
 from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
 from .misfit import USUAL, Misfit, Sample, misfit, sample
@@ -31,6 +32,7 @@ SCALE = 0.02  # from which another size is no error of an instrument
 ROUGHLY = 6  # iterations in which the
 LIKELY = 12  # likeliest mistakes are told from the others
 FARTHEST_ZERO = np.radians(6.0)  # a joint mastered wrong or a belt some teeth off: fitted, not refused
+WITHIN = np.radians(1.0)  # rad or m, beyond a joint's limit that is none
 AS_GOOD = 1.3  # times the best misfit: mistakes that the data do not tell apart
 
 
@@ -57,8 +59,14 @@ class Plausible:
 
 
 def check_plausible(problem: Problem) -> list[str]:
-    """Remarks on a joint's zero or stated places of targets that are wrong. Raises InputError where joints,
-    points and robot do not belong together, with the mistake if one of the usual explains it."""
+    """The remarks of `believed`."""
+    return believed(problem)[1]
+
+
+def believed(problem: Problem) -> tuple[Problem, list[str]]:
+    """The problem with its targets where they are meant to be; remarks on a joint's zero or stated places of
+    targets that are wrong. Raises InputError where joints, points and robot do not belong together, with the
+    mistake if one of the usual explains it."""
     found = judge(problem)
     m, campaign = found.misfit, problem.campaign
     if found.zero is not None:
@@ -66,10 +74,10 @@ def check_plausible(problem: Problem) -> list[str]:
         told = (
             f"{joint} stands {np.degrees(off):+.2f}° from where its numbers say: its zero is fitted. It may"
         )
-        return [f"{told} be mastered wrong, or a belt or gear is some teeth off."]
+        return problem, [f"{told} be mastered wrong, or a belt or gear is some teeth off."]
     if not found.refused:
         far = f"Targets are found up to {_length(m.displaced * m.spread + USUAL)} from where the campaign "
-        return [far + "states them: the measured places are used."] if m.displaced else []
+        return problem, [far + "states them: the measured places are used."] if m.displaced else []
     size = f"the points are {_length(m.middle * m.spread)} off the robot ({m.middle:.2%} of their spread)"
     if m.share <= SUSPECT:
         size = f"targets are {_length(m.displaced * m.spread)} from where they are stated"
@@ -77,11 +85,20 @@ def check_plausible(problem: Problem) -> list[str]:
         raise InputError(Fault(str(campaign.path), *_nothing_fits(problem, size, found.scale)))
     (best, left), *others = found.mistakes
     if best[0].table == "targets" and not any(target.fixed for target in campaign.targets):
-        return [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
+        return _restated(problem, best[0]), [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
     alike = "; ".join(" and ".join(one.what for one in other) for other, _ in others[:3])
     alike = f" (or: {alike})" if alike else ""
     told = f": {size}, so mended {left:.2%}"
     raise InputError([Fault(f"{campaign.path}: {h.table}", h.what + told, h.mend + alike) for h in best])
+
+
+def _restated(problem: Problem, mistake: Hypothesis) -> Problem:
+    """The problem with the targets stated where they are without the mistake."""
+    mended, targets = mistake.undo(sample(problem)), list(problem.campaign.targets)
+    for i, slot, place in zip(mended.targets, mended.on, mended.stated, strict=True):
+        x, y, z = (problem.arm.R_link[slot].T @ place).tolist()
+        targets[i] = replace(targets[i], xyz=(x, y, z) if np.isfinite(place).all() else None)
+    return replace(problem, campaign=replace(problem.campaign, targets=tuple(targets)))
 
 
 def judge(problem: Problem) -> Plausible:
@@ -101,17 +118,38 @@ def judge(problem: Problem) -> Plausible:
     if _least(tried) > enough and now.middle > REFUSED:
         tried = [((h,), misfit(h.undo(data)).total) for h in exchanged_names(problem)]
     if _least(tried) > enough and now.middle > REFUSED:
+        tried = [((h,), left) for h, left in counted_otherwise(problem, data, enough)]
+    if _least(tried) > enough and now.middle > REFUSED:
         tried = _two_at_once(data, every, enough)
     if _least(tried) > enough and now.middle > REFUSED and not np.isfinite(data.stated).all():
         tried = [((h,), misfit(h.undo(data), turns=True).total) for h in every]
-    fits = [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))]
-    # what only changes the stated places is no reason to send anyone away
-    fits.sort(key=lambda one: (one[0][0].table != "targets", one[1]))
+    fits = _likeliest(problem, data, [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))])
     if fits or max(now.middle, now.displaced) < REFUSED:
-        return Plausible(now, tuple(fits))
+        return Plausible(now, fits)
     scale = _scale(data, enough)
     zero = _zero(problem, data, enough) if scale == 1.0 and now.middle > REFUSED else None
     return Plausible(now, (), scale, zero)
+
+
+def _likeliest(
+    problem: Problem, data: Sample, fits: list[tuple[Mistake, float]]
+) -> tuple[tuple[Mistake, float], ...]:
+    """Mistakes that the data do not tell apart: those whose mend leaves the fewest joints beyond their
+    limits, the simplest and best first."""
+    lower, upper = np.array([(joint.lower, joint.upper) for joint in problem.robot.joints]).T
+
+    def rank(one: tuple[Mistake, float]) -> tuple[bool, int, int, float]:
+        mended = data
+        for h in one[0]:
+            mended = h.undo(mended)
+        # another robot has its own limits
+        beyond = (mended.q < lower - WITHIN) | (mended.q > upper + WITHIN)
+        outside = int(beyond.any(axis=0).sum()) if mended.arm is data.arm else 0
+        # what only changes the stated places is no reason to send anyone away
+        return one[0][0].table != "targets", outside, sum(h.parts for h in one[0]), one[1]
+
+    ranked = sorted(((rank(one), one) for one in fits), key=lambda pair: pair[0])
+    return tuple(one for order, one in ranked if order[:2] == ranked[0][0][:2])
 
 
 def _zero(problem: Problem, data: Sample, enough: float) -> tuple[str, float] | None:

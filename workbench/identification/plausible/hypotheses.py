@@ -29,13 +29,14 @@ TURN = np.pi / 180
 @dataclass(frozen=True)
 class Hypothesis:
     """table: where the mistake is ("poses", "points", "targets", "robot"); what it is, and how to mend it;
-    undo: the data without it; frame: it is one of all points alike."""
+    undo: the data without it; frame: it is one of all points alike; parts: how many things are wrong."""
 
     table: str
     what: str
     mend: str
     undo: Undo
     frame: bool = False
+    parts: int = 1
 
 
 LEFT_HANDED = Hypothesis(
@@ -51,6 +52,7 @@ def hypotheses(problem: Problem) -> Iterator[Hypothesis]:
     """All mistakes that are looked for, the usual ones first."""
     yield from _units(problem)
     yield from _signs(problem)
+    yield from _controllers(problem)
     yield from _offsets(problem)
     yield from _orders(problem)
     yield from _couplings(problem)
@@ -117,6 +119,16 @@ def _signs(problem: Problem) -> Iterator[Hypothesis]:
         what = f"{name} {how} than the robot's URDF says"
         mend = f"turn the sign of q{j + 1}, or of the joint's axis in the URDF"
         yield Hypothesis("poses", what, mend, _scaling(problem.arm.n, [j], -1.0))
+
+
+def _controllers(problem: Problem) -> Iterator[Hypothesis]:
+    """Joints as the robot's own `[controller]` counts them."""
+    convention = problem.robot.convention
+    if convention is None or convention.counts_as_the_urdf:
+        return
+    what = "the columns count the joints as the robot's controller does, not as its URDF does"
+    mend = 'say joints = "controller" under [poses]'
+    yield Hypothesis("poses", what, mend, lambda data: data.changed(q=convention.joints(data.q)))
 
 
 def _offsets(problem: Problem) -> Iterator[Hypothesis]:
@@ -189,7 +201,7 @@ def _rows(problem: Problem) -> Iterator[Hypothesis]:
 
 def _targets(problem: Problem) -> Iterator[Hypothesis]:
     """Places of the targets stated for one another, or in other units."""
-    targets, mend = problem.campaign.targets, "mend xyz_mm; here the measured places are used"
+    targets, mend = problem.campaign.targets, "mend xyz_mm; here they are used so mended"
     moving = [i for i, slot in enumerate(problem.on) if slot > 0] or list(range(len(targets)))
     for order in islice(permutations(range(len(moving))), 1, MOST_ORDERS):
         names = [targets[moving[i]].name for i, other in enumerate(order) if other != i]

@@ -1,0 +1,76 @@
+"""What a test campaign shows besides its errors: that it stands elsewhere, or tests nothing."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from diagnosis_cases import measured, with_points
+
+from workbench.diagnosis.on_test_campaign import test_figures as figures_on
+from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.result import FaultFound
+from workbench.report.terminal import fault_lines
+from workbench.robot.rotations import from_vectors
+
+
+@cache
+def halves():
+    campaign = measured("ur5", poses=50, loads=())
+    return prepare(campaign.some(np.arange(30))), campaign.some(np.arange(30, 50)), campaign
+
+
+def figures(test):
+    prepared, _, _ = halves()
+    return figures_on(prepared.nominal, prepared.geometry, test)
+
+
+def test_an_instrument_elsewhere_is_told_with_what_its_own_frame_leaves():
+    _, test, _ = halves()
+    assert figures(test).notes == ()
+    turned = from_vectors(np.array([0.0, 0.0, 2e-3]))
+    middle = np.nanmean(test.points, axis=(0, 1))
+    moved = figures(with_points(test, (test.points - middle) @ turned.T + middle + [0.0, 0.004, 0.0]))
+    (said,) = moved.notes
+    assert "stands 4 mm and 0.11° from where the fit has it" in said
+    ((setup, size, left),) = moved.moved
+    assert (setup, size) == ("", pytest.approx(4.0, abs=0.1))
+    assert left == pytest.approx(figures(test).after_mean_mm, rel=0.3)
+    named = replace(with_points(test, test.points + 0.004), setup_names=("afterwards",))
+    assert figures(named).notes == ()
+
+
+def test_poses_that_were_fitted_are_no_test():
+    campaign = halves()[2]
+    (said,) = figures(campaign.some(np.arange(20))).notes
+    assert said == (
+        "20 of the test campaign's 20 poses are those that were fitted, with the same points: as a test they "
+        "show nothing."
+    )
+    again = campaign.some(np.arange(20))
+    noise = np.random.default_rng(0).normal(0, 3e-5, again.points.shape)
+    (said,) = figures(with_points(again, again.points + noise)).notes
+    assert "measured another time" in said
+
+
+def test_targets_named_for_one_another_in_a_test_keep_their_points():
+    _, test, _ = halves()
+    mixed = figures(with_points(test, test.points[:, [1, 0, 2]]))
+    assert mixed.faults == ()
+    (said,) = mixed.notes
+    assert "T1, T2 are stated for one another" in said
+    assert mixed.after_rms_mm == pytest.approx(figures(test).after_rms_mm)
+
+
+def test_faults_have_a_line_for_each_pose_with_its_targets():
+    faults = [FaultFound("outlier", "20", f"T{k}", f"{k} mm off", "left out") for k in (1, 2, 3)]
+    faults.append(FaultFound("outlier", None, "T1", "is nowhere", "all its points left out"))
+    assert fault_lines(faults, "data fault") == [
+        "data fault: outlier at pose 20, T1, T2, T3: 1 mm off (T1) (left out)",
+        "data fault: outlier, T1: is nowhere (all its points left out)",
+    ]
+    many = [FaultFound("outlier", str(n), None, "off", "left out") for n in range(15)]
+    (said,) = fault_lines(many, "data fault")
+    assert "outlier at poses 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 … 14: off (left out)" in said
+    many = [replace(fault, what=f"{n} mm off") for n, fault in enumerate(many)]
+    assert fault_lines(many, "data fault")[10:] == ["... and 5 more lines like these"]
