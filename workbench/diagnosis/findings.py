@@ -160,6 +160,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
         status="named" if named else "ambiguous",
         gain_mm=selection.gains_mm[effect.key],
         probability=probability,
+        variant=final.model.effects[strongest].variant,
         parameters=parameters,
         rivals=() if named else rivals,
         separate_by=None if named else "; ".join(dict.fromkeys(advice)) or ANYTHING,

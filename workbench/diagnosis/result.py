@@ -83,7 +83,7 @@ class Decision:
 @dataclass(frozen=True)
 class Finding:
     """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
-    this one, of all that competed."""
+    this one, of all that competed; variant: its form, of several the one that shows most."""
 
     cause: str
     title: str
@@ -91,6 +91,7 @@ class Finding:
     status: Literal["named", "ambiguous"]
     gain_mm: float
     probability: float
+    variant: str = ""
     parameters: tuple[Parameter, ...] = ()
     rivals: tuple[Rival, ...] = ()
     separate_by: str | None = None

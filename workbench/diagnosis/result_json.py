@@ -82,6 +82,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
     return {
         "cause": finding.cause,
         **finding.where.keys(),
+        **({"variant": finding.variant} if finding.variant else {}),
         "status": finding.status,
         "gain_mm": _number(finding.gain_mm),
         "probability": _number(finding.probability),

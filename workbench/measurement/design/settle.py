@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...campaign.problem import Problem
+from ...effects import catalogue
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ...effects.records import PLACE, from_record, parse_effect
@@ -159,11 +160,24 @@ def _result(path: Path, problem: Problem) -> Iterator[list[dict[str, Any]]]:
 
 
 def _effect(one: dict[str, Any], problem: Problem) -> tuple[Effect, Array]:
-    """A cause of a `result.json`, and its size (p,)."""
-    # of several parts of one law, as "amplitude" and "amplitude (2)", the strongest
-    values = {p["name"]: float(p["value"]) for p in one["parameters"] if not p["name"].endswith(")")}
+    """A cause of a `result.json`, and its size (p,): of several forms of it, the one that shows most."""
+    said = {p["name"]: p for p in one["parameters"]}
     where = {key: one[key] for key in PLACES if key in one}
-    return from_record(EffectRecord(cause=one["cause"], values=values, **where), problem)
+    form = one.get("variant") or _clearest(one["cause"], said, problem)
+    effect, _ = from_record(EffectRecord(cause=one["cause"], variant=form, **where), problem)
+    # a further part of the law is said with its form, as in "amplitude (2)"
+    own = {name: said.get(f"{name} ({effect.variant})", said.get(name)) for name in effect.names}
+    return effect, effect.given({name: float(p["value"]) for name, p in own.items() if p is not None})
+
+
+def _clearest(cause: str, said: dict[str, Any], problem: Problem) -> str:
+    """Of a result that does not tell the form: that with the number farthest from none for its spread; none
+    where the first has it."""
+    sure = {name: abs(p["value"]) / p["std"] for name, p in said.items() if p["value"] and p["std"]}
+    places = catalogue()[cause].places(problem) if cause in catalogue() else ()
+    own = {form.variant: max((sure.get(name, 0.0) for name in form.names), default=0.0) for form in places}
+    clearest = max(own, key=lambda variant: own[variant], default="")
+    return "" if clearest == next(iter(own), "") else clearest
 
 
 def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
