@@ -18,7 +18,8 @@ from workbench.cli.main import main
 from workbench.correction.programs import as_urdf, find_format
 from workbench.files.faults import InputError
 from workbench.measurement.driving.drive import drive
-from workbench.measurement.driving.files import programs
+from workbench.measurement.driving.files import comments, programs
+from workbench.measurement.driving.page import PlanPage, page_files
 from workbench.measurement.driving.reach import Reach, reach
 from workbench.measurement.driving.tour import length, shortest
 from workbench.measurement.driving.ways import Ways
@@ -47,6 +48,11 @@ def driven(cell: Reach):
     q = cell.draw(24, np.random.default_rng(1))
     payload = ["heavy" if i % 2 else "" for i in range(24)]
     return drive(planned(cell.robot, q, payloads=SECOND, payload=payload), Ways(cell), 4.0)
+
+
+def render_page(driven, cell: Reach) -> str:
+    page = PlanPage("t", "h", [], None, driven, cell, {"inputs": {}})
+    return page_files(page)["index.html"].decode()
 
 
 # ---------------------------------------------------------------- bodies
@@ -207,14 +213,15 @@ def test_a_drive_holds_the_plan(cell: Reach, driven) -> None:
     assert [block.name for block in driven.blocks] == ["", "heavy"]
     for block in driven.blocks:
         inside = slice(block.start, block.stop)
-        assert (records.poses.payload[inside] == block.payload).all()
+        carried = {records.payload_names[k] for k in records.poses.payload[inside]}
+        assert carried == {block.state.payload}
         assert driven.check[block.start]
         assert driven.check[block.stop - 1]
     assert np.ptp(records.poses.q[driven.check], axis=0).max() == 0  # always the same check pose
     assert np.all(np.diff(records.poses.time) > 0)
     assert driven.still_s == 4.0 + 2 * 3.0  # a further reflector takes 3 s
     assert records.poses.time[-1] + 10.0 == pytest.approx(driven.total_s, abs=5.0)
-    assert driven.mounting_s == 600
+    assert driven.pauses_s == 600
     assert set(np.unique(records.poses.side)) == {1.0}
     plain = drive(
         own.with_poses(time=None), Ways(replace(cell, cell=CellData(driving=DrivingData(check_every=0)))), 4.0
@@ -223,6 +230,40 @@ def test_a_drive_holds_the_plan(cell: Reach, driven) -> None:
     q = plain.records.poses.q
     drawn = Ways(cell).time(own.poses.q[np.random.default_rng(0).permutation(24)][:-1], own.poses.q[1:])
     assert Ways(cell).time(q[:-1], q[1:]).sum() < 0.8 * drawn.sum()
+
+
+def test_pull_and_warmth_are_told_wherever_the_plan_is(cell: Reach) -> None:
+    """A pull of 500 N, then the same poses warm: in the words, the table, the campaign, each program."""
+    q = cell.draw(9, np.random.default_rng(1))
+    wrench, warm = np.zeros((9, 6)), np.repeat([20.0, 20.0, 30.0], 3)
+    wrench[3:6, 1] = 500.0
+    told = planned(cell.robot, q, wrench=wrench, time=np.repeat([0.0, 0.0, 7200.0], 3), temperature=warm)
+    made = drive(told, Ways(cell), 4.0)
+    works = [[work for work, _ in block.before] for block in made.blocks]
+    assert works == [[], ["rigging"], ["rigging", "warming"]]
+    assert made.total_s > 7200
+    assert "5 min rigging the pull" in made.blocks[1].preparing
+    assert "min working the arm warm" in made.spent
+    pull, arm = "500 N along +y of base", "warm, about 30"
+    said = (
+        [text for text in made.block_lines if pull in text],
+        [text for text in made.block_lines if arm in text],
+    )
+    assert [len(one) for one in said] == [1, 1]
+    page = render_page(made, cell)
+    assert page.count(pull) == 1 + (made.blocks[1].stop - made.blocks[1].start)
+    assert f"{arm} °C" in page
+    blocks = made.to_json()["blocks"]
+    assert [block["wrench"][1] for block in blocks] == [0, 500, 0]
+    assert [block["temp_degC"] for block in blocks] == [20, 20, 30]
+    head = "\n".join(comments(made))
+    assert "temp_degC" in head
+    assert "fx_N" in head
+    for name in ("rapid", "ls"):
+        format = find_format(name)
+        texts = [str(format.write(one)) for one in programs(made, format, 0.1, "m").values()]
+        assert [f"pull: {pull}" in text for text in texts] == [False, True, False]
+        assert [f"arm: {arm} degC" in text for text in texts] == [False, False, True]
 
 
 # ---------------------------------------------------------------- the command

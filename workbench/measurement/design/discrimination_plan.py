@@ -7,7 +7,7 @@ from typing import Any
 
 from ...campaign import Campaign
 from ...effects.base import Effect
-from ..driving.drive import Drive
+from ..driving.block import Drive
 from .candidates import payload_counts
 from .causes import keys, label
 from .driven_plan import DrivenPlan

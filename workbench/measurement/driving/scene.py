@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...report.meshcat_page import draw_robot, look, meshcat_alone, pack, with_panel
 from ...robot.hulls import STANDING
 from ...robot.kinematics import Array, frames
-from .drive import Drive
+from .block import Drive
 from .reach import Reach
 
 GHOSTS = 7
