@@ -269,6 +269,17 @@ def test_pull_and_warmth_are_told_wherever_the_plan_is(cell: Reach) -> None:
 # ---------------------------------------------------------------- the command
 
 
+def test_torques_that_are_to_be_recorded_have_columns_and_are_asked_for(tmp_path: Path) -> None:
+    out = tmp_path / "plan"
+    assert main(["plan", "irb120", "--poses", "3", "--quick", "--torque", "--out", str(out)]) == 0
+    lines = (out / "poses.csv").read_text().splitlines()
+    assert "tau1_Nm" in lines[0]
+    assert "nan" not in lines[1]
+    assert "record the torque of each drive (tau1_Nm, " in (out / "index.html").read_text()
+    assert "record the torque" in (out / "campaign.toml").read_text()
+    assert main(["simulate", "irb120", "--poses", str(out / "poses.csv"), "--out", str(tmp_path / "m")]) == 0
+
+
 def test_a_public_robot_is_planned_measured_and_read(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -117,7 +119,7 @@ def test_a_fact_of_which_the_data_say_nothing_says_so():
 
 
 def test_a_reading_of_the_gauge_decides(tmp_path):
-    before = diagnose(weak())
+    before = diagnose(replace(weak(), path=Path("my dir/campaign.toml")))
     assert named(before.diagnosis) == {
         ("gravity_compensator", ""): "ambiguous",
         ("backlash", "joint_5"): "named",
@@ -141,7 +143,9 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     (open_,) = (one for one in what_decides(before).diagnosis.causes if one.status == "ambiguous")
     offered = {one.kind: one for one in open_.decide}
     assert "precharge_bar to ± 2 bar" in offered["reading"].words
-    assert "--known" in offered["reading"].command
+    command, verb, path, option, fact = shlex.split(offered["reading"].command)
+    assert (command, verb, path, option) == ("workbench", "diagnose", "my dir/campaign.toml", "--known")
+    assert fact == "gravity_compensator:precharge_bar=VALUE,std=2"
     assert offered["reading"].lambda_before < LEVELS.least < LEVELS.mostly <= offered["reading"].lambda_after
     assert offered["other"].words in open_.separate_by
 

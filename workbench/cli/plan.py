@@ -69,6 +69,10 @@ def add(commands: Commands) -> None:
         "--dwell", type=above_zero("time"), default=4.0, metavar="S",
         help="standstill at a pose with one reflector (4); each further one takes reflector_s of [driving]",
     )  # fmt: skip
+    parser.add_argument(
+        "--torque", action="store_true",
+        help="also record the drives' torques: columns to fill in (always so where the campaign has them)",
+    )  # fmt: skip
     out_option(
         parser,
         "folder for poses, campaign, page, scene and program; or a file for the poses or the program alone "
@@ -99,6 +103,7 @@ def run(arguments: argparse.Namespace) -> None:
         minutes=arguments.minutes,
         cell=cell,
         dwell=arguments.dwell,
+        torque=arguments.torque,
         progress=progress,
     )
     files = [] if made.drive is None else _write(source, made, poses, program, arguments)

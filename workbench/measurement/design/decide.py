@@ -19,6 +19,7 @@ from ...diagnosis.run import Outcome
 from ...effects import separation
 from ...effects.base import Effect
 from ...effects.records import effect_text
+from ..driving.block import torque_columns
 from .candidates import candidates, reach_of
 from .causes import CHANCE, varied
 from .fedorov import Records, Search
@@ -92,8 +93,9 @@ def _decisions(
     if with_torque is not None and (torque := _settled_by_torque(with_torque, tie)) is not None:
         count, after = torque
         if poses is None or count < poses[0]:
-            words = f"the torques of the drives (columns tau1 ...) at {count} more poses"
-            command = f"workbench plan {path} --poses {count} --out follow-up"
+            columns = torque_columns(problem.robot)
+            words = f"record the torques of the drives (columns {columns}) at {count} more poses"
+            command = f"workbench plan {path} --poses {count} --torque --out follow-up"
             found.append(Decision("drive_torque", words, command, count, now, after))
     found += _readings(problem, tie, space, now)
     if poses is None:
@@ -158,7 +160,7 @@ def _readings(problem: Problem, tie: Tie, space: DesignSpace, now: float) -> lis
             where = f" of {effect.where}" if str(effect.where) else ""
             words = f"read {name}{where} to ± {std:.10g} {unit}".removesuffix(" 1")
             fact = f"{_text(effect)}{',' if ':' in _text(effect) else ':'}{name}=VALUE,std={std:.10g}"
-            command = f'workbench diagnose {problem.campaign.path} --known "{fact}"'
+            command = f"workbench diagnose {quote(str(problem.campaign.path))} --known {quote(fact)}"
             found.setdefault(f"{effect.label}", Decision("reading", words, command, None, now, after))
     return list(found.values())
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...campaign import Campaign
 from ...campaign.cell import DrivingData
 from ...campaign.problem import REFERENCE_TEMPERATURE
+from ...robot.description import Robot
 from ...robot.kinematics import Array
 
 Work = Literal["mounting", "rigging", "warming", "cooling", "waiting"]
@@ -96,7 +97,7 @@ class Drive:
     those and the returns, with their sides and the times of the drive; check: (M,) which are returns; via:
     for each the poses (n,) on the way to it, before its approach; seconds: of motion and standstills, in all;
     still_s: of one standstill, in which all targets of the plan are measured; detours: how
-    many ways were gone round.
+    many ways were gone round; torque: the torques of the drives are to be recorded too.
     """
 
     plan: Campaign
@@ -108,6 +109,7 @@ class Drive:
     standing_s: float
     still_s: float
     detours: int
+    torque: bool = False
 
     @property
     def own(self) -> Campaign:
@@ -139,6 +141,7 @@ class Drive:
             **{f"{work}_minutes": self.between_s.get(work, 0.0) / 60 for work in WORDS},
             "standstill_s": self.still_s,
             "targets": self.targets,
+            "record_torque": self.torque,
             "check_poses": int(self.check.sum()),
             "detours": self.detours,
             "blocks": [
@@ -159,7 +162,10 @@ class Drive:
     @property
     def measured(self) -> str:
         """What is measured at every standstill, in words."""
-        return f"At every standstill, {self.still_s:g} s, measure {', '.join(self.targets)}."
+        said = f"At every standstill, {self.still_s:g} s, measure {', '.join(self.targets)}"
+        if not self.torque:
+            return f"{said}."
+        return f"{said} and record the torque of each drive ({torque_columns(self.plan.robot)} of poses.csv)."
 
     @property
     def spent(self) -> str:
@@ -203,6 +209,14 @@ class Drive:
     def text(self) -> str:
         """How it is driven."""
         return "\n".join([*self.lines, *self.block_lines])
+
+
+def torque_columns(robot: Robot) -> str:
+    """The columns of `poses.csv` that take the torques of the drives."""
+    return ", ".join(
+        f"tau{index}_{'N' if joint.kind == 'prismatic' else 'Nm'}"
+        for index, joint in enumerate(robot.joints, 1)
+    )
 
 
 def state_of(records: Campaign, row: int) -> State:

@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ...campaign import Campaign
 from ...campaign.write import campaign_text, own_robot, poses_text
 from ...correction.conditions import carried, conditions_of
@@ -22,6 +24,8 @@ COMMENTS = (
 def table_files(drive: Drive, reach: Reach, folder: Path) -> dict[Path, bytes]:
     """`poses.csv` and `campaign.toml` by their paths in the folder, with the robot where it is one's own."""
     records = replace(proposed(drive.records, reach), cell=reach.cell)
+    if drive.torque:  # columns to fill in
+        records = records.with_poses(torque=np.full_like(records.poses.q, np.nan))
     return {
         folder / "poses.csv": poses_text(records).encode(),
         folder / "campaign.toml": campaign_text(folder, records, comments(drive)).encode(),
