@@ -169,6 +169,22 @@ def test_where_nothing_is_seen_it_is_said() -> None:
         hidden.draw(5, np.random.default_rng(0))
 
 
+def test_obstacles_may_be_called_as_they_like() -> None:
+    """Two alike, as the floor, as a link of the robot, two alike on the flange: all of them are there."""
+    names = ("fence", "fence", "floor", "link_2")
+    far = [
+        ObstacleData(name=name, box_mm=(100, 100, 100), xyz_mm=(5000, 400 * k, 500))
+        for k, name in enumerate(names)
+    ]
+    near = ObstacleData(name="fence", box_mm=(400, 400, 400), xyz_mm=(500, 0, 300))
+    tools = [ObstacleData(name="tool", box_mm=(40, 40, 40), xyz_mm=(0, 0, z), on="flange") for z in (30, 80)]
+    here = reached("irb120", CellData(obstacles=(*far, *tools, near)))
+    q = np.random.default_rng(0).uniform(-1, 1, (300, 6))
+    hit = {name for one in q for pair in here.collisions.touching(one) for name in pair}
+    assert "fence 3" in hit
+    assert not {"fence", "fence 2", "floor 2", "link_2 2"} & hit
+
+
 # ---------------------------------------------------------------- order
 
 

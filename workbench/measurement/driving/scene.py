@@ -33,11 +33,10 @@ def scene(drive: Drive, reach: Reach) -> str:
         links = draw_robot(meshcat, robot, joints, "/robot", time)
         for k in _spread(q, GHOSTS):
             draw_robot(meshcat, robot, q[k], f"/ghosts/{k}")
-        for hull in reach.hulls:
+        for number, hull in enumerate(reach.hulls):
             if hull.slot == STANDING:
-                meshcat.SetObject(
-                    f"/obstacles/{hull.name}", Convex(hull.vertices.T.copy(), hull.name), Rgba(*OBSTACLE)
-                )
+                shape = Convex(hull.vertices.T.copy(), hull.name)
+                meshcat.SetObject(f"/obstacles/{number}", shape, Rgba(*OBSTACLE))
         data = _data(drive, reach, points, links)
         if data["eye"]:
             size = 0.02 * data["extent"]
