@@ -22,6 +22,8 @@ from workbench.identification.model import Model
 from workbench.identification.model_file import fit_files
 from workbench.identification.noise import required_noise
 from workbench.measurement.design.discrimination_plan import LEVELS
+from workbench.report.content import content
+from workbench.report.terminal import short_verdict
 
 CHARGE = "gravity_compensator:variant=charge,relative=-0.07"
 SLACK = "backlash:joint=joint_5,half_width=2.5e-4"
@@ -148,6 +150,33 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     assert fact == "gravity_compensator:precharge_bar=VALUE,std=2"
     assert offered["reading"].lambda_before < LEVELS.least < LEVELS.mostly <= offered["reading"].lambda_after
     assert offered["other"].words in open_.separate_by
+
+
+def test_what_was_given_and_is_confirmed_is_a_finding():
+    """Told in the headline; geometry alone does not explain the data, and does not have the credit."""
+    heavy = "link_mass:link=link_2,variant=mass,mass=150"
+    campaign = measured("kr500", (heavy,), poses=60)
+    found = diagnose(campaign, known=["link_mass:link=link_2,mass_kg=635,std=30"]).diagnosis
+    assert found.verdict == "nothing_missing"
+    assert found.headline.startswith("Given and confirmed: link_2 is 1")
+    assert "beyond that nothing is missing: geometry and what was given explain" in found.headline
+    nominal, geometry, given = found.stages
+    assert (geometry.name, given.name) == ("geometry", "geometry + what was given")
+    assert given.heldout_rms_mm < 0.8 * geometry.heldout_rms_mm < nominal.heldout_rms_mm
+    (fact,) = found.to_json()["given"]
+    assert fact["confirmed"]
+    assert fact["seen"]["value"] == pytest.approx(150, abs=4 * fact["seen"]["std"])
+    said = content(found)
+    assert said["verdict"]["label"] == "Given and confirmed"
+    assert "beyond what was given" in said["no_cause"]
+    assert "With what was given in it as well" in said["summary"]
+    assert f"and what was given {given.heldout_rms_mm:.4f}" in short_verdict(found, None)
+
+
+def test_what_was_given_and_is_as_in_the_model_is_no_finding():
+    found = diagnose(weak(), known=["joint_compliance:joint=joint_3,relative=0,std=0.01"]).diagnosis
+    assert not any(fact["confirmed"] for fact in found.to_json()["given"])
+    assert "onfirmed" not in found.headline
 
 
 def test_a_fact_that_the_data_contradict_is_told_and_not_obeyed():

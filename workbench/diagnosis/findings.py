@@ -29,7 +29,7 @@ from .priors import PRIORS
 from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
-from .stages import pose_errors, stages_of
+from .stages import geometry_alone, pose_errors, stages_of
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
@@ -53,13 +53,15 @@ def assemble(parts: Parts) -> Diagnosis:
     prepared, selection, final = parts.prepared, parts.selection, parts.selection.fit
     problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
     groups = selection.groups
-    stages = stages_of(prepared, final, groups, parts.seed)
+    alone = geometry_alone(prepared)
+    stages = stages_of(prepared, alone, final, groups, parts.seed)
+    base = stages[1 if alone is prepared.geometry else 2]
     left, beyond = _left(prepared, selection)
     best = stages[-1].heldout_rms_mm
-    with_names = stages[1 + len(groups)].heldout_rms_mm
+    with_names = stages[stages.index(base) + len(groups)].heldout_rms_mm
     findings = [_finding(parts, *group) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
-    brought = stages[1].heldout_rms_mm - with_names
+    brought = base.heldout_rms_mm - with_names
     rounded = rounded_joints(final, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
     nameless = _nameless(selection, with_names - best)
@@ -83,7 +85,8 @@ def assemble(parts: Parts) -> Diagnosis:
             brought,
             ceiling,
             visible_mm(final, parts.candidates),
-            bool(final.model.given),
+            base,
+            parts.given,
             repeats_to,
         ),
         causes=tuple(findings),
@@ -105,7 +108,7 @@ def assemble(parts: Parts) -> Diagnosis:
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
         facts=facts(problem),
-        errors=pose_errors(prepared, final),
+        errors=pose_errors(prepared, alone, final),
         joints=problem.robot.joint_names,
         q=c.poses.q,
         version=__version__,

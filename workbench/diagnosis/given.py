@@ -20,7 +20,9 @@ from .prepared import Prepared, Progress
 from .priors import PRIORS
 from .result import GivenFact, NotTestable
 
-CONTRADICTED = 3.0  # combined standard deviations between what is given and what the data say alone
+CONTRADICTED = (
+    3.0  # (combined) standard deviations between what is given, what the data say, what the model has
+)
 
 Search = Callable[[Prepared, Sequence[Effect]], tuple[Prepared, Selection]]
 
@@ -67,6 +69,8 @@ def search_with_given(
         seen[worst] = alone[worst]
         obeyed.remove(worst)
     result = found[1].fit
+    # of what is kept to, as the data have it beside what was found; of what is not, beside all that may be
+    seen |= {fact: value for fact, value in alone.items() if np.isfinite(value[1])}
     said = [_fact(fact, seen[fact], obeyed, result) for fact in facts]
     said += [_excluded(one, named[one], problem) for one in excluded]
     gone = {(e.cause, NOWHERE if one.text.strip() == e.cause else e.where): None
@@ -143,11 +147,14 @@ def _named(free: Selection, one: Exclusion) -> float:
 
 def _fact(fact: Given, seen: tuple[float, float], obeyed: Sequence[Given], result: Fit) -> GivenFact:
     given, alone = _parameter(fact, fact.value, fact.std), _parameter(fact, *seen)
-    fitted = None
+    fitted, differs = None, ""
     said = f"{fact.effect.label}: {fact.fact.said}"
     if fact in obeyed:
-        fitted = _parameter(fact, *result.given_estimate(list(obeyed).index(fact)))
-        sentence = f"Given and kept to: {said}.{_silent(fact.effect, result.model.problem)}"
+        i = list(obeyed).index(fact)
+        fitted = _parameter(fact, *result.given_estimate(i))
+        differs = _differs(result, i)
+        confirmed = f" The data confirm it: {differs}." if differs else ""
+        sentence = f"Given and kept to: {said}.{confirmed}{_silent(fact.effect, result.model.problem)}"
     else:
         sentence = (
             f"Given, but the data contradict it: {said} ({_plain(given)} against the model); the data alone "
@@ -155,8 +162,18 @@ def _fact(fact: Given, seen: tuple[float, float], obeyed: Sequence[Given], resul
         )
     return GivenFact(
         fact.effect.cause, fact.effect.where, fact.fact.said, fact.fact.note, given, alone, fitted,
-        fact in obeyed, sentence,
+        fact in obeyed, sentence, differs,
     )  # fmt: skip
+
+
+def _differs(result: Fit, i: int) -> str:
+    """What the i-th given number says, where that is not what the model has and the data say so as well."""
+    fact = result.model.given[i]
+    alone, spread = _without_prior(result, i)
+    if min(abs(fact.value) / fact.std, abs(alone) / spread) <= CONTRADICTED:
+        return ""
+    value, _ = result.given_estimate(i)
+    return fact.effect.sentence(np.array([value])).removesuffix(".")
 
 
 def _silent(kind: Effect | type[Effect], problem: Problem) -> str:

@@ -122,6 +122,7 @@ def _given(fact: GivenFact) -> dict[str, Any]:
         **({"note": fact.note} if fact.note else {}),
         **{name: _parameter(p) for name, p in numbers.items() if p is not None},
         "obeyed": fact.obeyed,
+        "confirmed": bool(fact.differs),
         "sentence": fact.sentence,
     }
 

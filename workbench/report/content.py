@@ -66,6 +66,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "stages": _stages(diagnosis),
         "remainder": _remainder(diagnosis),
         "causes": [_cause(finding, number) for number, finding in enumerate(diagnosis.causes)],
+        "no_cause": _no_cause(diagnosis),
         "not_testable": not_testable(diagnosis),
         "detectable": detectable(diagnosis),
         "faults": [_fault(fault) for fault in diagnosis.faults],
@@ -95,14 +96,29 @@ def gather(diagnosis: Diagnosis) -> Material:
 
 def _verdict(diagnosis: Diagnosis) -> dict[str, str]:
     """The headline is the first sentence; what more there is comes below it."""
-    several = diagnosis.verdict == "named" and len(diagnosis.causes) > 1
     headline, _, more = diagnosis.headline.partition(". ")
     return {
         "kind": diagnosis.verdict,
-        "label": "Causes found" if several else VERDICTS[diagnosis.verdict],
+        "label": _label(diagnosis),
         "headline": headline.removesuffix("."),
         "more": more,
     }
+
+
+def _label(diagnosis: Diagnosis) -> str:
+    if diagnosis.verdict == "named" and len(diagnosis.causes) > 1:
+        return "Causes found"
+    if diagnosis.verdict == "nothing_missing" and any(fact.differs for fact in diagnosis.given):
+        return "Given and confirmed"
+    return VERDICTS[diagnosis.verdict]
+
+
+def _no_cause(diagnosis: Diagnosis) -> str:
+    """What stands in place of causes where there are none."""
+    confirmed = [fact.differs for fact in diagnosis.given if fact.differs]
+    if not confirmed:
+        return "None is needed."
+    return f"None is needed beyond what was given and what the data confirm: {'; '.join(confirmed)}."
 
 
 def _summary(diagnosis: Diagnosis) -> str:
@@ -112,6 +128,8 @@ def _summary(diagnosis: Diagnosis) -> str:
     said = [f"As it is, the model misses the measured points by {mm(first.heldout_mean_mm)} mm on average."]
     if len(diagnosis.stages) > 1:
         said.append(f"Calibrating its geometry brings that to {mm(diagnosis.stages[1].heldout_mean_mm)} mm.")
+    if (given := diagnosis.with_given) is not None:
+        said.append(f"With what was given in it as well, {mm(given.heldout_mean_mm)} mm are left.")
     if known and len(diagnosis.stages) > 2:
         which = "cause" if len(known) == 1 else "causes"
         number = COUNT[len(known)] if len(known) < len(COUNT) else f"the {len(known)}"
@@ -270,7 +288,11 @@ def _given(fact: GivenFact) -> list[str]:
         f"{fact.said}{note}",
         seen,
         fitted,
-        "kept to" if fact.obeyed else "contradicted, not kept to",
+        "confirmed by the data"
+        if fact.differs
+        else "kept to"
+        if fact.obeyed
+        else "contradicted, not kept to",
     ]
 
 

@@ -12,7 +12,8 @@ from .content import decision, place, to_decide
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     """A few lines: verdict, causes with gain, faults, and where the report lies (`folder`, if written)."""
     first, last = diagnosis.stages[0], diagnosis.stages[-1]
-    geometry = diagnosis.stages[1]
+    geometry, given = diagnosis.stages[1], diagnosis.with_given
+    beside = "" if given is None else f"   and what was given {given.heldout_rms_mm:.4f}"
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
         f"noise {diagnosis.noise.sigma_mm:.4f} mm per axis ({diagnosis.noise.source})",
@@ -20,7 +21,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         diagnosis.headline,
         "",
         f"  held-out error, mm RMS   nominal {first.heldout_rms_mm:.4f}"
-        f"   geometry {geometry.heldout_rms_mm:.4f}   with causes {last.heldout_rms_mm:.4f}",
+        f"   geometry {geometry.heldout_rms_mm:.4f}{beside}   with causes {last.heldout_rms_mm:.4f}",
     ]
     if diagnosis.test:
         t = diagnosis.test
