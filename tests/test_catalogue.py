@@ -273,6 +273,17 @@ def test_what_tells_two_causes_apart_is_said_once_for_both():
                 assert cause in rivals(rival)
                 assert separation(cause, rival)
                 assert separation(rival, cause)
+    ways = {
+        way for kind in catalogue().values() for said in kind.separate.values() for way in said.split(", or ")
+    }
+    assert ways >= {kind.reading for kind in catalogue().values() if kind.reading}
+
+
+def test_what_was_read_is_not_asked_for_again():
+    both = separation("gravity_compensator", "link_mass")
+    assert both == "read the pressure gauge, or weigh the link"
+    assert separation("link_mass", "gravity_compensator", ["gravity_compensator"]) == "weigh the link"
+    assert separation("gravity_compensator", "link_mass", ["link_mass", "gravity_compensator"]) is None
 
 
 def test_no_cause_is_named_outside_effects():

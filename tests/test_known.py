@@ -173,6 +173,21 @@ def test_what_was_given_and_is_confirmed_is_a_finding():
     assert f"and what was given {given.heldout_rms_mm:.4f}" in short_verdict(found, None)
 
 
+def test_a_reading_that_was_given_is_not_asked_for_again():
+    """A preload is not the charge: with the gauge read, the link is left to weigh."""
+    pull = "gravity_compensator:variant=preload,preload=-1500"
+    campaign = measured("kr500", (pull,), poses=40, loads=())
+    outcome = what_decides(diagnose(campaign, known=[f"gravity_compensator:precharge_bar={BAR},std=1"]))
+    (open_,) = (one for one in outcome.diagnosis.causes if one.status == "ambiguous")
+    said = [
+        open_.separate_by or "",
+        *(one.words for one in open_.decide),
+        *(one.command or "" for one in open_.decide),
+    ]
+    assert not any("gauge" in text or "precharge" in text for text in said)
+    assert any("mass_kg of link_2" in text or "weigh the link" in text for text in said)
+
+
 def test_what_was_given_and_is_as_in_the_model_is_no_finding():
     found = diagnose(weak(), known=["joint_compliance:joint=joint_3,relative=0,std=0.01"]).diagnosis
     assert not any(fact["confirmed"] for fact in found.to_json()["given"])

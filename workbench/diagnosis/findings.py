@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import __version__
 from ..campaign import Campaign
-from ..effects import separation
+from ..effects import separation_beside
 from ..effects.base import UNKNOWN, Effect
 from ..effects.place import NOWHERE, Parameter, Where
 from ..effects.unnamed import Unnamed
@@ -151,7 +151,8 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
     final, selection = parts.selection.fit, parts.selection
     probability, rivals, by_data = probability_of(selection, effect)
     named = probability >= PRIORS.named and by_data >= PRIORS.by_data
-    advice = list(filter(None, (separation(effect.cause, rival.cause) for rival in rivals)))
+    read = {(fact.cause, fact.where) for fact in parts.given if fact.given is not None}
+    advice = list(filter(None, (separation_beside(effect.key, (r.cause, r.where), read) for r in rivals)))
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
     parameters, sentence = _describe(final, own)

@@ -16,8 +16,9 @@ from ...campaign import Campaign
 from ...campaign.problem import Problem
 from ...diagnosis.result import Decision
 from ...diagnosis.run import Outcome
-from ...effects import separation
+from ...effects import separation_beside
 from ...effects.base import Effect
+from ...effects.given import given_facts
 from ...effects.records import effect_text
 from ..driving.block import torque_columns
 from .candidates import candidates, reach_of
@@ -102,7 +103,8 @@ def _decisions(
         found += [
             Decision("other", _whole(tie, rival), None, None, now, None) for rival in _wholes(space, tie)
         ]
-        said = (separation(tie.effect.cause, rival.cause) for rival in tie.rivals)
+        read = {item.effect.key for item in given_facts(problem)}
+        said = (separation_beside(tie.effect.key, rival.key, read) for rival in tie.rivals)
         words_of = dict.fromkeys(filter(None, said))
         found += [Decision("other", words, None, None, now, None) for words in words_of]
     return tuple(found)

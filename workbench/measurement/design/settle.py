@@ -71,7 +71,7 @@ def plan_settling(
     can = [share_of(space, space.everything, tie) >= 1 for tie in ties]
     some = [(tie, n) for tie, n, resolved in zip(ties, now, can, strict=True) if resolved]
     lost = tuple((t.effect, t.rivals[0]) for t, resolved in zip(ties, can, strict=True) if not resolved)
-    words = advice([(tie.effect, rival) for tie in ties for rival in tie.rivals])
+    words = advice([(tie.effect, rival) for tie in ties for rival in tie.rivals], prior.problem)
     made = DiscriminationPlan(None, 0, prior.noise, (), lost, (), None, words, found=True)
     if not some:
         return made
@@ -114,7 +114,8 @@ def tie_said(text: str, fit: Fit) -> Tie:
     for cause, chance in others:
         places = _places_of(effect, cause, problem)
         chances |= {} if chance is None else {one.key: chance for one in places}
-        rivals += [one for one in places if one.cause != UNKNOWN]
+        known = fit.model.given
+        rivals += [e for e in places if e.cause != UNKNOWN and not any(item.is_for(e) for item in known)]
     if not rivals:
         raise InputError(Fault("--tell", f"{text!r} has no rival with a name", EXAMPLE))
     return tie_between(fit, effect, size, tuple(rivals), chances)
@@ -183,10 +184,9 @@ def _clearest(cause: str, said: dict[str, Any], problem: Problem) -> str:
 def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
     if one["cause"] == UNKNOWN:
         return None
-    problem = fit.model.problem
-    effect, size = _effect(one, problem)
+    effect, size = _effect(one, fit.model.problem)
     chances = {(r["cause"], _place(r)): float(r["probability"]) for r in one["rivals"]}
-    rivals = sites_of(chances, problem)
+    rivals = sites_of(chances, fit)
     chances[effect.key] = float(one.get("probability", 1 - sum(chances.values())))
     return tie_between(fit, effect, size, rivals, chances) if rivals else None
 

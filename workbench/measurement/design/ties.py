@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...campaign.problem import Problem
 from ...diagnosis.components import Key, with_companions
 from ...diagnosis.priors import PRIORS
 from ...diagnosis.result import Finding
@@ -95,7 +94,7 @@ def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
         return None
     own = [i for i, e in enumerate(outcome.fit.model.effects) if e.key == (finding.cause, finding.where)]
     chances = {(rival.cause, rival.where): rival.probability for rival in finding.rivals}
-    rivals = sites_of(chances, outcome.problem)
+    rivals = sites_of(chances, outcome.prepared.geometry)
     if not own or not rivals:
         return None
     strongest = max(own, key=outcome.fit.wald)
@@ -104,12 +103,14 @@ def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
     return tie_between(outcome.prepared.geometry, effect, values, rivals, chances)
 
 
-def sites_of(keys: Iterable[Key], problem: Problem) -> tuple[Effect, ...]:
-    """Every form of the causes of the catalogue with these keys that a campaign may show, in their order."""
-    kept = tuple(keys)
+def sites_of(keys: Iterable[Key], fit: Fit) -> tuple[Effect, ...]:
+    """Every form of the causes of the catalogue with these keys that a campaign may show, in their order; but
+    for what is known already."""
+    kept, given = tuple(keys), fit.model.given
     known = catalogue()
     kinds = [known[cause] for cause in dict.fromkeys(cause for cause, _ in kept) if cause in known]
-    return tuple(e for kind in kinds for e in kind.sites(problem) if e.key in kept)
+    sites = (e for kind in kinds for e in kind.sites(fit.model.problem))
+    return tuple(e for e in sites if e.key in kept and not any(item.is_for(e) for item in given))
 
 
 def tie_between(
