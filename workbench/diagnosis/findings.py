@@ -164,7 +164,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
         status="named" if named else "ambiguous",
         gain_mm=selection.gains_mm[effect.key],
         probability=probability,
-        variant=final.model.effects[strongest].variant,
+        variant=_form(final, own, strongest),
         parameters=parameters,
         rivals=() if named else rivals,
         separate_by=None if named else "; ".join(dict.fromkeys(advice)) or ANYTHING,
@@ -172,6 +172,15 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
         equation=effect.equation,
         evidence=evidence(final, final.model.effects[strongest], final.state.values[strongest]),
     )
+
+
+def _form(final: Fit, own: Sequence[int], strongest: int) -> str:
+    """The form of a finding that shows most; nothing where its cause and place say it."""
+    effect = final.model.effects[strongest]
+    if effect.where.order is not None:
+        return ""
+    first = next((e for e in effect.places(final.model.problem) if e.key == effect.key), effect)
+    return "" if len(own) == 1 and effect.variant == first.variant else effect.variant
 
 
 def probability_of(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, ...], float]:

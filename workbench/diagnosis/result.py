@@ -83,7 +83,8 @@ class Decision:
 @dataclass(frozen=True)
 class Finding:
     """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
-    this one, of all that competed; variant: its form, of several the one that shows most."""
+    this one, of all that competed; variant: its form, of several the one that shows most, where
+    place and order do not say it."""
 
     cause: str
     title: str

@@ -21,7 +21,7 @@ from .drawing import Figure
 from .equation import typeset
 from .legible import legible
 from .limits import detectable, not_testable, place, unidentifiable
-from .numbers import MISSING, decimals, mm, mm_change, p_value, probability, quantity, words
+from .numbers import MISSING, decimals, mm, mm_change, p_value, probability, quantity, significant, words
 from .reliability import published
 
 Content = dict[str, Any]
@@ -44,6 +44,12 @@ VERDICTS = {
 }
 COUNT = ("no", "the", "the two", "the three", "the four", "the five", "the six", "the seven", "the eight")
 SUPPORT = "95 %, plus and minus 1.96 standard deviations (normal)"
+LAMBDA = (
+    "λ is how far apart two explanations are in the data: the squared distance between what they predict, in "
+    "standard deviations of the noise, with the rival as large as imitates best. It takes both as exactly of "
+    "their form, which no real machine is, and one may be likelier than the other before the data. So a "
+    "cause may be open at a large λ: it is settled where λ outweighs both."
+)
 OUTSIDE = "something that no cause of the catalogue explains"
 SOURCES = {
     "stated": "stated in the campaign",
@@ -67,6 +73,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "remainder": _remainder(diagnosis),
         "causes": [_cause(finding, number) for number, finding in enumerate(diagnosis.causes)],
         "no_cause": _no_cause(diagnosis),
+        "of_lambda": LAMBDA if any(finding.decide for finding in diagnosis.causes) else "",
         "not_testable": not_testable(diagnosis),
         "detectable": detectable(diagnosis),
         "faults": [_fault(fault) for fault in diagnosis.faults],
@@ -235,7 +242,8 @@ def decision(one: Decision) -> str:
     """What would decide, with λ before and after."""
     if one.lambda_after is None:
         return one.words
-    return f"{one.words} (λ {one.lambda_before:.2g} → {one.lambda_after:.2g})"
+    before, after = (significant(float(f"{value:.2g}"), 2) for value in (one.lambda_before, one.lambda_after))
+    return f"{one.words} (λ {before} → {after})"
 
 
 def _rivals(finding: Finding) -> list[str]:

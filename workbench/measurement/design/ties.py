@@ -34,6 +34,7 @@ from .fedorov import Records, Search, information
 from .prior_information import WIDE, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 
+SAID = 3  # digits of a size, as commands say it
 SMALLEST = 0.1  # usual sizes, of a rival that hardly imitates
 INSIDE = 0.2  # share of λ that what contains a cause leaves of it, at most
 IMITATES = 0.5  # share of λ that a rival leaves, at most, to be taken for the cause
@@ -116,7 +117,9 @@ def sites_of(keys: Iterable[Key], fit: Fit) -> tuple[Effect, ...]:
 def tie_between(
     fit: Fit, effect: Effect, values: Array, rivals: tuple[Effect, ...], chances: Mapping[Key, float]
 ) -> Tie:
-    """The tie of an effect that was found with these values (p,); chances: by key, none: nothing is known."""
+    """The tie of an effect that was found with these values (p,); chances: by key, none: nothing is known.
+    The values count as commands say them: a diagnosis, its result.json and a plan speak of one tie."""
+    values = np.array([float(f"{value:.{SAID}g}") for value in values])
     nameless = [e for e in unnamed(fit.model.problem) if e.key in chances]
     every = (effect, *rivals, *nameless)
     forms = tuple(tuple(with_companions(fit, (one,), fit.model.problem)) for one in every)
