@@ -122,7 +122,7 @@ class NotTestable:
 class GivenFact:
     """What `[known]` said, and what became of it. said: as it was said; given, seen, fitted: the parameter as
     given, by the data alone, and by both (None of a cause that was excluded); obeyed: kept to; differs: in
-    words, where it is not what the model has and the data confirm that."""
+    words, where it is not what the model has and the data confirm that; exact: said without any spread."""
 
     cause: str
     where: Where
@@ -134,6 +134,7 @@ class GivenFact:
     obeyed: bool = True
     sentence: str = ""
     differs: str = ""
+    exact: bool = False
 
 
 @dataclass(frozen=True)

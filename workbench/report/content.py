@@ -289,6 +289,8 @@ def _given(fact: GivenFact) -> list[str]:
     seen, fitted = (
         quantity(p).interval or str(quantity(p)) if p else MISSING for p in (fact.seen, fact.fitted)
     )
+    if fact.exact and fact.fitted is not None:
+        fitted = "as given"
     cause = f"{words(fact.cause)} ({where})" if where else words(fact.cause)
     note = f" ({fact.note})" if fact.note else ""
     return [
