@@ -21,8 +21,10 @@ from workbench.measurement.driving.drive import drive
 from workbench.measurement.driving.files import comments, programs
 from workbench.measurement.driving.page import PlanPage, page_files
 from workbench.measurement.driving.reach import Reach, reach
+from workbench.measurement.driving.scene import _unhidden
 from workbench.measurement.driving.tour import length, shortest
 from workbench.measurement.driving.ways import Ways
+from workbench.report.meshcat_page import ASIDE, camera
 from workbench.robot.hulls import robot_hulls
 from workbench.robot.kinematics import frames
 from workbench.robot.rigid_plant import arrays
@@ -183,6 +185,18 @@ def test_obstacles_may_be_called_as_they_like() -> None:
     hit = {name for one in q for pair in here.collisions.touching(one) for name in pair}
     assert "fence 3" in hit
     assert not {"fence", "fence 2", "floor 2", "link_2 2"} & hit
+
+
+def test_the_camera_does_not_stand_behind_a_fence() -> None:
+    links, extent = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.5], [0.6, 0.0, 0.6]]), 3.0
+    open_cell = reached("irb120", CellData())
+    centre = [0.3, 0.0, 0.4]
+    assert _unhidden(open_cell, centre, extent, links, links) == ASIDE
+    eye, middle = camera(centre, extent, links[-1] - links[0])
+    x, y, _ = (1e3 * (0.6 * eye + 0.4 * middle)).tolist()
+    fence = ObstacleData(name="fence", box_mm=(100, 4000, 5000), xyz_mm=(x, y, 1500), abc_deg=(ASIDE, 0, 0))
+    fenced = reached("irb120", CellData(obstacles=(fence,)))
+    assert _unhidden(fenced, centre, extent, links, links) != ASIDE
 
 
 # ---------------------------------------------------------------- order
