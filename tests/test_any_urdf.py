@@ -202,6 +202,18 @@ def test_the_flange_is_guessed(links, flange, why):
     assert (guess.flange, guess.why) == (flange, why)
 
 
+def test_a_link_that_stands_for_a_parts_shape_is_no_flange():
+    """Franka's link7 carries link7_sc, collision shapes alone, before it carries the frame of its flange."""
+    text = example.robot(example.arm())
+    end = text.index('<link name="flange"/>')
+    extra = '<link name="link7_sc"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>'
+    extra += '<link name="link8"/>' + "".join(
+        f'<joint name="to_{link}" type="fixed"><parent link="wrist_3_link"/><child link="{link}"/></joint>'
+        for link in ("link7_sc", "link8")
+    )
+    assert guess_flange(parse_urdf(text[:end] + extra + "</robot>", HERE)).flange == "link8"
+
+
 def test_a_gripper_is_no_flange():
     guess = guess_flange(parse_urdf(example.robot(example.arm() + example.gripper()), HERE))
     assert guess.flange == "tool0"

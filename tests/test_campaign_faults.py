@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from workbench.campaign import load_campaign
 from workbench.files.faults import InputError
+from workbench.robot.description import load_robot
 
 
 @pytest.mark.parametrize(
@@ -43,6 +44,14 @@ def test_faults_of_the_toml(tmp_path: Path, change: tuple[str, str], told: str) 
     assert change[0] in TOML
     got = faults(write_example(tmp_path, TOML.replace(*change, 1)))
     assert any(fault.startswith(f"campaign.toml: {told}") for fault in got), got
+
+
+def test_a_robot_is_no_campaign() -> None:
+    """Said in one line, where each of its keys is one that a campaign does not know."""
+    with pytest.raises(InputError) as caught:
+        load_campaign(load_robot("irb120").path or "")
+    (fault,) = caught.value.faults
+    assert fault.what == "is a robot, not a campaign"
 
 
 def test_a_table_pasted_twice_does_not_flood_the_screen(tmp_path: Path) -> None:

@@ -377,6 +377,13 @@ def test_simulate_refuses(tmp_path, capsys, options, said):
     assert not (tmp_path / "out").exists()
 
 
+def test_simulate_tells_an_effect_that_moves_nothing(tmp_path, capsys):
+    options = ["--random", "3", "--payload", "box=3", "--effect", "payload:payload=box"]
+    status, _, err = call(capsys, "simulate", "irb120", *options, "--out", tmp_path)
+    assert status == 0
+    assert "warning: payload(box) moves no point in these poses" in err
+
+
 def test_simulate_takes_all_that_a_file_of_poses_says(tmp_path, capsys):
     rows = [
         "pose_id,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,payload,dir2,t_s,temp_degC,fz_N",

@@ -13,6 +13,7 @@ from workbench.campaign.planned import planned
 from workbench.correction import Compensation, Conditions, compensate, nominal_joints
 from workbench.correction.path_shapes import Run, pocket, raster, spiral, work_frame
 from workbench.correction.paths import Path
+from workbench.correction.programs import RoundingEffect
 from workbench.correction.solve import turning_sides
 from workbench.correction.trajectory import trajectory_of
 from workbench.effects.backlash import Backlash
@@ -240,3 +241,14 @@ def test_shapes_with_corners_come_out_exact() -> None:
     path = pocket(0.2, 0.12, 0.03, Run(WORK, speed=0.05, acceleration=0.5, period=0.02))
     done = compensate(robot, path, HEAVY, tool=TOOL)
     assert done.after_mm.max() < 1e-6
+
+
+def test_what_is_left_is_said_as_far_as_anybody_can_know_it() -> None:
+    """The exact correction leaves 1e-9 mm of the model's own errors: no accuracy of a robot."""
+    robot = extended(load_robot("irb120"), [])
+    q = np.linspace([0.0, 0.2, -0.4, 0.2, 0.5, 0.1], [0.2, 0.3, -0.3, 0.3, 0.6, 0.2], 9)
+    first, second, *_ = compensate(robot, Path(np.arange(9.0), q=q)).lines()
+    assert first.endswith("at most) uncorrected, less than 0.001 mm corrected")
+    assert "workbench predict" in second
+    assert str(RoundingEffect(4e-12, 9e-12, 0.0)) == "rounding moves the tool by less than 0.001 mm"
+    assert "0.002 mm (mean)" in str(RoundingEffect(2e-3, 4e-3, 0.0))

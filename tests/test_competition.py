@@ -9,18 +9,19 @@ from scipy.stats import chi2, norm
 
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import prepared as preparation
+from workbench.diagnosis.candidates import testable as candidates_of
 from workbench.diagnosis.ceiling import ceiling_mm
 from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.competition import compete
-from workbench.diagnosis.components import cause_components, nameless_components
+from workbench.diagnosis.components import Component, Form, cause_components, nameless_components
 from workbench.diagnosis.priors import PRIORS
-from workbench.diagnosis.reduced import reduce
+from workbench.diagnosis.reduced import Reduced, reduce
 from workbench.diagnosis.result import NAMELESS
 from workbench.diagnosis.run import diagnose
-from workbench.diagnosis.run import testable as candidates_of
 from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.stages import rms_mm
 from workbench.diagnosis.weight import SCALES, WEIGHTS
+from workbench.effects.place import Where
 from workbench.effects.records import stated_effects
 from workbench.effects.unnamed import unnamed
 from workbench.identification.fit import refit
@@ -157,6 +158,44 @@ def test_the_score_of_a_set_is_its_log_posterior_odds(competition):
     )
     assert competition.score(members) == pytest.approx(evidence + prior, rel=1e-9)
     assert competition.score([]) == 0
+
+
+def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
+    """c is nearly a + b, and the data are a + b: by itself each of a and b is worth less than c."""
+    a, b, odd = np.eye(3) * 60.0
+    columns = np.column_stack([a, b, (a + b) / np.sqrt(2) + 0.08 * odd])
+    data = np.array([60.0, 60.0, 0.0]) * 1.2
+    left = Reduced(
+        tuple((slice(k, k + 1),) for k in range(3)),
+        columns.T @ columns,
+        columns.T @ data,
+        float(data @ data) + 300,
+        300.0,
+        300.0,
+    )
+    form = Form((), np.ones(1), ())
+    components = [Component((f"cause_{k}", Where()), (form,), float(np.log(0.01))) for k in range(3)]
+    competition = Competition(left, components)
+    alone = [Member(2, 0, 1.0)]
+    everything = np.ones(3, bool)
+    assert [m.component for m in competition.exchanged(alone, everything)] == [2]
+    split = competition.split(competition.exchanged(alone, everything))
+    assert split is not None
+    assert {m.component for m in split} == {0, 1}
+    assert competition.score(split) > competition.score(alone)
+    assert competition.split(split) is None
+    assert [m.component for m in competition.best()] == [0, 1]
+
+
+def test_what_two_take_together_is_what_they_take_as_large_as_alone(competition, chosen):
+    weights = competition.beside(chosen)
+    some = [Member(k, weights[k].form, weights[k].scale) for k in list(weights)[:30:3]]
+    q, both = competition.forms.together(chosen, some)
+    for i in (1, 4):
+        for j in (6, 8):
+            with_both = Chosen(competition.reduced, [*chosen.members, some[i], some[j]])
+            assert both[i, j] <= (with_both.explained - chosen.explained) * (1 + 1e-9)
+            assert both[i, j] >= max(q[i], q[j]) * (1 - 1e-9)
 
 
 def test_searches_that_end_at_one_set_are_one(competition, monkeypatch):

@@ -216,6 +216,13 @@ def test_wrong_text_is_refused_with_what_is_known(text, said):
     assert said in str(caught.value)
 
 
+def test_a_share_of_a_stiffness_that_the_model_lacks_is_refused_with_the_reason():
+    case = problem_of(planned(load_robot("irb120"), np.zeros((1, 6))))
+    with pytest.raises(InputError) as caught:
+        parse_effect("joint_compliance:joint=joint_2,relative=0.2", case)
+    assert "known: compliance (compliance of the joint, which the model has rigid)" in str(caught.value)
+
+
 def test_text_takes_the_names_of_result_json():
     case, _ = job("kr500")
     text = "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.3"

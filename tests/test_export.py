@@ -235,12 +235,10 @@ def test_hayati_rows_are_the_arm_and_short(tmp_path, name):
     assert shifted == [("0", "0"), *((row["alpha_deg"], row["a_mm"]) for row in rows[:-1])]
 
 
-@pytest.mark.parametrize("name", ["ur5", "ur10"])
-def test_ur_kinematics_is_the_calibrated_arm(tmp_path, name):
-    robot = model(tmp_path, name)
-    written = export(robot, "ur-kinematics", tmp_path)
+def links_of(file):
+    """The rows of a kinematics file of Universal Robots, in mm and degrees."""
     links, values = [], {}
-    for line in written.files[0].read_text(encoding="utf-8").splitlines():
+    for line in file.read_text(encoding="utf-8").splitlines():
         key, _, value = line.strip().partition(": ")
         if line.startswith("    "):
             values[key] = float(value)
@@ -248,17 +246,68 @@ def test_ur_kinematics_is_the_calibrated_arm(tmp_path, name):
                 lengths = {f"{k}_mm": 1e3 * values[k] for k in "xyz"}
                 angles = {f"{k}_deg": np.degrees(values[k]) for k in ("roll", "pitch", "yaw")}
                 links.append(lengths | angles)
+    return links
+
+
+def is_the_arm(links, robot, base):
+    """Joints by a kinematics file on `base` (4, 4) carry the robot's flange where the robot does."""
     arm = content_of(robot, None, Conditions()).arm
     q = np.random.default_rng(1).uniform(-2, 2, (3, 6))
     where = frames(arm, q)
     for i in range(3):
-        X = np.eye(4)
+        X = base
         for row, moved in zip(links, q[i], strict=True):
             X = X @ placed(row) @ turn("z", np.degrees(moved))
         assert np.abs(X[:3, 3] - where.p[-1, i]).max() < 1e-9
         assert np.abs(X[:3, :3] - where.R[-1, i]).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["ur5", "ur10"])
+def test_ur_kinematics_is_the_calibrated_arm(tmp_path, name):
+    robot = model(tmp_path, name)
+    links = links_of(export(robot, "ur-kinematics", tmp_path).files[0])
+    is_the_arm(links, robot, np.eye(4))
     # no link in the file is far from the one that the maker publishes
     assert np.linalg.norm([links[2]["x_mm"], links[2]["y_mm"], links[2]["z_mm"]]) < 700
+
+
+# x y z [m] roll pitch yaw [rad] of each joint of a UR10e in the link before, as its maker publishes them
+UR10E = """
+    0 0 0.1807 0 0 0
+    0 0 0 1.570796327 0 0
+    -0.6127 0 0 0 0 0
+    -0.57155 0 0.17415 0 0 0
+    0 -0.11985 0 1.570796327 0 0
+    0 0.11655 0 1.570796327 3.141592653589793 3.141592653589793
+"""
+
+
+def test_ur_kinematics_of_the_makers_own_description_is_the_makers_own_file(tmp_path):
+    """ROS's base_link stands half a turn from the base that the file counts from."""
+    joints = [["0", "0", "0", "0", "0", "3.141592653589793"], *map(str.split, UR10E.split("\n")[1:-1])]
+    links = ["base_link", "base_link_inertia", *(f"link_{i}" for i in range(1, 7))]
+    text = "".join(f'<link name="{link}"/>' for link in links)
+    for i, (*xyz, roll, pitch, yaw) in enumerate(joints):
+        text += (
+            f'<joint name="joint_{i}" type="{"revolute" if i else "fixed"}">'
+            f'<parent link="{links[i]}"/><child link="{links[i + 1]}"/><axis xyz="0 0 1"/>'
+            f'<origin xyz="{" ".join(xyz)}" rpy="{roll} {pitch} {yaw}"/>'
+            '<limit lower="-6" upper="6" effort="300" velocity="2"/></joint>'
+        )
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{text}</robot>', encoding="utf-8")
+    lines = ["schema = 1", *(f'{key} = "arm"' for key in ("name", "title")), 'urdf = "arm.urdf"']
+    lines += ['flange = "link_6"']
+    lines += [f'[[joints]]\nname = "joint_{i}"' for i in range(1, 7)]
+    (tmp_path / "arm.toml").write_text("\n".join(lines), encoding="utf-8")
+    robot = load_robot(tmp_path / "arm.toml")
+    written = export(robot, "ur-kinematics", tmp_path / "out")
+    links = links_of(written.files[0])
+    is_the_arm(links, robot, turn("z", 180.0))
+    for row, (x, y, z, *_) in zip(links, joints[1:], strict=True):
+        assert [row["x_mm"], row["y_mm"], row["z_mm"]] == pytest.approx(
+            [1e3 * float(v) for v in (x, y, z)], abs=1e-6
+        )
+    assert any("base_link_inertia" in line for line in written.header)
 
 
 @pytest.mark.parametrize("name", ["kr500", "kr120", "irb120", "rx170"])
@@ -273,7 +322,10 @@ def test_opw_is_exact_for_the_nominal_arm_and_says_what_the_calibrated_loses(tmp
     assert 0.05 < lost.max_mm < 5.0
 
 
-@pytest.mark.parametrize(("name", "to"), [("ur5", "opw"), ("kr500", "ur-kinematics"), ("kr500", "stl")])
+@pytest.mark.parametrize(
+    ("name", "to"),
+    [("ur5", "opw"), ("kr500", "ur-kinematics"), ("cylindrical", "ur-kinematics"), ("kr500", "stl")],
+)
 def test_what_a_format_cannot_hold_is_refused_and_nothing_is_written(tmp_path, name, to):
     with pytest.raises(InputError):
         export(name, to, tmp_path / "out")
@@ -293,8 +345,7 @@ def test_the_header_weighs_what_is_left_out(tmp_path):
     assert str(item) in (tmp_path / "cylindrical.urdf").read_text(encoding="utf-8")
 
 
-EFFECTS = (
-    *YIELDS,
+GEARS = (
     EffectRecord(cause="gear_ratio", joint="joint_1", values={"relative": 2e-4}),
     EffectRecord(cause="gear_eccentricity", joint="joint_3", values={"sin": 1e-4, "cos": 5e-5}),
     EffectRecord(
@@ -302,6 +353,10 @@ EFFECTS = (
     ),
     EffectRecord(cause="wrist_coupling", joint="joint_6", other="joint_5", values={"coupling": 3e-4}),
     EffectRecord(cause="hose_torque", joint="joint_5", values={"rate": 20.0}),
+)
+EFFECTS = (
+    *YIELDS,
+    *GEARS,
     EffectRecord(cause="gravity_compensator", variant="charge", values={"relative": -0.1}),
     EffectRecord(cause="gravity_compensator", variant="preload", values={"preload": 400.0}),
 )
@@ -327,13 +382,15 @@ def test_the_drake_package_needs_drake_and_numpy_alone():
                 assert {alias.name.split(".")[0] for alias in node.names} <= known
 
 
-@pytest.mark.parametrize("name", ["kr500", "rx170", "longlink", "cylindrical"])
+@pytest.mark.parametrize("name", ["kr500", "rx170", "longlink", "cylindrical", "irb120"])
 def test_the_drake_package_rests_where_the_whole_model_does(tmp_path, name):
+    """The last without any spring: errors of gears that no spring stands behind."""
     known = set(load_robot(name).joint_names)
-    effects = EFFECTS if name in ("kr500", "rx170") else YIELDS
+    effects = {"kr500": EFFECTS, "rx170": EFFECTS, "irb120": GEARS}.get(name, YIELDS)
     effects = tuple(e for e in effects if e.other is None or e.other in known)
     robot = model(tmp_path, name, effects)
     written = export(robot, "drake", tmp_path, conditions=LOAD)
+    assert not any("gear" in item.what for item in written.cost.items if not item.carried)
     content = content_of(robot, None, LOAD)
     off = by_hinges(content)
     assert written.cost.max_mm == pytest.approx(1e3 * np.linalg.norm(off, axis=1).max(), abs=1e-9)

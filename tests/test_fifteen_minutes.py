@@ -156,6 +156,27 @@ def test_init_writes_over_nothing(measured, monkeypatch, tmp_path, capsys):
     assert "has a header but no rows" in capsys.readouterr().err
 
 
+def test_the_readmes_way_to_a_program_is_true(measured, monkeypatch, tmp_path, capsys):
+    """As it stands the robot's path comes as a table; with the lines of [controller], as a program."""
+    _, urdf, _ = measured
+    monkeypatch.chdir(tmp_path)
+    assert main(["init", str(urdf)]) == 0
+    monkeypatch.chdir(tmp_path / "acme")
+    rows = [f"{0.1 * i:.1f},{0.2 * i},-20,30,10,5,0" for i in range(5)]
+    header = "t_s," + ",".join(f"q{j}_deg" for j in range(1, 7))
+    Path("PATH.csv").write_text("\n".join([header, *rows, ""]))
+    (step,) = re.findall(r"5\. `workbench (.*?)`", Path("README.md").read_text())
+    command = step.replace("found/model.toml", "acme.toml").split()  # not diagnosed here
+    assert main(command) == 0
+    assert main([*command, "--format", "krl"]) == 2
+    assert "no [controller]" in capsys.readouterr().err
+    text = Path("acme.toml").read_text()
+    start = text.index("# [controller]")
+    rest = text.index("\n\n", start)
+    Path("acme.toml").write_text(text[:start] + text[start:rest].replace("# ", "") + text[rest:])
+    assert main([*command, "--format", "krl"]) == 0
+
+
 def table(path, header, rows, separator=","):
     path.write_text("\n".join([*([header] if header else []), *(separator.join(row) for row in rows)]))
     return path

@@ -13,7 +13,10 @@ from workbench.correction.path_shapes import Run, circle, line, work_frame
 from workbench.correction.paths import Path
 from workbench.effects.backlash import Backlash
 from workbench.effects.gear_kinematic_error import GearKinematicError
+from workbench.effects.gear_ratio import GearRatio
 from workbench.effects.place import Where
+from workbench.effects.records import record
+from workbench.effects.wrist_coupling import WristCoupling
 from workbench.files.faults import InputError
 from workbench.robot.description import load_robot
 from workbench.robot.find import list_robots
@@ -271,6 +274,27 @@ def test_a_motor_crosses_its_play_before_the_joint_follows():
         joint.append(motor[1] + gears.errors(motor.tolist(), side)[0][1])
     assert np.ptp(joint[:8]) == pytest.approx(0.0, abs=1e-12)  # 8 steps of 10 µrad: twice the half width
     assert joint[9] - joint[8] == pytest.approx(-1e-5)
+
+
+@pytest.mark.parametrize(
+    ("effect", "value"),
+    [
+        (GearRatio(Where(joint="joint_3")), 3e-4),
+        (WristCoupling(Where(joint="joint_6", other="joint_5")), 5e-4),
+        (Backlash(Where(joint="joint_3")), 1e-4),
+    ],
+    ids=lambda value: getattr(value, "cause", ""),
+)
+def test_a_rigid_joint_bears_an_error_of_its_gear(effect, value):
+    """There and back on an arm without springs: the drives give what they give without the error."""
+    rigid, time = load_robot("irb120"), np.linspace(0.0, 1.0, 41)
+    q = np.array([0.1, 0.2, -0.4, 0.2, 0.5, 0.1]) + 0.1 * np.sin(2 * np.pi * time)[:, None]
+    torque = []
+    for robot in (rigid, replace(rigid, effects=(record(effect, np.array([value])),))):
+        truth = mechanics(robot, Path(time, q=q), q, Conditions())
+        done = run(truth, nominal_mechanics(rigid, truth), motion(time, q, truth.sided))
+        torque.append(np.abs(done.torque).max(axis=0))
+    assert torque[1] == pytest.approx(torque[0], rel=0.05, abs=0.01)
 
 
 def test_a_turned_round_joint_is_wound_up_by_friction_behind_its_gear():

@@ -1,5 +1,6 @@
 """One wrong number does not decide: it is named and left out, and the diagnosis stays what it was."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -147,6 +148,33 @@ def test_too_few_poses_are_refused_and_few_are_remarked():
     assert any(
         "8 different poses give 48 numbers" in note for note in prepare(campaign.some(np.arange(8))).notes
     )
+
+
+def test_a_fit_that_predicts_badly_is_no_proof_that_nothing_is_missing():
+    """By so few poses geometry explains anything: that is no sentence about the robot."""
+    few = diagnose(measured("kr500", poses=7, loads=())).diagnosis
+    assert few.headline.startswith("Too few poses to say")
+    assert "Nothing is missing" not in few.headline
+    more = diagnose(measured("kr500", poses=40, loads=())).diagnosis
+    assert more.headline.startswith("Nothing is missing")
+
+
+def test_a_noise_below_that_of_any_instrument_is_not_believed():
+    fine = replace(measured("ur5", poses=40, loads=()), noise_sigma=2e-8)
+    prepared = prepare(fine)
+    assert any("Is it in mm?" in note for note in prepared.notes)
+    assert prepared.noise.sigma_mm == pytest.approx(1e-3)
+
+
+def test_a_model_without_masses_is_told(tmp_path):
+    """An arm that bends under a weight that the model has not looks like a gear that errs."""
+    campaign, _ = clean()
+    urdf = tmp_path / "light.urdf"
+    text = re.sub(r'<mass value="[^"]*"', '<mass value="0"', campaign.robot.urdf.read_text(encoding="utf-8"))
+    urdf.write_text(text, encoding="utf-8")
+    light = replace(campaign, robot=replace(campaign.robot, urdf=urdf))
+    assert any("has no masses" in note for note in diagnose(light).diagnosis.notes)
+    assert not any("has no masses" in note for note in diagnose(campaign).diagnosis.notes)
 
 
 def test_loads_that_no_arm_carries_are_said():

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from workbench import Truth, load_robot, planned, random_poses, simulate
+from workbench.diagnosis.candidates import testable as all_that_may_be
 from workbench.diagnosis.components import cause_components, nameless_components, sized
 from workbench.diagnosis.patterns import BLOCK, pattern_of, products_of
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.run import testable as all_that_may_be
 from workbench.effects.unnamed import unnamed
 
 

@@ -292,7 +292,7 @@ def test_rounding_at_the_tool(name: str, capsys: pytest.CaptureFixture[str]) -> 
     )
     effect = rounding_effect(program, name)
     print(f"{name}: {effect}")
-    assert "mm (most)" in capsys.readouterr().out
+    assert "rounding moves the tool by" in capsys.readouterr().out
     assert 0 < effect.mean_mm <= effect.max_mm <= 1e3 * np.sqrt(3) * position + 1e-9
     assert effect.max_deg <= np.degrees(angle) + 1e-10
     assert rounding_effect(program, name, lever=1.0).max_mm > effect.max_mm

@@ -8,6 +8,7 @@ from diagnosis_cases import found, measured
 
 from workbench import Truth, Where, load_robot, parse_effect, planned, problem, random_poses, simulate
 from workbench.diagnosis import competition as competing
+from workbench.diagnosis.candidates import testable as all_that_may_be
 from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.competition import _likeliest, _renamed_at_no_loss, compete
 from workbench.diagnosis.components import Component, Form, bare, cause_components
@@ -24,7 +25,6 @@ from workbench.diagnosis.replication import (
     replicated,
     searched_in_parts,
 )
-from workbench.diagnosis.run import testable as all_that_may_be
 from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.weight import prior_weight
 from workbench.diagnosis.worth import VOUCHED, as_sure_as_its_gain
@@ -67,7 +67,8 @@ def test_parts_are_searched_by_themselves(wheel):
     every = [component(RATIO), component(NAMELESS), component(MASS)]
     theirs = [component(MASS), component(RATIO), component(("link_mass", Where(link="link_2")))]
     said = iter([[{1: 0.9, 0: 0.1}], [{1: 1.0}], [], [{0: 0.7, 2: 0.1, 1: 0.2}]])
-    parts = searched_in_parts(wheel.problem, every, lambda poses: (theirs, next(said)))
+    with searched_in_parts(wheel.problem, lambda poses: (theirs, next(said))) as told:
+        parts = told(every)
     assert [part.shares for part in parts] == [
         [{None: 0.0, 0: 0.9, 2: 0.1}], [{None: 0.0, 0: 1.0}], [], [{None: 0.1, 2: 0.7, 0: 0.2}]
     ]  # fmt: skip

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from workbench.diagnosis import side_by_side as module
-from workbench.diagnosis.side_by_side import side_by_side
+from workbench.diagnosis.side_by_side import begun, side_by_side
 from workbench.files.faults import Fault, InputError
 
 
@@ -20,6 +20,16 @@ def test_results_come_in_order_from_other_processes():
     assert [square for square, _ in found] == [0, 1, 4, 9, 16]
     assert here not in {process for _, process in found}
     assert side_by_side(lambda item: os.getpid(), [1]) == [here]  # one alone is worth no process
+
+
+def test_what_is_begun_goes_on_while_something_else_is_done():
+    with begun(lambda item: (item, os.getpid()), range(3)) as done:
+        here = os.getpid()
+        found = done()
+    assert [item for item, _ in found] == [0, 1, 2]
+    assert here not in {process for _, process in found}
+    with begun(lambda item: item, range(3)):
+        pass  # nobody asks: what has not begun does not begin
 
 
 def test_one_core_does_it_here(monkeypatch):

@@ -17,7 +17,7 @@ from workbench.robot.find import list_robots
 from workbench.robot.loads import Loads
 from workbench.robot.rigid_plant import arrays, rigid_twin
 from workbench.robot.yielding import Yielding
-from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
+from workbench.simulation.virtual_campaign import Truth, idle_effects, random_geometry, simulate
 
 STILL = np.zeros(6)
 
@@ -146,6 +146,16 @@ def test_an_effect_that_does_nothing_is_refused():
     effect = parse_effect("backlash:joint=joint_1,half_width=1e-4", problem_of(plan))
     with pytest.raises(InputError, match=r"no column dir1\.\.dir6"):
         simulate(plan, Truth(effects=(effect,)))
+
+
+def test_effects_that_move_no_point_are_told():
+    """A rigid arm does not show what it carries; with a soft joint it does."""
+    plan = plan_of(4, "irb120", payloads={"box": (3.0, (0.0, 0.0, 0.05))}, payload=["box"] * 4)
+    problem = problem_of(plan)
+    heavier = parse_effect("payload:payload=box", problem)
+    soft = parse_effect("joint_compliance:joint=joint_2", problem)
+    assert idle_effects(plan, Truth(effects=(heavier,))) == (heavier[0],)
+    assert idle_effects(plan, Truth(effects=(heavier, soft))) == ()
 
 
 def test_a_target_without_a_place_is_refused():

@@ -115,6 +115,9 @@ class CampaignFile(_Section):
 def read_campaign_file(path: Path) -> CampaignFile:
     """Parse and check `campaign.toml`; `InputError` with all its faults."""
     content = read_toml(path)
+    if "urdf" in content:
+        what, mend = "is a robot, not a campaign", "name a campaign.toml, whose robot = may name this file"
+        raise InputError(Fault(str(path), what, mend))
     try:
         file = CampaignFile.model_validate(content)
     except ValidationError as error:

@@ -117,11 +117,14 @@ _README = """\
 Made by `workbench init`. The robot is `{name}.toml`, with `{name}.urdf` beside it.
 
 1. `workbench check {name}.toml` draws it and says what is not known. Is the flange `{flange}` right? Fill in
-   gear ratios and stiffness in `{name}.toml` where you know them.
+   gear ratios and stiffness in `{name}.toml` where you know them, and under `[controller]` how its controller
+   counts the joints.
 2. `workbench plan {name}.toml --poses 60 --out poses.csv` proposes poses to measure. Or use what you have:
    put the controller's joints into `poses.csv` and the instrument's points into `points.csv`, or name your
    own files and columns in `campaign.toml`.
 3. `workbench check campaign.toml` reads both, fits the instrument's frame and shows which points look wrong.
 4. `workbench diagnose campaign.toml --out found` says what is wrong and why: open `found/index.html`.
-5. `workbench compensate PATH.csv --model found/model.toml --format krl` corrects a path.
+5. `workbench compensate PATH.csv --model found/model.toml` corrects a path, joints and frames as in
+   `{name}.urdf`. With `--format krl` (or rapid, ls, val3, urscript) it writes a program for the controller:
+   that needs `[controller]`, in `{name}.toml` before step 4, or in `found/model.toml`.
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from typing import TYPE_CHECKING
 
 from .arguments import Commands, check_folder, json_option, out_option, positive, seed_option
@@ -81,7 +82,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..effects.records import effect_text, parse_effect
     from ..robot.description import load_robot
     from ..robot.schema import stated_load
-    from ..simulation.virtual_campaign import Truth, random_geometry, simulate
+    from ..simulation.virtual_campaign import Truth, idle_effects, random_geometry, simulate
     from . import told
 
     check_folder(arguments.out)
@@ -111,6 +112,9 @@ def run(arguments: argparse.Namespace) -> None:
         sigma=1e-3 * arguments.sigma_mm,
     )
     campaign = simulate(plan, truth, seed=arguments.seed, shots=arguments.shots)
+    for effect in idle_effects(plan, truth):
+        said = "moves no point in these poses: it has nothing to act on (masses, payload, stiffness?)"
+        print(f"warning: {effect.label} {said}", file=sys.stderr)
     hidden = [f"simulated, seed {arguments.seed}", *(f"hidden: {effect_text(e, v)}" for e, v in effects)]
     write_campaign(arguments.out, campaign, comments=hidden)
     facts = {"robot": robot.name, "n_poses": len(campaign.poses.q), "folder": str(arguments.out)}

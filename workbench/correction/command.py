@@ -17,7 +17,7 @@ from .conditions import Conditions, stated_conditions
 from .extended_arm import parts
 from .mirror import METHODS
 from .paths import Path
-from .programs import Program
+from .programs import LEAST_MM, Program
 from .ripple import LeftOut, frequency, left_out, ripple_shares, speeds
 from .solve import Rest, correct, first_step, settle, turning_sides
 from .trajectory import Trajectory, trajectory_of
@@ -91,7 +91,8 @@ class Compensation:
         """What a user should know, a line each."""
         found = [
             f"{len(self.path)} samples, {self.path.time[-1] - self.path.time[0]:.6g} s: the model expects "
-            f"{_size(self.before_mm)} uncorrected, {_size(self.after_mm)} corrected"
+            f"{_size(self.before_mm)} uncorrected, {_size(self.after_mm)} corrected",
+            "that is what the model leaves of its own errors; what to expect of the robot: workbench predict",
         ]
         found += [f"left out: {item}" for item in self.left_out]
         for kind in dict.fromkeys(trouble.kind for trouble in self.troubles):
@@ -102,6 +103,8 @@ class Compensation:
 
 
 def _size(error_mm: Array) -> str:
+    if error_mm.max() < LEAST_MM:
+        return f"less than {LEAST_MM:g} mm"
     return f"{np.sqrt((error_mm**2).mean()):.3g} mm RMS ({error_mm.max():.3g} at most)"
 
 

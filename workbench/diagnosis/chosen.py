@@ -27,6 +27,12 @@ class Member:
     scale: float
 
 
+def columns_of(reduced: Reduced, member: Member) -> Index:
+    """Numbers of a member's columns."""
+    part = reduced.parts[member.component][member.form]
+    return np.arange(part.start, part.stop)
+
+
 class Chosen:
     """A set of members in the reduced equations: what it explains, and what it leaves of everything.
 
@@ -37,8 +43,7 @@ class Chosen:
     def __init__(self, reduced: Reduced, members: Sequence[Member]) -> None:
         self.reduced, self.members = reduced, tuple(members)
         self._back = dict[int, tuple[Array, Array]]()
-        every = np.arange(len(reduced.u))
-        index = [every[reduced.parts[m.component][m.form]] for m in members]
+        index = [columns_of(reduced, member) for member in members]
         self.index: Index = np.concatenate(index) if index else np.zeros(0, int)
         ends = np.cumsum([0, *(len(i) for i in index)])
         self.own = [slice(a, b) for a, b in pairwise(ends)]
@@ -83,6 +88,15 @@ class Chosen:
             M = np.block([[M + T @ T.T, -T @ half.T], [-half @ T.T, half @ half.T]])
         out.inverse = M
         return out
+
+    def products_of(self, index: Index, v: Array) -> Array:
+        """(m, m) scalar products of what columns (g,) make of what the set leaves, in m combinations
+        v (g, m)."""
+        out = v.T @ self.reduced.S[np.ix_(index, index)] @ v
+        if len(self.index):
+            cross = self.reduced.S[np.ix_(self.index, index)] @ v
+            out = out - cross.T @ self.inverse @ cross
+        return np.asarray(out)
 
     def left_of(
         self, index: NDArray[np.int64], without: int | NDArray[np.int64] | None = None

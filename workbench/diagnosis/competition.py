@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -23,7 +24,7 @@ from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
 from .remainder import GLOBAL_LEVEL, Remainder, ordinary_mm, remainder, rp_mm
-from .replication import agreed, joined, power, renamed, replicated, searched_in_parts
+from .replication import Part, agreed, joined, power, renamed, replicated, searched_in_parts
 from .scan import HIGHEST, LOWEST, Line, scan
 from .scatter import POSES_PER_JOINT, alike, positions, with_scatter
 from .sets import Competition
@@ -91,25 +92,32 @@ class Selection:
 def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     """The likeliest set of causes, gear lines and free functions."""
     geometry, source = prepared.geometry, prepared.noise.source
-    best, members, shares = _likeliest(prepared, candidates)
-    at, competition = best.found, best.competition
-    reduced, components = competition.reduced, competition.components
+    enough = positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n
 
     def of_part(poses: Index) -> tuple[Sequence[Component], Sequence[Shares]]:
         own, _, found = _likeliest(prepared.some(poses), candidates)
         return own.competition.components, found
+
+    with ExitStack() as stack:
+        in_parts = searched_in_parts(prepared.problem, of_part)
+        told = stack.enter_context(in_parts) if enough and source == "residual" else None
+        best, members, shares = _likeliest(prepared, candidates)
+        at, competition = best.found, best.competition
+        reduced, components = competition.reduced, competition.components
+        misfit = source == "residual" or not _as_known(at, geometry, reduced.noise_dof)
+        misfit = misfit or any(components[m.component].nameless for m in members)
+        at_stake = any(not components[m.component].nameless for m in members)
+        parts = list[Part]()
+        if misfit and at_stake and enough:
+            parts = (told or stack.enter_context(in_parts))(components)
 
     def seen_in(poses: Index) -> list[float]:
         own = [components[member.component] for member in members]
         part = reduce(best.at, own, reduced.noise_dof, poses)
         return power(reduced, part, members, components)
 
-    misfit = source == "residual" or not _as_known(at, geometry, reduced.noise_dof)
-    misfit = misfit or any(components[m.component].nameless for m in members)
     certain = dict[int, Shares]()
-    at_stake = any(not components[m.component].nameless for m in members)
-    if misfit and at_stake and positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n:
-        parts = searched_in_parts(prepared.problem, components, of_part)
+    if parts:
         shares = replicated(parts, components, members, shares, seen_in)
         members, shares = _renamed_at_no_loss(best, members, shares)
         certain = agreed(parts, components)

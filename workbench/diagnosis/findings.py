@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import __version__
 from ..campaign import Campaign
+from ..campaign.problem import Problem
 from ..effects import separation_beside
 from ..effects.base import UNKNOWN, Effect
 from ..effects.place import NOWHERE, Parameter, Where
@@ -85,6 +86,7 @@ def assemble(parts: Parts) -> Diagnosis:
             brought,
             ceiling,
             visible_mm(final, parts.candidates),
+            1e3 * np.sqrt(3) * final.usual,
             base,
             parts.given,
             repeats_to,
@@ -100,10 +102,12 @@ def assemble(parts: Parts) -> Diagnosis:
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
         given=parts.given,
         notes=(
+            *_unweighed(problem),
             *(fact.sentence for fact in parts.given if not fact.obeyed),
             *prepared.notes,
             *c.warnings,
             *remarks(prepared, left, beyond, bool(nameless), repeats_to),
+            *_carried(selection),
         ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
@@ -114,6 +118,29 @@ def assemble(parts: Parts) -> Diagnosis:
         version=__version__,
         inputs=c.files,
     )
+
+
+def _unweighed(problem: Problem) -> list[str]:
+    """A remark where the model has no masses: how an arm bends under its own weight looks like what its gears
+    do."""
+    if problem.arm.mass[1:].any() or not problem.arm.gravity.any() or problem.arm.prismatic.all():
+        return []
+    return [
+        f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is not in "
+        "the model, and looks like errors of gears and joints. State the masses before you believe these."
+    ]
+
+
+def _carried(selection: Selection) -> list[str]:
+    """A remark on effects of known forms that the model has in it without their being named."""
+    effects = [selection.fit.model.effects[i] for i in selection.nameless]
+    labels = dict.fromkeys(effect.label for effect in effects if effect.cause != UNKNOWN)
+    if not labels:
+        return []
+    return [
+        "The model carries what has no name by effects of known forms as well, which the data do not settle "
+        f"(model.toml has their numbers, no finding does): {', '.join(labels)}."
+    ]
 
 
 def _left(prepared: Prepared, selection: Selection) -> tuple[Remainder, Remainder]:
@@ -249,7 +276,7 @@ def _nameless(selection: Selection, worth_mm: float) -> list[Finding]:
     for member in selection.unrepeated:
         label = selection.components[member.component].label
         worth = selection.worth_mm(member)
-        structure = f"looks like {label} in one {part} and not in another ({worth:.4f} mm)"
+        structure = f"looks like {label} in one {part} and not in another (it makes {worth:.3f} mm RMS)"
         found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
     ordered = sorted(found, key=lambda finding: -finding.gain_mm)
     return [_as_one(ordered, max(worth_mm, 0.0))] if found else []

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from ..robot.kinematics import Array
-from .chosen import Chosen
+from .chosen import Chosen, Member, columns_of
 from .components import Component
 from .priors import PRIORS
 from .reduced import Index, Reduced
 from .weight import SCALES, Weight, most_of, table_of
 
+TINY = 1e-9
 SLACK = 1e-3  # log odds: far more than rounding
 
 
@@ -84,6 +85,25 @@ class Forms:
             table[here] = logsumexp(most, axis=1)
         prior = np.array([self.components[k].log_odds for k in numbers]) - np.log(counts)
         return np.asarray(np.logaddexp.reduceat(table, first, axis=0) + prior[:, None] + SLACK)
+
+    def together(self, chosen: Chosen, others: Sequence[Member]) -> tuple[Array, Array]:
+        """(m,) what each of some components takes off χ² beside a set, in its form and scale, and (m, m) what
+        each two take together, were each as large as by itself or smaller."""
+        widths = np.array([len(columns_of(self.reduced, other)) for other in others])
+        ends = np.cumsum(widths)
+        v, q = np.zeros((ends[-1], len(others))), np.zeros(len(others))
+        for width in np.unique(widths).tolist():
+            here = np.flatnonzero(widths == width)
+            some = [others[i] for i in here.tolist()]
+            S, u = chosen.left_of(np.stack([columns_of(self.reduced, other) for other in some]))
+            precision = np.array([other.scale**-2 for other in some])
+            held = S + precision[:, None, None] * np.eye(width)
+            likeliest = np.linalg.solve(held, u[..., None])[..., 0]
+            v[ends[here, None] - width + np.arange(width), here[:, None]] = likeliest
+            q[here] = (u * likeliest).sum(axis=1)
+        s = chosen.products_of(np.concatenate([columns_of(self.reduced, other) for other in others]), v)
+        alone = np.outer(q, q)
+        return q, alone * (q[:, None] + q - 2 * s) / np.maximum(alone - s**2, TINY * (1 + alone))
 
     def _rows(self, numbers: Sequence[int]) -> tuple[Index, Index, Index]:
         """The forms of components, how many each has, and where its first stands among them."""

@@ -11,6 +11,7 @@ from .remainder import GLOBAL_LEVEL, Remainder
 from .result import Finding, GivenFact, Stage, Verdict
 
 MOST_SAID = 3  # causes that a headline says
+MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
@@ -33,19 +34,21 @@ def headline(
     brought_mm: float,
     ceiling_mm: float,
     visible_mm: float,
+    noise_mm: float,
     base: Stage,
     given: Sequence[GivenFact] = (),
     repeatability_mm: float | None = None,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
-    beyond geometry that these data would have shown; base: the stage before any cause, of geometry or of that
-    and of what was given; repeatability_mm: of the robot, where that is all that is left."""
+    beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; base: the stage
+    before any cause, of geometry or of that and of what was given; repeatability_mm: of the robot, where that
+    is all that is left."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [_words(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
     open_ = [_either(f) for f in causes if f.status != "named"]
     if open_:
-        parts.append(f"{'not decided' if sure else 'Not decided'}: {_some(open_)}")
+        parts.append(f"{'not decided' if sure else 'Not decided'}: {_some(open_, ', and ')}")
     confirmed = [fact.differs for fact in given if fact.differs]
     if confirmed:
         parts.append(f"{'given' if parts else 'Given'} and confirmed: {_some(confirmed)}")
@@ -58,8 +61,10 @@ def headline(
     with_given = base is not stages[1]
     if with_given:
         gain += f", {base.heldout_rms_mm:.3f} mm with geometry and what was given"
-    if verdict == "nothing_missing" and base.heldout_rms_mm > stages[0].heldout_rms_mm:
-        return f"Too few poses to say: fitted to them, the robot is worse at others. {gain}"
+    few = after > MOST_SPREAD * noise_mm
+    if verdict == "nothing_missing" and few:
+        times = f"{after / noise_mm:.1f} times the noise of {noise_mm:.3f} mm"
+        return f"Too few poses to say: at others the fitted robot is off by {times}. {gain}."
     if verdict == "nothing_missing":
         explain = "geometry and what was given explain" if with_given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
@@ -68,6 +73,8 @@ def headline(
             return f"{nothing}: {explain} these data, and {power}. {gain}."
         but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
         return f"{nothing}, {but}: {explain} the rest, and {power}. {gain}."
+    if few and base.heldout_rms_mm > stages[0].heldout_rms_mm:
+        said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
     best = max(base.heldout_rms_mm - ceiling_mm, 0.0)
     gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
     if verdict == "unknown":
@@ -92,9 +99,9 @@ def _either(finding: Finding) -> str:
     return f"{own} or {other}"
 
 
-def _some(words: Sequence[str]) -> str:
+def _some(words: Sequence[str], between: str = ", ") -> str:
     more = f" and {len(words) - MOST_SAID} more" if len(words) > MOST_SAID else ""
-    return ", ".join(words[:MOST_SAID]) + more
+    return between.join(words[:MOST_SAID]) + more
 
 
 def remarks(

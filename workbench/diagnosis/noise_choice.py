@@ -14,6 +14,7 @@ from ..campaign.problem import Problem
 from ..identification.fit import Fit
 from ..identification.model import Linearisation
 from ..identification.noise import (
+    LEAST,
     Covariance,
     MeasuredNoise,
     body_motion,
@@ -45,7 +46,7 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
     axial = line.by_joint
     said = stated_noise(problem)
     measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
-    notes: list[str] = []
+    notes = _too_fine(problem)
     if measured is not None and (said is None or measured.dof >= BELIEVED_DOF):
         if said is not None:
             disagree = _disagree(problem, said, measured, axial)
@@ -61,6 +62,15 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
         return said, _figures(said, "stated", axial, measured), notes
     guess = provisional(problem)
     return guess, Noise(0.1, "residual"), notes
+
+
+def _too_fine(problem: Problem) -> list[str]:
+    """A note where the campaign states less noise than any instrument has."""
+    stated = problem.campaign.noise_sigma
+    if stated is None or stated >= LEAST:
+        return []
+    used = f"{LEAST * 1e3:g} mm is used"
+    return [f"No instrument sees a robot to {stated * 1e3:g} mm, as [noise] says: {used}. Is it in mm?"]
 
 
 def without_wild_repeats(problem: Problem) -> Problem:

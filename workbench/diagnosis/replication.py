@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from .priors import PRIORS
 from .reduced import Index, Reduced
 from .scatter import POSES_PER_JOINT
 from .sets import Competition
-from .side_by_side import side_by_side
+from .side_by_side import begun
 
 LARGE = 1000  # points from which parts are worth processes of their own
 
@@ -37,19 +38,34 @@ class Part:
         return max(self.shares, key=lambda share: share.get(k, 0.0), default={})
 
 
-def searched_in_parts(problem: Problem, components: Sequence[Component], search: Search) -> list[Part]:
-    """Parts of the data, each searched by itself: these see nothing of what the others found. search: of some
-    poses, components and shares of what it finds."""
-    known = _known(components)
+@contextmanager
+def searched_in_parts(
+    problem: Problem, search: Search
+) -> Iterator[Callable[[Sequence[Component]], list[Part]]]:
+    """Parts of the data, each searched by itself: these see nothing of what the others found. Of large
+    campaigns it is begun on all cores at once; what this gives waits for it, and tells it by the numbers that
+    the whole's components have. search: of some poses, components and shares of what it finds."""
 
-    def searched(poses: Index) -> Part:
+    def searched(poses: Index) -> list[dict[Key | None, float]]:
         theirs, found = search(poses)
-        return Part(poses, [_translated(share, theirs, known) for share in found])
+        return [_by_key(share, theirs) for share in found]
 
     parts = parts_of(problem)
+
+    def told(
+        found: Sequence[Sequence[dict[Key | None, float]]], components: Sequence[Component]
+    ) -> list[Part]:
+        known = _known(components)
+        return [
+            Part(poses, [_translated(share, known) for share in shares])
+            for poses, shares in zip(parts, found, strict=True)
+        ]
+
     if problem.seen.sum() < LARGE:
-        return [searched(poses) for poses in parts]
-    return side_by_side(searched, parts)
+        yield lambda components: told([searched(poses) for poses in parts], components)
+        return
+    with begun(searched, parts) as done:
+        yield lambda components: told(done(), components)
 
 
 def replicated(
@@ -173,12 +189,21 @@ def _mean(shares: Iterable[Shares]) -> Shares:
     return {key: sum(share.get(key, 0.0) for share in every) / len(every) for key in keys}
 
 
-def _translated(share: Shares, theirs: Sequence[Component], known: dict[Key, int]) -> Shares:
-    """A share by the numbers of other components; what these do not have counts as nothing."""
-    out: Shares = {None: 0.0}
+def _by_key(share: Shares, components: Sequence[Component]) -> dict[Key | None, float]:
+    """A share by what its components are about, and not by their numbers."""
+    out: dict[Key | None, float] = {None: 0.0}
     for k, p in share.items():
-        key = None if k is None else known.get(bare(theirs[k].key))
+        key = None if k is None else bare(components[k].key)
         out[key] = out.get(key, 0.0) + p
+    return out
+
+
+def _translated(share: Mapping[Key | None, float], known: Mapping[Key, int]) -> Shares:
+    """A share by the numbers of components; what these do not have counts as nothing."""
+    out: Shares = {None: 0.0}
+    for key, p in share.items():
+        k = None if key is None else known.get(key)
+        out[k] = out.get(k, 0.0) + p
     return out
 
 

@@ -12,14 +12,14 @@ from threadpoolctl import threadpool_limits
 from ..campaign import Campaign, load_campaign
 from ..campaign.known import with_known
 from ..campaign.problem import Problem
-from ..effects import catalogue
 from ..effects.base import Effect
 from ..identification.fit import Fit
+from .candidates import testable
 from .competition import Selection, compete
 from .findings import Parts, assemble
 from .given import search_with_given
 from .prepared import Prepared, Progress, prepare
-from .result import Diagnosis, NotTestable
+from .result import Diagnosis
 from .worth import worth_it
 
 Given = Campaign | str | Path
@@ -104,16 +104,3 @@ def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> lis
 
 def _loaded(given: Given) -> Campaign:
     return given if isinstance(given, Campaign) else load_campaign(given)
-
-
-def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:
-    """Candidates of the catalogue at every place, and the causes that the data cannot show."""
-    candidates: list[Effect] = []
-    missing: list[NotTestable] = []
-    for cause, kind in catalogue().items():
-        why = kind.needs(problem)
-        if why is not None:
-            missing.append(NotTestable(cause, why))
-            continue
-        candidates += kind.sites(problem)
-    return candidates, missing

@@ -19,6 +19,8 @@ MOST = 24
 EXPLAINS = 1.0  # log Bayes factor from which a component explains anything at all
 EXCHANGES = 4  # rounds of them
 AT_ONCE = 4  # members that are weighed together: of as many, one changes
+STRONGEST, PAIRS = 6, 3  # members in the place of which two are tried, and how many such pairs
+ABOUT = 5.0  # log odds that the estimate of a pair's may be off
 CLEARLY = 0.5  # log odds by which another component must be likelier to take a member's place
 
 Mask = NDArray[np.bool_]
@@ -65,12 +67,56 @@ class Competition:
         components: two searches that end at one set are one, and what follows does not hang on rounding."""
         everything = np.ones(len(self.components), bool)
         if before:
-            return self._in_order(self.search(self._again(before), everything))
+            return self._in_order(self._settled(self.search(self._again(before), everything)))
         causes = np.array([not c.nameless for c in self.components])
         found = [self.search([], everything)]
         if causes.any() and not all(causes[m.component] for m in found[0]):
             found.append(self.search(self.search([], causes), everything))
-        return max(map(self._in_order, found), key=self.score)
+        return self._in_order(self._settled(max(map(self._in_order, found), key=self.score)))
+
+    def _settled(self, members: list[Member]) -> list[Member]:
+        """A set in which no two components are likelier in the place of one: else the search goes on."""
+        everything = np.ones(len(self.components), bool)
+        for _ in range(EXCHANGES):
+            split = self.split(members)
+            if split is None:
+                break
+            members = self.search(split, everything)
+        return members
+
+    def split(self, members: Sequence[Member]) -> list[Member] | None:
+        """The set with two components in the place of one of its strongest members, where that is likelier;
+        None where it is not. What one cause does roughly, two may do truly, though neither does it alone."""
+        chosen, now = Chosen(self.reduced, members), self.score(members)
+        takes = [chosen.explained - chosen.explained_without(i) for i in range(len(members))]
+        for i in np.argsort(takes)[: -STRONGEST - 1 : -1].tolist():
+            others = [member for j, member in enumerate(members) if j != i]
+            rest = Chosen(self.reduced, others)
+            if members[i].component not in self._open(rest, None, None):  # what it needs is gone
+                continue
+            for pair in self._pairs(rest, members[i]):
+                own = np.zeros(len(self.components), bool)
+                own[[m.component for m in (*others, *pair)]] = True
+                new = self.exchanged([*others, *pair], own)
+                if self.score(new) > now + CLEARLY:
+                    return new
+        return None
+
+    def _pairs(self, rest: Chosen, instead_of: Member) -> Iterator[tuple[Member, Member]]:
+        """The likeliest pairs beside a set, if about as likely as a member was. Of each two the evidence
+        together counts, and what the prior and the freedom of each cost by itself."""
+        weights = self.beside(rest)
+        least = weights.pop(instead_of.component).log_odds - ABOUT
+        alone = [Member(k, weight.form, weight.scale) for k, weight in weights.items()]
+        q, both = self.forms.together(rest, alone)
+        before = np.array(rest.explained)
+        paid = np.array([w.log_odds for w in weights.values()]) - likelihood(self.reduced, before, q)
+        odds = likelihood(self.reduced, before, both) + paid[:, None] + paid
+        odds[np.tril_indices(len(odds))] = -np.inf
+        for at in np.argsort(odds, axis=None)[: -PAIRS - 1 : -1].tolist():
+            k, j = divmod(at, len(odds))
+            if odds[k, j] > least:
+                yield alone[k], alone[j]
 
     @staticmethod
     def _in_order(members: list[Member]) -> list[Member]:

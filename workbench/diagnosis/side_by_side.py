@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from typing import Any, TypeVar
 
@@ -19,17 +20,29 @@ _work: tuple[Callable[[Any], Any], Sequence[Any]] | None = None  # what forks fi
 def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
     """What the work makes of each item. In this process where it has but one core or cannot fork, or is
     itself one of several at work."""
+    with begun(work, items) as done:
+        return done()
+
+
+@contextmanager
+def begun(work: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Callable[[], list[Result]]]:
+    """The work of each item, begun on all cores while this process goes on; what it gives waits for what came
+    of it. Done here, when it is asked for, where `side_by_side` does it here."""
     global _work
     count = min(cores(), len(items))
     if count < 2 or parent_process() is not None:
-        return [work(item) for item in items]
-    _work = work, items
+        yield lambda: [work(item) for item in items]
+        return
+    leave_ctrl_c = (signal.SIGINT, signal.SIG_IGN)  # to who started them
+    pool = ProcessPoolExecutor(count, get_context("fork"), signal.signal, leave_ctrl_c)
     try:
-        leave_ctrl_c = (signal.SIGINT, signal.SIG_IGN)  # to who started them
-        with ProcessPoolExecutor(count, get_context("fork"), signal.signal, leave_ctrl_c) as pool:
-            return list(pool.map(_done, range(len(items))))
+        _work = work, items
+        found = [pool.submit(_done, i) for i in range(len(items))]  # the first forks them all
+        _work = None
+        yield lambda: [one.result() for one in found]
     finally:
         _work = None
+        pool.shutdown(cancel_futures=True)
 
 
 def cores() -> int:

@@ -21,6 +21,7 @@ from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.registration import register
 from ..robot.kinematics import Array
+from .off_together import off_together
 from .result import FaultFound
 
 WILD = 6.0  # robust standard deviations per axis from which a point is wild
@@ -52,7 +53,9 @@ def clean(problem: Problem, start: State, noise: Covariance, known_effects: Acti
     for _ in range(ROUNDS):
         result = robust_fit(problem, start, noise, known_effects)
         length = np.linalg.norm(result.residual, axis=2)
-        found = mended(problem, result.line.prediction.points, wild_limit(problem, length, least))
+        limit = wild_limit(problem, length, least)
+        limit[off_together(result, np.asarray((length > limit).any(axis=1)))] = np.inf
+        found = mended(problem, result.line.prediction.points, limit)
         start = result.state
         if not found.faults:
             break

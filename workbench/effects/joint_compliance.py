@@ -47,7 +47,8 @@ class JointCompliance(AxialYield, LinearYield):
             meaning = "compliance of the joint over the model's, minus one"
             return (Param("relative", "1", 0.3, meaning, lower=-1.0),)
         unit = "m/N" if self.sliding else "rad/(N·m)"
-        return (Param("compliance", unit, 1e-6, "compliance of the joint", lower=0.0),)
+        meaning = "compliance of the joint, which the model has rigid"
+        return (Param("compliance", unit, 1e-6, meaning, lower=0.0),)
 
     @property
     def stated(self) -> bool:

@@ -77,7 +77,9 @@ def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[E
     known = (*effect.names, *effect.settings)
     unknown = [name for name in item.values if name not in known]
     if unknown:
-        raise InputError([Fault(text, f"no parameter {n!r}", f"known: {', '.join(known)}") for n in unknown])
+        said = {p.name: f"{p.name} ({p.meaning})" for p in effect.params}
+        mend = f"known: {', '.join(said.get(name, name) for name in known)}"
+        raise InputError([Fault(text, f"no parameter {name!r}", mend) for name in unknown])
     if any(name in effect.names for name in item.values):
         return effect, effect.given(item.values)
     return effect, np.array([p.typical for p in effect.params])

@@ -20,7 +20,7 @@ from ..robot.rotations import body_jacobian
 from .repeats import scatter_of_repeats
 
 NOTHING = 2 * np.log(1e-12)  # logarithm of a variance [m² or rad²] that is none
-LEAST = 1e-7  # m: no instrument that sees a robot is better, and squares of errors in it still have digits
+LEAST = 1e-6  # m: no instrument that sees a robot is better; a fit that believes one bends to what it rounds
 
 
 @dataclass(frozen=True)

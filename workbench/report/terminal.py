@@ -4,24 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..diagnosis.result import Diagnosis
+from ..diagnosis.result import NAMELESS, Diagnosis
 from ..effects.base import UNKNOWN
 from .content import decision, place, to_decide
 
 
 def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     """A few lines: verdict, causes with gain, faults, and where the report lies (`folder`, if written)."""
-    first, last = diagnosis.stages[0], diagnosis.stages[-1]
-    geometry, given = diagnosis.stages[1], diagnosis.with_given
-    beside = "" if given is None else f"   and what was given {given.heldout_rms_mm:.4f}"
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
         f"noise {diagnosis.noise.sigma_mm:.4f} mm per axis ({diagnosis.noise.source})",
         "",
         diagnosis.headline,
         "",
-        f"  held-out error, mm RMS   nominal {first.heldout_rms_mm:.4f}"
-        f"   geometry {geometry.heldout_rms_mm:.4f}{beside}   with causes {last.heldout_rms_mm:.4f}",
+        f"  held-out error, mm RMS   {'   '.join(_steps(diagnosis))}",
     ]
     if diagnosis.test:
         t = diagnosis.test
@@ -59,3 +55,16 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
             f"  page: {folder}/index.html   report: {folder}/report.pdf   model: {folder}/model.toml",
         ]
     return "\n".join(lines)
+
+
+def _steps(diagnosis: Diagnosis) -> list[str]:
+    """Nominal, geometry, what was given, the causes and what has no name, as far as there is any."""
+    nominal, geometry, *more = diagnosis.stages
+    steps = [("nominal", nominal), ("geometry", geometry)]
+    if (given := diagnosis.with_given) is not None:
+        steps.append(("and what was given", given))
+        more.remove(given)
+    with_names = [stage for stage in more if not stage.name.endswith(NAMELESS)]
+    steps += [("with causes", stage) for stage in with_names[-1:]]
+    steps += [(f"with {NAMELESS}", stage) for stage in more if stage not in with_names]
+    return [f"{name} {stage.heldout_rms_mm:.4f}" for name, stage in steps]

@@ -98,6 +98,8 @@ def _flange_behind(urdf: Urdf, last: str) -> Guess:
             if re.fullmatch(pattern, link, re.IGNORECASE):
                 return Guess(link, "by its name")
     for link in group[1:]:
-        if urdf.parent(link) == last and urdf.links[link].find("visual") is None:
+        # a link that has a shape is a part or stands for one, as Franka's collision links do
+        shaped = any(urdf.links[link].find(kind) is not None for kind in ("visual", "collision"))
+        if urdf.parent(link) == last and not shaped:
             return Guess(link, f"the frame that is fixed to the last moving link {last!r}")
     return Guess(last, "the last moving link")

@@ -95,6 +95,21 @@ def _toml(name: str, guess: Guess, chain: Chain, source: Path) -> str:
             f"# tilt_stiffness = 1.0e7   # {tilt}",
             "# repeatability = 5e-6     # rad or m, one sigma",
         ]
+    count = range(1, len(chain.joints) + 1)
+    names, ones, zeros = (
+        ", ".join(f'"J{i}"' for i in count),
+        ", ".join("1" for _ in count),
+        [0.0 for _ in count],
+    )
+    lines += [
+        "",
+        "# How its controller counts the joints: programs for it need this. A sign is -1 where it counts the",
+        "# other way, a zero is what it shows where the URDF's joint is at 0; all keys: docs/files/robot.md.",
+        "# [controller]",
+        f"# names = [{names}]",
+        f"# signs = [{ones}]",
+        f"# zeros = {zeros}",
+    ]
     lines += ["", "[source]", *toml_text({"kinematics": source.name}).splitlines()]
     return "\n".join(lines) + "\n"
 

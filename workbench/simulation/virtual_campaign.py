@@ -25,6 +25,7 @@ from ..robot.rotations import body_jacobian, rotation_about
 from ..robot.yielding import Law
 
 Values = tuple[Effect, Array]
+IDLE = 1e-9  # m: what moves no point by that moves none
 
 
 @dataclass(frozen=True)
@@ -106,6 +107,20 @@ def simulate(
         shot_scatter=(float(((shot - mean[:, :, None]) ** 2).sum()), 3 * (shots - 1) * mean[..., 0].size),
         noise_sigma=truth.sigma if state_sigma and truth.sigma > 0 else plan.noise_sigma,
     )
+
+
+def idle_effects(plan: Campaign, truth: Truth) -> tuple[Effect, ...]:
+    """The effects of a truth without which every point of the plan stands where it stands with them: nothing
+    loads what yields, say, or nothing yields to what pulls."""
+    still = replace(truth, sigma=0.0)
+    whole = simulate(plan, still).points if truth.effects else plan.points
+    idle = []
+    for item in truth.effects:
+        rest = tuple(other for other in truth.effects if other is not item)
+        without = simulate(plan, replace(still, effects=rest)).points
+        if np.abs(whole - without).max() < IDLE:
+            idle.append(item[0])
+    return tuple(idle)
 
 
 def random_geometry(arm: Arm, rng: np.random.Generator, length: float = 5e-4, angle: float = 5e-4) -> Array:

@@ -13,7 +13,7 @@ from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from . import files as _files
 from .base import Array, Program
-from .files import RoundingEffect
+from .files import LEAST_MM, RoundingEffect
 from .format import Format
 from .measuring import DWELL_S, measured
 from .measuring import measuring_program as _measuring_program
@@ -21,6 +21,7 @@ from .shown import as_shown, as_urdf
 from .thin import thinned
 
 __all__ = [
+    "LEAST_MM",
     "Format",
     "Program",
     "RoundingEffect",

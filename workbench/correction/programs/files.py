@@ -17,6 +17,7 @@ from .base import Array, Program
 from .format import Format
 
 log = logging.getLogger(__name__)
+LEAST_MM = 1e-3  # below that no number is said: no robot and no instrument knows it
 PIECE = 10_000  # samples of a table
 
 
@@ -29,6 +30,8 @@ class RoundingEffect:
     max_deg: float
 
     def __str__(self) -> str:
+        if self.max_mm < LEAST_MM:
+            return f"rounding moves the tool by less than {LEAST_MM:g} mm"
         return f"rounding moves the tool by {self.mean_mm:.2g} mm (mean), {self.max_mm:.2g} mm (most)"
 
 

@@ -15,9 +15,9 @@ import numpy as np
 
 from ...campaign import Campaign, load_campaign
 from ...files.faults import Fault, InputError
+from ..candidates import testable
 from ..prepared import Progress
 from ..priors import PRIORS
-from ..run import testable
 from .decision import Decided, decide
 from .findings import changes_of, hidden_zeros, repeats, tracks, unseen
 from .frames import apart

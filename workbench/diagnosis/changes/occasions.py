@@ -15,9 +15,9 @@ from ...identification.fit import Fit, fit, refit, start_state
 from ...identification.model import Model
 from ...identification.noise import Covariance
 from ...robot.kinematics import Array
+from ..candidates import testable
 from ..competition import compete
 from ..prepared import Prepared, Progress, prepare
-from ..run import testable
 from ..scatter import alike
 
 

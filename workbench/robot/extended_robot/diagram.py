@@ -46,12 +46,12 @@ def AddExtendedRobot(builder: DiagramBuilder, folder: Path = HERE) -> Diagram:
 
 
 def Settle(robot: Diagram, context: Context, q: Any) -> None:
-    """Puts the robot to rest at joints q (n,) under its loads. context: of the whole diagram."""
+    """Puts the robot to rest, its drives at q (n,), under its loads. context: of the whole diagram."""
     plant: Any = robot.GetSubsystemByName("plant")
     effects: Any = robot.GetSubsystemByName("effects")
     own = plant.GetMyMutableContextFromRoot(context)
     positions = np.zeros(plant.num_positions())
-    positions[effects.motors] = q
+    positions[effects.motors], _ = effects.joints(q, np.zeros(len(q)))
     free = np.setdiff1d(np.arange(plant.num_positions()), effects.motors)
     for _ in range(20):
         left = effects.balance(positions)[free]

@@ -14,11 +14,16 @@ from pydrake.systems.framework import LeafSystem
 from .cylinder import add_pull, between, gas_force, pulled
 from .gears import Curve, Erring, add_forces, add_up
 
+ROUNDS = 8  # from a joint back to its drive: each leaves a gear's slope of what is left
 BANDWIDTH = 2 * np.pi * 5.0  # rad/s of the drives' position loops, critically damped
 
 
 class Effects(LeafSystem):
-    """Drives that hold the weight, errors of the gears with their reaction, gas compensator, hoses."""
+    """Drives that hold the weight, errors of the gears with their reaction, gas compensator, hoses.
+
+    Behind the gear of a joint that yields is a spring, and the plant's joint is the drive. A rigid joint has
+    its gear's error in it: the drive is where `drives` says.
+    """
 
     def __init__(self, plant: MultibodyPlant, effects: Any) -> None:
         super().__init__()
@@ -29,9 +34,9 @@ class Effects(LeafSystem):
         self.motors = np.array([plant.GetJointByName(name).position_start() for name in names])
         self.springs = [self._place(f"{name}_spring") for name in names]
         self.gears, self.hoses = (_curves(effects, kind) for kind in ("gear/", "torque/"))
-        self.erring = [
-            self._erring(j, effects) for j in range(self.n) if any(gear.joint == j for gear in self.gears)
-        ]
+        self.rigid = [gear for gear in self.gears if self.springs[gear.joint] < 0]
+        sprung = sorted({gear.joint for gear in self.gears} - {gear.joint for gear in self.rigid})
+        self.erring = [self._erring(j, effects) for j in sprung]
         self.gas: Any = tuple(effects["gas"].tolist()) if "gas" in effects.files else None
         if self.gas is not None:
             self.bodies = [plant.GetBodyByName(str(name)) for name in effects["gas_bodies"]]
@@ -48,6 +53,21 @@ class Effects(LeafSystem):
         gas: Any = self._body_force
         self.DeclareAbstractOutputPort("tool_pose", pose, tool)
         self.DeclareAbstractOutputPort("body_force", forces, gas)
+
+    def joints(self, q: Any, v: Any) -> Any:
+        """(2, n) positions and velocities of the plant's joints, of drives at q (n,) that move at v (n,)."""
+        at, rate = list(q), list(v)
+        for gear, slope in zip(self.rigid, add_up(self.rigid, q, at), strict=True):
+            rate[gear.joint] += slope * v[gear.by]
+        return np.array([at, rate])
+
+    def drives(self, q: Any, v: Any) -> Any:
+        """(2, n) the other way: of the drives, for the plant's joints at q (n,) that move at v (n,)."""
+        there = np.array([q, v])
+        found = there
+        for _ in range(ROUNDS if self.rigid else 0):
+            found = found + there - self.joints(*found)
+        return found
 
     def balance(self, positions: Any) -> Any:
         """(V,) all generalised forces at rest: weight, springs, effects; without the drives."""
@@ -68,12 +88,13 @@ class Effects(LeafSystem):
 
     def _effects(self, x: list[float]) -> Any:
         """(V,) generalised forces of gears and hoses at states x [2 V]."""
-        force, q = np.zeros(self.size), [x[at] for at in self.motors.tolist()]
+        force, motors = np.zeros(self.size), self.motors.tolist()
+        q, _ = self.drives([x[at] for at in motors], self.n * [0.0]).tolist()
         errors, torques = self.n * [0.0], self.n * [0.0]
         slopes = add_up(self.gears, q, errors)
         add_forces(self.erring, x, errors, slopes, force)
         add_up(self.hoses, q, torques)
-        for at in (self.motors.tolist(), self.springs):
+        for at in (motors, self.springs):
             for place, torque in zip(at, torques, strict=True):
                 if place >= 0:
                     force[place] += torque
@@ -92,7 +113,8 @@ class Effects(LeafSystem):
         desired: Any = self._desired.Eval(context)
         q, v = x[: self.size][self.motors], x[self.size :][self.motors]
         hold = -self.balance(x[: self.size])[self.motors]
-        wanted = BANDWIDTH**2 * (desired[: self.n] - q) + 2 * BANDWIDTH * (desired[self.n :] - v)
+        place, rate = self.joints(desired[: self.n], desired[self.n :])
+        wanted = BANDWIDTH**2 * (place - q) + 2 * BANDWIDTH * (rate - v)
         force = self._effects(x.tolist())
         force[self.motors] += hold + self.inertia * wanted
         output.SetFromVector(force)
@@ -105,7 +127,8 @@ class Effects(LeafSystem):
 
     def _measured(self, context: Any, output: Any) -> None:
         x: Any = self._state.Eval(context)
-        output.SetFromVector(np.concatenate([x[: self.size][self.motors], x[self.size :][self.motors]]))
+        drives = self.drives(x[: self.size][self.motors], x[self.size :][self.motors])
+        output.SetFromVector(drives.ravel())
 
     def _tool_pose(self, context: Any, output: Any) -> None:
         x: Any = self._state.Eval(context)

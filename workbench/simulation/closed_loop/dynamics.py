@@ -30,6 +30,7 @@ from .mechanics import Mechanics
 from .springs import Springs
 
 PLACED = 0.05  # s between the instants at which frames are put where temperature and drift have them
+CROSSED = 5e-3  # s in which a joint follows across its play; at once, a rigid one would throw its motor back
 SEEN = 4e-3  # s between looks at the forces at bodies, which go on in between as they went
 
 
@@ -47,7 +48,8 @@ class Along:
 class Dynamics:
     """State of the simulated robot, and its step. Coordinates are the plant's.
 
-    q, v: (V,); side: [n] from which each motor has come, −1 … 1. Friction and gas keep states of their own.
+    q, v: (V,); side: [n] from which each motor has come, −1 … 1, taken: [n] the same as the joints have it.
+    Friction and gas keep states of their own.
     """
 
     def __init__(
@@ -66,14 +68,13 @@ class Dynamics:
         self.context = self.plant.CreateDefaultContext()
         self.forces, self.size = MultibodyForces(self.plant), self.plant.num_velocities()
         self.bodies = BodyForces(machine, self.context, loop, along.wrench, along.charge)
-        self.springs = Springs(mechanics, machine, drive, gears, reaction)
-        self.softness = self.springs.softness
-        self.linear = np.diag(step / 2 * self.springs.damping + step**2 / 4 * self.softness)
+        self.springs = Springs(mechanics, machine, drive, gears, reaction, step)
         self.extra = None if along.torque is None else self._at_joints(along.torque)
         self.rubbing = Rubbing(machine, drive, loop, step)
         self.none = np.zeros(self.size)
         self.pulled = self.trend = self.none
         self.side = [0.0] * mechanics.arm.n
+        self.follow = 1 - np.exp(-step / CROSSED)
         self.places = machine.motors
         self.motors: list[int] = machine.motors.tolist()
         self.x = np.zeros(2 * self.size)
@@ -84,6 +85,7 @@ class Dynamics:
         """Still, with the drives at q (n,) and the springs slack."""
         self.q, self.v, self.dv = self.none.copy(), self.none.copy(), self.none.copy()
         self.q[self.machine.motors] = q
+        self.taken = list(self.side)
 
     def advance(self, torque: Array, k: int) -> None:
         """Step number k under the drives' torque (n,)."""
@@ -96,10 +98,8 @@ class Dynamics:
         at, force = self.x.tolist(), self.drakes()
         if self.bodies.active:
             force += self._at_bodies(k)
-        self.springs.add(v, at, self._side_halfway(at), force)
-        for one in self.springs.bent:
-            self.linear[one.at, one.at] = h / 2 * one.damping + h**2 / 4 * self.softness[one.at]
-        implicit = self.linear
+        self.springs.add(v, at, self.taken, force)
+        implicit = self.springs.implicit()
         if self.rubbing.active:
             implicit = implicit + self.rubbing.take(v, force)
         force[self.places] += torque
@@ -142,12 +142,7 @@ class Dynamics:
         if self.gears.play:
             way = moved.tolist()
             self.side = self.gears.crossed(self.side, [way[at] for at in self.motors])
-
-    def _side_halfway(self, at: list[float]) -> list[float]:
-        """Sides [n] of the motors where the plant is put."""
-        if not self.gears.play:
-            return self.side
-        return self.gears.crossed(self.side, [at[m] - self.q[m] for m in self.motors])
+            self.taken = [t + self.follow * (s - t) for t, s in zip(self.taken, self.side, strict=True)]
 
     def place(self, k: int) -> None:
         """Puts the frames that temperature and drift move where they are at step k."""

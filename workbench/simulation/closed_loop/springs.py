@@ -18,22 +18,29 @@ from .mechanics import Mechanics
 class Springs:
     """Forces that Drake's springs and dampers lack, by positions and velocities of the plant, each (V,).
 
-    softness: (V,) slopes of the springs at the last call, damping: (V,), zero where nothing is; both are for
-    the implicit step, Drake's own springs and dampers included. tables: motion and torque of the joints whose
-    law is not linear; bent: those joints. reaction: whether the motors feel the gears' slopes.
+    softness: (V,) of the springs at the last call, zero where nothing is, Drake's own included. tables:
+    motion and torque of the joints whose law is not linear; erring: springs whose gear errs or whose law is
+    such; slopes: of the gears' curves at the last call. reaction: whether the motors feel them. linear:
+    (V, V) what stays of the step's implicit part.
     """
 
     def __init__(
-        self, mechanics: Mechanics, machine: Machine, drive: Drives, gears: Gears, reaction: bool
+        self,
+        mechanics: Mechanics,
+        machine: Machine,
+        drive: Drives,
+        gears: Gears,
+        reaction: bool,
+        step: float,
     ) -> None:
-        self.gears, self.reaction = gears, reaction
+        self.gears, self.reaction, self.step = gears, reaction, step
         self.size = machine.plant.num_velocities()
         self.motors, self.viscous = machine.motors.tolist(), np.zeros(self.size)
         self.viscous[machine.motors] = drive.viscous
         self.softness = np.zeros(self.size)
         self.softness[machine.springs] = machine.stiffness
-        self.damping = self.viscous.copy()
-        self.damping[machine.springs] = machine.damping
+        damping = self.viscous.copy()
+        damping[machine.springs] = machine.damping
         self.tables = {
             j: (law.motion, law.torque)
             for j, law in enumerate(mechanics.axial)
@@ -42,7 +49,10 @@ class Springs:
         self.erring = [
             self._of(int(j), machine) for j in machine.sprung if gears.err[j] or int(j) in self.tables
         ]
-        self.bent = [one for one in self.erring if one.law is not None]
+        self.slopes: list[float] = []
+        self.linear = np.diag(step / 2 * damping + step**2 / 4 * self.softness)
+        for one in self.erring:
+            self.linear[one.at, one.at] = 0.0
 
     def _of(self, j: int, machine: Machine) -> Erring:
         i = int(machine.own[j])
@@ -56,8 +66,26 @@ class Springs:
         `side` [n]."""
         force -= self.viscous * v
         if self.erring:
-            errors, slopes = self.gears.errors([at[m] for m in self.motors], side)
-            add_forces(self.erring, at, errors, slopes, force, reaction=self.reaction, softness=self.softness)
+            errors, self.slopes = self.gears.errors([at[m] for m in self.motors], side)
+            add_forces(
+                self.erring, at, errors, self.slopes, force, reaction=self.reaction, softness=self.softness
+            )
+
+    def implicit(self) -> Array:
+        """(V, V) h D/2 + h² K/4 of dampers and springs at the last call.
+
+        Behind a gear that errs a spring is stretched by its own motion less the slope times the motor's: of a
+        stiff spring even a slight slope, were it left out here, would make the step diverge.
+        """
+        h, out = self.step, self.linear
+        for one in self.erring:
+            stretch = np.zeros(self.size)
+            stretch[one.at] = 1.0
+            for pair, motor in one.pairs if self.reaction else ():
+                stretch[motor] -= self.slopes[pair]
+            weight = h / 2 * one.damping + h**2 / 4 * self.softness[one.at]
+            out = out + weight * np.outer(stretch, stretch)
+        return out
 
 
 def tabulated(motion: Array, torque: Array) -> Callable[[float], tuple[float, float]]:

@@ -96,8 +96,8 @@ def kind_of(item: Part, problem: Problem) -> str:
     """What an effect does, as far as another program must know.
 
     "mass", "compensator", "torque": what pulls; "spring": yields in proportion to its load, "law": otherwise;
-    "gear": error of a joint that yields, which joints alone decide; "other": of a rigid one, or it hangs on
-    side, time or temperature.
+    "gear": error of a joint along its axis, which joints alone decide; "other": it hangs on side, time or
+    temperature, or moves a frame.
     """
     effect, _ = item
     alone = Acting((item,))
@@ -106,19 +106,11 @@ def kind_of(item: Part, problem: Problem) -> str:
     if effect.acts == "yielding":
         return "law" if alone.yielding(problem.arm).bent else "spring"
     if effect.acts in ("transmission", "geometry"):
-        return "gear" if effect.acts == "transmission" and _on_springs(effect, problem) else "other"
+        return "gear" if effect.acts == "transmission" and effect.axial else "other"
     _, loads = alone.loads(problem, problem.arm)
     if loads.compensator is not problem.loads.compensator:
         return "compensator"
     return "torque" if (loads.torque != problem.loads.torque).any() else "mass"
-
-
-def _on_springs(effect: Effect, problem: Problem) -> bool:
-    """Whether all that an effect moves are joints, along their own axes, that the TOML gives a stiffness."""
-    arm = problem.arm
-    moved = np.array([int(column) for column in effect.motion(problem)])
-    soft = arm.compliance[moved // 6, moved % 6, moved % 6]
-    return bool(np.isin(moved, arm.axial).all() and (soft > 0).all())
 
 
 def content_of(robot: Robot, campaign: Campaign | None, conditions: Conditions) -> Content:

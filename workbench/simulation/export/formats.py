@@ -64,7 +64,9 @@ FORMATS = {
         "package for Drake, elastic, with its effects", WHOLE, drake_package.write, with_simulator
     ),
     "mjcf": Format("MJCF for MuJoCo, elastic", ELASTIC, mjcf.write, assumed),
-    "ur-kinematics": Format("Universal Robots' kinematics file, rigid", frozenset(), ur_kinematics.write),
+    "ur-kinematics": Format(
+        "Universal Robots' kinematics file, rigid", frozenset(), ur_kinematics.write, ur_kinematics.notes
+    ),
     "dh": Format("Denavit-Hartenberg tables, rigid", frozenset(), dh.write, dh.notes),
     "opw": Format("ortho-parallel arm, rigid and nearest", frozenset(), opw.write, flange=opw.near),
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...files.faults import Fault, InputError
@@ -30,13 +32,11 @@ def write(content: Content, header: list[str]) -> Files:
 
 
 def origins(content: Content) -> Array:
-    """(6, 4, 4) of each joint in the link before it. Raises `InputError` for an arm of another family."""
-    table = table_of(content.arm)
-    if not _is_ur(table):
-        what = "is no arm of Universal Robots' kind (axes 2, 3, 4 parallel, three crossing pairs)"
-        raise InputError(Fault(f"{content.robot.name}: --to ur-kinematics", what, "use urdf or dh"))
-    rows, before, out = table.rows, table.base, []
-    for theta, d, a, alpha, beta in rows:
+    """(6, 4, 4) of each joint in the link before it, the first in UR's own base, where the arm at zero points
+    along −x. Raises `InputError` for an arm of another family."""
+    table = _makers_table(content)
+    before, out = _half_turn(table) @ table.base, []
+    for theta, d, a, alpha, beta in table.rows:
         out.append(before @ screw("z", theta, d))
         before = screw("x", alpha, a) @ screw("y", beta, 0.0)
     # behind the last axis only a turn about it is left: it belongs to the last joint's zero
@@ -44,10 +44,39 @@ def origins(content: Content) -> Array:
     return np.array(out)
 
 
+def notes(content: Content) -> list[str]:
+    """Where the file's base stands, if not where the robot's does."""
+    if (_half_turn(_makers_table(content)) == np.eye(4)).all():
+        return []
+    base = content.robot.base
+    return [f"the shoulder counts from UR's own base (base_link_inertia), half a turn about z from {base}"]
+
+
+def _makers_table(content: Content) -> Table:
+    """The arm's table with the common normals the maker's way: a row's x may point both ways. Raises
+    `InputError` for an arm of another family."""
+    table = table_of(content.arm)
+    if len(table.rows) == 6 and not table.prismatic.any():
+        rows = table.rows.copy()
+        for i, twist in enumerate(TWISTS[:-1]):
+            if (rows[i, 3] * twist if twist else -rows[i, 2]) < 0:
+                rows[i, 2:] *= -1
+                rows[i : i + 2, 0] += np.pi
+        rows[:, 0] = np.remainder(rows[:, 0] + np.pi, 2 * np.pi) - np.pi
+        table = replace(table, rows=rows)
+        if _is_ur(table):
+            return table
+    what = "is no arm of Universal Robots' kind (axes 2, 3, 4 parallel, three crossing pairs)"
+    raise InputError(Fault(f"{content.robot.name}: --to ur-kinematics", what, "use urdf or dh"))
+
+
+def _half_turn(table: Table) -> Array:
+    """(4, 4) from the robot's base to UR's own: many URDFs have their base_link turned half about z."""
+    return screw("z", np.pi * round(abs(table.rows[0, 0]) / np.pi), 0.0)
+
+
 def _is_ur(table: Table) -> bool:
     rows = table.rows
-    if len(rows) != 6 or table.prismatic.any():
-        return False
     short = rows[[0, 3, 4, 5], 2]
     behind = screw("x", rows[5, 3], rows[5, 2]) @ screw("y", rows[5, 4], 0.0) @ table.tool
     along = np.abs(behind[:3, 2] - [0, 0, 1]).max() < 1e-9 and np.abs(behind[:2, 3]).max() < 1e-9

@@ -1,0 +1,58 @@
+"""Poses that are far off in the way of one cause: they are no outliers, however few they are.
+
+Of campaigns with a few poses from the other side, or under a load, the geometry fits the many; the few stand
+out, and they are what tells the cause.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from scipy.special import betainc
+
+from ..effects.base import Effect
+from ..identification.fit import Fit
+from ..robot.kinematics import Array
+from .candidates import testable
+
+CHANCE = 1e-3  # that some cause explains as much of poses that are off by chance
+EXPLAINED = 0.5  # of a pose's squares: what is no outlier
+FREE = 3  # directions that a pose may be off in by chance, its points together
+
+Poses = NDArray[np.bool_]
+
+
+def off_together(result: Fit, wild: Poses) -> Poses:
+    """(N,) of the wild poses (N,) those that a cause explains. result: a robust fit of the geometry.
+
+    A cause of p numbers explains a share of the squares of n poses, each of which counts by its direction
+    alone, that is by chance as large as one of Beta(p/2, (3n − p)/2). What depends on the time explains
+    nothing here: an instrument that is disturbed for a while is no robot.
+    """
+    out = np.zeros(len(wild), bool)
+    if wild.sum() < 2:
+        return out
+    candidates = [e for e in testable(result.model.problem)[0] if "time" not in e.uses]
+    before = (result.r**2).sum(axis=1)
+    for effect in candidates:
+        after = (_left(result, effect) ** 2).sum(axis=1)
+        share = 1 - float(after[wild].sum() / before[wild].sum())
+        p, q = 0.5 * len(effect.params), 0.5 * (FREE * wild.sum() - len(effect.params))
+        if share > 0 and q > 0 and betainc(q, p, 1 - share) * len(candidates) < CHANCE:
+            out |= wild & (after < (1 - EXPLAINED) * before)
+    return out
+
+
+def _left(result: Fit, effect: Effect) -> Array:
+    """(N, D) whitened residual with an effect in the fit, to first order."""
+    N, D = result.r.shape
+    prior = result.columns.prior
+    J = (result.J * prior).reshape(N * D, -1)
+    G = result.whitened(effect).reshape(N * D, -1) * [param.typical for param in effect.params]
+    Z = solve_triangular(result.upper, J.T @ G, trans="T", check_finite=False)
+    S = G.T @ G - Z.T @ Z
+    S[np.diag_indices_from(S)] += 1e-9 * max(float(np.trace(S)), 1.0)
+    beta = np.linalg.solve(S, G.T @ result.r.ravel())
+    moved = solve_triangular(result.upper, Z @ beta, check_finite=False)
+    return np.asarray(result.r - (G @ beta - J @ moved).reshape(N, D))
