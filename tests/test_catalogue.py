@@ -28,9 +28,11 @@ from workbench.effects.kinds import (
     YieldEffect,
 )
 from workbench.effects.masses import MassEffect
+from workbench.effects.records import parse_effect
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.noise import required_noise
+from workbench.measurement.design import settle
 from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
@@ -197,6 +199,39 @@ CLAIMS = {
 }
 
 
+@every
+def test_a_result_is_read_back_as_the_effect_it_tells(name, effect):
+    """With its form, beside what another form of the same cause shows."""
+    case, _ = job(name)
+    values = values_of(effect)
+    told = effect.report(values, np.diag((0.01 * values) ** 2 + 1e-12))
+    fainter = [
+        (p, 0.1)
+        for form in type(effect).places(case)
+        if form.key == effect.key and not form.ordered
+        for p in form.report(np.full(len(form.params), 1e-3), 1e-4 * np.eye(len(form.params)))
+        if p.name not in {one.name for one in told}
+    ]
+    numbers = [(p, p.std) for p in told] + fainter
+    listed = [{"name": p.name, "value": p.value, "std": std} for p, std in numbers]
+    cause = {"cause": effect.cause, **effect.where.keys(), "variant": effect.variant, "parameters": listed}
+    found, size = settle._effect(cause, case)
+    assert (found.key, found.variant) == (effect.key, effect.variant)
+    assert found.report(size, np.eye(len(size)))[0].value == pytest.approx(told[0].value)
+    alone = {**cause, "variant": ""}  # as results were that did not tell the form
+    assert set(settle._effect(alone, case)[0].names) <= {p.name for p in told} | set(effect.names)
+
+
+def test_the_numbers_that_are_said_choose_the_form():
+    case, _ = job("kr500")
+    for text, form in (
+        ("preload=-500", "preload"),
+        ("relative=0.1", "charge"),
+        ("coefficient=3e-3", "temperature"),
+    ):
+        assert parse_effect(f"gravity_compensator:{text}", case)[0].variant == form
+
+
 @on_one_robot
 def test_evidence_shows_the_hidden_curve(effect):
     """Simulated in Drake, fitted, drawn: the curve is the hidden one, and the points lie on it."""
@@ -238,6 +273,17 @@ def test_what_tells_two_causes_apart_is_said_once_for_both():
                 assert cause in rivals(rival)
                 assert separation(cause, rival)
                 assert separation(rival, cause)
+    ways = {
+        way for kind in catalogue().values() for said in kind.separate.values() for way in said.split(", or ")
+    }
+    assert ways >= {kind.reading for kind in catalogue().values() if kind.reading}
+
+
+def test_what_was_read_is_not_asked_for_again():
+    both = separation("gravity_compensator", "link_mass")
+    assert both == "read the pressure gauge, or weigh the link"
+    assert separation("link_mass", "gravity_compensator", ["gravity_compensator"]) == "weigh the link"
+    assert separation("gravity_compensator", "link_mass", ["link_mass", "gravity_compensator"]) is None
 
 
 def test_no_cause_is_named_outside_effects():

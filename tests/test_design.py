@@ -288,7 +288,9 @@ def test_the_command_writes_poses(tmp_path, capsys):
     assert [path.name for path in out.parent.iterdir()] == ["poses.csv"]
     assert main(["simulate", "kr500", "--poses", str(out), "--out", str(tmp_path / "measured")]) == 0
     returns = facts["drive"]["check_poses"]
-    assert load_campaign(tmp_path / "measured/campaign.toml").n_poses == 7 + returns
+    measured = load_campaign(tmp_path / "measured/campaign.toml")
+    assert measured.n_poses == 7 + returns
+    assert [name for name in measured.poses.ids if name.startswith("check_")] == ["check_1", "check_2"]
     source = str(tmp_path / "measured/campaign.toml")
     capsys.readouterr()
     assert main(["plan", source, "--poses", "7", "--quick", "--force", "--out", str(out)]) == 0

@@ -18,10 +18,13 @@ from workbench.cli.main import main
 from workbench.correction.programs import as_urdf, find_format
 from workbench.files.faults import InputError
 from workbench.measurement.driving.drive import drive
-from workbench.measurement.driving.files import programs
+from workbench.measurement.driving.files import comments, programs
+from workbench.measurement.driving.page import PlanPage, page_files
 from workbench.measurement.driving.reach import Reach, reach
+from workbench.measurement.driving.scene import _unhidden
 from workbench.measurement.driving.tour import length, shortest
 from workbench.measurement.driving.ways import Ways
+from workbench.report.meshcat_page import ASIDE, camera
 from workbench.robot.hulls import robot_hulls
 from workbench.robot.kinematics import frames
 from workbench.robot.rigid_plant import arrays
@@ -47,6 +50,11 @@ def driven(cell: Reach):
     q = cell.draw(24, np.random.default_rng(1))
     payload = ["heavy" if i % 2 else "" for i in range(24)]
     return drive(planned(cell.robot, q, payloads=SECOND, payload=payload), Ways(cell), 4.0)
+
+
+def render_page(driven, cell: Reach) -> str:
+    page = PlanPage("t", "h", [], None, driven, cell, {"inputs": {}})
+    return page_files(page)["index.html"].decode()
 
 
 # ---------------------------------------------------------------- bodies
@@ -163,6 +171,34 @@ def test_where_nothing_is_seen_it_is_said() -> None:
         hidden.draw(5, np.random.default_rng(0))
 
 
+def test_obstacles_may_be_called_as_they_like() -> None:
+    """Two alike, as the floor, as a link of the robot, two alike on the flange: all of them are there."""
+    names = ("fence", "fence", "floor", "link_2")
+    far = [
+        ObstacleData(name=name, box_mm=(100, 100, 100), xyz_mm=(5000, 400 * k, 500))
+        for k, name in enumerate(names)
+    ]
+    near = ObstacleData(name="fence", box_mm=(400, 400, 400), xyz_mm=(500, 0, 300))
+    tools = [ObstacleData(name="tool", box_mm=(40, 40, 40), xyz_mm=(0, 0, z), on="flange") for z in (30, 80)]
+    here = reached("irb120", CellData(obstacles=(*far, *tools, near)))
+    q = np.random.default_rng(0).uniform(-1, 1, (300, 6))
+    hit = {name for one in q for pair in here.collisions.touching(one) for name in pair}
+    assert "fence 3" in hit
+    assert not {"fence", "fence 2", "floor 2", "link_2 2"} & hit
+
+
+def test_the_camera_does_not_stand_behind_a_fence() -> None:
+    links, extent = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.5], [0.6, 0.0, 0.6]]), 3.0
+    open_cell = reached("irb120", CellData())
+    centre = [0.3, 0.0, 0.4]
+    assert _unhidden(open_cell, centre, extent, links, links) == ASIDE
+    eye, middle = camera(centre, extent, links[-1] - links[0])
+    x, y, _ = (1e3 * (0.6 * eye + 0.4 * middle)).tolist()
+    fence = ObstacleData(name="fence", box_mm=(100, 4000, 5000), xyz_mm=(x, y, 1500), abc_deg=(ASIDE, 0, 0))
+    fenced = reached("irb120", CellData(obstacles=(fence,)))
+    assert _unhidden(fenced, centre, extent, links, links) != ASIDE
+
+
 # ---------------------------------------------------------------- order
 
 
@@ -207,14 +243,15 @@ def test_a_drive_holds_the_plan(cell: Reach, driven) -> None:
     assert [block.name for block in driven.blocks] == ["", "heavy"]
     for block in driven.blocks:
         inside = slice(block.start, block.stop)
-        assert (records.poses.payload[inside] == block.payload).all()
+        carried = {records.payload_names[k] for k in records.poses.payload[inside]}
+        assert carried == {block.state.payload}
         assert driven.check[block.start]
         assert driven.check[block.stop - 1]
     assert np.ptp(records.poses.q[driven.check], axis=0).max() == 0  # always the same check pose
     assert np.all(np.diff(records.poses.time) > 0)
     assert driven.still_s == 4.0 + 2 * 3.0  # a further reflector takes 3 s
     assert records.poses.time[-1] + 10.0 == pytest.approx(driven.total_s, abs=5.0)
-    assert driven.mounting_s == 600
+    assert driven.pauses_s == 600
     assert set(np.unique(records.poses.side)) == {1.0}
     plain = drive(
         own.with_poses(time=None), Ways(replace(cell, cell=CellData(driving=DrivingData(check_every=0)))), 4.0
@@ -225,7 +262,52 @@ def test_a_drive_holds_the_plan(cell: Reach, driven) -> None:
     assert Ways(cell).time(q[:-1], q[1:]).sum() < 0.8 * drawn.sum()
 
 
+def test_pull_and_warmth_are_told_wherever_the_plan_is(cell: Reach) -> None:
+    """A pull of 500 N, then the same poses warm: in the words, the table, the campaign, each program."""
+    q = cell.draw(9, np.random.default_rng(1))
+    wrench, warm = np.zeros((9, 6)), np.repeat([20.0, 20.0, 30.0], 3)
+    wrench[3:6, 1] = 500.0
+    told = planned(cell.robot, q, wrench=wrench, time=np.repeat([0.0, 0.0, 7200.0], 3), temperature=warm)
+    made = drive(told, Ways(cell), 4.0)
+    works = [[work for work, _ in block.before] for block in made.blocks]
+    assert works == [[], ["rigging"], ["rigging", "warming"]]
+    assert made.total_s > 7200
+    assert "5 min rigging the pull" in made.blocks[1].preparing
+    assert "min working the arm warm" in made.spent
+    pull, arm = "500 N along +y of base", "warm, about 30"
+    said = (
+        [text for text in made.block_lines if pull in text],
+        [text for text in made.block_lines if arm in text],
+    )
+    assert [len(one) for one in said] == [1, 1]
+    page = render_page(made, cell)
+    assert page.count(pull) == 1 + (made.blocks[1].stop - made.blocks[1].start)
+    assert f"{arm} °C" in page
+    blocks = made.to_json()["blocks"]
+    assert [block["wrench"][1] for block in blocks] == [0, 500, 0]
+    assert [block["temp_degC"] for block in blocks] == [20, 20, 30]
+    head = "\n".join(comments(made))
+    assert "temp_degC" in head
+    assert "fx_N" in head
+    for name in ("rapid", "ls"):
+        format = find_format(name)
+        texts = [str(format.write(one)) for one in programs(made, format, 0.1, "m").values()]
+        assert [f"pull: {pull}" in text for text in texts] == [False, True, False]
+        assert [f"arm: {arm} degC" in text for text in texts] == [False, False, True]
+
+
 # ---------------------------------------------------------------- the command
+
+
+def test_torques_that_are_to_be_recorded_have_columns_and_are_asked_for(tmp_path: Path) -> None:
+    out = tmp_path / "plan"
+    assert main(["plan", "irb120", "--poses", "3", "--quick", "--torque", "--out", str(out)]) == 0
+    lines = (out / "poses.csv").read_text().splitlines()
+    assert "tau1_Nm" in lines[0]
+    assert "nan" not in lines[1]
+    assert "record the torque of each drive (tau1_Nm, " in (out / "index.html").read_text()
+    assert "record the torque" in (out / "campaign.toml").read_text()
+    assert main(["simulate", "irb120", "--poses", str(out / "poses.csv"), "--out", str(tmp_path / "m")]) == 0
 
 
 def test_a_public_robot_is_planned_measured_and_read(

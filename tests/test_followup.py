@@ -1,17 +1,22 @@
 """What stays open is settled by the poses that are offered for it: the demo's own tie, and the study."""
 
 import json
+import shlex
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from workbench import Where, diagnose, follow_up, what_decides
+from workbench import Where, diagnose, follow_up, plan, what_decides
+from workbench.campaign.joined import join
+from workbench.campaign.known import with_known
 from workbench.diagnosis.result import Decision
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
 from workbench.measurement.design.decide import command_text
 from workbench.measurement.design.settle import tie_said
 from workbench.measurement.design.ties import settled_at, tie_between, tie_of, told_apart
+from workbench.report.content import content, decision
 from workbench.studies import demo
 from workbench.studies.followup import case_keys, followup
 from workbench.studies.followup.case import judged
@@ -54,6 +59,33 @@ def test_the_demos_tie_is_settled_by_the_poses_that_it_asks_for(open_tie, tmp_pa
     (row,) = (row for row in told.rows if row[0].startswith("joint_3 is softer"))
     assert row[1].startswith("Open: ")
     assert row[2].startswith("joint_3 is softer")
+
+
+def test_one_tie_has_one_lambda(open_tie, tmp_path):
+    """In the diagnosis, in a plan by its command, and in one by its result.json."""
+    _, campaign, outcome = open_tie
+    (finding,) = (f for f in outcome.diagnosis.causes if f.decide)
+    (way,) = (d for d in finding.decide if d.kind == "poses")
+    told = tmp_path / "result.json"
+    told.write_text(json.dumps(outcome.diagnosis.to_json()))
+    tell = shlex.split(way.command)[shlex.split(way.command).index("--tell") + 1]
+    for text in (tell, str(told)):
+        made = plan(campaign, way.poses, tell=text, quick=True)
+        assert made.hardest[0].now == pytest.approx(way.lambda_before, rel=1e-6)
+        assert made.settles
+        assert "This plan is expected to settle it." in made.text
+    said = content(outcome.diagnosis)
+    assert "λ is how far apart two explanations are" in said["of_lambda"]
+    after = replace(way, lambda_after=184.3, lambda_before=12.9)
+    assert decision(after).endswith("(λ 13 → 180)")
+
+
+def test_commands_name_all_that_was_diagnosed(open_tie, tmp_path):
+    """Both campaigns of a joint diagnosis, and the facts that were said beside their files."""
+    _, campaign, _ = open_tie
+    first, second = (replace(campaign, path=Path(name)) for name in ("my first.toml", "second.toml"))
+    whole = join([with_known(first, ["no drift"]), second])
+    assert shlex.split(whole.arguments) == ["my first.toml", "second.toml", "--known", "no drift"]
 
 
 def test_the_command_says_all_that_the_tie_is(open_tie):

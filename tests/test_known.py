@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from workbench import diagnose, plan, what_decides
 from workbench.campaign import Campaign, load_campaign, write_campaign
 from workbench.campaign.known import KnownData, parse_known, with_known
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis import given
 from workbench.effects.given import given_facts
 from workbench.files.faults import InputError
 from workbench.identification.fit import fit, start_state
@@ -20,6 +23,9 @@ from workbench.identification.model import Model
 from workbench.identification.model_file import fit_files
 from workbench.identification.noise import required_noise
 from workbench.measurement.design.discrimination_plan import LEVELS
+from workbench.report.content import _given as content_row
+from workbench.report.content import content
+from workbench.report.terminal import short_verdict
 
 CHARGE = "gravity_compensator:variant=charge,relative=-0.07"
 SLACK = "backlash:joint=joint_5,half_width=2.5e-4"
@@ -117,7 +123,7 @@ def test_a_fact_of_which_the_data_say_nothing_says_so():
 
 
 def test_a_reading_of_the_gauge_decides(tmp_path):
-    before = diagnose(weak())
+    before = diagnose(replace(weak(), path=Path("my dir/campaign.toml")))
     assert named(before.diagnosis) == {
         ("gravity_compensator", ""): "ambiguous",
         ("backlash", "joint_5"): "named",
@@ -141,9 +147,68 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     (open_,) = (one for one in what_decides(before).diagnosis.causes if one.status == "ambiguous")
     offered = {one.kind: one for one in open_.decide}
     assert "precharge_bar to ± 2 bar" in offered["reading"].words
-    assert "--known" in offered["reading"].command
+    command, verb, path, option, fact = shlex.split(offered["reading"].command)
+    assert (command, verb, path, option) == ("workbench", "diagnose", "my dir/campaign.toml", "--known")
+    assert fact == "gravity_compensator:precharge_bar=VALUE,std=2"
     assert offered["reading"].lambda_before < LEVELS.least < LEVELS.mostly <= offered["reading"].lambda_after
     assert offered["other"].words in open_.separate_by
+
+
+def test_what_was_given_and_is_confirmed_is_a_finding():
+    """Told in the headline; geometry alone does not explain the data, and does not have the credit."""
+    heavy = "link_mass:link=link_2,variant=mass,mass=150"
+    campaign = measured("kr500", (heavy,), poses=60)
+    found = diagnose(campaign, known=["link_mass:link=link_2,mass_kg=635,std=30"]).diagnosis
+    assert found.verdict == "nothing_missing"
+    assert found.headline.startswith("Given and confirmed: link_2 is 1")
+    assert "beyond that nothing is missing: geometry and what was given explain" in found.headline
+    nominal, geometry, with_given = found.stages
+    assert (geometry.name, with_given.name) == ("geometry", "geometry + what was given")
+    assert with_given.heldout_rms_mm < 0.8 * geometry.heldout_rms_mm < nominal.heldout_rms_mm
+    (fact,) = found.to_json()["given"]
+    assert fact["confirmed"]
+    assert fact["seen"]["value"] == pytest.approx(150, abs=4 * fact["seen"]["std"])
+    said = content(found)
+    assert said["verdict"]["label"] == "Given and confirmed"
+    assert "beyond what was given" in said["no_cause"]
+    assert "With what was given in it as well" in said["summary"]
+    assert f"and what was given {with_given.heldout_rms_mm:.4f}" in short_verdict(found, None)
+
+
+def test_a_reading_that_was_given_is_not_asked_for_again():
+    """A preload is not the charge: with the gauge read, the link is left to weigh."""
+    pull = "gravity_compensator:variant=preload,preload=-1500"
+    campaign = measured("kr500", (pull,), poses=40, loads=())
+    outcome = what_decides(diagnose(campaign, known=[f"gravity_compensator:precharge_bar={BAR},std=1"]))
+    (open_,) = (one for one in outcome.diagnosis.causes if one.status == "ambiguous")
+    said = [open_.separate_by or "", *(one.words for one in open_.decide)]
+    assert not any("gauge" in text or "precharge" in text for text in said)
+    assert any("mass_kg of link_2" in text or "weigh the link" in text for text in said)
+    commands = [one.command for one in open_.decide if one.command]
+    assert all(f"precharge_bar={BAR},std=1" in one for one in commands)  # what was said stays said
+
+
+def test_exact_facts_are_said_as_people_say_them():
+    """The model's own number, exactly: no 1e-16 of it, no interval, and a spread only where there is one."""
+    facts = ["gear_ratio:joint=joint_4,ratio=100,std=0", f"gravity_compensator:precharge_bar={BAR},std=1"]
+    known = with_known(weak(), facts)
+    assert [fact.value for fact in given_facts(problem_of(known))] == [0.0, 0.0]
+    ratio, charge = (item for item in diagnose(known).diagnosis.given)
+    assert "relative" not in ratio.sentence
+    assert content_row(ratio)[3] == "as given"
+    assert charge.given.value == 0
+    assert given._plain(charge.given) == "relative 0 ± 0.61 %"
+    assert given._plain(ratio.given, exact=True) == "relative 0 ppm exactly"
+    text = "gear_ratio:joint=joint_4,ratio=50,std=0"
+    with pytest.raises(InputError, match=r"between -?\d[\d.]* and \d[\d.]*$") as told:
+        given_facts(problem_of(with_known(weak(), [text])))
+    assert not str(told.value).endswith(" 1")
+
+
+def test_what_was_given_and_is_as_in_the_model_is_no_finding():
+    found = diagnose(weak(), known=["joint_compliance:joint=joint_3,relative=0,std=0.01"]).diagnosis
+    assert not any(fact["confirmed"] for fact in found.to_json()["given"])
+    assert "onfirmed" not in found.headline
 
 
 def test_a_fact_that_the_data_contradict_is_told_and_not_obeyed():
@@ -157,6 +222,7 @@ def test_a_fact_that_the_data_contradict_is_told_and_not_obeyed():
     assert other.sentence not in found.notes
     assert ("hose_torque", "given: it is not there") in {(n.cause, n.why) for n in found.not_testable}
     assert [fact["obeyed"] for fact in found.to_json()["given"]] == [False, False, True]
+    assert "(half_width 20 ± 5 µrad to the model); the data alone say half_width 2" in number.sentence
 
 
 def test_plans_count_in_what_is_known_and_tell_several_causes():

@@ -78,7 +78,7 @@ def test_a_load_that_takes_too_long_to_mount_stays_away(loaded):
     driving = DrivingData(load_change_min=300.0)
     made = plan(loaded, minutes=8, cell=CellData(driving=driving))
     assert len(made.drive.blocks) == 1
-    assert made.drive.mounting_s == 0
+    assert made.drive.pauses_s == 0
 
 
 def test_an_arm_is_worked_warm_where_there_is_time_for_it():
@@ -110,7 +110,7 @@ def test_pulls_are_on_offer_where_they_can_be_rigged():
     told = "joint_compliance:joint=joint_1,gear_eccentricity:joint=joint_1"
     made = plan(load_robot("kr500"), 10, tell=told, cell=pull, quick=True)
     assert (made.records.poses.wrench[:, 1] == 500.0).any()
-    assert made.drive.mounting_s >= 300
+    assert made.drive.pauses_s >= 300
 
 
 def ambiguous(folder: Path, relative: float) -> Path:

@@ -127,7 +127,47 @@ UR = """def polish():
   movel(pose_add(wait_here, p[0.0,0.0,0.1,0.0,0.0,0.0]), a=1.2, v=0.25)
 end
 """
+VAL3 = {
+    "Edge.pjx": '<Project><Database><Data file="Edge.dtx" /></Database></Project>\n',
+    "Edge.dtx": """<?xml version="1.0" encoding="utf-8"?>
+<Database xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">
+  <Datas>
+    <!-- <Data name="pEdge"><Value key="0" x="1.5" /></Data> -->
+    <Data name="jPark" xsi:type="array" type="jointRx" size="1">
+      <Value key="0" j1="10.0" j2="20.0" j3="70.0" j4="5.0" j5="40.0" j6="10.0" />
+    </Data>
+    <Data name="mSlow" xsi:type="array" type="mdesc" size="1">
+      <Value key="0" vel="100" tmax="50.0" rmax="99999" blend="off" />
+    </Data>
+    <Data name="pEdge" xsi:type="array" type="pointRx" size="3">
+      <Value key="0" x="1311.247" y="321.927" z="617.522" rx="-166.26" ry="18.21" rz="176.47"
+        fatherId="world[0]" />
+      <Value key="1" x='1312.889' y='370.970' z='567.474' rx='-166.68' ry='13.89' rz='175.23'
+        fatherId='world[0]' />
+      <Value key="2" x="1337.977" y="451.579" z="582.771" rx="-165.34" ry="15.05" rz="171.74"
+        fatherId="world[0]" />
+    </Data>
+    <Data name="tMill" xsi:type="array" type="tool" size="1">
+      <Value key="0" x="20.0" z="145.0" ry="30.0" fatherId="flange[0]" />
+    </Data>
+  </Datas>
+</Database>
+""",
+    "start.pgx": """<?xml version="1.0" encoding="utf-8"?>
+<Programs><Program name="start"><Code><![CDATA[
+begin
+  movej(jPark,tMill,mSlow)
+  movel(pEdge[0],tMill,mSlow)
+  for i=1 to 2
+    movel(pEdge[i],tMill,mSlow)
+  endFor
+  movel(appro(pEdge[2],trAway),tMill,mSlow)
+end
+]]></Code></Program></Programs>
+""",
+}
 CASES = {
+    "val3": ("rx170", VAL3, 4, "utf-8"),
     "krl": ("kr500", {"naht_3.src": KRL_SRC, "naht_3.dat": KRL_DAT}, 4, "latin-1"),
     "rapid": ("irb120", {"Seam.mod": RAPID}, 3, "utf-8"),
     "ls": ("lrmate200id", {"cut_12.ls": LS}, 3, "utf-8"),
@@ -211,6 +251,9 @@ def test_targets_are_corrected_and_nothing_else_changes(form: str, tmp_path: Pat
     assert done.targets == count + (form in ("krl", "ls"))  # and the circle's via point
     for file, text in texts.items():
         assert re.sub(NUMBER, "#", after[file]) == re.sub(NUMBER, "#", text)
+        if Path(file).suffix in (".pjx", ".pgx"):  # the numbers stand in the data
+            assert after[file] == text
+            continue
         changed = [a != b for a, b in zip(after[file].splitlines(), text.splitlines(), strict=True)]
         assert 0 < sum(changed) < 12
     wanted, told = flanges(robot, form, texts), flanges(robot, form, after)
@@ -269,7 +312,22 @@ def test_a_frame_that_stands_on_the_controller_has_to_be_given(tmp_path: Path) -
     assert compensate_program(tmp_path / "naht_3.src", model, tool=tool).targets == 5
 
 
-def test_other_formats_say_that_they_are_not_corrected(tmp_path: Path) -> None:
+def test_numbers_that_an_application_leaves_out_for_zero_are_put_in(tmp_path: Path) -> None:
+    model, robot = bent("rx170", tmp_path)
+    bare = {name: re.sub(r' (y="321.927"|j1="10.0")', "", text) for name, text in VAL3.items()}
+    for name, text in bare.items():
+        (tmp_path / name).write_text(text)
+    done = compensate_program(tmp_path / "Edge.pjx", model, tmp_path / "new")
+    assert done.targets == 4
+    assert any("appro(pEdge[2],trAway)" in note for note in done.notes)
+    after = {file.name: file.read_text() for file in done.files}
+    old, new = flanges(robot, "val3", bare), flanges(robot, "val3", after)
+    apart = [np.linalg.norm(a[:3, 3] - b[:3, 3]) for a, b in zip(old, new, strict=True)]
+    assert 1e-5 < min(apart) < max(apart) < 5e-3
+    assert re.search(r'<Value y="-?0?\d*\.\d+" key="0" x="131', after["Edge.dtx"])
+
+
+def test_a_file_without_targets_is_refused(tmp_path: Path) -> None:
     model, _ = bent("rx170", tmp_path)
     (tmp_path / "a.pjx").write_text("<Project/>")
     with pytest.raises(InputError, match="has no target that could be corrected"):

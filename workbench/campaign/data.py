@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,8 @@ class Campaign:
     files             "<folder>/<file>" -> sha256
     known             facts of other sources, not yet looked up in the robot; its scale is in the points
     cell              what stands around the robot, for plans
+    beside            the files of further campaigns that are in it; told: facts that its file does not have,
+                      as `--known` takes them
     """
 
     title: str
@@ -76,6 +79,14 @@ class Campaign:
     files: dict[str, str] = field(default_factory=dict)
     known: KnownData = field(default_factory=KnownData)
     cell: CellData = field(default_factory=CellData)
+    beside: tuple[Path, ...] = ()
+    told: tuple[str, ...] = ()
+
+    @property
+    def arguments(self) -> str:
+        """The campaign as a command names it: its files, and what was said besides."""
+        files = [str(path) for path in (self.path, *self.beside)]
+        return " ".join(quote(one) for one in [*files, *(x for fact in self.told for x in ("--known", fact))])
 
     def __repr__(self) -> str:
         loads = f", payloads {', '.join(self.payload_names[1:])}" if len(self.payload_names) > 1 else ""

@@ -81,6 +81,8 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         files=_files(campaigns, labels),
         cell=first.cell,
         known=reduce(KnownData.and_more, (campaign.known for campaign in campaigns)),
+        beside=tuple(path for c in campaigns for path in (c.path, *c.beside))[1:],
+        told=tuple(dict.fromkeys(fact for campaign in campaigns for fact in campaign.told)),
     )
 
 

@@ -94,7 +94,7 @@ def with_known(campaign: Campaign, texts: Sequence[str]) -> Campaign:
             faults += error.faults
     if faults:
         raise InputError(faults)
-    return replace(campaign, known=said)
+    return replace(campaign, known=said, told=(*campaign.told, *texts))
 
 
 def parse_known(text: str) -> KnownData:

@@ -74,6 +74,8 @@ title  = "{robot}"
 robot  = "{robot}.toml"
 
 # What the controller was told, a row per pose. Joints in order: {joints}
+# Where you have them, more columns tell more: dir1 ... (+1, -1: side from which a joint came), payload, t_s,
+# temp_degC, tau1_Nm ... (torque of each drive, from its current: 3 % is enough)
 [poses]
 {poses}
 

@@ -25,8 +25,8 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "path",
         metavar="PATH.csv|PROGRAM",
-        help="t_s and joints, or tool poses in the base frame; or a program (.src, .mod, .ls, .script), "
-        "whose targets are corrected and the rest left as it is",
+        help="t_s and joints, or tool poses in the base frame; or a program (.src, .mod, .pjx, .ls, "
+        ".script), whose targets are corrected and the rest left as it is",
     )
     parser.add_argument("--model", required=True, metavar="MODEL.toml", help="what diagnose wrote")
     # no choices here: the formats are the files of correction/programs, which take long to import

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,7 +42,10 @@ def add(commands: Commands) -> None:
         "plan", help="the next measurements: for accuracy, or to tell rival causes apart"
     )
     parser.add_argument(
-        "source", metavar="CAMPAIGN.toml|ROBOT", help="what was measured already, or a robot's name or TOML"
+        "source",
+        nargs="+",
+        metavar="CAMPAIGN.toml|ROBOT",
+        help="what was measured already, one campaign or more; or a robot's name or TOML",
     )
     parser.add_argument("--poses", type=int, metavar="N", help="how many records (30)")
     parser.add_argument(
@@ -69,6 +73,10 @@ def add(commands: Commands) -> None:
         "--dwell", type=above_zero("time"), default=4.0, metavar="S",
         help="standstill at a pose with one reflector (4); each further one takes reflector_s of [driving]",
     )  # fmt: skip
+    parser.add_argument(
+        "--torque", action="store_true",
+        help="also record the drives' torques: columns to fill in (always so where the campaign has them)",
+    )  # fmt: skip
     out_option(
         parser,
         "folder for poses, campaign, page, scene and program; or a file for the poses or the program alone "
@@ -88,7 +96,7 @@ def run(arguments: argparse.Namespace) -> None:
     poses, program = _places(arguments.out, arguments.format)
     check_folder(poses.parent)
     cell = None if arguments.cell is None else read_cell(arguments.cell)
-    source = read_source(arguments.source)
+    source = read_sources(arguments.source)
     made = plan(
         source,
         arguments.poses,
@@ -99,6 +107,7 @@ def run(arguments: argparse.Namespace) -> None:
         minutes=arguments.minutes,
         cell=cell,
         dwell=arguments.dwell,
+        torque=arguments.torque,
         progress=progress,
     )
     files = [] if made.drive is None else _write(source, made, poses, program, arguments)
@@ -115,6 +124,20 @@ def run(arguments: argparse.Namespace) -> None:
     print(HINT if made.reach.sight is not None else f"{UNSEEN} {HINT}")
     for file in files[1:]:
         print(file)
+
+
+def read_sources(texts: Sequence[str]) -> Campaign | Robot:
+    """A robot, or a campaign, or several as one. Raises InputError."""
+    from ..campaign import Campaign
+    from ..campaign.joined import join
+
+    found = [read_source(text) for text in texts]
+    if len(found) == 1:
+        return found[0]
+    campaigns = [one for one in found if isinstance(one, Campaign)]
+    if len(campaigns) < len(found):
+        raise InputError(Fault(" ".join(texts), "are not campaigns only", "one robot, or campaigns"))
+    return join(campaigns)
 
 
 def read_source(text: str) -> Campaign | Robot:

@@ -101,6 +101,8 @@ def run(arguments: argparse.Namespace) -> None:
         temperature=poses.temperature,
         title=f"{robot.title}, simulated, {len(poses.q)} poses",
     )
+    if poses.ids:
+        plan = plan.with_poses(ids=poses.ids)
     problem = problem_of(plan)
     effects = tuple(parse_effect(text, problem) for text in arguments.effect)
     lengths, angles = 1e-3 * arguments.geometry_mm, 1e-3 * arguments.geometry_mrad

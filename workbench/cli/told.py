@@ -47,7 +47,8 @@ class Told:
             for name in ("wrench", "direction", "time", "temperature")
             if (values := getattr(self, name)) is not None
         }
-        return replace(self, q=np.tile(self.q, (copies, 1)), payload=carried, ids=(), **tiled)
+        ids = self.ids if copies == 1 else ()
+        return replace(self, q=np.tile(self.q, (copies, 1)), payload=carried, ids=ids, **tiled)
 
     def over(self, hours: float, shuffled: np.random.Generator | None) -> Told:
         """At even times, in random order if `shuffled`, unless a file said when."""
@@ -101,9 +102,14 @@ def from_file(robot: Robot, file: str, loads: dict[str, Load]) -> tuple[Told, di
         direction=columns([f"dir{j + 1}" for j in range(n)]),
         time=filled(table.numbers.get("t"), 0.0),
         temperature=filled(table.numbers.get("temp"), 0.0),
-        ids=tuple(table.texts.get("pose_id", ())),
+        ids=_unique(table.texts.get("pose_id", ())),
     )
     return told, loads
+
+
+def _unique(ids: Sequence[str]) -> tuple[str, ...]:
+    """The names of poses; none where they do not tell them apart."""
+    return tuple(ids) if len({*ids}) == len(ids) and all(ids) else ()
 
 
 def at_random(robot: Robot, count: int, rng: np.random.Generator) -> Told:

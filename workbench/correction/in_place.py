@@ -18,10 +18,10 @@ from .conditions import Conditions
 from .paths import Path
 from .program_targets import Frames, Target, joints_at, targets_of, times_of
 from .programs import Format, find_format, formats
-from .programs.files import is_folder, put_files
+from .programs.files import beside, is_folder, put_files
 from .programs.motions import Spot
 
-BESIDE = {".src": ".dat"}
+NAMED_ALIKE = (".dat",)  # belongs to a program by its name
 SAME_MM = 1e-3  # corrections of one target that differ by less are the same
 
 
@@ -77,7 +77,7 @@ def compensate_program(
     as_urdf: bool = False,
     keep: bool = False,
 ) -> Corrected:
-    """Corrects the targets of a KRL, RAPID, LS or URScript program for the model's robot, and nothing else.
+    """Corrects the targets of a KRL, RAPID, VAL 3, LS or URScript program for the model's robot, only these.
 
     out: a folder (default: NAME_compensated beside the program) or a file with the same extension. tool and
     base: (4, 4) where the program's own stand on the controller, not in the file. Between targets the arm
@@ -119,12 +119,8 @@ def _by_extension(source: pathlib.Path) -> Format:
 
 def _texts(source: pathlib.Path) -> tuple[dict[str, str], str]:
     """The program's files as they are, line ends included, and their encoding: UTF-8, or else Latin-1."""
-    names, wanted = [source], BESIDE.get(source.suffix.lower())
-    if wanted and source.parent.is_dir():
-        names += [other for other in sorted(source.parent.iterdir())
-                  if other.name.lower() == f"{source.stem}{wanted}".lower()]  # fmt: skip
     try:
-        data = {name.name: name.read_bytes() for name in names}
+        data = {one.name: one.read_bytes() for one in (source, *beside(source))}
     except OSError as error:
         raise InputError(Fault(str(source), error.strerror or "cannot be read", "check the path")) from None
     for codec in ("utf-8", "latin-1"):
@@ -147,7 +143,7 @@ def _edits(
     first: dict[Spot, Array] = {}
     notes: list[str] = []
     for target, q, X in zip(targets, done.q_command, done.X_command, strict=True):
-        old = [texts[target.spot.file][a:b] for a, b in target.spot.spans]
+        old = target.spot.old(texts[target.spot.file])
         if target.X is None:
             new, digits = format.joint_numbers(frames.shown(q)), _digits(format, joints=True)
         else:
@@ -186,15 +182,15 @@ def _written(
     single, files = not is_folder(out, format), {}
     for i, (name, text) in enumerate(texts.items()):
         changes = [
-            (span, new)
-            for spot, numbers in edits.items()
-            if spot.file == name
-            for span, new in zip(spot.spans, numbers, strict=True)
+            change for spot, numbers in edits.items() if spot.file == name for change in spot.changes(numbers)
         ]
         for (start, end), new in sorted(changes, reverse=True):
             text = text[:start] + new + text[end:]
         place = out / name
         if single:
-            place = out if i == 0 else out.with_suffix(pathlib.Path(name).suffix)
+            alike = pathlib.Path(name).suffix.lower() in NAMED_ALIKE
+            place = (
+                out if i == 0 else out.with_suffix(pathlib.Path(name).suffix) if alike else out.parent / name
+            )
         files[place] = text.encode(codec)
     return files

@@ -10,7 +10,7 @@ import numpy as np
 from .. import __version__
 from ..campaign import Campaign
 from ..campaign.problem import Problem
-from ..effects import separation
+from ..effects import separation_beside
 from ..effects.base import UNKNOWN, Effect
 from ..effects.place import NOWHERE, Parameter, Where
 from ..effects.unnamed import Unnamed
@@ -30,7 +30,7 @@ from .priors import PRIORS
 from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
-from .stages import pose_errors, stages_of
+from .stages import geometry_alone, pose_errors, stages_of
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
@@ -54,13 +54,15 @@ def assemble(parts: Parts) -> Diagnosis:
     prepared, selection, final = parts.prepared, parts.selection, parts.selection.fit
     problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
     groups = selection.groups
-    stages = stages_of(prepared, final, groups, parts.seed)
+    alone = geometry_alone(prepared)
+    stages = stages_of(prepared, alone, final, groups, parts.seed)
+    base = stages[1 if alone is prepared.geometry else 2]
     left, beyond = _left(prepared, selection)
     best = stages[-1].heldout_rms_mm
-    with_names = stages[1 + len(groups)].heldout_rms_mm
+    with_names = stages[stages.index(base) + len(groups)].heldout_rms_mm
     findings = [_finding(parts, *group) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
-    brought = stages[1].heldout_rms_mm - with_names
+    brought = base.heldout_rms_mm - with_names
     rounded = rounded_joints(final, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
     nameless = _nameless(selection, with_names - best)
@@ -85,7 +87,8 @@ def assemble(parts: Parts) -> Diagnosis:
             ceiling,
             visible_mm(final, parts.candidates),
             1e3 * np.sqrt(3) * final.usual,
-            bool(final.model.given),
+            base,
+            parts.given,
             repeats_to,
         ),
         causes=tuple(findings),
@@ -109,7 +112,7 @@ def assemble(parts: Parts) -> Diagnosis:
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
         facts=facts(problem),
-        errors=pose_errors(prepared, final),
+        errors=pose_errors(prepared, alone, final),
         joints=problem.robot.joint_names,
         q=c.poses.q,
         version=__version__,
@@ -175,7 +178,8 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
     final, selection = parts.selection.fit, parts.selection
     probability, rivals, by_data = probability_of(selection, effect)
     named = probability >= PRIORS.named and by_data >= PRIORS.by_data
-    advice = list(filter(None, (separation(effect.cause, rival.cause) for rival in rivals)))
+    read = {(fact.cause, fact.where) for fact in parts.given if fact.given is not None}
+    advice = list(filter(None, (separation_beside(effect.key, (r.cause, r.where), read) for r in rivals)))
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
     parameters, sentence = _describe(final, own)
@@ -187,6 +191,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
         status="named" if named else "ambiguous",
         gain_mm=selection.gains_mm[effect.key],
         probability=probability,
+        variant=_form(final, own, strongest),
         parameters=parameters,
         rivals=() if named else rivals,
         separate_by=None if named else "; ".join(dict.fromkeys(advice)) or ANYTHING,
@@ -194,6 +199,15 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
         equation=effect.equation,
         evidence=evidence(final, final.model.effects[strongest], final.state.values[strongest]),
     )
+
+
+def _form(final: Fit, own: Sequence[int], strongest: int) -> str:
+    """The form of a finding that shows most; nothing where its cause and place say it."""
+    effect = final.model.effects[strongest]
+    if effect.where.order is not None:
+        return ""
+    first = next((e for e in effect.places(final.model.problem) if e.key == effect.key), effect)
+    return "" if len(own) == 1 and effect.variant == first.variant else effect.variant
 
 
 def probability_of(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, ...], float]:

@@ -20,7 +20,12 @@ from .prepared import Prepared, Progress
 from .priors import PRIORS
 from .result import GivenFact, NotTestable
 
-CONTRADICTED = 3.0  # combined standard deviations between what is given and what the data say alone
+CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
+SAID_IN = {  # unit → from which size on, times what, in which unit
+    "1": ((2e-4, 100.0, "%"), (0.0, 1e6, "ppm")),
+    "rad": ((5e-3, 1e3, "mrad"), (0.0, 1e6, "µrad")),
+    "m": ((1e-4, 1e3, "mm"), (0.0, 1e6, "µm")),
+}
 
 Search = Callable[[Prepared, Sequence[Effect]], tuple[Prepared, Selection]]
 
@@ -67,6 +72,8 @@ def search_with_given(
         seen[worst] = alone[worst]
         obeyed.remove(worst)
     result = found[1].fit
+    # of what is kept to, as the data have it beside what was found; of what is not, beside all that may be
+    seen |= {fact: value for fact, value in alone.items() if np.isfinite(value[1])}
     said = [_fact(fact, seen[fact], obeyed, result) for fact in facts]
     said += [_excluded(one, named[one], problem) for one in excluded]
     gone = {(e.cause, NOWHERE if one.text.strip() == e.cause else e.where): None
@@ -143,20 +150,36 @@ def _named(free: Selection, one: Exclusion) -> float:
 
 def _fact(fact: Given, seen: tuple[float, float], obeyed: Sequence[Given], result: Fit) -> GivenFact:
     given, alone = _parameter(fact, fact.value, fact.std), _parameter(fact, *seen)
-    fitted = None
+    fitted, differs = None, ""
     said = f"{fact.effect.label}: {fact.fact.said}"
     if fact in obeyed:
-        fitted = _parameter(fact, *result.given_estimate(list(obeyed).index(fact)))
-        sentence = f"Given and kept to: {said}.{_silent(fact.effect, result.model.problem)}"
+        i = list(obeyed).index(fact)
+        fitted = _parameter(fact, *result.given_estimate(i))
+        differs = _differs(result, i)
+        confirmed = f" The data confirm it: {differs}." if differs else ""
+        sentence = f"Given and kept to: {said}.{confirmed}{_silent(fact.effect, result.model.problem)}"
     else:
+        model = (
+            "as the model has it" if not fact.value else f"{_plain(given, not fact.fact.std)} to the model"
+        )
         sentence = (
-            f"Given, but the data contradict it: {said} ({_plain(given)} against the model); the data alone "
-            f"say {_plain(alone)}, {_pull(fact, *seen):.1f} standard deviations off. It was not kept to."
+            f"Given, but the data contradict it: {said} ({model}); the data alone say {_plain(alone)}, "
+            f"{_pull(fact, *seen):.1f} standard deviations off. It was not kept to."
         )
     return GivenFact(
         fact.effect.cause, fact.effect.where, fact.fact.said, fact.fact.note, given, alone, fitted,
-        fact in obeyed, sentence,
+        fact in obeyed, sentence, differs, not fact.fact.std,
     )  # fmt: skip
+
+
+def _differs(result: Fit, i: int) -> str:
+    """What the i-th given number says, where that is not what the model has and the data say so as well."""
+    fact = result.model.given[i]
+    alone, spread = _without_prior(result, i)
+    if min(abs(fact.value) / fact.std, abs(alone) / spread) <= CONTRADICTED:
+        return ""
+    value, _ = result.given_estimate(i)
+    return fact.effect.sentence(np.array([value])).removesuffix(".")
 
 
 def _silent(kind: Effect | type[Effect], problem: Problem) -> str:
@@ -181,6 +204,15 @@ def _parameter(fact: Given, value: float, std: float) -> Parameter:
     return found
 
 
-def _plain(p: Parameter) -> str:
-    unit = "" if p.unit == "1" else f" {p.unit}"
-    return f"{p.name} {p.value:.4g} ± {p.std:.2g}{unit}"
+def _plain(p: Parameter, exact: bool = False) -> str:
+    """A number with its spread, in a unit in which people say one of this size."""
+    size = max(abs(p.value), 0.0 if exact else p.std)
+    factor, unit = next(((f, u) for least, f, u in SAID_IN.get(p.unit, ()) if size >= least), (1.0, p.unit))
+    value = f"{p.name} {_digits(factor * p.value, 3)}"
+    return f"{value} {unit} exactly" if exact else f"{value} ± {_digits(factor * p.std, 2)} {unit}"
+
+
+def _digits(value: float, digits: int) -> str:
+    """So many significant digits, without an exponent where people write none."""
+    text = f"{float(f'{value:.{digits}g}'):.10f}".rstrip("0").rstrip(".")
+    return text if 1e-6 < abs(value) < 1e7 else f"{value:.{digits}g}"

@@ -8,7 +8,7 @@ from ..effects.base import UNKNOWN
 from ..effects.place import Where
 from .prepared import Prepared
 from .remainder import GLOBAL_LEVEL, Remainder
-from .result import Finding, Stage, Verdict
+from .result import Finding, GivenFact, Stage, Verdict
 
 MOST_SAID = 3  # causes that a headline says
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
@@ -35,38 +35,47 @@ def headline(
     ceiling_mm: float,
     visible_mm: float,
     noise_mm: float,
-    given: bool = False,
+    base: Stage,
+    given: Sequence[GivenFact] = (),
     repeatability_mm: float | None = None,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
-    beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; given: numbers
-    known by other means are in the model; repeatability_mm: of the robot, where that is all that is left."""
+    beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; base: the stage
+    before any cause, of geometry or of that and of what was given; repeatability_mm: of the robot, where that
+    is all that is left."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [_words(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
     open_ = [_either(f) for f in causes if f.status != "named"]
     if open_:
         parts.append(f"{'not decided' if sure else 'Not decided'}: {_some(open_, ', and ')}")
+    confirmed = [fact.differs for fact in given if fact.differs]
+    if confirmed:
+        parts.append(f"{'given' if parts else 'Given'} and confirmed: {_some(confirmed)}")
     said = "; ".join(parts)
-    after, geometry = stages[-1].heldout_rms_mm, stages[1].heldout_rms_mm
+    after = stages[-1].heldout_rms_mm
     gain = (
         f"Held-out error {stages[0].heldout_rms_mm:.3f} → {after:.3f} mm RMS, "
-        f"{geometry:.3f} mm with geometry alone"
+        f"{stages[1].heldout_rms_mm:.3f} mm with geometry alone"
     )
+    with_given = base is not stages[1]
+    if with_given:
+        gain += f", {base.heldout_rms_mm:.3f} mm with geometry and what was given"
     few = after > MOST_SPREAD * noise_mm
     if verdict == "nothing_missing" and few:
         times = f"{after / noise_mm:.1f} times the noise of {noise_mm:.3f} mm"
         return f"Too few poses to say: at others the fitted robot is off by {times}. {gain}."
     if verdict == "nothing_missing":
-        explain = "geometry and what was given explain" if given else "geometry explains"
+        explain = "geometry and what was given explain" if with_given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
+        nothing = f"{said}; beyond that nothing is missing" if said else "Nothing is missing"
         if repeatability_mm is None:
-            return f"Nothing is missing: {explain} these data, and {power}. {gain}."
+            return f"{nothing}: {explain} these data, and {power}. {gain}."
         but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
-        return f"Nothing is missing, {but}: {explain} the rest, and {power}. {gain}."
-    if few and geometry > stages[0].heldout_rms_mm:
+        return f"{nothing}, {but}: {explain} the rest, and {power}. {gain}."
+    if few and base.heldout_rms_mm > stages[0].heldout_rms_mm:
         said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
-    best = max(geometry - ceiling_mm, 0.0)
+    best = max(base.heldout_rms_mm - ceiling_mm, 0.0)
     gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
     if verdict == "unknown":
         said = f"; {said[0].lower()}{said[1:]}" if said else ""

@@ -14,7 +14,7 @@ from ..effects.place import NOWHERE, Parameter, Where
 from .result_json import fault_json, result_json
 
 Array = NDArray[np.float64]
-NAMELESS = "what has no name"  # in a stage's name
+NAMELESS, GIVEN = "what has no name", "what was given"  # in a stage's name
 Verdict = Literal["nothing_missing", "named", "ambiguous", "unknown"]
 
 
@@ -83,7 +83,8 @@ class Decision:
 @dataclass(frozen=True)
 class Finding:
     """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
-    this one, of all that competed."""
+    this one, of all that competed; variant: its form, of several the one that shows most, where
+    place and order do not say it."""
 
     cause: str
     title: str
@@ -91,6 +92,7 @@ class Finding:
     status: Literal["named", "ambiguous"]
     gain_mm: float
     probability: float
+    variant: str = ""
     parameters: tuple[Parameter, ...] = ()
     rivals: tuple[Rival, ...] = ()
     separate_by: str | None = None
@@ -119,7 +121,8 @@ class NotTestable:
 @dataclass(frozen=True)
 class GivenFact:
     """What `[known]` said, and what became of it. said: as it was said; given, seen, fitted: the parameter as
-    given, by the data alone, and by both (None of a cause that was excluded); obeyed: kept to."""
+    given, by the data alone, and by both (None of a cause that was excluded); obeyed: kept to; differs: in
+    words, where it is not what the model has and the data confirm that; exact: said without any spread."""
 
     cause: str
     where: Where
@@ -130,6 +133,8 @@ class GivenFact:
     fitted: Parameter | None = None
     obeyed: bool = True
     sentence: str = ""
+    differs: str = ""
+    exact: bool = False
 
 
 @dataclass(frozen=True)
@@ -260,6 +265,11 @@ class Diagnosis:
     revealed: Revealed | None = None
     version: str = ""
     inputs: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def with_given(self) -> Stage | None:
+        """The stage of geometry and what was given; None where nothing was."""
+        return next((stage for stage in self.stages if stage.name == f"geometry + {GIVEN}"), None)
 
     def __repr__(self) -> str:
         stages = ", ".join(f"{stage.name} {stage.heldout_rms_mm:.4f} mm" for stage in self.stages)

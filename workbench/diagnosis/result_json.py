@@ -87,6 +87,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
     return {
         "cause": finding.cause,
         **finding.where.keys(),
+        **({"variant": finding.variant} if finding.variant else {}),
         "status": finding.status,
         "gain_mm": _number(finding.gain_mm),
         "probability": _number(finding.probability),
@@ -126,6 +127,7 @@ def _given(fact: GivenFact) -> dict[str, Any]:
         **({"note": fact.note} if fact.note else {}),
         **{name: _parameter(p) for name, p in numbers.items() if p is not None},
         "obeyed": fact.obeyed,
+        "confirmed": bool(fact.differs),
         "sentence": fact.sentence,
     }
 

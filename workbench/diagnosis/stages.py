@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ..effects.base import Effect
-from ..identification.fit import Fit, refit
+from ..identification.fit import Fit, fit, refit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
 from .prepared import Prepared
-from .result import NAMELESS, PoseErrors, Stage
+from .result import GIVEN, NAMELESS, PoseErrors, Stage
 
 Group = tuple[Effect, list[int]]  # an accepted cause, and which of the fit's effects are its parts
 
@@ -20,11 +21,24 @@ NEAR_STATED = (
 )
 
 
-def stages_of(prepared: Prepared, final: Fit, groups: Sequence[Group], seed: int) -> list[Stage]:
-    """Nominal, geometry, one stage per cause, and one for what has no name."""
-    fits = [("nominal", prepared.nominal), ("geometry", prepared.geometry)]
+def geometry_alone(prepared: Prepared) -> Fit:
+    """Geometry without what was given."""
+    fitted = prepared.geometry
+    if not fitted.model.given:
+        return fitted
+    start = replace(fitted.state, given=np.zeros(0))
+    return fit(replace(fitted.model, given=()), start, prepared.covariance)
+
+
+def stages_of(prepared: Prepared, alone: Fit, final: Fit, groups: Sequence[Group], seed: int) -> list[Stage]:
+    """Nominal, geometry, one stage for what was given, one per cause, and one for what has no name. alone:
+    geometry without what was given."""
+    fits = [("nominal", prepared.nominal), ("geometry", alone)]
     members: list[int] = []
     name = "geometry"
+    if alone is not prepared.geometry:
+        name += f" + {GIVEN}"
+        fits.append((name, prepared.geometry))
     for effect, own in groups:
         members += own
         name += f" + {effect.label}"
@@ -58,7 +72,7 @@ def without(final: Fit, own: Sequence[int], seed: int) -> float:
     return rms_mm(heldout(final, seed=seed, without=own))
 
 
-def pose_errors(prepared: Prepared, final: Fit) -> PoseErrors:
+def pose_errors(prepared: Prepared, geometry: Fit, final: Fit) -> PoseErrors:
     """Errors per point, turned into the base frame."""
     c = prepared.problem.campaign
     R = final.state.R[c.poses.setup]
@@ -72,7 +86,7 @@ def pose_errors(prepared: Prepared, final: Fit) -> PoseErrors:
     return PoseErrors(
         base[seen],
         turned(prepared.nominal),
-        turned(prepared.geometry),
+        turned(geometry),
         turned(final),
         n.astype(np.int64),
         t.astype(np.int64),

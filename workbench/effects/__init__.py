@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Collection
 from functools import cache
 
 from .base import UNKNOWN, Effect
 from .place import Where
+
+Key = tuple[str, Where]  # cause and place
 
 
 @cache
@@ -29,11 +32,19 @@ def line(joint: str, order: float) -> Effect:
     return kind(Where(joint=joint, order=order))
 
 
-def separation(cause: str, rival: str) -> str | None:
-    """The measurement that tells two causes apart, in words, whichever of the two says it; None: unknown."""
+def separation(cause: str, rival: str, read: Collection[str] = ()) -> str | None:
+    """The measurement that tells two causes apart, in words, whichever of the two says it; None: unknown.
+    read: causes of which another instrument has read the whole: that is not asked for again."""
     kinds = catalogue()
     said = [kinds[a].separate.get(b) for a, b in ((cause, rival), (rival, cause)) if a in kinds]
-    return next(filter(None, said), None)
+    done = {kinds[one].reading for one in read}
+    ways = next(filter(None, said), "").split(", or ")
+    return ", or ".join(way for way in ways if way not in done) or None
+
+
+def separation_beside(one: Key, rival: Key, read: Collection[Key]) -> str | None:
+    """`separation` of two causes at their places. read: causes and places that were read."""
+    return separation(one[0], rival[0], [key[0] for key in (one, rival) if key in read])
 
 
 def rivals(cause: str) -> tuple[str, ...]:

@@ -97,7 +97,8 @@ class Effect(ABC):
     always: every machine has it, whether its model states it or not. axial: it moves its joint along the
     joint's own axis, and nothing else. by_loads: it is how an arm bends under its loads, or may be.
     in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
-    whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`).
+    whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`); reading:
+    how that is done, as `separate` has it, which is not asked for where it was done.
     """
 
     where: Where = NOWHERE
@@ -119,6 +120,7 @@ class Effect(ABC):
     by_loads: ClassVar[bool] = False
     in_drake: ClassVar[str]
     wholes: ClassVar[Mapping[str, str]] = {}
+    reading: ClassVar[str] = ""
 
     @property
     @abstractmethod

@@ -73,7 +73,10 @@ def _looked_up(fact: FactData, problem: Problem) -> Given:
         value -= sum(float(v[0]) for v in stated)
     if not param.lower <= value <= param.upper:
         what = f"{fact.parameter} {fact.value:g} is no {fact.cause}: {param.name} would be {value:g}"
-        raise InputError(Fault(place, what, f"between {param.lower:g} and {param.upper:g} {param.unit}"))
+        mend = f"between {param.lower:g} and {param.upper:g} {param.unit}".removesuffix(" 1")
+        raise InputError(Fault(place, what, mend))
+    if abs(value) < EXACT * param.typical:  # the model's own number, as far as floats go
+        value = 0.0
     return Given(effect, value, max(std, EXACT * param.typical), fact)
 
 

@@ -39,6 +39,7 @@ class GravityCompensator(LoadEffect):
     )
     together: ClassVar[bool] = True
     wholes: ClassVar[dict[str, str]] = {"precharge_bar": "bar", "gauge_bar": "bar", "rate": "N/m"}
+    reading: ClassVar[str] = "read the pressure gauge"
     depends: ClassVar[Depends] = frozenset({"joints", "temperature"})
     equation: ClassVar[str] = "Delta tau = -Delta F(s) thin (dif s) / (dif q_2)"
     separate: ClassVar[dict[str, str]] = {

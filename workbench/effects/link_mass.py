@@ -28,6 +28,7 @@ class LinkMass(MassEffect):
     title: ClassVar[str] = "Mass of a link differs from the model"
     reference: ClassVar[str] = "the URDF's"
     equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
+    reading: ClassVar[str] = "weigh the link"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "measure with two payloads: a stiffness acts on both, a link mass on neither",
         "payload": "the same poses without payload",

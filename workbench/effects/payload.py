@@ -29,6 +29,7 @@ class Payload(MassEffect):
     title: ClassVar[str] = "Payload differs from what was stated"
     reference: ClassVar[str] = "the stated"
     equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
+    reading: ClassVar[str] = "weigh the payload"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "weigh the payload, or measure a third load",
         "link_mass": "weigh the payload",

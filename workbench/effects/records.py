@@ -119,9 +119,12 @@ def _place(kind: type[Effect], item: EffectRecord, problem: Problem, text: str) 
     """The effect at the record's place and in its variant."""
     places = kind.places(problem)
     where = Where(item.joint, item.other, item.link, item.payload, item.order)
-    for place in places:
-        if _matches(place, where, item.variant):
-            return replace(place, variant=item.variant or place.variant)
+    forms = [place for place in places if _matches(place, where, item.variant)]
+    if forms:  # of several, the one whose numbers were said
+        place = next(
+            (form for form in forms if item.values.keys() <= {*form.names, *form.settings}), forms[0]
+        )
+        return replace(place, variant=item.variant or place.variant)
     for place in places:  # any order
         free = place.ordered and place.where.order is None
         if free and item.order and not item.variant and replace(place.where, order=item.order) == where:

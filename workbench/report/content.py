@@ -21,7 +21,7 @@ from .drawing import Figure
 from .equation import typeset
 from .legible import legible
 from .limits import detectable, not_testable, place, unidentifiable
-from .numbers import MISSING, decimals, mm, mm_change, p_value, probability, quantity, words
+from .numbers import MISSING, decimals, mm, mm_change, p_value, probability, quantity, significant, words
 from .reliability import published
 
 Content = dict[str, Any]
@@ -44,6 +44,12 @@ VERDICTS = {
 }
 COUNT = ("no", "the", "the two", "the three", "the four", "the five", "the six", "the seven", "the eight")
 SUPPORT = "95 %, plus and minus 1.96 standard deviations (normal)"
+LAMBDA = (
+    "λ is how far apart two explanations are in the data: the squared distance between what they predict, in "
+    "standard deviations of the noise, with the rival as large as imitates best. It takes both as exactly of "
+    "their form, which no real machine is, and one may be likelier than the other before the data. So a "
+    "cause may be open at a large λ: it is settled where λ outweighs both."
+)
 OUTSIDE = "something that no cause of the catalogue explains"
 SOURCES = {
     "stated": "stated in the campaign",
@@ -66,6 +72,8 @@ def content(diagnosis: Diagnosis) -> Content:
         "stages": _stages(diagnosis),
         "remainder": _remainder(diagnosis),
         "causes": [_cause(finding, number) for number, finding in enumerate(diagnosis.causes)],
+        "no_cause": _no_cause(diagnosis),
+        "of_lambda": LAMBDA if any(finding.decide for finding in diagnosis.causes) else "",
         "not_testable": not_testable(diagnosis),
         "detectable": detectable(diagnosis),
         "faults": [_fault(fault) for fault in diagnosis.faults],
@@ -95,14 +103,29 @@ def gather(diagnosis: Diagnosis) -> Material:
 
 def _verdict(diagnosis: Diagnosis) -> dict[str, str]:
     """The headline is the first sentence; what more there is comes below it."""
-    several = diagnosis.verdict == "named" and len(diagnosis.causes) > 1
     headline, _, more = diagnosis.headline.partition(". ")
     return {
         "kind": diagnosis.verdict,
-        "label": "Causes found" if several else VERDICTS[diagnosis.verdict],
+        "label": _label(diagnosis),
         "headline": headline.removesuffix("."),
         "more": more,
     }
+
+
+def _label(diagnosis: Diagnosis) -> str:
+    if diagnosis.verdict == "named" and len(diagnosis.causes) > 1:
+        return "Causes found"
+    if diagnosis.verdict == "nothing_missing" and any(fact.differs for fact in diagnosis.given):
+        return "Given and confirmed"
+    return VERDICTS[diagnosis.verdict]
+
+
+def _no_cause(diagnosis: Diagnosis) -> str:
+    """What stands in place of causes where there are none."""
+    confirmed = [fact.differs for fact in diagnosis.given if fact.differs]
+    if not confirmed:
+        return "None is needed."
+    return f"None is needed beyond what was given and what the data confirm: {'; '.join(confirmed)}."
 
 
 def _summary(diagnosis: Diagnosis) -> str:
@@ -112,6 +135,8 @@ def _summary(diagnosis: Diagnosis) -> str:
     said = [f"As it is, the model misses the measured points by {mm(first.heldout_mean_mm)} mm on average."]
     if len(diagnosis.stages) > 1:
         said.append(f"Calibrating its geometry brings that to {mm(diagnosis.stages[1].heldout_mean_mm)} mm.")
+    if (given := diagnosis.with_given) is not None:
+        said.append(f"With what was given in it as well, {mm(given.heldout_mean_mm)} mm are left.")
     if known and len(diagnosis.stages) > 2:
         which = "cause" if len(known) == 1 else "causes"
         number = COUNT[len(known)] if len(known) < len(COUNT) else f"the {len(known)}"
@@ -218,7 +243,8 @@ def decision(one: Decision) -> str:
     """What would decide, with λ before and after."""
     if one.lambda_after is None:
         return one.words
-    return f"{one.words} (λ {one.lambda_before:.2g} → {one.lambda_after:.2g})"
+    before, after = (significant(float(f"{value:.2g}"), 2) for value in (one.lambda_before, one.lambda_after))
+    return f"{one.words} (λ {before} → {after})"
 
 
 def _rivals(finding: Finding) -> list[str]:
@@ -264,6 +290,8 @@ def _given(fact: GivenFact) -> list[str]:
     seen, fitted = (
         quantity(p).interval or str(quantity(p)) if p else MISSING for p in (fact.seen, fact.fitted)
     )
+    if fact.exact and fact.fitted is not None:
+        fitted = "as given"
     cause = f"{words(fact.cause)} ({where})" if where else words(fact.cause)
     note = f" ({fact.note})" if fact.note else ""
     return [
@@ -271,7 +299,11 @@ def _given(fact: GivenFact) -> list[str]:
         f"{fact.said}{note}",
         seen,
         fitted,
-        "kept to" if fact.obeyed else "contradicted, not kept to",
+        "confirmed by the data"
+        if fact.differs
+        else "kept to"
+        if fact.obeyed
+        else "contradicted, not kept to",
     ]
 
 

@@ -20,6 +20,7 @@ from .legible import legible
 from .markup import render
 
 DRAKES_HEAD = re.compile(r"<head>.*?</head>", re.DOTALL)
+ASIDE = -60.0  # degrees from the arm's direction, from where a scene is seen
 FILE_NAMES = re.compile(r"^// .* from .*\n", re.MULTILINE)  # Drake's remarks where it found a mesh
 
 
@@ -74,14 +75,19 @@ def draw_links(meshcat: Any, robot: Robot, poses: Array, prefix: str, time: Arra
     show(0.0, poses[0])
 
 
-def look(meshcat: Any, centre: list[float], extent: float, arm: Array) -> None:
-    """The camera, looking at the side of the arm (base to flange); a light ground; no axes."""
-    azimuth = np.arctan2(arm[1], arm[0]) - np.radians(60)
+def camera(centre: list[float], extent: float, arm: Array, aside: float = ASIDE) -> tuple[Array, Array]:
+    """Where the camera stands, and what it looks at (3,): the side of the arm (base to flange)."""
+    azimuth = np.arctan2(arm[1], arm[0]) + np.radians(aside)
     ahead = np.array([1.22 * np.cos(azimuth), 1.22 * np.sin(azimuth), 0.43])
     left = np.array([np.sin(azimuth), -np.cos(azimuth), 0.0])
     middle = np.array(centre) + 0.12 * extent * left  # room for the panel
+    return middle + extent * ahead, middle
+
+
+def look(meshcat: Any, centre: list[float], extent: float, arm: Array, aside: float = ASIDE) -> None:
+    """The camera in its place; a light ground; no axes."""
     meshcat.SetCamera(meshcat.PerspectiveCamera(fov=38, near=0.05, far=200))
-    meshcat.SetCameraPose(middle + extent * ahead, middle)
+    meshcat.SetCameraPose(*camera(centre, extent, arm, aside))
     for name in ("/Axes", "/Grid"):
         meshcat.SetProperty(name, "visible", False)
     meshcat.SetProperty("/Background", "top_color", [0.985, 0.988, 0.992])

@@ -91,9 +91,12 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
 
 
 def _steps(diagnosis: Diagnosis) -> list[str]:
-    """Nominal, geometry, with the causes, and with what has no name as well, as far as there is any."""
+    """Nominal, geometry, what was given, the causes and what has no name, as far as there is any."""
     nominal, geometry, *more = diagnosis.stages
     steps = [("nominal", nominal), ("geometry", geometry)]
+    if (given := diagnosis.with_given) is not None:
+        steps.append(("and what was given", given))
+        more.remove(given)
     with_names = [stage for stage in more if not stage.name.endswith(NAMELESS)]
     steps += [("with causes", stage) for stage in with_names[-1:]]
     steps += [(f"with {NAMELESS}", stage) for stage in more if stage not in with_names]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,20 +92,23 @@ def collisions(
 
 def _add(plant: MultibodyPlant, robot: Robot, arm: Arm, hulls: Sequence[Hull], floor: float | None) -> None:
     plant.AddModelInstance(AROUND)
-    for hull in hulls:
+    if floor is not None:
+        _register(plant, _standing(plant, FLOOR), FLOOR, Box(WIDE, WIDE, DEEP), [0, 0, floor - DEEP / 2])
+    for number, hull in enumerate(hulls):
+        name = f"{hull.name} ({number})"  # of a shape: two on one body may be called alike
         if hull.slot == STANDING:
-            _register(
-                plant, _standing(plant, hull.name), hull.name, Convex(hull.vertices.T.copy(), hull.name)
-            )
+            _register(plant, _standing(plant, hull.name), name, Convex(hull.vertices.T.copy(), name))
         else:
             body = plant.GetBodyByName(arm.links[hull.slot])
             corners = (hull.vertices @ arm.R_link[hull.slot]).T.copy()
-            _register(plant, body, hull.name, Convex(corners, hull.name))
-    if floor is not None:
-        _register(plant, _standing(plant, FLOOR), FLOOR, Box(WIDE, WIDE, DEEP), [0, 0, floor - DEEP / 2])
+            _register(plant, body, name, Convex(corners, name))
 
 
-def _standing(plant: MultibodyPlant, name: str) -> RigidBody:
+def _standing(plant: MultibodyPlant, said: str) -> RigidBody:
+    """A body of the surroundings; numbered where another, or a link, is called so."""
+    name = next(
+        one for one in chain([said], (f"{said} {k}" for k in count(2))) if not plant.HasBodyNamed(one)
+    )
     body = plant.AddRigidBody(name, plant.GetModelInstanceByName(AROUND), SpatialInertia.Zero())
     plant.WeldFrames(plant.world_frame(), body.body_frame())
     return body

@@ -167,7 +167,7 @@ def _settled(
 ) -> tuple[str, str, Outcome]:
     """The follow-up that a diagnosis offers, in words and as a command, and what both campaigns say together;
     the diagnosis as it is where it offers none."""
-    ways = [way for one in first.diagnosis.causes for way in one.decide if way.command and way.poses]
+    ways = [way for one in first.diagnosis.causes for way in one.decide if way.lambda_after and way.poses]
     if not ways:
         return "No more poses were asked for.", "", first
     way = ways[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
@@ -155,6 +156,18 @@ def _places(files: Mapping[str, bytes], format: Format, out: Path) -> dict[Path,
     return {out: files[first]} | {out.parent / name: files[name] for name in rest}
 
 
+def beside(path: Path) -> list[Path]:
+    """The files that belong to a program's file, however their names are spelt (VAL 3: the data and the
+    programs of the folder; KRL: its .dat)."""
+    patterns = {".pjx": (f"{path.stem}.dtx", "start.pgx", "*.pgx"), ".src": (f"{path.stem}.dat",)}
+    wanted = patterns.get(path.suffix.lower(), ())
+    if not wanted or not path.parent.is_dir():
+        return []
+    there = sorted(path.parent.iterdir())
+    found = [one for pattern in wanted for one in there if fnmatchcase(one.name.lower(), pattern.lower())]
+    return list(dict.fromkeys(found))
+
+
 def read_program(path: Path, format: Format) -> Program:
     """The program in a file, with the files that belong to it (VAL 3: the folder; KRL: its .dat)."""
     if path.is_dir():
@@ -162,13 +175,7 @@ def read_program(path: Path, format: Format) -> Program:
         if not found:
             raise InputError(Fault(str(path), f"has no {format.extension} file", "name the file"))
         path = found[0]
-    beside = {".pjx": (f"{path.stem}.dtx", "start.pgx", "*.pgx"), ".src": (f"{path.stem}.dat",)}
-    others = [
-        other
-        for pattern in beside.get(path.suffix.lower(), ())
-        for other in sorted(path.parent.glob(pattern))
-    ]
-    files = {other.name: read_text(other) for other in dict.fromkeys([path, *others])}
+    files = {one.name: read_text(one) for one in (path, *beside(path))}
     try:
         return format.read(files)
     except InputError:

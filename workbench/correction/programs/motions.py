@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -16,10 +17,25 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class Spot:
-    """Where a target's numbers stand: `spans` of the text of `file`, of place and turn or of joints."""
+    """Where a target's numbers stand: `spans` of the text of `file`, of place and turn or of joints. absent:
+    for each of them, how it is written where the file leaves it out for zero (its span is empty then), or
+    nothing where it is there."""
 
     file: str
     spans: tuple[Span, ...]
+    absent: tuple[str, ...] = ()
+
+    def old(self, text: str) -> list[str]:
+        """The numbers as they stand in the file's text."""
+        return [text[start:end] or "0" for start, end in self.spans]
+
+    def changes(self, numbers: Sequence[str]) -> list[tuple[Span, str]]:
+        """What to put in their places."""
+        forms = self.absent or ("",) * len(self.spans)
+        return [
+            (span, form.format(number) if form else number)
+            for span, number, form in zip(self.spans, numbers, forms, strict=True)
+        ]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,8 @@ FULL = 2 * np.pi
 
 
 def near_zyx(angles: Array, like: Array) -> Array:
-    """(3,) angles [rad] of R = Rz Ry Rx, or their other solution, each in the turn of `like` (3,)."""
+    """(3,) angles [rad] of R = Rz Ry Rx, or of Rx Ry Rz, or their other solution, each in the turn of `like`
+    (3,)."""
     a, b, c = angles
     both = np.array([angles, [a + np.pi, np.pi - b, c + np.pi]])
     both += FULL * np.round((like - both) / FULL)

@@ -20,6 +20,7 @@ from ...robot import rotations
 from .base import Array, Program
 from .format import Format, by_angles
 from .motions import Motions
+from .near import near_zyx
 from .val3_read import VAL3_FREE, scan
 
 SPACE = "http://www.staubli.com/robotics/VAL3"  # names of the XML vocabularies, not addresses
@@ -133,6 +134,10 @@ class Val3(Format):
             "endFor",
             "waitEndMove()",
         ]
+
+    def numbers(self, X: Array, like: Array) -> Array:
+        angles = rotations.xyz_angles(X[None, :3, :3])[0]
+        return np.concatenate([1e3 * X[:3, 3], np.degrees(near_zyx(angles, np.radians(like[3:])))])
 
     def scan(self, files: Mapping[str, str]) -> Motions:
         return scan(files)

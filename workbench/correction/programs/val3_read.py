@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from ...files.faults import Fault, InputError
 from ...robot import rotations
 from .base import Array
-from .motions import Motions
+from .motions import Motions, Spot
 from .text import arguments
 
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+TAG = re.compile(r"""<(?:\w+:)?(Data|Value)\b(?:[^>"']|"[^"]*"|'[^']*')*>""")
+ATTRIBUTE = re.compile(r"""([\w:.-]+)\s*=\s*("[^"]*"|'[^']*')""")
+PLACE, JOINTS = ("x", "y", "z", "rx", "ry", "rz"), ("j1", "j2", "j3", "j4", "j5", "j6")
 VAL3_FREE = 99999.0  # mm/s, deg/s: does not limit
 Row = dict[str, str]
 
@@ -32,6 +36,7 @@ class _Reader:
         self.motions.name = re.sub(r"\.\w+$", "", project)
         trees = {name: _tree(name, text) for name, text in files.items()}
         self.rows: dict[str, dict[int, Row]] = {}
+        self.spots = {key: spot for name, text in files.items() for key, spot in _spots(name, text)}
         for tree in trees.values():
             for item in tree.iter():
                 if _tag(item) == "Data" and "name" in item.attrib:
@@ -62,11 +67,8 @@ class _Reader:
             i += 1
 
     def _row(self, text: str, index: Mapping[str, int]) -> Row | None:
-        match = re.fullmatch(r"\s*(\w+)\s*(?:\[\s*(\w+)\s*\])?\s*", text)
-        if match is None:
-            return None
-        key = match[2] or "0"
-        return self.rows.get(match[1], {}).get(index.get(key, int(key) if key.isdigit() else -1))
+        name, key = _entry(text, index)
+        return self.rows.get(name, {}).get(key)
 
     def _number(self, text: str, index: Mapping[str, int]) -> float:
         row = self._row(text, index)
@@ -81,10 +83,11 @@ class _Reader:
             return
         tool, pace = self._row(said[-2], index), self._row(said[-1], index) or {}
         rows = [row for row in points if row is not None]
+        spots = [self.spots.get(_entry(text, index)) for text in said[:-2]]
         share = float(pace.get("vel", 100.0)) / 100
         if any(key.startswith("j") for key in rows[-1]):
             arm = tuple(np.radians(float(rows[-1].get(f"j{i}", "0"))) for i in range(1, 7))
-            self.motions.joints(arm, share=share)
+            self.motions.joints(arm, share=share, spot=spots[-1])
             return
         father = rows[-1].get("fatherId", "world[0]")
         base = np.eye(4) if father in ("world[0]", "world") else self._base(father, index)
@@ -96,6 +99,8 @@ class _Reader:
         self.motions.base = base
         if tool is not None:
             self.motions.tool = _read_frame(tool)
+        elif said[-2].strip().lower() not in ("flange", "flange[0]"):
+            self.motions.elsewhere("tool", said[-2].strip())
         limits = [float(pace.get(key, VAL3_FREE)) for key in ("tmax", "rmax")]
         free = kind == "movej"
         speed, turn = (np.nan if free or limit >= VAL3_FREE else limit for limit in limits)
@@ -107,6 +112,8 @@ class _Reader:
             blend=1e-3 * blend,
             share=share if free else np.nan,
             via=_read_frame(rows[0]) if kind == "movec" else None,
+            spot=spots[-1],
+            via_spot=spots[0] if kind == "movec" else None,
         )
 
     def _base(self, father: str, index: Mapping[str, int]) -> Array | None:
@@ -117,6 +124,33 @@ class _Reader:
             if row is not None and row.get("fatherId", "world[0]").startswith("world")
             else None
         )
+
+
+def _entry(text: str, index: Mapping[str, int]) -> tuple[str, int]:
+    """Name and number of an entry of the data, as a program says it: `p`, `p[2]`, `p[i]`."""
+    match = re.fullmatch(r"\s*(\w+)\s*(?:\[\s*(\w+)\s*\])?\s*", text)
+    if match is None:
+        return "", -1
+    key = match[2] or "0"
+    return match[1], index.get(key, int(key) if key.isdigit() else -1)
+
+
+def _spots(file: str, text: str) -> Iterator[tuple[tuple[str, int], Spot]]:
+    """Where the numbers of every point and of all joints stand in a file of data."""
+    name = ""
+    for tag in TAG.finditer(COMMENT.sub(lambda found: " " * len(found[0]), text)):
+        where = {one[1]: one.span(2) for one in ATTRIBUTE.finditer(text, tag.end(1), tag.end())}
+        said = {key: text[start + 1 : end - 1] for key, (start, end) in where.items()}
+        if tag[1] == "Data":
+            name = said.get("name", "")
+            continue
+        keys = JOINTS if any(key in where for key in JOINTS) else PLACE
+        spans, absent = [], []
+        for key in keys:
+            start, end = where.get(key, (tag.end(1) - 1, tag.end(1) + 1))
+            spans.append((start + 1, end - 1))
+            absent.append("" if key in where else f' {key}="{{}}"')
+        yield (name, int(said.get("key", "0"))), Spot(file, tuple(spans), tuple(absent))
 
 
 def _tree(name: str, text: str) -> ET.Element:

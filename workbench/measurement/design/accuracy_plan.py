@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...campaign import Campaign
-from ..driving.drive import Drive
+from ..driving.block import Drive
 from .candidates import payload_counts
 from .driven_plan import DrivenPlan
 
@@ -39,7 +39,7 @@ class AccuracyPlan(DrivenPlan):
     def with_drive(self, drive: Drive, random: Drive) -> AccuracyPlan:
         """In the order of a drive; random: that of as many random records."""
         each = (random.moving_s + random.standing_s) / len(self.random.poses)
-        taken = None if self.same is None else random.mounting_s + each * self.same
+        taken = None if self.same is None else random.pauses_s + each * self.same
         return replace(self, records=drive.own, drive=drive, random_s=taken)
 
     def to_json(self) -> dict[str, Any]:

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign
 from ...files.faults import Fault, InputError
-from ..driving.drive import Drive, drive, sessions
+from ..driving.block import Drive
+from ..driving.drive import drive, sessions
 from ..driving.ways import Ways
 from .candidates import random_rows
 
@@ -161,7 +162,7 @@ def _fitted(
         if abs(driven.total_s - seconds) <= NEAR * seconds:
             break
         each = (driven.moving_s + driven.standing_s) / count
-        wanted = int((seconds - driven.mounting_s) / each)
+        wanted = int((seconds - driven.pauses_s) / each)
         if wanted < FEWEST:
             break
         wanted = min(wanted, len(among))

@@ -16,15 +16,30 @@ from ...campaign import Campaign
 from ...campaign.problem import Problem
 from ...diagnosis.result import Decision
 from ...diagnosis.run import Outcome
-from ...effects import separation
+from ...effects import separation_beside
 from ...effects.base import Effect
+from ...effects.given import given_facts
 from ...effects.records import effect_text
+from ..driving.block import torque_columns
 from .candidates import candidates, reach_of
 from .causes import CHANCE, varied
+from .discrimination import MOST_MEASURED
 from .fedorov import Records, Search
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, design_space
-from .ties import Attempts, Tie, at_zero, contains, fewest, least, settled_at, share_of, tie_of, unexplained
+from .ties import (
+    SAID,
+    Attempts,
+    Tie,
+    at_zero,
+    contains,
+    fewest,
+    least,
+    settled_at,
+    share_of,
+    tie_of,
+    unexplained,
+)
 
 MOST = 3  # ambiguous findings that are worked out, the strongest
 POOL = 120  # candidate records
@@ -79,37 +94,44 @@ def _decisions(
     problem: Problem, tie: Tie, space: DesignSpace, with_torque: Torques | None
 ) -> tuple[Decision, ...]:
     """Poses; the torques beside them where poses alone are too many; readings; else what the causes say."""
-    path = quote(str(problem.campaign.path))
+    source = problem.campaign.arguments
     now = least(space, space.before, tie)
     tell = command_text(tie)
-    found = []
+    found: list[Decision] = []
     poses = _settled(space, tie)
     if poses is not None:
         count, after = poses
-        words = f"{count} more poses, chosen for it"
-        command = f"workbench plan {path} --tell {quote(tell)} --poses {count} --out follow-up"
+        words = f"{'about ' if after is None else ''}{count} more poses, chosen for it"
+        command = f"workbench plan {source} --tell {quote(tell)} --poses {count} --out follow-up"
         found.append(Decision("poses", words, command, count, now, after))
     if with_torque is not None and (torque := _settled_by_torque(with_torque, tie)) is not None:
         count, after = torque
         if poses is None or count < poses[0]:
-            words = f"the torques of the drives (columns tau1 ...) at {count} more poses"
-            command = f"workbench plan {path} --poses {count} --out follow-up"
+            columns = torque_columns(problem.robot)
+            words = f"record the torques of the drives (columns {columns}) at {count} more poses"
+            command = f"workbench plan {source} --poses {count} --torque --out follow-up"
             found.append(Decision("drive_torque", words, command, count, now, after))
     found += _readings(problem, tie, space, now)
     if poses is None:
         found += [
             Decision("other", _whole(tie, rival), None, None, now, None) for rival in _wholes(space, tie)
         ]
-        said = (separation(tie.effect.cause, rival.cause) for rival in tie.rivals)
+    if poses is None or poses[1] is None:
+        read = {item.effect.key for item in given_facts(problem)}
+        said = (separation_beside(tie.effect.key, rival.key, read) for rival in tie.rivals)
         words_of = dict.fromkeys(filter(None, said))
         found += [Decision("other", words, None, None, now, None) for words in words_of]
     return tuple(found)
 
 
-def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float] | None:
-    """Poses that settle it, and λ after them; None where it takes more than `POSES.most`."""
+def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float | None] | None:
+    """Poses that settle it, and λ after them: not known where it takes more than `POSES.most`; None where it
+    takes more than anyone measures."""
     chosen, share = fewest(space, [tie], Search(POOL, 1, 0), POSES)
-    return (len(chosen), least(space, space.measured(chosen), tie)) if share >= 1 else None
+    if share >= 1:
+        return len(chosen), least(space, space.measured(chosen), tie)
+    needed = len(chosen) / max(share, 1e-9)
+    return (10 * int(np.ceil(needed / 10)), None) if needed <= MOST_MEASURED else None
 
 
 def _settled_by_torque(torques: Torques, tie: Tie) -> tuple[int, float] | None:
@@ -137,11 +159,11 @@ def _whole(tie: Tie, rival: Effect) -> str:
     if rival.free:
         return (
             f"{tie.effect.label} is a case of {rival.label}: no pose tells them apart, only that nothing "
-            f"else shows at many more angles of {rival.where}; {POSES.most} poses are too few"
+            f"else shows at many more angles of {rival.where}; {MOST_MEASURED} poses are too few"
         )
     return (
-        f"all that {tie.effect.label} does to the tool {rival.label} does as well, with other numbers: no "
-        "pose tells them apart"
+        f"all that {tie.effect.label} does to the tool {rival.label} does as well, with other numbers: "
+        f"{MOST_MEASURED} poses are too few"
     )
 
 
@@ -158,7 +180,7 @@ def _readings(problem: Problem, tie: Tie, space: DesignSpace, now: float) -> lis
             where = f" of {effect.where}" if str(effect.where) else ""
             words = f"read {name}{where} to ± {std:.10g} {unit}".removesuffix(" 1")
             fact = f"{_text(effect)}{',' if ':' in _text(effect) else ':'}{name}=VALUE,std={std:.10g}"
-            command = f'workbench diagnose {problem.campaign.path} --known "{fact}"'
+            command = f"workbench diagnose {problem.campaign.arguments} --known {quote(fact)}"
             found.setdefault(f"{effect.label}", Decision("reading", words, command, None, now, after))
     return list(found.values())
 
@@ -207,7 +229,7 @@ def command_text(tie: Tie) -> str:
     """The tie as `--tell` takes it: the cause with the size that was found, its rivals, and how likely the
     diagnosis has each, those without a name among them."""
     values = tie.size * np.array([p.typical for p in tie.effect.params])
-    found = effect_text(tie.effect, np.array([float(f"{value:.3g}") for value in values]))
+    found = effect_text(tie.effect, np.array([float(f"{value:.{SAID}g}") for value in values]))
     rivals = {form[0][0].key: form[0][0] for form in tie.forms if form[0][0].key != tie.effect.key}
     told = [(found, tie.effect.key), *((_text(effect), key) for key, effect in rivals.items())]
     return ",".join(_with(text, tie.chances.get(key)) for text, key in told)

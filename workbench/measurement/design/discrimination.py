@@ -9,8 +9,10 @@ from itertools import combinations, product
 import numpy as np
 
 from ...campaign import Campaign
-from ...effects import separation
+from ...campaign.problem import Problem
+from ...effects import separation_beside
 from ...effects.base import Effect
+from ...effects.given import given_facts
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from ..driving.ways import Ways
@@ -78,7 +80,7 @@ def tell_space(prior: PriorInformation, text: str, search: Search) -> TellSpace:
     lost = {frozenset(pair) for pair, power in zip(pairs, reached, strict=True) if power < LEVELS.least}
     hopeless = tuple(pair for pair in pairs[::2] if frozenset(pair) in lost)
     open_pairs = tuple(pair for pair in pairs if frozenset(pair) not in lost)
-    words = advice(hopeless or pairs or [(unseen[0], e) for e in effects])
+    words = advice(hopeless or pairs or [(unseen[0], e) for e in effects], prior.problem)
     return TellSpace(prior, at_zero, offered, space, open_pairs, hopeless, tuple(unseen), words, search)
 
 
@@ -184,9 +186,10 @@ def _needed(hardest: Sequence[Discrimination], count: int) -> int | None:
     return int(np.ceil(needed)) if needed < MOST_MEASURED else None
 
 
-def advice(pairs: Sequence[Pair]) -> str:
-    """What the effects themselves say tells them apart."""
-    said = list(filter(None, (separation(a.cause, b.cause) for a, b in pairs)))
+def advice(pairs: Sequence[Pair], problem: Problem) -> str:
+    """What the effects themselves say tells them apart, but for what is known of the problem already."""
+    read = {item.effect.key for item in given_facts(problem)}
+    said = list(filter(None, (separation_beside(a.key, b.key, read) for a, b in pairs)))
     return (
         "; ".join(dict.fromkeys(said))
         or "the drives' torques, a target on the link in question, another load"

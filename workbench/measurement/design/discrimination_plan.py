@@ -7,7 +7,8 @@ from typing import Any
 
 from ...campaign import Campaign
 from ...effects.base import Effect
-from ..driving.drive import Drive
+from ...report.numbers import significant
+from ..driving.block import Drive
 from .candidates import payload_counts
 from .causes import keys, label
 from .driven_plan import DrivenPlan
@@ -98,7 +99,7 @@ class DiscriminationPlan(DrivenPlan):
             "payloads": {} if self.records is None else payload_counts(self.records),
             "noise": self.noise,
             "faults": [fault.to_json() for fault in self.faults],
-            "told_apart": self.least >= LEVELS.least and not self.hopeless and not self.unseen,
+            "told_apart": self._told_apart and not self.hopeless and not self.unseen,
             "hardest": [pair.to_json() for pair in self.hardest],
             "hopeless": [{**keys(a), "rival": keys(b)} for a, b in self.hopeless],
             "unseen": [keys(effect) for effect in self.unseen],
@@ -123,18 +124,16 @@ class DiscriminationPlan(DrivenPlan):
         lines = [f"No pose shows {label(effect)}." for effect in self.unseen]
         lines += [f"No poses tell {label(a)} from {label(b)}." for a, b in self.hopeless]
         if self.hardest:
-            alike, apart = f"below {LEVELS.least:g} alike", f"above {LEVELS.surely:g} apart"
-            size = "the size that was found" if self.found else f"typical size ({self._sizes()})"
-            of = f"if of {size}, with {self.noise}"
-            lines.append(f"λ, how far apart these causes are ({alike}, {apart}), {of}:")
+            lines.append(self._of_lambda())
             for pair in self.hardest:
-                now = "" if pair.now is None else f"{pair.now:.3g} now, "
+                now = "" if pair.now is None else f"{significant(pair.now)} now, "
                 lines.append(
-                    f"  {label(pair.effect)} beside {label(pair.rival)}: {now}{pair.random:.3g} after "
-                    f"{self.count} random poses, {pair.plan:.3g} after this plan"
+                    f"  {label(pair.effect)} beside {label(pair.rival)}: {now}{significant(pair.random)} "
+                    f"after {self.count} random poses, {significant(pair.plan)} after this plan"
                 )
             lines.append(self._meaning())
-        if self.least < LEVELS.mostly or self.hopeless or self.unseen:
+        enough = self.settles if self.found else self.least >= LEVELS.mostly
+        if not enough or self.hopeless or self.unseen:
             lines.append(f"Another kind of measurement tells more: {self.separate_by}.")
         if self.drive is not None:
             lines += [self.drive.text, *self.not_measured]
@@ -144,6 +143,28 @@ class DiscriminationPlan(DrivenPlan):
             )
         return "\n".join(lines)
 
+    @property
+    def settles(self) -> bool:
+        """Of causes that were found: whether a diagnosis is expected to name what is true after it."""
+        return self.needed is not None and self.needed <= self.count
+
+    @property
+    def _told_apart(self) -> bool:
+        return self.settles if self.found else self.least >= LEVELS.least
+
+    def _of_lambda(self) -> str:
+        """What λ is. Of causes that were found it is no matter of its size alone: a real machine is off every
+        form, and one cause is likelier than another before the data."""
+        if self.found:
+            return (
+                "λ, how far apart these causes are, of the size that was found and exactly of their form, "
+                f"with {self.noise} (a tie is settled where λ outweighs how far real causes are off their "
+                "forms, and the odds between them so far):"
+            )
+        alike, apart = f"below {LEVELS.least:g} alike", f"above {LEVELS.surely:g} apart"
+        of = f"if of typical size ({self._sizes()}), with {self.noise}"
+        return f"λ, how far apart these causes are ({alike}, {apart}), {of}:"
+
     def _sizes(self) -> str:
         params = [(e.label, e.params[0]) for pair in self.hardest for e in (pair.effect, pair.rival)]
         sizes = {name: f"{p.name} {p.typical:g} {p.unit}".removesuffix(" 1") for name, p in params}
@@ -152,6 +173,10 @@ class DiscriminationPlan(DrivenPlan):
     def _meaning(self) -> str:
         """λ in words; it goes with the square of the causes' size."""
         more = f"about {self.needed} planned poses" if self.needed else "more poses than anyone measures"
+        if self.found and self.settles:
+            return f"This plan is expected to settle it. In simulated campaigns {LEVELS.found}."
+        if self.found:
+            return f"This plan is not expected to settle it: that takes {more}."
         if self.least >= LEVELS.surely:
             return f"This plan tells them apart. In simulated campaigns {LEVELS.found}."
         if self.least >= LEVELS.mostly:

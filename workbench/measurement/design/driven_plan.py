@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...diagnosis.result import FaultFound
-from ..driving.drive import Drive
+from ..driving.block import Drive
 from ..driving.reach import Reach
 
 

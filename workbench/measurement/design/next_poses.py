@@ -48,6 +48,7 @@ def plan(
     minutes: float | None = None,
     cell: CellData | None = None,
     dwell: float = DWELL_S,
+    torque: bool = False,
     progress: Progress = lambda _: None,
 ) -> Plan:
     """The next poses to measure: for accuracy, or to tell rival causes apart.
@@ -58,8 +59,9 @@ def plan(
     settled by as few poses as do it where none are said. known: facts as `--known` takes them. seed: of the
     poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the campaign
     says); minutes: in place of a number of poses the time that they may take, loads, stops on the way and
-    targets chosen with them; dwell: [s] of a standstill with one target. progress: is told each step in
-    words. Raises `InputError` where there is no plan.
+    targets chosen with them; dwell: [s] of a standstill with one target; torque: the drives' torques are to
+    be recorded too, as in a campaign that has them. progress: is told each step in words. Raises
+    `InputError` where there is no plan.
 
     >>> from workbench import load_robot, plan
     >>> chosen = plan(load_robot("cylindrical"), 5, quick=True)
@@ -101,7 +103,10 @@ def plan(
         made = plan_settling(prior, tell, poses, search)
     else:
         made = plan_discrimination(prior, tell, count, search)
-    return _driven(made, prior, around, ways, dwell, progress)
+    made = _driven(made, prior, around, ways, dwell, progress)
+    if made.drive is None:
+        return made
+    return replace(made, drive=replace(made.drive, torque=torque or prior.problem.drives > 0))
 
 
 def follow_up(
@@ -118,7 +123,8 @@ def follow_up(
         raise ValueError(f"no poses decide it: {decision.words}")
     asked = shlex.split(decision.command)
     tell = asked[asked.index("--tell") + 1] if "--tell" in asked else None
-    return plan(campaign, decision.poses, tell=tell, seed=seed, quick=quick, progress=progress)
+    torque = "--torque" in asked
+    return plan(campaign, decision.poses, tell=tell, seed=seed, quick=quick, torque=torque, progress=progress)
 
 
 def _likely(around: Reach, seconds: float, dwell: float) -> int:

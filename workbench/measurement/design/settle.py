@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...campaign.problem import Problem
+from ...effects import catalogue
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ...effects.records import PLACE, from_record, parse_effect
@@ -70,7 +71,7 @@ def plan_settling(
     can = [share_of(space, space.everything, tie) >= 1 for tie in ties]
     some = [(tie, n) for tie, n, resolved in zip(ties, now, can, strict=True) if resolved]
     lost = tuple((t.effect, t.rivals[0]) for t, resolved in zip(ties, can, strict=True) if not resolved)
-    words = advice([(tie.effect, rival) for tie in ties for rival in tie.rivals])
+    words = advice([(tie.effect, rival) for tie in ties for rival in tie.rivals], prior.problem)
     made = DiscriminationPlan(None, 0, prior.noise, (), lost, (), None, words, found=True)
     if not some:
         return made
@@ -113,7 +114,8 @@ def tie_said(text: str, fit: Fit) -> Tie:
     for cause, chance in others:
         places = _places_of(effect, cause, problem)
         chances |= {} if chance is None else {one.key: chance for one in places}
-        rivals += [one for one in places if one.cause != UNKNOWN]
+        known = fit.model.given
+        rivals += [e for e in places if e.cause != UNKNOWN and not any(item.is_for(e) for item in known)]
     if not rivals:
         raise InputError(Fault("--tell", f"{text!r} has no rival with a name", EXAMPLE))
     return tie_between(fit, effect, size, tuple(rivals), chances)
@@ -159,20 +161,32 @@ def _result(path: Path, problem: Problem) -> Iterator[list[dict[str, Any]]]:
 
 
 def _effect(one: dict[str, Any], problem: Problem) -> tuple[Effect, Array]:
-    """A cause of a `result.json`, and its size (p,)."""
-    # of several parts of one law, as "amplitude" and "amplitude (2)", the strongest
-    values = {p["name"]: float(p["value"]) for p in one["parameters"] if not p["name"].endswith(")")}
+    """A cause of a `result.json`, and its size (p,): of several forms of it, the one that shows most."""
+    said = {p["name"]: p for p in one["parameters"]}
     where = {key: one[key] for key in PLACES if key in one}
-    return from_record(EffectRecord(cause=one["cause"], values=values, **where), problem)
+    form = one.get("variant") or _clearest(one["cause"], said, problem)
+    effect, _ = from_record(EffectRecord(cause=one["cause"], variant=form, **where), problem)
+    # a further part of the law is said with its form, as in "amplitude (2)"
+    own = {name: said.get(f"{name} ({effect.variant})", said.get(name)) for name in effect.names}
+    return effect, effect.given({name: float(p["value"]) for name, p in own.items() if p is not None})
+
+
+def _clearest(cause: str, said: dict[str, Any], problem: Problem) -> str:
+    """Of a result that does not tell the form: that with the number farthest from none for its spread; none
+    where the first has it."""
+    sure = {name: abs(p["value"]) / p["std"] for name, p in said.items() if p["value"] and p["std"]}
+    places = catalogue()[cause].places(problem) if cause in catalogue() else ()
+    own = {form.variant: max((sure.get(name, 0.0) for name in form.names), default=0.0) for form in places}
+    clearest = max(own, key=lambda variant: own[variant], default="")
+    return "" if clearest == next(iter(own), "") else clearest
 
 
 def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
     if one["cause"] == UNKNOWN:
         return None
-    problem = fit.model.problem
-    effect, size = _effect(one, problem)
+    effect, size = _effect(one, fit.model.problem)
     chances = {(r["cause"], _place(r)): float(r["probability"]) for r in one["rivals"]}
-    rivals = sites_of(chances, problem)
+    rivals = sites_of(chances, fit)
     chances[effect.key] = float(one.get("probability", 1 - sum(chances.values())))
     return tie_between(fit, effect, size, rivals, chances) if rivals else None
 

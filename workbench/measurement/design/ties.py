@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...campaign.problem import Problem
 from ...diagnosis.components import Key, with_companions
 from ...diagnosis.priors import PRIORS
 from ...diagnosis.result import Finding
@@ -35,6 +34,7 @@ from .fedorov import Records, Search, information
 from .prior_information import WIDE, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
 
+SAID = 3  # digits of a size, as commands say it
 SMALLEST = 0.1  # usual sizes, of a rival that hardly imitates
 INSIDE = 0.2  # share of λ that what contains a cause leaves of it, at most
 IMITATES = 0.5  # share of λ that a rival leaves, at most, to be taken for the cause
@@ -95,7 +95,7 @@ def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
         return None
     own = [i for i, e in enumerate(outcome.fit.model.effects) if e.key == (finding.cause, finding.where)]
     chances = {(rival.cause, rival.where): rival.probability for rival in finding.rivals}
-    rivals = sites_of(chances, outcome.problem)
+    rivals = sites_of(chances, outcome.prepared.geometry)
     if not own or not rivals:
         return None
     strongest = max(own, key=outcome.fit.wald)
@@ -104,18 +104,22 @@ def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
     return tie_between(outcome.prepared.geometry, effect, values, rivals, chances)
 
 
-def sites_of(keys: Iterable[Key], problem: Problem) -> tuple[Effect, ...]:
-    """Every form of the causes of the catalogue with these keys that a campaign may show, in their order."""
-    kept = tuple(keys)
+def sites_of(keys: Iterable[Key], fit: Fit) -> tuple[Effect, ...]:
+    """Every form of the causes of the catalogue with these keys that a campaign may show, in their order; but
+    for what is known already."""
+    kept, given = tuple(keys), fit.model.given
     known = catalogue()
     kinds = [known[cause] for cause in dict.fromkeys(cause for cause, _ in kept) if cause in known]
-    return tuple(e for kind in kinds for e in kind.sites(problem) if e.key in kept)
+    sites = (e for kind in kinds for e in kind.sites(fit.model.problem))
+    return tuple(e for e in sites if e.key in kept and not any(item.is_for(e) for item in given))
 
 
 def tie_between(
     fit: Fit, effect: Effect, values: Array, rivals: tuple[Effect, ...], chances: Mapping[Key, float]
 ) -> Tie:
-    """The tie of an effect that was found with these values (p,); chances: by key, none: nothing is known."""
+    """The tie of an effect that was found with these values (p,); chances: by key, none: nothing is known.
+    The values count as commands say them: a diagnosis, its result.json and a plan speak of one tie."""
+    values = np.array([float(f"{value:.{SAID}g}") for value in values])
     nameless = [e for e in unnamed(fit.model.problem) if e.key in chances]
     every = (effect, *rivals, *nameless)
     forms = tuple(tuple(with_companions(fit, (one,), fit.model.problem)) for one in every)

@@ -3,106 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign import Campaign
-from ...campaign.cell import DrivingData
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array, frames
+from .block import Block, Drive, state_of, work_between
 from .tour import shortest
 from .ways import Ways
 
 ROUNDS = 6  # tours that are tried before a colliding way is gone round
 FAR = 300.0  # s that a colliding way counts for in a tour: longer than any other
-
-
-@dataclass(frozen=True)
-class Block:
-    """Stops start..stop − 1, with one load and in one session; name: for files."""
-
-    name: str
-    payload: int
-    start: int
-    stop: int
-
-
-@dataclass(frozen=True, eq=False)
-class Drive:
-    """What is driven, in order. M standstills, those of the plan and returns to the check pose.
-
-    plan: (N) the plan's own records in the order of the drive, at the times that the plan said; records: (M)
-    those and the returns, with their sides and the times of the drive; check: (M,) which are returns; via:
-    for each the poses (n,) on the way to it, before its approach; seconds: of motion, standstills and
-    mounting, in all; still_s: of one standstill, in which all targets of the plan are measured; detours: how
-    many ways were gone round.
-    """
-
-    plan: Campaign
-    records: Campaign
-    check: NDArray[np.bool_]
-    via: tuple[tuple[Array, ...], ...]
-    blocks: tuple[Block, ...]
-    moving_s: float
-    standing_s: float
-    mounting_s: float
-    still_s: float
-    detours: int
-
-    @property
-    def own(self) -> Campaign:
-        """(N) the plan's own records at the times of the drive."""
-        return self.records.some(np.flatnonzero(~self.check))
-
-    @property
-    def total_s(self) -> float:
-        return self.moving_s + self.standing_s + self.mounting_s
-
-    def to_json(self) -> dict[str, Any]:
-        return {
-            "minutes": self.total_s / 60,
-            "moving_minutes": self.moving_s / 60,
-            "standing_minutes": self.standing_s / 60,
-            "mounting_minutes": self.mounting_s / 60,
-            "standstill_s": self.still_s,
-            "targets": self.targets,
-            "check_poses": int(self.check.sum()),
-            "detours": self.detours,
-            "blocks": [{"name": b.name, "standstills": b.stop - b.start} for b in self.blocks],
-        }
-
-    @property
-    def targets(self) -> list[str]:
-        """Names of what is measured at every standstill."""
-        return [target.name for target in self.plan.targets]
-
-    @property
-    def measured(self) -> str:
-        """What is measured at every standstill, in words."""
-        return f"At every standstill, {self.still_s:g} s, measure {', '.join(self.targets)}."
-
-    @property
-    def spent(self) -> str:
-        """On what the time goes."""
-        parts = [f"{self.moving_s / 60:.0f} min moving", f"{self.standing_s / 60:.0f} min standing still"]
-        parts += [f"{self.mounting_s / 60:.0f} min mounting"] if self.mounting_s else []
-        return ", ".join(parts)
-
-    @property
-    def text(self) -> str:
-        """How long it takes."""
-        lines = [f"About {self.total_s / 60:.0f} min: {self.spent}.", self.measured]
-        if self.check.any():
-            lines.append(
-                f"It returns {int(self.check.sum())} times to a check pose, which shows warming up and drift."
-            )
-        if self.detours:
-            lines.append(f"{self.detours} of {len(self.check)} ways go round what is in the way.")
-        return "\n".join(lines)
 
 
 def drive(plan: Campaign, ways: Ways, dwell: float) -> Drive:
@@ -114,13 +29,13 @@ def drive(plan: Campaign, ways: Ways, dwell: float) -> Drive:
     blocks: list[Block] = []
     names: dict[str, int] = {}
     for rows in _blocks(plan):
-        payload = int(plan.poses.payload[rows[0]])
+        state = state_of(plan, int(rows[0]))
         start = len(stops)
         stops += _block(plan, ways, rows, check)
-        stem = plan.payload_names[payload]
+        stem = state.payload
         names[stem] = names.get(stem, 0) + 1
         again = f"_{names[stem]}" if names[stem] > 1 else ""
-        blocks.append(Block(f"{stem}{again}".strip("_"), payload, start, len(stops)))
+        blocks.append(Block(f"{stem}{again}".strip("_"), state, start, len(stops)))
     further = 0 if plan.six_dof else len(plan.targets) - 1
     return _timed(plan, ways, stops, blocks, dwell + further * ways.reach.cell.driving.reflector_s)
 
@@ -214,11 +129,16 @@ def _timed(
     q, sides = records.poses.q, _sides(records)
     approach = ways.reach.approaches(q, sides)
     via: list[tuple[Array, ...]] = [()]
-    clock, moving, mounting, times = 0.0, 0.0, 0.0, [0.0]
+    clock, moving, times = 0.0, 0.0, [0.0]
+    number = {block.start: k for k, block in enumerate(blocks)}
+    driven = list(blocks)
     for i in range(1, len(rows)):
         clock += still
-        pause = _mounting(payload[i - 1 : i + 1], wrench[i - 1 : i + 1], driving)
-        pause = max(pause, starts[i] - clock) if starts[i] > starts[i - 1] else pause
+        if (k := number.get(i)) is not None:
+            later = starts[i] - clock if starts[i] > starts[i - 1] else 0.0
+            before = work_between(blocks[k - 1].state, blocks[k].state, driving, later)
+            driven[k] = replace(blocks[k], before=before)
+            clock += sum(seconds for _, seconds in before)
         between = () if ways.clear(q[i - 1], approach[i]) else ways.round(q[i - 1], approach[i])
         if between is None:
             what = (
@@ -228,7 +148,7 @@ def _timed(
         via.append(tuple(between))
         leg = [q[i - 1], *between, approach[i], q[i]]
         taken = sum(float(ways.time(a, b)) for a, b in pairwise(leg))
-        clock, moving, mounting = clock + pause + taken, moving + taken, mounting + pause
+        clock, moving = clock + taken, moving + taken
         times.append(clock)
     numbers = np.cumsum(~check)
     returns = np.cumsum(check)
@@ -242,17 +162,9 @@ def _timed(
         replace(records, title=plan.title),
         check,
         tuple(via),
-        tuple(blocks),
+        tuple(driven),
         moving,
         still * len(rows),
-        mounting,
         still,
         sum(bool(way) for way in via),
     )
-
-
-def _mounting(payload: NDArray[np.int64], wrench: Array, driving: DrivingData) -> float:
-    """[s] between two stops for another load or pull."""
-    load = driving.load_change_min if payload[0] != payload[1] else 0.0
-    pull = driving.pull_min if (wrench[0] != wrench[1]).any() else 0.0
-    return 60.0 * (load + pull)

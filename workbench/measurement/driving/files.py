@@ -6,28 +6,46 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ...campaign import Campaign
 from ...campaign.write import campaign_text, own_robot, poses_text
 from ...correction.conditions import carried, conditions_of
 from ...correction.programs import Format, Program, measuring_program
-from .drive import Drive
+from .block import Drive
 from .reach import Reach
 
 COMMENTS = (
     "A plan of `workbench plan`. Measure it, put what the instrument saw into points.csv (pose_id, target,",
-    "x_mm, y_mm, z_mm), and say `workbench diagnose campaign.toml`. Column t_s of poses.csv is planned: put",
-    "the times in at which it was measured, or take it out.",
+    "x_mm, y_mm, z_mm), and say `workbench diagnose campaign.toml`.",
 )
 
 
 def table_files(drive: Drive, reach: Reach, folder: Path) -> dict[Path, bytes]:
     """`poses.csv` and `campaign.toml` by their paths in the folder, with the robot where it is one's own."""
     records = replace(proposed(drive.records, reach), cell=reach.cell)
+    if drive.torque:  # columns to fill in
+        records = records.with_poses(torque=np.full_like(records.poses.q, np.nan))
     return {
         folder / "poses.csv": poses_text(records).encode(),
-        folder / "campaign.toml": campaign_text(folder, records, (*COMMENTS, drive.measured)).encode(),
+        folder / "campaign.toml": campaign_text(folder, records, comments(drive)).encode(),
         **{path: text.encode() for path, text in own_robot(folder, records.robot).items()},
     }
+
+
+def comments(drive: Drive) -> tuple[str, ...]:
+    """What a `campaign.toml` says of how it is measured, and which columns are planned only."""
+    poses = drive.records.poses
+    planned = ["t_s (when)"]
+    planned += [] if poses.temperature is None else ["temp_degC (how warm the arm was)"]
+    planned += ["fx_N ... (how it was pulled)"] if poses.wrench.any() else []
+    columns = ", ".join(planned)
+    return (
+        *COMMENTS,
+        f"Planned, not measured, in poses.csv: {columns}. Put in what was so, or take the column out.",
+        drive.measured,
+        *drive.block_lines,
+    )
 
 
 def proposed(records: Campaign, reach: Reach) -> Campaign:
@@ -43,10 +61,9 @@ def programs(
 ) -> dict[str, Program]:
     """A measuring program for each block of the drive, by its name. Raises `InputError`."""
     poses, out = drive.records.poses, {}
-    for block in drive.blocks:
+    for number, block in enumerate(drive.blocks, 1):
         name = f"{stem}_{block.name}" if block.name else stem
         inside = slice(block.start, block.stop)
-        payload = drive.records.payload_names[block.payload]
         made = measuring_program(
             drive.records.robot,
             poses.q[inside],
@@ -55,9 +72,15 @@ def programs(
             sides=poses.side[inside] if poses.side is not None else None,
             via=drive.via[inside],
             name=name,
-            load=carried(conditions_of(drive.records, payload)),
+            load=carried(conditions_of(drive.records, block.state.payload)),
             share=share,
             as_urdf=as_urdf,
         )
-        out[name] = replace(made, notes=(drive.measured, *made.notes))
+        said = () if drive.plainly else (f"block {number} of {len(drive.blocks)}", *block.state.lines)
+        out[name] = replace(made, notes=(*map(_remark, (*said, drive.measured)), *made.notes))
     return out
+
+
+def _remark(text: str) -> str:
+    """On one line, in letters that every controller reads."""
+    return " ".join(text.replace(";", ",").split()).encode("ascii", "replace").decode()

@@ -11,8 +11,9 @@ import numpy as np
 
 from ...report.folder import json_bytes
 from ...report.markup import render
+from ...report.numbers import MISSING
 from ...report.study import Tile
-from .drive import Drive
+from .block import Drive
 from .reach import Reach
 from .scene import scene
 
@@ -43,7 +44,7 @@ def page_files(page: PlanPage) -> dict[str, bytes]:
         headline=page.headline,
         tiles=_tiles(page),
         worth=page.worth,
-        driven=page.drive.text.split("\n"),
+        driven=page.drive.lines,
         blocks=_blocks(page.drive),
         checked=_checked(page.reach),
         **_table(page.drive),
@@ -70,14 +71,15 @@ def _tiles(page: PlanPage) -> list[Tile]:
 
 
 def _blocks(drive: Drive) -> list[list[str]]:
-    time = drive.records.poses.time
-    assert time is not None
     return [
         [
             f"{number}",
-            drive.records.payload_names[block.payload] or "none",
+            block.preparing or MISSING,
+            block.state.load,
+            block.state.pull or "none",
+            block.state.warmth or "as it is",
             f"{block.stop - block.start}",
-            f"{time[block.start] / 60:.0f} min",
+            f"{drive.begins_s(block) / 60:.0f} min",
         ]
         for number, block in enumerate(drive.blocks, 1)
     ]
@@ -115,21 +117,29 @@ def _checked(reach: Reach) -> list[str]:
 
 
 def _table(drive: Drive) -> dict[str, Any]:
-    """Every standstill: name, minute, load, joints in degrees or mm, how many poses the way leads by."""
+    """Every standstill: name, minute, load, pull and warmth where the plan has these, joints in degrees or
+    mm, how many poses the way leads by."""
     records, robot = drive.records, drive.records.robot
     units = np.array([1e3 if joint.kind == "prismatic" else 180 / np.pi for joint in robot.joints])
     names = [f"{joint.name} [{'mm' if joint.kind == 'prismatic' else '°'}]" for joint in robot.joints]
     time = records.poses.time
     assert time is not None
+    states = [block.state for block in drive.blocks for _ in range(block.start, block.stop)]
+    state = {"Load": [one.load for one in states]}
+    if any(one.pull for one in states):
+        state["Pull"] = [one.pull or "none" for one in states]
+    if any(one.warmth for one in states):
+        state["Arm"] = [one.warmth for one in states]
     rows = [
         [
             records.poses.ids[i],
             f"{time[i] / 60:.1f}",
-            records.payload_names[records.poses.payload[i]],
+            *(column[i] for column in state.values()),
             *(f"{value:.1f}" for value in records.poses.q[i] * units),
             f"by {len(drive.via[i])}" if drive.via[i] else "",
         ]
         for i in range(len(records.poses))
     ]
-    head = ["Pose", "Minute", "Load", *names, "Detour"]
-    return {"head": head, "rows": rows, "numbers": (1, *range(3, 3 + len(names)))}
+    head = ["Pose", "Minute", *state, *names, "Detour"]
+    first = 2 + len(state)
+    return {"head": head, "rows": rows, "numbers": (1, *range(first, first + len(names)))}

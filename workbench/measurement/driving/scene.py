@@ -8,15 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...report.meshcat_page import draw_robot, look, meshcat_alone, pack, with_panel
+from ...report.meshcat_page import ASIDE, camera, draw_robot, look, meshcat_alone, pack, with_panel
 from ...robot.hulls import STANDING
 from ...robot.kinematics import Array, frames
-from .drive import Drive
+from .block import Drive
 from .reach import Reach
+from .sight import hides
 
 GHOSTS = 7
 NEARER, MARGIN = 1.05, 0.1  # of the scene's size: how far away the camera is, and what is left above
 STOP, WAY = 0.5, 0.7  # s on the screen: of a standstill, and of the way to it
+SIDES = (ASIDE, 60.0, -30.0, 30.0, -100.0, 100.0, -140.0, 140.0)  # degrees, the first best
 OBSTACLE = (0.55, 0.45, 0.35, 0.8)
 
 
@@ -33,19 +35,32 @@ def scene(drive: Drive, reach: Reach) -> str:
         links = draw_robot(meshcat, robot, joints, "/robot", time)
         for k in _spread(q, GHOSTS):
             draw_robot(meshcat, robot, q[k], f"/ghosts/{k}")
-        for hull in reach.hulls:
+        for number, hull in enumerate(reach.hulls):
             if hull.slot == STANDING:
-                meshcat.SetObject(
-                    f"/obstacles/{hull.name}", Convex(hull.vertices.T.copy(), hull.name), Rgba(*OBSTACLE)
-                )
+                shape = Convex(hull.vertices.T.copy(), hull.name)
+                meshcat.SetObject(f"/obstacles/{number}", shape, Rgba(*OBSTACLE))
         data = _data(drive, reach, points, links)
         if data["eye"]:
             size = 0.02 * data["extent"]
             meshcat.SetObject("/instrument", Box(size, size, 2 * size), Rgba(0.1, 0.1, 0.12, 1))
             meshcat.SetTransform("/instrument", RigidTransform(np.array(data["eye"])))
-        look(meshcat, data["centre"], NEARER * data["extent"], links[-1] - links[0])
+        aside = _unhidden(reach, data["centre"], NEARER * data["extent"], links, points.reshape(-1, 3))
+        look(meshcat, data["centre"], NEARER * data["extent"], links[-1] - links[0], aside)
         html: str = meshcat.StaticHtml()
     return with_panel(html, "plan_overlay.html", data, f"{robot.title}: planned poses")
+
+
+def _unhidden(reach: Reach, centre: list[float], extent: float, links: Array, points: Array) -> float:
+    """From which side [degrees beside the arm] the robot and its targets are seen best past what stands
+    around."""
+    standing = [hull for hull in reach.hulls if hull.slot == STANDING]
+    seen = np.concatenate([links, points])
+
+    def hidden(aside: float) -> int:
+        eye = np.broadcast_to(camera(centre, extent, links[-1] - links[0], aside)[0], seen.shape)
+        return int(np.any([hides(hull, eye, seen) for hull in standing], axis=0).sum())
+
+    return min(SIDES, key=hidden) if standing else ASIDE
 
 
 def _motion(drive: Drive) -> tuple[Array, Array]:

@@ -67,7 +67,7 @@ class Sight:
                 eye = np.einsum("nji,nj->ni", R, self.eye - p)
                 ends = np.einsum("nji,ntj->nti", R, points - p[:, None])
             for t in range(len(self.on)):
-                clear[:, t] &= ~_hides(hull, eye, ends[:, t])
+                clear[:, t] &= ~hides(hull, eye, ends[:, t])
         return clear
 
     def directions(self, q: Array) -> Array:
@@ -104,7 +104,7 @@ class Sight:
         return replace(self, opens=opens, chosen=tuple(np.isnan(self.opens[:, 0])))
 
 
-def _hides(hull: Hull, eye: Array, end: Array) -> NDArray[np.bool_]:
+def hides(hull: Hull, eye: Array, end: Array) -> NDArray[np.bool_]:
     """(N,) whether the hull is in the way from eye (N, 3) to `SHORT` before end (N, 3), all in its frame; one
     that holds the end itself is what the target sits on."""
     way = end - eye
