@@ -27,6 +27,7 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.cli.main import main
+from workbench.diagnosis.changes.courses import courses
 from workbench.diagnosis.changes.findings import of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Comparison
@@ -34,6 +35,7 @@ from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve
 from workbench.diagnosis.changes.words import headline
 from workbench.diagnosis.priors import PRIORS
 from workbench.files.faults import InputError
+from workbench.report.comparison import said_of
 
 DATA = Path(__file__).parents[1].parent / "shared" / "data"
 SIGMA = 3e-5
@@ -142,6 +144,60 @@ def test_the_control_chart_has_every_campaign():
     assert zero.values[2] > zero.limit
     other = tracks["joint_2 zero"]
     assert all(abs(v) < 4.5 * s + 1e-12 for v, s in zip(other.values, other.stds, strict=True))
+
+
+def zero_over_time(*levels: float) -> Comparison:
+    """The zero of joint_4 [rad] at each of the campaigns behind the first."""
+    later = [measured(k, {(JOINT_4, 5): level}) for k, level in enumerate(levels, 2)]
+    return compare([before(), *later])
+
+
+def test_a_zero_that_was_off_and_is_back_is_told_as_that_and_as_nothing_else():
+    """A step back needs a second event of the same number: a gear's error or a link stood in for it."""
+    comparison = zero_over_time(6e-4, 6e-4, 0.0)
+    change = only(comparison)
+    second, third = comparison.campaigns[1:3]
+    assert (change.label, change.course) == ("joint_4 zero", "back")
+    assert (change.since, [label for label, _ in change.levels]) == (second, [second, third])
+    assert within(change.parameters[0], 6e-4)
+    assert comparison.headline.startswith("joint_4 zero was off by 0.")
+    assert f" mrad in {second} and {third}; everything else" in comparison.headline
+    (track,) = [t for t in comparison.chart if t.label == "joint_4 zero"]
+    assert np.allclose(track.values, [0.0, 6e-4, 6e-4, 0.0], atol=1.5e-4)
+    (told,) = comparison.to_json()["changes"]
+    assert [level["campaign"] for level in told["levels"]] == [second, third]
+    shown = said_of(comparison)["changes"][0]
+    assert shown["when"] == f"in {second} and {third} only"
+    assert [row[0] for row in shown["parameters"]] == [f"zero in {second}", f"zero in {third}"]
+
+
+def test_a_zero_that_moves_twice_has_a_level_at_each_campaign():
+    comparison = zero_over_time(1.2e-3, 4e-4)
+    change = only(comparison)
+    assert (change.label, change.course) == ("joint_4 zero", "levels")
+    levels = [numbers[0] for _, numbers in change.levels]
+    assert within(levels[0], 1.2e-3)
+    assert within(levels[1], 4e-4)
+    assert change.parameters[0] == levels[0]
+    assert "joint_4 zero moved more than once, against the first by 1." in comparison.headline
+
+
+def test_a_zero_that_creeps_is_one_number():
+    comparison = zero_over_time(4e-4, 8e-4)
+    change = only(comparison)
+    assert (change.label, change.course) == ("joint_4 zero", "creep")
+    assert within(change.parameters[0], 8e-4)
+    assert f"up to {comparison.campaigns[-1]}" in comparison.headline
+    assert said_of(comparison)["changes"][0]["when"].startswith("evenly since")
+
+
+def test_every_event_of_a_number_competes_and_of_two_campaigns_there_is_one():
+    assert [course.tolist() for course in courses(1, 2, 1)] == [[0, 1]]
+    assert [course.tolist() for course in courses(1, 4, 1)] == [
+        [0, 1, 1, 1], [0, 1, 0, 0], [0, 1, 1, 0], [0, 1 / 3, 2 / 3, 1]
+    ]  # fmt: skip
+    assert [course.tolist() for course in courses(1, 4, 11)][1:] == [[0, 1, 0, 0], [0, 1 / 3, 2 / 3, 1]]
+    assert [course.tolist() for course in courses(2, 4, 47, free=True)] == [[0, 0, 1, 1]]
 
 
 def test_a_bent_link_is_that_link():

@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..diagnosis.changes.result import Apart, Change, Comparison, TargetMoved, Track, Unchanged
-from ..diagnosis.changes.words import with_std
+from ..diagnosis.changes.result import (
+    BACK,
+    CREEP,
+    STEP,
+    Apart,
+    Change,
+    Comparison,
+    TargetMoved,
+    Track,
+    Unchanged,
+)
+from ..diagnosis.changes.words import listed, with_std
+from ..effects.place import Parameter
 from . import charts
 from .drawing import Figure
 from .folder import json_bytes, write_together
@@ -42,7 +53,7 @@ def short_comparison(comparison: Comparison, folder: Path | None) -> str:
     said = said_of(comparison)
     lines = [f"{comparison.title}: {labels}", "", comparison.headline]
     for change in said["changes"]:
-        lines += ["", f"  {change['status'].upper():<10}{change['what']}   since {change['since']}"]
+        lines += ["", f"  {change['status'].upper():<10}{change['what']}   {change['when']}"]
         lines += [f"            {row[0]} {row[1]} ({row[2]})" for row in change["parameters"]]
         lines += [f"            {line}" for line in change["lines"]]
     lines += ["", "  not the robot:"]
@@ -104,10 +115,26 @@ def _change(change: Change) -> dict[str, Any]:
     return {
         "what": change.label,
         "status": change.status,
-        "since": f"{change.since}{' only' if change.alone else ''}",
-        "parameters": [[p.name, str(quantity(p)), quantity(p).interval] for p in change.parameters],
+        "when": _when(change),
+        "parameters": [
+            [f"{p.name}{at}", str(quantity(p)), quantity(p).interval] for at, p in _numbers(change)
+        ],
         "lines": lines,
     }
+
+
+def _when(change: Change) -> str:
+    if change.course == BACK:
+        return f"in {listed([label for label, _ in change.levels])} only"
+    return f"{'evenly ' if change.course == CREEP else ''}since {change.since}"
+
+
+def _numbers(change: Change) -> Iterator[tuple[str, Parameter]]:
+    """Each number that changed, and at which campaign where it is not the same at all since then."""
+    if change.course == STEP:
+        yield from (("", p) for p in change.parameters)
+    else:
+        yield from ((f" in {label}", p) for label, numbers in change.levels for p in numbers)
 
 
 def _row(item: Unchanged) -> list[str]:

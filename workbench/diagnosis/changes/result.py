@@ -10,6 +10,7 @@ from ...effects.place import Parameter, Where
 
 UNCHANGED, CHANGED = 0, 3  # exit status of the command
 POSSIBLE = "possible"  # status of a change that may be none
+STEP, BACK, CREEP, LEVELS = "step", "back", "creep", "levels"  # courses of a change over the campaigns
 
 
 @dataclass(frozen=True)
@@ -30,9 +31,12 @@ class Change:
 
     side: robot, load, instrument or surroundings; status: named (probability from 0.95 on, and no rival that
     fits as well, number for number), ambiguous (something changed here) or possible (from 0.2 on); since:
-    label of the first campaign with it; alone: only that has it; probability: of this; any: that something of
-    the robot changed here; moves_mm: RMS of what it makes of the points; recheck_poses: how many poses would
-    show it again with 80 % power (None: more than were measured), recheck_ids: which.
+    label of the first campaign with it; alone: only that has it; course: a step that stays, off and back
+    again, creeping evenly from campaign to campaign, or another level at each; levels: of each campaign that
+    has it, its label and the numbers against the first campaign; parameters: the same where it is off by
+    most; probability: of this; any: that something of the robot changed here; moves_mm: RMS of what it makes
+    of the points; recheck_poses: how many poses would show it again with 80 % power (None: more than were
+    measured), recheck_ids: which.
     """
 
     label: str
@@ -49,6 +53,8 @@ class Change:
     rivals: tuple[Rival, ...]
     recheck_poses: int | None = None
     recheck_ids: tuple[str, ...] = ()
+    course: str = STEP
+    levels: tuple[tuple[str, tuple[Parameter, ...]], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -213,8 +219,12 @@ def _change(item: Change) -> dict[str, Any]:
         "status": item.status,
         "since": item.since,
         "alone": item.alone,
+        "course": item.course,
         "probability": item.probability,
         "parameters": [_number(p) for p in item.parameters],
+        "levels": [
+            {"campaign": label, "parameters": [_number(p) for p in numbers]} for label, numbers in item.levels
+        ],
         "moves_mm": item.moves_mm,
         "rivals": [
             {**_placed(r.label, r.cause, r.where, r.side), "change": r.change, "probability": r.probability}

@@ -28,10 +28,10 @@ SEEN = 0.95
 
 def unchanged(decided: Decided) -> Iterator[Unchanged]:
     """Every number that no member has, at the last campaign against those before."""
-    taken = {m.component for m in decided.members}
+    taken = {decided.candidates[m.component].quantity for m in decided.members}
     last = decided.system.last
     for k, candidate in enumerate(decided.candidates):
-        if not candidate.change or k in taken:
+        if not candidate.change or candidate.quantity in taken:
             continue
         for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
             if np.array_equal(shape.pattern, last) and (shape.main == 1 or not shape.geometry):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...effects.place import Parameter
-from .result import POSSIBLE, Change
+from .result import BACK, CREEP, LEVELS, POSSIBLE, Change
 
 MOST_SAID = 3
 WORTH_SAYING = 0.05  # probability of what a change may be instead
@@ -34,12 +34,29 @@ def with_std(value: float, std: float) -> str:
 
 
 def moved_by(change: Change) -> str:
-    """joint_4 zero moved by 0.31 ± 0.02 mrad."""
-    largest = max(change.parameters, key=lambda p: abs(p.value) / max(p.std, 1e-300))
-    if len(change.parameters) == 1:
-        return f"{change.label} moved by {said(largest)}"
+    """joint_4 zero moved by 0.31 ± 0.02 mrad; of one that is back, crept or moved again, where."""
+    largest = _clearest(change.parameters)
+    one = len(change.parameters) == 1
     at = f"{change.moves_mm:.2f} mm RMS at the targets"
-    return f"{change.label} changed by {at} ({largest.name} by {said(largest)})"
+    by = said(largest) if one else f"{at} ({largest.name} by {said(largest)})"
+    if change.course == BACK:
+        return f"{change.label} was off by {by} in {listed([label for label, _ in change.levels])}"
+    if change.course == CREEP:
+        return f"{change.label} crept evenly, by {by} up to {change.levels[-1][0]}"
+    if change.course == LEVELS:
+        each = [f"{said(_clearest(numbers))} in {label}" for label, numbers in change.levels]
+        of = "" if one else f"{at}: {largest.name} "
+        return f"{change.label} moved more than once, against the first by {of}{listed(each)}"
+    return f"{change.label} {'moved' if one else 'changed'} by {by}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """a, b and c."""
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+
+
+def _clearest(numbers: Sequence[Parameter]) -> Parameter:
+    return max(numbers, key=lambda p: abs(p.value) / max(p.std, 1e-300))
 
 
 def headline(
@@ -57,8 +74,8 @@ def headline(
     within = f"unchanged within {max(within_mm, 0.001):.2g} mm"
     if hidden:
         zeros = "zero" if len(hidden) == 1 else "zeros"
-        joints = f"{', '.join(hidden[:-1])} and {hidden[-1]}" if len(hidden) > 1 else hidden[0]
-        within += f" (but for the {zeros} of {joints}: to these data a move of the instrument or the targets)"
+        like = "to these data a move of the instrument or the targets"
+        within += f" (but for the {zeros} of {listed(hidden)}: {like})"
     parts = [*sure[:MOST_SAID], *(["and more"] if len(sure) > MOST_SAID else []), *open_[:MOST_SAID]]
     if not robot and not robot_changed:
         parts.append(f"the robot is {within}")
