@@ -347,6 +347,18 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
         compare([before(), simulate(other, Truth(sigma=SIGMA), seed=1)])
 
 
+def test_another_version_of_the_robot_is_refused_with_what_differs():
+    first, *others = robot().joints
+    softer = replace(first, data=first.data.model_copy(update={"stiffness": 1e5, "damping": 1.0}))
+    version = replace(robot(), joints=(softer, *others), path=Path("older.toml"))
+    with pytest.raises(
+        InputError, match=r"'kr120', but another version of it \(older.toml is not as"
+    ) as told:
+        compare([before(), replace(measured(2), robot=version)])
+    assert "joint_1 damping, joint_1 stiffness)" in str(told.value)
+    assert "let both name one TOML" in str(told.value)
+
+
 @pytest.mark.skipif(not DATA.is_dir(), reason="no measured campaigns here")
 def test_halves_of_a_measured_campaign_have_not_changed():
     whole = load_campaign(DATA / "ma1400-left/campaign.toml")
