@@ -255,6 +255,10 @@ def test_another_temperature_is_not_the_robot_written_down_or_not():
     assert {change.cause, *(r.cause for r in change.rivals)} == {"thermal_growth", "tracker_scale"}
     assert change.side != "robot"
     assert within(change.parameters[0], 12 * 1.15e-5)
+    points = warm.points.reshape(-1, 3)
+    radius = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
+    moved = 1e3 * radius * change.parameters[0].value  # about their middle, wherever the instrument stands
+    assert change.moves_mm == pytest.approx(moved, rel=0.15)
     for first, second in (
         (cold.with_poses(temperature=None), warm),
         (cold, warm.with_poses(temperature=None)),
@@ -270,6 +274,35 @@ def test_what_a_cause_brings_with_it_does_not_hide_how_large_it_is():
     amplitude = change.parameters[0]
     assert within(amplitude, 4e-4)
     assert amplitude.std < 0.15 * amplitude.value
+
+
+def test_a_phase_that_turned_is_told_from_what_to_what():
+    """Of the difference, amplitude and phase are neither's."""
+    wheel = "gear_kinematic_error:joint=joint_4,order=20,amplitude=4e-4,phase="
+    comparison = compare([measured(k, effects=(f"{wheel}{phase}",)) for k, phase in ((1, 0.6), (2, 2.6))])
+    (change,) = comparison.changes
+    assert change.cause == "gear_kinematic_error"
+    for numbers, phase in ((change.before, 0.6), (change.after, 2.6)):
+        assert [p.name for p in numbers] == ["amplitude", "phase"]
+        assert within(numbers[0], 4e-4)
+        assert within(numbers[1], phase)
+    assert within(change.parameters[0], 0.0)
+    assert within(change.parameters[1], 2.0)
+    assert "at the targets (phase from " in comparison.headline
+    (told,) = comparison.to_json()["changes"]
+    assert [p["name"] for p in told["after"]] == ["amplitude", "phase"]
+    lines = said_of(comparison)["changes"][0]["lines"]
+    assert lines[0].endswith("probability > 99.9 %")
+    assert lines[1].startswith("before: amplitude ")
+
+
+def test_forms_of_one_cause_are_told_apart_in_what_did_not_change():
+    labels = [item.label for item in nothing().unchanged]
+    assert {
+        "gear_eccentricity(joint_3), 1 cycle per turn",
+        "gear_eccentricity(joint_3), 2 cycles per turn",
+    } < {*labels}
+    assert len(set(labels)) == len(labels)
 
 
 def test_nothing_changed_and_what_would_have_been_seen():

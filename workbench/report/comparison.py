@@ -25,7 +25,7 @@ from . import charts
 from .drawing import Figure
 from .folder import json_bytes, write_together
 from .markup import render
-from .numbers import axis_scale, mm, percent, quantity, size
+from .numbers import axis_scale, mm, percent, probability, quantity, size
 
 LISTED = 12  # of what did not change, on the terminal
 TRACKS = 4  # curves of one chart
@@ -98,10 +98,17 @@ def _geometry(comparison: Comparison) -> list[Unchanged]:
 
 
 def _change(change: Change) -> dict[str, Any]:
-    lines = [f"moves the targets by {mm(change.moves_mm)} mm RMS; probability {percent(change.probability)}"]
+    lines = [
+        f"moves the targets by {mm(change.moves_mm)} mm RMS, the instrument's frame fitted anew; "
+        f"probability {probability(change.probability)}"
+    ]
+    if change.before:
+        lines += [
+            f"{when}: {_each(one)}" for when, one in (("before", change.before), ("after", change.after))
+        ]
     if change.rivals:
         said = [
-            f"{r.label}{'' if r.change else ' in all campaigns'} ({percent(r.probability)})"
+            f"{r.label}{'' if r.change else ' in all campaigns'} ({probability(r.probability)})"
             for r in change.rivals
         ]
         lines.append(f"or instead: {', '.join(said)}")
@@ -121,6 +128,10 @@ def _change(change: Change) -> dict[str, Any]:
         ],
         "lines": lines,
     }
+
+
+def _each(numbers: Sequence[Parameter]) -> str:
+    return ", ".join(f"{p.name} {quantity(p)} ({quantity(p).interval})" for p in numbers)
 
 
 def _when(change: Change) -> str:

@@ -158,6 +158,12 @@ def _alike(S: np.ndarray, i: int, j: int) -> bool:
     return bool(abs(S[i, j]) > SAME * np.sqrt(S[i, i] * S[j, j]))
 
 
+def form_of(candidate: Candidate, shape: Shape) -> str:
+    """What changed, in words, and in which of its forms where there are several."""
+    forms = {effect.form for one in candidate.shapes for effect in one.effects}
+    return f"{label_of(candidate, shape)}" + (f", {shape.effects[0].form}" if len(forms) > 1 else "")
+
+
 def label_of(candidate: Candidate, shape: Shape | None = None) -> str:
     """What changed, in words; without a shape whatever form of it."""
     where, form = candidate.where, shape or candidate.shapes[0]

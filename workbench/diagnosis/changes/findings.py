@@ -7,12 +7,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...effects.base import UNKNOWN
-from ...effects.place import Parameter
-from ...robot.kinematics import Array
 from ..chosen import Shares
 from ..competition import CLEARER, LOOSE, worth_of
 from ..priors import PRIORS
-from .candidates import Shape, numbers_of_shape
+from .before_after import numbers_at
+from .candidates import numbers_of_shape
 from .decision import Decided, Hidden, label_of
 from .levels import Levels, levels_of, together
 from .recheck import recheck
@@ -72,6 +71,7 @@ def _change(decided: Decided, levels: Levels, status: str) -> Change:
     own = [_changed(decided, decided.shares[i]) for i in levels.members]
     off = shape if len(levels.members) == 1 else shape.at(np.arange(len(labels)) == here)
     poses, ids = recheck(decided.system, _without(decided, levels.members), candidate, off, levels.mean[here])
+    changed, before, after = numbers_at(decided, levels, here)
     return Change(
         label_of(candidate, shape),
         candidate.cause,
@@ -82,13 +82,15 @@ def _change(decided: Decided, levels: Levels, status: str) -> Change:
         bool(len(has) == 1 and has[0] < len(labels) - 1),
         min(_own(decided, i) for i in levels.members),
         max(sum(p for k, p in odds.items() if of_robot(decided, k)) for odds in own),
-        parameters_of(shape, *levels.at(here)),
+        changed,
         _moves_mm(decided, levels),
         tuple(_rivals(decided, levels.members)),
         poses,
         ids,
         levels.course,
-        tuple((labels[k], parameters_of(shape, *levels.at(k))) for k in has),
+        tuple((labels[k], numbers_at(decided, levels, k)[0]) for k in has),
+        before,
+        after,
     )
 
 
@@ -112,20 +114,6 @@ def _worth(decided: Decided, i: int, component: int, form: int) -> float:
     return worth_of(decided.chosen, i, first + np.arange(decided.candidates[component].shapes[form].main))
 
 
-def parameters_of(shape: Shape, mean: Array, covariance: Array) -> tuple[Parameter, ...]:
-    """The main numbers, from those in prior sizes; of an effect as it reports them itself."""
-    main = shape.main
-    value = mean[:main] * shape.sizes[:main]
-    C = covariance[:main, :main] * np.outer(shape.sizes[:main], shape.sizes[:main])
-    if len(shape.effects) == 1 and not shape.named:
-        return shape.effects[0].report(value, C)
-    names, std = numbers_of_shape(shape), np.sqrt(np.diag(C))
-    return tuple(
-        Parameter("zero" if shape.zero else name, float(v), float(s), unit)
-        for (name, unit), v, s in zip(names, value, std, strict=True)
-    )
-
-
 def _without(decided: Decided, members: Sequence[int]) -> Solved:
     """All numbers with the other members alone: what is known before a change is looked for."""
     others = [m for j, m in enumerate(decided.members) if j not in members]
@@ -133,13 +121,20 @@ def _without(decided: Decided, members: Sequence[int]) -> Solved:
 
 
 def _moves_mm(decided: Decided, levels: Levels) -> float:
-    """RMS of what a change makes of the points of the occasions that have it, frames and targets as they
-    are."""
-    system, own = decided.system, decided.system.own
-    here = levels.there[own]
-    motion = np.einsum("ri,ri->r", levels.shape.base[here], levels.mean[own[here]])
-    share = system.used.sum() / max(system.used[here].sum(), 1)
-    return system.mm * float(np.sqrt(share * (motion @ motion)))
+    """RMS of what a change makes of the points of the occasions that have it, once the instrument's frames
+    are fitted anew: what turns or shifts all of them moves none against another."""
+    system, lengths = decided.system, []
+    for k in np.flatnonzero(levels.there).tolist():
+        here, problem = system.own == k, system.occasions[k].problem
+        motion = levels.shape.base[here] @ levels.mean[k]
+        frames = system.J[here][:, system.frames(k)]
+        held = frames.T @ frames + np.eye(frames.shape[1])
+        left = motion - frames @ np.linalg.solve(held, frames.T @ motion)
+        whitener = system.occasions[k].fit.whitener
+        points = np.linalg.pinv(whitener) @ left.reshape(len(whitener), -1, 1)
+        moved = points[:, : 3 * problem.seen.shape[1], 0].reshape(*problem.seen.shape, 3)
+        lengths.append(np.linalg.norm(moved[problem.seen], axis=1))
+    return 1e3 * float(np.sqrt(np.mean(np.concatenate(lengths) ** 2)))
 
 
 def _rivals(decided: Decided, members: Sequence[int]) -> Iterator[Rival]:

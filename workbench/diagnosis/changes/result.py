@@ -12,6 +12,8 @@ UNCHANGED, CHANGED = 0, 3  # exit status of the command
 POSSIBLE = "possible"  # status of a change that may be none
 STEP, BACK, CREEP, LEVELS = "step", "back", "creep", "levels"  # courses of a change over the campaigns
 
+AMPLITUDE, PHASE = "amplitude", "phase"  # numbers of which a sum's are not the sum
+
 
 @dataclass(frozen=True)
 class Rival:
@@ -34,9 +36,10 @@ class Change:
     label of the first campaign with it; alone: only that has it; course: a step that stays, off and back
     again, creeping evenly from campaign to campaign, or another level at each; levels: of each campaign that
     has it, its label and the numbers against the first campaign; parameters: the same where it is off by
-    most; probability: of this; any: that something of the robot changed here; moves_mm: RMS of what it makes
-    of the points; recheck_poses: how many poses would show it again with 80 % power (None: more than were
-    measured), recheck_ids: which.
+    most; before, after: these numbers themselves, where all campaigns show the effect; probability: of this;
+    any: that something of the robot changed here; moves_mm: RMS of what it makes of the points, the
+    instrument's frame fitted anew; recheck_poses: how many poses would show it again with 80 % power (None:
+    more than were measured), recheck_ids: which.
     """
 
     label: str
@@ -55,6 +58,8 @@ class Change:
     recheck_ids: tuple[str, ...] = ()
     course: str = STEP
     levels: tuple[tuple[str, tuple[Parameter, ...]], ...] = ()
+    before: tuple[Parameter, ...] = ()
+    after: tuple[Parameter, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -225,6 +230,8 @@ def _change(item: Change) -> dict[str, Any]:
         "levels": [
             {"campaign": label, "parameters": [_number(p) for p in numbers]} for label, numbers in item.levels
         ],
+        "before": [_number(p) for p in item.before],
+        "after": [_number(p) for p in item.after],
         "moves_mm": item.moves_mm,
         "rivals": [
             {**_placed(r.label, r.cause, r.where, r.side), "change": r.change, "probability": r.probability}

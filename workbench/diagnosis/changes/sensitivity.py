@@ -17,7 +17,7 @@ from ..priors import PRIORS
 from ..reduced import without_background
 from ..weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
-from .decision import Decided, label_of
+from .decision import Decided, form_of
 from .result import Unchanged
 from .system import System, solve
 
@@ -60,7 +60,7 @@ def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice
     size = float(np.linalg.norm(weakest)) * float(shape.sizes[0])
     number = Parameter(name, float(value[0]), float(std[0]), unit)
     yield Unchanged(
-        label_of(candidate, shape), candidate.cause, candidate.where, candidate.side, number, size, mm
+        form_of(candidate, shape), candidate.cause, candidate.where, candidate.side, number, size, mm
     )
 
 

@@ -50,6 +50,11 @@ class System:
         """(K,) 1 at the last occasion, 0 at those before."""
         return (np.arange(self.count) == self.count - 1).astype(float)
 
+    def frames(self, k: int) -> slice:
+        """Columns of the instrument's place in an occasion's set-ups."""
+        start = self.local[k].start
+        return slice(start, start + 6 * self.occasions[k].fit.columns.setups)
+
     @property
     def misfit(self) -> bool:
         """Whether the noise does not explain what the model leaves of an occasion."""

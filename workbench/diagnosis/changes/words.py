@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from ...effects.place import Parameter
-from .result import BACK, CREEP, LEVELS, POSSIBLE, Change
+from .result import AMPLITUDE, BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change
 
 MOST_SAID = 3
 WORTH_SAYING = 0.05  # probability of what a change may be instead
+CLEAR = 3.0  # standard deviations from which a number did change
 SAID = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "rad/(N·m)": (1e9, "nrad/(N·m)")}
 
 
-def said(p: Parameter) -> str:
-    """A number with one sigma, in the unit of the shop floor."""
-    factor, unit = SAID.get(p.unit, (1.0, p.unit))
-    value, std = factor * p.value, factor * p.std
+def said(*numbers: Parameter) -> str:
+    """One number with one sigma, in the unit of the shop floor; or of two, from what to what."""
+    p = numbers[0]
+    factor, unit = (180 / math.pi, "°") if p.name == PHASE else SAID.get(p.unit, (1.0, p.unit))
     if p.unit == "1":
-        value, std, unit = 100 * value, 100 * std, "%"
-    return f"{with_std(value, std)} {unit}".strip()
+        factor, unit = 100.0, "%"
+    text = " to ".join(with_std(factor * p.value, factor * p.std) for p in numbers)
+    return f"{text} {unit}".strip()
 
 
 def with_std(value: float, std: float) -> str:
@@ -36,9 +39,9 @@ def with_std(value: float, std: float) -> str:
 def moved_by(change: Change) -> str:
     """joint_4 zero moved by 0.31 ± 0.02 mrad; of one that is back, crept or moved again, where."""
     largest = _clearest(change.parameters)
-    one = len(change.parameters) == 1
+    one = len(change.parameters) == 1 and not (change.before and largest.name == AMPLITUDE)
     at = f"{change.moves_mm:.2f} mm RMS at the targets"
-    by = said(largest) if one else f"{at} ({largest.name} by {said(largest)})"
+    by = said(largest) if one else f"{at} ({_from_to(change) or f'{largest.name} by {said(largest)}'})"
     if change.course == BACK:
         return f"{change.label} was off by {by} in {listed([label for label, _ in change.levels])}"
     if change.course == CREEP:
@@ -55,8 +58,18 @@ def listed(names: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 
+def _from_to(change: Change) -> str:
+    """From what to what the numbers changed that clearly did, where it is known."""
+    every = list(zip(change.parameters, change.before, change.after, strict=True)) if change.before else []
+    clear = [one for one in every if abs(one[0].value) > CLEAR * one[0].std] or every[:1]
+    return ", ".join(f"{by.name} from {said(before, after)}" for by, before, after in clear)
+
+
 def _clearest(numbers: Sequence[Parameter]) -> Parameter:
-    return max(numbers, key=lambda p: abs(p.value) / max(p.std, 1e-300))
+    """The number that is most of its uncertainties; where something came alone, its phase says not how large
+    it is."""
+    sizes = [p for p in numbers if p.name != PHASE] or numbers
+    return max(sizes, key=lambda p: abs(p.value) / max(p.std, 1e-300))
 
 
 def headline(
