@@ -30,10 +30,12 @@ from workbench.cli.main import main
 from workbench.diagnosis.changes.courses import courses
 from workbench.diagnosis.changes.findings import of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
-from workbench.diagnosis.changes.result import Comparison
+from workbench.diagnosis.changes.result import Change, Comparison, Rival
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
 from workbench.diagnosis.changes.words import headline
 from workbench.diagnosis.priors import PRIORS
+from workbench.effects.place import Parameter, Where
+from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
 from workbench.report.comparison import said_of
 
@@ -258,7 +260,7 @@ def test_another_temperature_is_not_the_robot_written_down_or_not():
     points = warm.points.reshape(-1, 3)
     radius = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
     moved = 1e3 * radius * change.parameters[0].value  # about their middle, wherever the instrument stands
-    assert change.moves_mm == pytest.approx(moved, rel=0.15)
+    assert change.moves_mm == pytest.approx(moved, rel=0.1)
     for first, second in (
         (cold.with_poses(temperature=None), warm),
         (cold, warm.with_poses(temperature=None)),
@@ -339,6 +341,57 @@ def test_a_change_that_may_be_none_is_told_as_such():
     assert headline([alone], 0.01, [], False).startswith("Perhaps joint_4 zero changed by 0.06 mm")
 
 
+def rival(label: str, probability: float, change: bool = True) -> Rival:
+    return Rival(label, "foundation", Where(), change, "robot", probability)
+
+
+def unplaced() -> Change:
+    """A function of 36 weights in the place of much that is likelier."""
+    rivals = tuple(rival(f"link_{k}", 0.3 - k / 100, k % 2 > 0) for k in range(1, 4))
+    size = (Parameter("size", 2e-4, 1e-5, "rad"),)
+    where, label = Where(), "a dependence on order of measurement"
+    return Change(
+        label, "unknown", where, "surroundings", "possible", "june", False, 0.011, 0.5, size, 0.04, rivals
+    )
+
+
+def test_what_cannot_be_placed_takes_one_clause_and_its_candidates_come_by_probability():
+    change = unplaced()
+    assert headline([change], 0.026, [], False) == (
+        "The robot is unchanged within 0.026 mm; something of 0.04 mm RMS at the targets cannot be placed."
+    )
+    shown = said_of(replace(nothing(), changes=(change,)))["changes"][0]
+    assert (shown["what"], shown["parameters"]) == ("something that cannot be placed", [])
+    assert shown["lines"][1] == (
+        "it may be: link_1 (29.0 %), link_2 in all campaigns (28.0 %), link_3 (27.0 %), "
+        "a dependence on order of measurement (1.1 %)"
+    )
+    (told,) = replace(nothing(), changes=(change,)).to_json()["changes"]
+    assert not told["placed"]
+    likelier = replace(change, rivals=(rival("link_2", 0.015),))
+    assert (
+        "not decided: a dependence on order of measurement changed by"
+        in headline([likelier], 0.026, [], False).lower()
+    )
+
+
+def test_something_that_changed_is_not_decided_between_its_likeliest_ways():
+    many = tuple(rival(f"link_{k}", 0.3 - k / 20) for k in range(1, 6))
+    change = replace(unplaced(), status="ambiguous", rivals=many)
+    assert "not decided: link_1 or link_2 or link_3 or link_4 or something less likely;" in headline(
+        [change], 0.026, [], True
+    )
+
+
+def test_a_function_without_a_name_has_a_size_and_no_weights():
+    (effect, *_) = unnamed(problem_of(before()))
+    weights = np.linspace(1e-5, 3e-5, len(effect.params))
+    (size,) = effect.report(weights, np.diag(np.full(len(weights), 1e-12)))
+    assert (size.name, size.unit) == ("size", "rad")
+    assert size.value == pytest.approx(np.sqrt((weights**2).sum()))
+    assert size.std == pytest.approx(1e-6)
+
+
 def test_a_link_that_a_gear_could_mimic_is_not_named():
     """Gravity on link 2 goes with the sine of joint 2, as an eccentric wheel's error does."""
     first = ("gear_eccentricity:joint=joint_2,variant=1,amplitude=2e-4,phase=0.4",)
@@ -398,6 +451,17 @@ def test_halves_of_a_measured_campaign_have_not_changed():
     order = np.arange(whole.n_poses)
     comparison = compare([whole.some(order[::2]), whole.some(order[1::2])])
     assert (comparison.changes, comparison.exit_status) == ((), 0)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="no measured campaigns here")
+def test_a_half_after_the_other_of_a_measured_campaign_is_unchanged_but_for_what_cannot_be_placed():
+    whole = load_campaign(DATA / "ma1400-left/campaign.toml")
+    order = np.arange(whole.n_poses)
+    comparison = compare([whole.some(order[: len(order) // 2]), whole.some(order[len(order) // 2 :])])
+    assert comparison.exit_status == 0
+    assert comparison.headline.startswith("The robot is unchanged within 0.0")
+    assert comparison.headline.endswith("mm RMS at the targets cannot be placed.")
+    assert "weight_" not in str(comparison.to_json())
 
 
 def test_numbers_without_a_part_are_those_of_a_fit_without_it():

@@ -98,21 +98,20 @@ def _geometry(comparison: Comparison) -> list[Unchanged]:
 
 
 def _change(change: Change) -> dict[str, Any]:
-    lines = [
-        f"moves the targets by {mm(change.moves_mm)} mm RMS, the instrument's frame fitted anew; "
-        f"probability {probability(change.probability)}"
-    ]
+    lines = [f"moves the targets by {mm(change.moves_mm)} mm RMS, the instrument's frame fitted anew"]
+    if change.placed:
+        lines[0] += f"; probability {probability(change.probability)}"
     if change.before:
         lines += [
             f"{when}: {_each(one)}" for when, one in (("before", change.before), ("after", change.after))
         ]
-    if change.rivals:
-        said = [
-            f"{r.label}{'' if r.change else ' in all campaigns'} ({probability(r.probability)})"
-            for r in change.rivals
-        ]
-        lines.append(f"or instead: {', '.join(said)}")
-    if change.side != "robot":
+    ways = [
+        f"{label}{'' if changed else ' in all campaigns'} ({probability(p)})"
+        for label, changed, p in change.ways[1 if change.placed else 0 :]
+    ]
+    if ways:
+        lines.append(f"{'or instead' if change.placed else 'it may be'}: {', '.join(ways)}")
+    if change.side != "robot" and change.placed:
         lines.append(f"not the robot: {change.side}")
     if change.recheck_poses is not None:
         poses = ", ".join(change.recheck_ids)
@@ -120,7 +119,7 @@ def _change(change: Change) -> dict[str, Any]:
     else:
         lines.append("no thirty of these poses would show such a change again: measure more targets or loads")
     return {
-        "what": change.label,
+        "what": change.label if change.placed else "something that cannot be placed",
         "status": change.status,
         "when": _when(change),
         "parameters": [
@@ -142,6 +141,8 @@ def _when(change: Change) -> str:
 
 def _numbers(change: Change) -> Iterator[tuple[str, Parameter]]:
     """Each number that changed, and at which campaign where it is not the same at all since then."""
+    if not change.placed:
+        return
     if change.course == STEP:
         yield from (("", p) for p in change.parameters)
     else:

@@ -12,6 +12,7 @@ UNCHANGED, CHANGED = 0, 3  # exit status of the command
 POSSIBLE = "possible"  # status of a change that may be none
 STEP, BACK, CREEP, LEVELS = "step", "back", "creep", "levels"  # courses of a change over the campaigns
 
+PLACED = 0.5  # of the likeliest's probability
 AMPLITUDE, PHASE = "amplitude", "phase"  # numbers of which a sum's are not the sum
 
 
@@ -60,6 +61,19 @@ class Change:
     levels: tuple[tuple[str, tuple[Parameter, ...]], ...] = ()
     before: tuple[Parameter, ...] = ()
     after: tuple[Parameter, ...] = ()
+
+    @property
+    def placed(self) -> bool:
+        """Whether nothing else is far likelier in its place: else its numbers are of something unlikely."""
+        return all(self.probability >= PLACED * rival.probability for rival in self.rivals)
+
+    @property
+    def ways(self) -> tuple[tuple[str, bool, float], ...]:
+        """What it may be: label, whether that is a change (else it is in all campaigns) and probability, the
+        likeliest first."""
+        own = (self.label, True, self.probability)
+        every = [own, *((r.label, r.change, r.probability) for r in self.rivals)]
+        return tuple(sorted(every, key=lambda way: -way[2]))
 
 
 @dataclass(frozen=True)
@@ -222,6 +236,7 @@ def _change(item: Change) -> dict[str, Any]:
     return {
         **_placed(item.label, item.cause, item.where, item.side),
         "status": item.status,
+        "placed": item.placed,
         "since": item.since,
         "alone": item.alone,
         "course": item.course,

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
 from .result import AMPLITUDE, BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change
 
 MOST_SAID = 3
+MOST_WAYS = 4  # that something may be, in one line
 WORTH_SAYING = 0.05  # probability of what a change may be instead
 CLEAR = 3.0  # standard deviations from which a number did change
 SAID = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "rad/(N·m)": (1e9, "nrad/(N·m)")}
@@ -41,6 +43,8 @@ def moved_by(change: Change) -> str:
     largest = _clearest(change.parameters)
     one = len(change.parameters) == 1 and not (change.before and largest.name == AMPLITUDE)
     at = f"{change.moves_mm:.2f} mm RMS at the targets"
+    if change.cause == UNKNOWN:
+        return f"{change.label} changed by {at}"
     by = said(largest) if one else f"{at} ({_from_to(change) or f'{largest.name} by {said(largest)}'})"
     if change.course == BACK:
         return f"{change.label} was off by {by} in {listed([label for label, _ in change.levels])}"
@@ -81,34 +85,34 @@ def headline(
 ) -> str:
     """What changed, what did not, and what is not the robot. hidden: joints a change of whose zero would look
     like a move of the instrument or the targets."""
-    robot = [c for c in changes if c.side == "robot"]
+    robot = [c for c in changes if c.side == "robot" and (c.placed or c.status != POSSIBLE)]
     sure = [moved_by(c) for c in changes if c.status == "named"]
-    open_ = [_either(c) for c in changes if c.status != "named"]
+    open_ = [_either(c) for c in changes if c.status != "named" and (c.placed or c.status != POSSIBLE)]
     within = f"unchanged within {max(within_mm, 0.001):.2g} mm"
     if hidden:
         zeros = "zero" if len(hidden) == 1 else "zeros"
         like = "to these data a move of the instrument or the targets"
         within += f" (but for the {zeros} of {listed(hidden)}: {like})"
     parts = [*sure[:MOST_SAID], *(["and more"] if len(sure) > MOST_SAID else []), *open_[:MOST_SAID]]
-    if not robot and not robot_changed:
-        parts.append(f"the robot is {within}")
-    else:
-        parts.append(f"everything else {within}")
-    text = "; ".join([*parts, *apart])
+    rest = f"the robot is {within}" if not robot and not robot_changed else f"everything else {within}"
+    nowhere = [_either(c) for c in changes if c.status == POSSIBLE and not c.placed]
+    text = "; ".join([*parts, rest, *nowhere[:MOST_SAID], *apart])
     return f"{text}." if sure else f"{text[0].upper()}{text[1:]}."  # a name stays as it is written
 
 
 def _either(change: Change) -> str:
     if change.status == POSSIBLE:
         return _perhaps(change)
-    rivals = [r.label if r.change else f"{r.label} (in all campaigns)" for r in change.rivals]
-    names = " or ".join([change.label, *rivals])
-    return f"something changed by {change.moves_mm:.2f} mm RMS at the targets, not decided: {names}"
+    names = [name if changed else f"{name} (in all campaigns)" for name, changed, _ in change.ways]
+    some = " or ".join([*names[:MOST_WAYS], *(["something less likely"] if names[MOST_WAYS:] else [])])
+    return f"something changed by {change.moves_mm:.2f} mm RMS at the targets, not decided: {some}"
 
 
 def _perhaps(change: Change) -> str:
     """A change that may be none, with what else it may be."""
-    likely = [r for r in change.rivals if r.probability >= WORTH_SAYING]
+    if not change.placed:
+        return f"something of {change.moves_mm:.2f} mm RMS at the targets cannot be placed"
+    likely = [r for r in change.rivals if r.probability >= WORTH_SAYING][: MOST_WAYS - 1]
     others = [f"{r.label} {'did' if r.change else 'is in all campaigns'}" for r in likely]
     others += ["something less likely"] if len(likely) < len(change.rivals) else []
     ways = [f"{change.label} changed by {change.moves_mm:.2f} mm RMS at the targets", *others]
