@@ -241,7 +241,24 @@ def test_a_moved_base_is_a_frame_and_another_instrument_a_noise():
     assert abs(after.frame_mm - 3.0) < 4 * after.frame_std_mm < 0.3
     assert after.frame_mrad < 4 * after.frame_std_mrad
     assert not after.targets_moved
-    assert "the instrument scatters 0.060 instead of 0.030 mm" in comparison.headline
+    assert "the points scatter 0.06" in comparison.headline
+    assert "mm per axis, as the instrument's noise says" in comparison.headline
+
+
+def test_points_that_scatter_more_than_anybody_stated_are_told():
+    """By what is left of them: the stated noise is the same. Of two alike nothing is said."""
+    worse = replace(measured(2, sigma=2 * SIGMA), noise_sigma=before().noise_sigma)
+    comparison = compare([before(), worse])
+    assert "; the points scatter 0.0" in comparison.headline
+    assert "the robot repeats worse, or the instrument measures worse than" in comparison.headline
+    first, after = (one.scatter for one in comparison.apart)
+    assert abs(first.sigma_mm - 0.03) < 4 * first.std_mm < 0.02
+    assert abs(after.sigma_mm - 0.06) < 4 * after.std_mm < 0.04
+    told = comparison.to_json()["apart"][1]["scatter"]
+    assert told["p_value"] < 1e-4
+    assert told["times_first"] == pytest.approx(2.0, rel=0.25)
+    assert "scatter" not in nothing().headline
+    assert nothing().apart[1].scatter.p_value > 1e-3
 
 
 def test_another_temperature_is_not_the_robot_written_down_or_not():

@@ -165,7 +165,8 @@ def _apart(comparison: Comparison) -> list[list[str]]:
         [
             one.label,
             *(("", "") if one is comparison.apart[0] else (_instrument(one), _targets(one))),
-            f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), left {mm(one.rms_mm)} mm RMS",
+            f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), the points scatter "
+            f"{with_std(one.scatter.sigma_mm, one.scatter.std_mm)} mm, left {mm(one.scatter.rms_mm)} mm RMS",
             "" if one.temperature is None else f"{one.temperature:.1f} °C",
         ]
         for one in comparison.apart

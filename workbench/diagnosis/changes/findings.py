@@ -125,15 +125,11 @@ def _moves_mm(decided: Decided, levels: Levels) -> float:
     are fitted anew: what turns or shifts all of them moves none against another."""
     system, lengths = decided.system, []
     for k in np.flatnonzero(levels.there).tolist():
-        here, problem = system.own == k, system.occasions[k].problem
+        here = system.own == k
         motion = levels.shape.base[here] @ levels.mean[k]
         frames = system.J[here][:, system.frames(k)]
         held = frames.T @ frames + np.eye(frames.shape[1])
-        left = motion - frames @ np.linalg.solve(held, frames.T @ motion)
-        whitener = system.occasions[k].fit.whitener
-        points = np.linalg.pinv(whitener) @ left.reshape(len(whitener), -1, 1)
-        moved = points[:, : 3 * problem.seen.shape[1], 0].reshape(*problem.seen.shape, 3)
-        lengths.append(np.linalg.norm(moved[problem.seen], axis=1))
+        lengths.append(system.lengths(k, motion - frames @ np.linalg.solve(held, frames.T @ motion)))
     return 1e3 * float(np.sqrt(np.mean(np.concatenate(lengths) ** 2)))
 
 

@@ -120,11 +120,23 @@ class TargetMoved:
 
 
 @dataclass(frozen=True)
+class Scatter:
+    """How much a campaign's points scatter by what the model leaves, one sigma per axis; times: that over the
+    first campaign's, p_value: of as much by chance; rms_mm: RMS length of what is left."""
+
+    sigma_mm: float
+    std_mm: float
+    times: float
+    p_value: float
+    rms_mm: float
+
+
+@dataclass(frozen=True)
 class Apart:
     """What is not the robot, at one campaign against the first. frame_mm, frame_mrad: shift in the middle
     of the points and turn between instrument and base, with one sigma; targets_moved: whether they sit
-    elsewhere on the robot; sigma_mm, source: the noise; rms_mm: what the model leaves; temperature: mean
-    [°C]."""
+    elsewhere on the robot; sigma_mm, source: the noise as known; scatter: as the points show it; temperature:
+    mean [°C]."""
 
     label: str
     frame_mm: float
@@ -135,7 +147,7 @@ class Apart:
     targets_moved: bool
     sigma_mm: float
     source: str
-    rms_mm: float
+    scatter: Scatter
     temperature: float | None
 
 
@@ -270,6 +282,12 @@ def _apart(item: Apart) -> dict[str, Any]:
             {"target": t.target, "by_mm": list(t.by_mm), "std_mm": list(t.std_mm)} for t in item.targets
         ],
         "noise": {"sigma_mm": item.sigma_mm, "source": item.source},
-        "rms_mm": item.rms_mm,
+        "scatter": {
+            "sigma_mm": item.scatter.sigma_mm,
+            "std_mm": item.scatter.std_mm,
+            "times_first": item.scatter.times,
+            "p_value": item.scatter.p_value,
+        },
+        "rms_mm": item.scatter.rms_mm,
         "temperature_degC": item.temperature,
     }
