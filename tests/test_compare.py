@@ -28,7 +28,7 @@ from workbench import (
 from workbench.campaign import Campaign
 from workbench.cli.main import main
 from workbench.diagnosis.changes.courses import courses
-from workbench.diagnosis.changes.findings import of_robot
+from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Change, Comparison, Rival
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
@@ -200,6 +200,24 @@ def test_every_event_of_a_number_competes_and_of_two_campaigns_there_is_one():
     ]  # fmt: skip
     assert [course.tolist() for course in courses(1, 4, 11)][1:] == [[0, 1, 0, 0], [0, 1 / 3, 2 / 3, 1]]
     assert [course.tolist() for course in courses(2, 4, 47, free=True)] == [[0, 0, 1, 1]]
+
+
+def test_a_rival_of_two_events_is_one_rival_with_the_larger_probability():
+    def zero(joint: int) -> SimpleNamespace:
+        where = Where(joint=f"joint_{joint}")
+        form = SimpleNamespace(geometry=(0,), zero=True)
+        return SimpleNamespace(
+            cause="geometry", where=where, change=True, side="robot",
+            shapes=(form,), quantity=("geometry", where, True),
+        )  # fmt: skip
+
+    decided = SimpleNamespace(
+        candidates=[zero(1), zero(1), zero(2), zero(2), zero(3)],
+        members=[SimpleNamespace(component=0), SimpleNamespace(component=1)],
+        shares=[{0: 0.6, 2: 0.17, 4: 0.2, None: 0.03}, {1: 0.8, 3: 0.19, None: 0.01}],
+    )
+    found = [(rival.label, rival.probability) for rival in _rivals(decided, (0, 1))]
+    assert found == [("joint_3 zero", 0.2), ("joint_2 zero", 0.19)]
 
 
 def test_a_bent_link_is_that_link():

@@ -134,13 +134,14 @@ def _moves_mm(decided: Decided, levels: Levels) -> float:
 
 
 def _rivals(decided: Decided, members: Sequence[int]) -> Iterator[Rival]:
-    """What may stand in the place of any of some members, the likeliest first."""
-    likeliest: dict[int, float] = {}
+    """What may stand in the place of any of some members, whenever it changed, the likeliest first."""
+    likeliest: dict[object, tuple[float, int]] = {}
     for i in members:
         for k, p in decided.shares[i].items():
-            if k not in (None, decided.members[i].component):
-                likeliest[k] = max(p, likeliest.get(k, 0.0))
-    for p, k in sorted(((p, k) for k, p in likeliest.items()), reverse=True):
+            if k is not None and k != decided.members[i].component:
+                of = decided.candidates[k].quantity
+                likeliest[of] = max((p, k), likeliest.get(of, (0.0, k)))
+    for p, k in sorted(likeliest.values(), reverse=True):
         if p < PRIORS.faintest_rival:
             break
         candidate = decided.candidates[k]
