@@ -32,7 +32,7 @@ from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Change, Comparison, Rival
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
-from workbench.diagnosis.changes.words import headline
+from workbench.diagnosis.changes.words import headline, moved_by
 from workbench.diagnosis.priors import PRIORS
 from workbench.effects.place import Parameter, Where
 from workbench.effects.unnamed import unnamed
@@ -331,6 +331,15 @@ def test_a_phase_that_turned_is_told_from_what_to_what():
     lines = said_of(comparison)["changes"][0]["lines"]
     assert lines[0].endswith("probability > 99.9 %")
     assert lines[1].startswith("before: amplitude ")
+
+
+def test_a_number_that_adds_up_moved_by_its_difference():
+    play = "lost_motion:joint=joint_2,variant=play,amplitude=3e-4"
+    change = only(compare([before(), measured(2, effects=(play,))]))
+    assert change.cause == "lost_motion"
+    assert change.before == ()
+    assert within(change.parameters[0], 3e-4)
+    assert moved_by(change).startswith("lost_motion(joint_2) moved by ")
 
 
 def test_forms_of_one_cause_are_told_apart_in_what_did_not_change():

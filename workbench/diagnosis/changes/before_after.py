@@ -35,8 +35,8 @@ def parameters_of(shape: Shape, mean: Array, covariance: Array) -> Numbers:
 
 
 def numbers_at(decided: Decided, levels: Levels, k: int) -> tuple[Numbers, Numbers, Numbers]:
-    """By how much the numbers changed up to an occasion, and before and after where the first one has the
-    effect already: the amplitude of a difference is not the difference of the amplitudes."""
+    """By how much the numbers changed up to an occasion; and before and after, where all campaigns have the
+    effect and its numbers do not add up: a difference's amplitude is none of amplitudes."""
     shape, system, solved = levels.shape, decided.system, decided.solved
     result = system.occasions[0].fit
     known = [e for e in shape.effects if e in result.model.effects]
@@ -51,7 +51,8 @@ def numbers_at(decided: Decided, levels: Levels, k: int) -> tuple[Numbers, Numbe
     more, more_half = levels.mean[k, :main] * sizes, levels.half[k, :main] * sizes[:, None]
     last = half + more_half
     before, after = known[0].report(value, half @ half.T), known[0].report(value + more, last @ last.T)
-    if len(before) != main:  # one size of a whole function says nothing of its form
+    add_up = [p.name for p in before] == [p.name for p in known[0].params]
+    if add_up or len(before) != main:  # one size of a whole function says nothing of its form
         return parameters_of(shape, *levels.at(k)), (), ()
     by = zip(*_difference(known[0], value, more, np.vstack([half, more_half])), strict=True)
     changed = [replace(p, value=v, std=s) for p, (v, s) in zip(before, by, strict=True)]

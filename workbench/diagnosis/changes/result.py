@@ -13,7 +13,7 @@ POSSIBLE = "possible"  # status of a change that may be none
 STEP, BACK, CREEP, LEVELS = "step", "back", "creep", "levels"  # courses of a change over the campaigns
 
 PLACED = 0.5  # of the likeliest's probability
-AMPLITUDE, PHASE = "amplitude", "phase"  # numbers of which a sum's are not the sum
+PHASE = "phase"  # a number that comes round
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class Change:
     label of the first campaign with it; alone: only that has it; course: a step that stays, off and back
     again, creeping evenly from campaign to campaign, or another level at each; levels: of each campaign that
     has it, its label and the numbers against the first campaign; parameters: the same where it is off by
-    most; before, after: these numbers themselves, where all campaigns show the effect; probability: of this;
-    any: that something of the robot changed here; moves_mm: RMS of what it makes of the points, the
+    most; before, after: these numbers themselves, where a sum's are not the sums (an amplitude); probability:
+    of this; any: that something of the robot changed here; moves_mm: RMS of what it makes of the points, the
     instrument's frame fitted anew; recheck_poses: how many poses would show it again with 80 % power (None:
     more than were measured), recheck_ids: which.
     """

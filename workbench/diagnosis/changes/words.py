@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
-from .result import AMPLITUDE, BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change
+from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change
 
 MOST_SAID = 3
 MOST_WAYS = 4  # that something may be, in one line
@@ -41,7 +41,7 @@ def with_std(value: float, std: float) -> str:
 def moved_by(change: Change) -> str:
     """joint_4 zero moved by 0.31 ± 0.02 mrad; of one that is back, crept or moved again, where."""
     largest = _clearest(change.parameters)
-    one = len(change.parameters) == 1 and not (change.before and largest.name == AMPLITUDE)
+    one = len(change.parameters) == 1 and not change.before
     at = f"{change.moves_mm:.2f} mm RMS at the targets"
     if change.cause == UNKNOWN:
         return f"{change.label} changed by {at}"
