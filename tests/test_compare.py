@@ -27,13 +27,17 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.cli.main import main
-from workbench.diagnosis.changes.findings import of_robot
+from workbench.diagnosis.changes.courses import courses
+from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
-from workbench.diagnosis.changes.result import Comparison
+from workbench.diagnosis.changes.result import Change, Comparison, Rival
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
-from workbench.diagnosis.changes.words import headline
+from workbench.diagnosis.changes.words import headline, moved_by
 from workbench.diagnosis.priors import PRIORS
+from workbench.effects.place import Parameter, Where
+from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
+from workbench.report.comparison import said_of
 
 DATA = Path(__file__).parents[1].parent / "shared" / "data"
 SIGMA = 3e-5
@@ -144,6 +148,78 @@ def test_the_control_chart_has_every_campaign():
     assert all(abs(v) < 4.5 * s + 1e-12 for v, s in zip(other.values, other.stds, strict=True))
 
 
+def zero_over_time(*levels: float) -> Comparison:
+    """The zero of joint_4 [rad] at each of the campaigns behind the first."""
+    later = [measured(k, {(JOINT_4, 5): level}) for k, level in enumerate(levels, 2)]
+    return compare([before(), *later])
+
+
+def test_a_zero_that_was_off_and_is_back_is_told_as_that_and_as_nothing_else():
+    """A step back needs a second event of the same number: a gear's error or a link stood in for it."""
+    comparison = zero_over_time(6e-4, 6e-4, 0.0)
+    change = only(comparison)
+    second, third = comparison.campaigns[1:3]
+    assert (change.label, change.course) == ("joint_4 zero", "back")
+    assert (change.since, [label for label, _ in change.levels]) == (second, [second, third])
+    assert within(change.parameters[0], 6e-4)
+    assert comparison.headline.startswith("joint_4 zero was off by 0.")
+    assert f" mrad in {second} and {third}; everything else" in comparison.headline
+    (track,) = [t for t in comparison.chart if t.label == "joint_4 zero"]
+    assert np.allclose(track.values, [0.0, 6e-4, 6e-4, 0.0], atol=1.5e-4)
+    (told,) = comparison.to_json()["changes"]
+    assert [level["campaign"] for level in told["levels"]] == [second, third]
+    shown = said_of(comparison)["changes"][0]
+    assert shown["when"] == f"in {second} and {third} only"
+    assert [row[0] for row in shown["parameters"]] == [f"zero in {second}", f"zero in {third}"]
+
+
+def test_a_zero_that_moves_twice_has_a_level_at_each_campaign():
+    comparison = zero_over_time(1.2e-3, 4e-4)
+    change = only(comparison)
+    assert (change.label, change.course) == ("joint_4 zero", "levels")
+    levels = [numbers[0] for _, numbers in change.levels]
+    assert within(levels[0], 1.2e-3)
+    assert within(levels[1], 4e-4)
+    assert change.parameters[0] == levels[0]
+    assert "joint_4 zero moved more than once, against the first by 1." in comparison.headline
+
+
+def test_a_zero_that_creeps_is_one_number():
+    comparison = zero_over_time(4e-4, 8e-4)
+    change = only(comparison)
+    assert (change.label, change.course) == ("joint_4 zero", "creep")
+    assert within(change.parameters[0], 8e-4)
+    assert f"up to {comparison.campaigns[-1]}" in comparison.headline
+    assert said_of(comparison)["changes"][0]["when"].startswith("evenly since")
+
+
+def test_every_event_of_a_number_competes_and_of_two_campaigns_there_is_one():
+    assert [course.tolist() for course in courses(1, 2, 1)] == [[0, 1]]
+    assert [course.tolist() for course in courses(1, 4, 1)] == [
+        [0, 1, 1, 1], [0, 1, 0, 0], [0, 1, 1, 0], [0, 1 / 3, 2 / 3, 1]
+    ]  # fmt: skip
+    assert [course.tolist() for course in courses(1, 4, 11)][1:] == [[0, 1, 0, 0], [0, 1 / 3, 2 / 3, 1]]
+    assert [course.tolist() for course in courses(2, 4, 47, free=True)] == [[0, 0, 1, 1]]
+
+
+def test_a_rival_of_two_events_is_one_rival_with_the_larger_probability():
+    def zero(joint: int) -> SimpleNamespace:
+        where = Where(joint=f"joint_{joint}")
+        form = SimpleNamespace(geometry=(0,), zero=True)
+        return SimpleNamespace(
+            cause="geometry", where=where, change=True, side="robot",
+            shapes=(form,), quantity=("geometry", where, True),
+        )  # fmt: skip
+
+    decided = SimpleNamespace(
+        candidates=[zero(1), zero(1), zero(2), zero(2), zero(3)],
+        members=[SimpleNamespace(component=0), SimpleNamespace(component=1)],
+        shares=[{0: 0.6, 2: 0.17, 4: 0.2, None: 0.03}, {1: 0.8, 3: 0.19, None: 0.01}],
+    )
+    found = [(rival.label, rival.probability) for rival in _rivals(decided, (0, 1))]
+    assert found == [("joint_3 zero", 0.2), ("joint_2 zero", 0.19)]
+
+
 def test_a_bent_link_is_that_link():
     change = only(compare([before(), measured(2, {(4, 3): 3e-4, (4, 0): 4e-4, (4, 1): 1e-4})]))
     assert (change.cause, change.where.link, change.where.joint) == ("geometry", "link_3", "joint_4")
@@ -183,7 +259,24 @@ def test_a_moved_base_is_a_frame_and_another_instrument_a_noise():
     assert abs(after.frame_mm - 3.0) < 4 * after.frame_std_mm < 0.3
     assert after.frame_mrad < 4 * after.frame_std_mrad
     assert not after.targets_moved
-    assert "the instrument scatters 0.060 instead of 0.030 mm" in comparison.headline
+    assert "the points scatter 0.06" in comparison.headline
+    assert "mm per axis, as the instrument's noise says" in comparison.headline
+
+
+def test_points_that_scatter_more_than_anybody_stated_are_told():
+    """By what is left of them: the stated noise is the same. Of two alike nothing is said."""
+    worse = replace(measured(2, sigma=2 * SIGMA), noise_sigma=before().noise_sigma)
+    comparison = compare([before(), worse])
+    assert "; the points scatter 0.0" in comparison.headline
+    assert "the robot repeats worse, or the instrument measures worse than" in comparison.headline
+    first, after = (one.scatter for one in comparison.apart)
+    assert abs(first.sigma_mm - 0.03) < 4 * first.std_mm < 0.02
+    assert abs(after.sigma_mm - 0.06) < 4 * after.std_mm < 0.04
+    told = comparison.to_json()["apart"][1]["scatter"]
+    assert told["p_value"] < 1e-4
+    assert told["times_first"] == pytest.approx(2.0, rel=0.25)
+    assert "scatter" not in nothing().headline
+    assert nothing().apart[1].scatter.p_value > 1e-3
 
 
 def test_another_temperature_is_not_the_robot_written_down_or_not():
@@ -199,6 +292,10 @@ def test_another_temperature_is_not_the_robot_written_down_or_not():
     assert {change.cause, *(r.cause for r in change.rivals)} == {"thermal_growth", "tracker_scale"}
     assert change.side != "robot"
     assert within(change.parameters[0], 12 * 1.15e-5)
+    points = warm.points.reshape(-1, 3)
+    radius = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
+    moved = 1e3 * radius * change.parameters[0].value  # about their middle, wherever the instrument stands
+    assert change.moves_mm == pytest.approx(moved, rel=0.1)
     for first, second in (
         (cold.with_poses(temperature=None), warm),
         (cold, warm.with_poses(temperature=None)),
@@ -214,6 +311,44 @@ def test_what_a_cause_brings_with_it_does_not_hide_how_large_it_is():
     amplitude = change.parameters[0]
     assert within(amplitude, 4e-4)
     assert amplitude.std < 0.15 * amplitude.value
+
+
+def test_a_phase_that_turned_is_told_from_what_to_what():
+    """Of the difference, amplitude and phase are neither's."""
+    wheel = "gear_kinematic_error:joint=joint_4,order=20,amplitude=4e-4,phase="
+    comparison = compare([measured(k, effects=(f"{wheel}{phase}",)) for k, phase in ((1, 0.6), (2, 2.6))])
+    (change,) = comparison.changes
+    assert change.cause == "gear_kinematic_error"
+    for numbers, phase in ((change.before, 0.6), (change.after, 2.6)):
+        assert [p.name for p in numbers] == ["amplitude", "phase"]
+        assert within(numbers[0], 4e-4)
+        assert within(numbers[1], phase)
+    assert within(change.parameters[0], 0.0)
+    assert within(change.parameters[1], 2.0)
+    assert "at the targets (phase from " in comparison.headline
+    (told,) = comparison.to_json()["changes"]
+    assert [p["name"] for p in told["after"]] == ["amplitude", "phase"]
+    lines = said_of(comparison)["changes"][0]["lines"]
+    assert lines[0].endswith("probability > 99.9 %")
+    assert lines[1].startswith("before: amplitude ")
+
+
+def test_a_number_that_adds_up_moved_by_its_difference():
+    play = "lost_motion:joint=joint_2,variant=play,amplitude=3e-4"
+    change = only(compare([before(), measured(2, effects=(play,))]))
+    assert change.cause == "lost_motion"
+    assert change.before == ()
+    assert within(change.parameters[0], 3e-4)
+    assert moved_by(change).startswith("lost_motion(joint_2) moved by ")
+
+
+def test_forms_of_one_cause_are_told_apart_in_what_did_not_change():
+    labels = [item.label for item in nothing().unchanged]
+    assert {
+        "gear_eccentricity(joint_3), 1 cycle per turn",
+        "gear_eccentricity(joint_3), 2 cycles per turn",
+    } < {*labels}
+    assert len(set(labels)) == len(labels)
 
 
 def test_nothing_changed_and_what_would_have_been_seen():
@@ -248,6 +383,57 @@ def test_a_change_that_may_be_none_is_told_as_such():
     assert "the robot is unchanged" not in comparison.headline.lower()
     alone = replace(change, rivals=())
     assert headline([alone], 0.01, [], False).startswith("Perhaps joint_4 zero changed by 0.06 mm")
+
+
+def rival(label: str, probability: float, change: bool = True) -> Rival:
+    return Rival(label, "foundation", Where(), change, "robot", probability)
+
+
+def unplaced() -> Change:
+    """A function of 36 weights in the place of much that is likelier."""
+    rivals = tuple(rival(f"link_{k}", 0.3 - k / 100, k % 2 > 0) for k in range(1, 4))
+    size = (Parameter("size", 2e-4, 1e-5, "rad"),)
+    where, label = Where(), "a dependence on order of measurement"
+    return Change(
+        label, "unknown", where, "surroundings", "possible", "june", False, 0.011, 0.5, size, 0.04, rivals
+    )
+
+
+def test_what_cannot_be_placed_takes_one_clause_and_its_candidates_come_by_probability():
+    change = unplaced()
+    assert headline([change], 0.026, [], False) == (
+        "The robot is unchanged within 0.026 mm; something of 0.04 mm RMS at the targets cannot be placed."
+    )
+    shown = said_of(replace(nothing(), changes=(change,)))["changes"][0]
+    assert (shown["what"], shown["parameters"]) == ("something that cannot be placed", [])
+    assert shown["lines"][1] == (
+        "it may be: link_1 (29.0 %), link_2 in all campaigns (28.0 %), link_3 (27.0 %), "
+        "a dependence on order of measurement (1.1 %)"
+    )
+    (told,) = replace(nothing(), changes=(change,)).to_json()["changes"]
+    assert not told["placed"]
+    likelier = replace(change, rivals=(rival("link_2", 0.015),))
+    assert (
+        "not decided: a dependence on order of measurement changed by"
+        in headline([likelier], 0.026, [], False).lower()
+    )
+
+
+def test_something_that_changed_is_not_decided_between_its_likeliest_ways():
+    many = tuple(rival(f"link_{k}", 0.3 - k / 20) for k in range(1, 6))
+    change = replace(unplaced(), status="ambiguous", rivals=many)
+    assert "not decided: link_1 or link_2 or link_3 or link_4 or something less likely;" in headline(
+        [change], 0.026, [], True
+    )
+
+
+def test_a_function_without_a_name_has_a_size_and_no_weights():
+    (effect, *_) = unnamed(problem_of(before()))
+    weights = np.linspace(1e-5, 3e-5, len(effect.params))
+    (size,) = effect.report(weights, np.diag(np.full(len(weights), 1e-12)))
+    assert (size.name, size.unit) == ("size", "rad")
+    assert size.value == pytest.approx(np.sqrt((weights**2).sum()))
+    assert size.std == pytest.approx(1e-6)
 
 
 def test_a_link_that_a_gear_could_mimic_is_not_named():
@@ -291,12 +477,35 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
         compare([before(), simulate(other, Truth(sigma=SIGMA), seed=1)])
 
 
+def test_another_version_of_the_robot_is_refused_with_what_differs():
+    first, *others = robot().joints
+    softer = replace(first, data=first.data.model_copy(update={"stiffness": 1e5, "damping": 1.0}))
+    version = replace(robot(), joints=(softer, *others), path=Path("older.toml"))
+    with pytest.raises(
+        InputError, match=r"'kr120', but another version of it \(older.toml is not as"
+    ) as told:
+        compare([before(), replace(measured(2), robot=version)])
+    assert "joint_1 damping, joint_1 stiffness)" in str(told.value)
+    assert "let both name one TOML" in str(told.value)
+
+
 @pytest.mark.skipif(not DATA.is_dir(), reason="no measured campaigns here")
 def test_halves_of_a_measured_campaign_have_not_changed():
     whole = load_campaign(DATA / "ma1400-left/campaign.toml")
     order = np.arange(whole.n_poses)
     comparison = compare([whole.some(order[::2]), whole.some(order[1::2])])
     assert (comparison.changes, comparison.exit_status) == ((), 0)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="no measured campaigns here")
+def test_a_half_after_the_other_of_a_measured_campaign_is_unchanged_but_for_what_cannot_be_placed():
+    whole = load_campaign(DATA / "ma1400-left/campaign.toml")
+    order = np.arange(whole.n_poses)
+    comparison = compare([whole.some(order[: len(order) // 2]), whole.some(order[len(order) // 2 :])])
+    assert comparison.exit_status == 0
+    assert comparison.headline.startswith("The robot is unchanged within 0.0")
+    assert comparison.headline.endswith("mm RMS at the targets cannot be placed.")
+    assert "weight_" not in str(comparison.to_json())
 
 
 def test_numbers_without_a_part_are_those_of_a_fit_without_it():

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import reduce
 from typing import TypeVar
 
@@ -94,9 +94,13 @@ def _differences(campaigns: Sequence[Campaign]) -> list[Fault]:
         place = str(other.path)
         if paths[index] in paths[:index]:
             faults.append(Fault(place, "the same campaign twice", "name each once"))
-        if not _same_robot(first.robot, other.robot):
-            what = f"robot {other.robot.name!r}, but {first.robot.name!r} in {first.path}"
-            faults.append(Fault(place, what, "campaigns of different robots are diagnosed apart"))
+        if (another := _another_robot(first.robot, other.robot)) is not None:
+            what = f"robot {other.robot.name!r}, but {another} in {first.path}"
+            version = other.robot.name == first.robot.name
+            mend = (
+                "let both name one TOML" if version else "campaigns of different robots are diagnosed apart"
+            )
+            faults.append(Fault(place, what, mend))
         if other.six_dof != first.six_dof:
             what = f"[noise] pose is {str(other.six_dof).lower()}, not as in {first.path}"
             faults.append(Fault(place, what, "make them agree, or diagnose them apart"))
@@ -107,10 +111,32 @@ def _differences(campaigns: Sequence[Campaign]) -> list[Fault]:
     return faults
 
 
-def _same_robot(one: Robot, other: Robot) -> bool:
-    return one == replace(other, path=one.path, urdf=one.urdf) and (
-        one.urdf.resolve() == other.urdf.resolve() or one.urdf.read_bytes() == other.urdf.read_bytes()
-    )
+def _another_robot(one: Robot, other: Robot) -> str | None:
+    """How a robot is called that is not the other one: of the same name by its files and what they say
+    otherwise. None: it is the same."""
+    said = set(_said_otherwise(one, other))
+    if one.urdf.resolve() != other.urdf.resolve() and one.urdf.read_bytes() != other.urdf.read_bytes():
+        said.add(f"another URDF ({other.urdf}, {one.urdf})")
+    if not said:
+        return None
+    if one.name != other.name:
+        return repr(one.name)
+    return f"another version of it ({other.path} is not as {one.path}: {', '.join(sorted(said))})"
+
+
+def _said_otherwise(one: Robot, other: Robot) -> Iterator[str]:
+    """What two robots' files say otherwise, in the words of the robot's TOML."""
+    for name in (f.name for f in fields(Robot) if f.name not in ("path", "urdf", "joints")):
+        if getattr(one, name) != getattr(other, name):
+            yield name
+    if one.joint_names != other.joint_names:
+        yield "joints"
+        return
+    for a, b in zip(one.joints, other.joints, strict=True):
+        now, then = b.data.model_dump(), a.data.model_dump()
+        yield from (f"{a.name} {name}" for name, value in then.items() if value != now[name])
+        if a != replace(b, data=a.data):
+            yield f"{a.name} limits"
 
 
 def labels_of(campaigns: Sequence[Campaign]) -> list[str]:

@@ -133,6 +133,11 @@ class Effect(ABC):
         return self.depends
 
     @property
+    def form(self) -> str:
+        """What tells it from the other forms of its cause, in words."""
+        return self.variant
+
+    @property
     def kin(self) -> Hashable:
         """What it has in common with other causes that differ from it by how they are likely to look alone;
         None: nothing."""

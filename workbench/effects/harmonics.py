@@ -38,6 +38,10 @@ class Harmonic(TransmissionEffect):
     """Δq = a sin(k q) + b cos(k q): k `cycles` per joint turn."""
 
     @property
+    def form(self) -> str:
+        return f"{self.cycles:g} {'cycle' if self.cycles == 1 else 'cycles'} per turn"
+
+    @property
     @abstractmethod
     def cycles(self) -> float: ...
 

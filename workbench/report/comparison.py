@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..diagnosis.changes.result import Apart, Change, Comparison, TargetMoved, Track, Unchanged
-from ..diagnosis.changes.words import with_std
+from ..diagnosis.changes.result import (
+    BACK,
+    CREEP,
+    STEP,
+    Apart,
+    Change,
+    Comparison,
+    TargetMoved,
+    Track,
+    Unchanged,
+)
+from ..diagnosis.changes.words import listed, with_std
+from ..effects.place import Parameter
 from . import charts
 from .drawing import Figure
 from .folder import json_bytes, write_together
 from .markup import render
-from .numbers import axis_scale, mm, percent, quantity, size
+from .numbers import axis_scale, mm, percent, probability, quantity, size
 
 LISTED = 12  # of what did not change, on the terminal
 TRACKS = 4  # curves of one chart
@@ -42,7 +53,7 @@ def short_comparison(comparison: Comparison, folder: Path | None) -> str:
     said = said_of(comparison)
     lines = [f"{comparison.title}: {labels}", "", comparison.headline]
     for change in said["changes"]:
-        lines += ["", f"  {change['status'].upper():<10}{change['what']}   since {change['since']}"]
+        lines += ["", f"  {change['status'].upper():<10}{change['what']}   {change['when']}"]
         lines += [f"            {row[0]} {row[1]} ({row[2]})" for row in change["parameters"]]
         lines += [f"            {line}" for line in change["lines"]]
     lines += ["", "  not the robot:"]
@@ -87,14 +98,20 @@ def _geometry(comparison: Comparison) -> list[Unchanged]:
 
 
 def _change(change: Change) -> dict[str, Any]:
-    lines = [f"moves the targets by {mm(change.moves_mm)} mm RMS; probability {percent(change.probability)}"]
-    if change.rivals:
-        said = [
-            f"{r.label}{'' if r.change else ' in all campaigns'} ({percent(r.probability)})"
-            for r in change.rivals
+    lines = [f"moves the targets by {mm(change.moves_mm)} mm RMS, the instrument's frame fitted anew"]
+    if change.placed:
+        lines[0] += f"; probability {probability(change.probability)}"
+    if change.before:
+        lines += [
+            f"{when}: {_each(one)}" for when, one in (("before", change.before), ("after", change.after))
         ]
-        lines.append(f"or instead: {', '.join(said)}")
-    if change.side != "robot":
+    ways = [
+        f"{label}{'' if changed else ' in all campaigns'} ({probability(p)})"
+        for label, changed, p in change.ways[1 if change.placed else 0 :]
+    ]
+    if ways:
+        lines.append(f"{'or instead' if change.placed else 'it may be'}: {', '.join(ways)}")
+    if change.side != "robot" and change.placed:
         lines.append(f"not the robot: {change.side}")
     if change.recheck_poses is not None:
         poses = ", ".join(change.recheck_ids)
@@ -102,12 +119,34 @@ def _change(change: Change) -> dict[str, Any]:
     else:
         lines.append("no thirty of these poses would show such a change again: measure more targets or loads")
     return {
-        "what": change.label,
+        "what": change.label if change.placed else "something that cannot be placed",
         "status": change.status,
-        "since": f"{change.since}{' only' if change.alone else ''}",
-        "parameters": [[p.name, str(quantity(p)), quantity(p).interval] for p in change.parameters],
+        "when": _when(change),
+        "parameters": [
+            [f"{p.name}{at}", str(quantity(p)), quantity(p).interval] for at, p in _numbers(change)
+        ],
         "lines": lines,
     }
+
+
+def _each(numbers: Sequence[Parameter]) -> str:
+    return ", ".join(f"{p.name} {quantity(p)} ({quantity(p).interval})" for p in numbers)
+
+
+def _when(change: Change) -> str:
+    if change.course == BACK:
+        return f"in {listed([label for label, _ in change.levels])} only"
+    return f"{'evenly ' if change.course == CREEP else ''}since {change.since}"
+
+
+def _numbers(change: Change) -> Iterator[tuple[str, Parameter]]:
+    """Each number that changed, and at which campaign where it is not the same at all since then."""
+    if not change.placed:
+        return
+    if change.course == STEP:
+        yield from (("", p) for p in change.parameters)
+    else:
+        yield from ((f" in {label}", p) for label, numbers in change.levels for p in numbers)
 
 
 def _row(item: Unchanged) -> list[str]:
@@ -126,7 +165,8 @@ def _apart(comparison: Comparison) -> list[list[str]]:
         [
             one.label,
             *(("", "") if one is comparison.apart[0] else (_instrument(one), _targets(one))),
-            f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), left {mm(one.rms_mm)} mm RMS",
+            f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), the points scatter "
+            f"{with_std(one.scatter.sigma_mm, one.scatter.std_mm)} mm, left {mm(one.scatter.rms_mm)} mm RMS",
             "" if one.temperature is None else f"{one.temperature:.1f} °C",
         ]
         for one in comparison.apart

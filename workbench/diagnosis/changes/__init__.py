@@ -8,7 +8,7 @@ that all occasions have (`sets`), so that a change is named by its probability.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,7 @@ from .system import relinearised
 from .words import headline, with_std
 
 OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
+CHANCE = 1e-4  # probability of as much by chance below which they do
 
 
 def compare(campaigns: Sequence[Campaign | str | Path], progress: Progress = lambda _: None) -> Comparison:
@@ -95,10 +96,24 @@ def _other(beside: Sequence[Apart]) -> list[str]:
             size, std = float(np.linalg.norm(by.by_mm)), float(np.linalg.norm(by.std_mm))
             why = "tool or reflectors were mounted anew, or are warmer"
             out.append(f"the targets sit elsewhere by {with_std(size, std)} mm{at}: {why}")
-        ratio = one.sigma_mm / first.sigma_mm
-        if max(ratio, 1 / ratio) > OTHER_NOISE:
-            out.append(f"the instrument scatters {one.sigma_mm:.3f} instead of {first.sigma_mm:.3f} mm{at}")
+        out += [f"{text}{at}" for text in _scatters(one, first)]
     return out
+
+
+def _scatters(one: Apart, first: Apart) -> Iterator[str]:
+    """Whether the points scatter otherwise than at the first campaign, and whose that is: the instrument's
+    where its noise as known says so too."""
+    known, now = one.sigma_mm / first.sigma_mm, one.scatter
+    if now.p_value > CHANCE or max(now.times, 1 / now.times) < OTHER_NOISE:
+        return
+    before = with_std(first.scatter.sigma_mm, first.scatter.std_mm)
+    text = f"the points scatter {with_std(now.sigma_mm, now.std_mm)} instead of {before} mm per axis"
+    if max(now.times / known, known / now.times) < OTHER_NOISE and one.source != "residual":
+        yield f"{text}, as the instrument's noise says"
+    elif now.times > 1:
+        yield f"{text}: the robot repeats worse, or the instrument measures worse than its noise says"
+    else:
+        yield f"{text}: the robot repeats better, or the instrument measures better than its noise says"
 
 
 def _notes(decided: Decided) -> list[str]:

@@ -17,6 +17,7 @@ from ...robot.schema import GEOMETRY
 from ..competition import LOOSE
 from ..components import EVERY_FINER, Component, Form, form_of, log_odds_of
 from ..priors import PRIORS
+from .courses import courses
 from .occasions import Occasion
 
 USUAL = 2e-4  # m, rad: usual size of a change of geometry
@@ -50,12 +51,16 @@ class Shape:
         """Numbers that count; behind them come companions."""
         return len(self.geometry) or sum(len(effect.params) for effect in self.effects)
 
+    @property
+    def free(self) -> bool:
+        """Whether its numbers are the weights of a free function."""
+        return any(effect.free for effect in self.effects)
+
     def held(self, scale: float) -> Array:
         """(g,) in prior sizes, how its numbers are held where it was found at a scale: an effect's own
         loosely; its companions, and the weights of a free function, as they were found."""
-        free = any(effect.free for effect in self.effects)
         out = np.full(len(self.sizes), scale)
-        if not free:
+        if not self.free:
             out[: self.main] = LOOSE
         return out
 
@@ -66,7 +71,8 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A cause at one place: common to all occasions, or changed between them. side: whose it is."""
+    """A cause at one place: common to all occasions, or changed by one event between them. side: whose it
+    is."""
 
     cause: str
     where: Where
@@ -74,6 +80,11 @@ class Candidate:
     side: str
     shapes: tuple[Shape, ...]
     log_odds: float
+
+    @property
+    def quantity(self) -> tuple[str, Where, bool]:
+        """What several events may change."""
+        return self.cause, self.where, self.change
 
     @property
     def component(self) -> Component:
@@ -85,9 +96,8 @@ def candidates_of(
     occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]
 ) -> list[Candidate]:
     """All of them. effects: of the catalogue, at every place that the joined campaigns can show."""
-    patterns = steps(len(occasions))
     shared = occasions[0].fit.model.effects
-    out = list(_geometry(occasions, whole, patterns))
+    out = list(_geometry(occasions, whole))
     places: dict[object, list[Effect]] = {}
     seen = [e for kind in catalogue().values() for e in kind.places(whole) if e.acts == "instrument"]
     for effect in [*effects, *(one for one in (*shared, *seen) if one not in effects)]:
@@ -105,24 +115,19 @@ def candidates_of(
                 *(_shape(occasions, (e,)) for e in (*own, *finer)),
                 *(_shape(occasions, t) for t in together),
             ]
-            out += _candidate(effect, False, shapes, log_odds_of(effect, sites))
+            out += _common(effect, shapes, log_odds_of(effect, sites))
         shapes = [replace(_shape(occasions, (e,)), one_sided=False) for e in own]
-        out += _candidate(effect, True, list(_stepped(shapes, patterns)), _odds(whole.arm.n))
+        shapes = [shape for shape in shapes if shape.base.any()]
+        if shapes:
+            out += _changes(effect.key, side_of(effect), shapes, whole.arm.n)
     if any(one.problem.warmth is None for one in occasions):
-        out += _growth(occasions, whole, patterns)
+        out += _growth(occasions, whole)
     return out
 
 
 def own_of(occasions: Sequence[Occasion]) -> NDArray[np.int64]:
     """(R,) occasion of each whitened row."""
     return np.repeat(np.arange(len(occasions)), [one.fit.r.size for one in occasions])
-
-
-def steps(count: int) -> Array:
-    """(·, K) which occasions a change may be in: from one on, or one alone."""
-    after = [np.arange(count) >= k for k in range(1, count)]
-    alone = [np.arange(count) == k for k in range(1, count - 1)] if count > 2 else []
-    return np.array([*after, *alone], dtype=np.float64)
 
 
 def side_of(effect: Effect) -> str:
@@ -134,17 +139,25 @@ def side_of(effect: Effect) -> str:
     return "surroundings" if effect.uses & {"time", "temperature"} else "robot"
 
 
-def _odds(sites: int) -> float:
-    """log prior odds of a change at one place. sites: joints, for every cause: no cause gains by sitting at
-    few places, since it is a place that something happens to."""
-    p = PRIORS.cause / sites
-    return float(np.log(p / (1 - p)))
+def _changes(key: tuple[str, Where], side: str, shapes: Sequence[Shape], sites: int) -> Iterator[Candidate]:
+    """A change by each of the events that may have made it: a quantity may change more than once. sites:
+    joints, for every cause: no cause gains by sitting at few places, since it is a place that something
+    happens to."""
+    count = len(shapes[0].pattern)
+    p = PRIORS.cause / sites / (count - 1)
+    for first in range(1, count):
+        forms = [
+            shape.at(course)
+            for shape in shapes
+            for course in courses(first, count, len(shape.sizes), shape.free)
+        ]
+        yield Candidate(*key, True, side, tuple(forms), float(np.log(p / (1 - p))))
 
 
-def _candidate(effect: Effect, change: bool, shapes: Sequence[Shape], odds: float) -> Iterator[Candidate]:
+def _common(effect: Effect, shapes: Sequence[Shape], odds: float) -> Iterator[Candidate]:
     shapes = tuple(shape for shape in shapes if shape.base.any())
     if shapes:
-        yield Candidate(effect.key[0], effect.key[1], change, side_of(effect), shapes, odds)
+        yield Candidate(effect.key[0], effect.key[1], False, side_of(effect), shapes, odds)
 
 
 def _shape(occasions: Sequence[Occasion], effects: tuple[Effect, ...]) -> Shape:
@@ -157,24 +170,16 @@ def _shape(occasions: Sequence[Occasion], effects: tuple[Effect, ...]) -> Shape:
     return Shape(np.concatenate(columns), own_of(occasions), sizes, pattern, effects, one_sided=one_sided)
 
 
-def _stepped(shapes: Sequence[Shape], patterns: Array) -> Iterator[Shape]:
-    for shape in shapes:
-        for pattern in patterns:
-            yield shape.at(pattern)
-
-
-def _geometry(occasions: Sequence[Occasion], whole: Problem, patterns: Array) -> Iterator[Candidate]:
+def _geometry(occasions: Sequence[Occasion], whole: Problem) -> Iterator[Candidate]:
     """The zero of each joint; and where each joint sits on the link before it, one number or all."""
     arm = whole.arm
     for j, axial in enumerate(arm.axial):
-        shape = replace(moved(occasions, (int(axial),)), zero=True)
-        zero = list(_stepped([shape], patterns))
-        yield Candidate(PLACED, Where(joint=arm.names[j]), True, "robot", tuple(zero), _odds(arm.n))
+        zero = replace(moved(occasions, (int(axial),)), zero=True)
+        yield from _changes((PLACED, Where(joint=arm.names[j])), "robot", [zero], arm.n)
         every = tuple(range(6 * (j + 1), 6 * (j + 2)))
         single = [moved(occasions, (c,)) for c in every if c != axial]
-        shapes = tuple(_stepped([*single, moved(occasions, every)], patterns))
         where = Where(joint=arm.names[j], link=arm.links[j])
-        yield Candidate(PLACED, where, True, "robot", shapes, _odds(arm.n))
+        yield from _changes((PLACED, where), "robot", [*single, moved(occasions, every)], arm.n)
 
 
 def moved(occasions: Sequence[Occasion], columns: tuple[int, ...]) -> Shape:
@@ -188,7 +193,7 @@ def moved(occasions: Sequence[Occasion], columns: tuple[int, ...]) -> Shape:
     return Shape(np.concatenate(blocks), own_of(occasions), sizes, np.ones(len(occasions)), geometry=columns)
 
 
-def _growth(occasions: Sequence[Occasion], whole: Problem, patterns: Array) -> Iterator[Candidate]:
+def _growth(occasions: Sequence[Occasion], whole: Problem) -> Iterator[Candidate]:
     """A warmer arm where nobody wrote the temperature down: all links longer by the same share."""
     warm = [_at(one.problem, 21.0) for one in occasions]
     kinds = [effect for kind in catalogue().values() for effect in kind.places(warm[0])]
@@ -201,7 +206,8 @@ def _growth(occasions: Sequence[Occasion], whole: Problem, patterns: Array) -> I
         named = (("growth", "1"),)
         every = np.ones(len(occasions))
         shape = Shape(np.concatenate(blocks), own_of(occasions), sizes, every, (effect,), named=named)
-        yield from _candidate(effect, True, list(_stepped([shape], patterns)), _odds(whole.arm.n))
+        if shape.base.any():
+            yield from _changes(effect.key, side_of(effect), [shape], whole.arm.n)
 
 
 def _at(problem: Problem, temperature: float) -> Problem:

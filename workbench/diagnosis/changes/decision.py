@@ -69,7 +69,7 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
         candidates, reduced, hidden = _distinct(every, reduced)
         competition = Competition(reduced, [c.component for c in candidates])
         members = competition.best()
-        shares = _shares(system, every, competition, members, noise_dof)
+        shares = _shares(system, every, candidates, competition, members, noise_dof)
         sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
         members, shares = [members[i] for i in sure], [shares[i] for i in sure]
         shapes = [candidates[m.component].shapes[m.form] for m in members]
@@ -82,23 +82,40 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
 def _shares(
     system: System,
     every: Sequence[Candidate],
+    candidates: Sequence[Candidate],
     competition: Competition,
     members: Sequence[Member],
     noise_dof: float,
 ) -> list[Shares]:
     """The probabilities; where the noise does not explain what is left, those of the half of the poses that
-    says least for each member."""
-    shares = competition.shares(members)
+    says least for each member. every: all candidates, candidates: those that compete."""
+
+    def shares_of(some: Competition) -> list[Shares]:
+        found = zip(members, some.shares(members), strict=True)
+        return [_of_quantities(candidates, member, share) for member, share in found]
+
+    shares = shares_of(competition)
     if not members or not system.misfit:
         return shares
     out = [dict(share) for share in shares]
     for rows in _halves(system):
         reduced = replace(reduced_of(system, every, noise_dof, rows), parts=competition.reduced.parts)
         half = Competition(reduced, competition.components)
-        for share, other, member in zip(out, half.shares(members), members, strict=True):
+        for share, other, member in zip(out, shares_of(half), members, strict=True):
             if other.get(member.component, 0.0) < share.get(member.component, 0.0):
                 share.clear()
                 share.update(other)
+    return out
+
+
+def _of_quantities(candidates: Sequence[Candidate], member: Member, share: Shares) -> Shares:
+    """A member's probabilities by what changed, whenever it did: of each quantity by its likeliest event, of
+    the member's own by the member."""
+    lead = {candidates[member.component].quantity: member.component}
+    out: Shares = {None: share.get(None, 0.0)}
+    for k in sorted((k for k in share if k is not None), key=lambda k: -share[k]):
+        of = lead.setdefault(candidates[k].quantity, k)
+        out[of] = out.get(of, 0.0) + share[k]
     return out
 
 
@@ -139,6 +156,12 @@ def _distinct(
 
 def _alike(S: np.ndarray, i: int, j: int) -> bool:
     return bool(abs(S[i, j]) > SAME * np.sqrt(S[i, i] * S[j, j]))
+
+
+def form_of(candidate: Candidate, shape: Shape) -> str:
+    """What changed, in words, and in which of its forms where there are several."""
+    forms = {effect.form for one in candidate.shapes for effect in one.effects}
+    return f"{label_of(candidate, shape)}" + (f", {shape.effects[0].form}" if len(forms) > 1 else "")
 
 
 def label_of(candidate: Candidate, shape: Shape | None = None) -> str:

@@ -7,12 +7,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...effects.base import UNKNOWN
-from ...effects.place import Parameter
-from ...robot.kinematics import Array
+from ..chosen import Shares
 from ..competition import CLEARER, LOOSE, worth_of
 from ..priors import PRIORS
-from .candidates import Shape, numbers_of_shape
+from .before_after import numbers_at
+from .candidates import numbers_of_shape
 from .decision import Decided, Hidden, label_of
+from .levels import Levels, levels_of, together
 from .recheck import recheck
 from .result import POSSIBLE, Change, Repeats, Rival, Track, Unseen
 from .system import Solved, solve
@@ -22,16 +23,29 @@ REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
 
 
 def changes_of(decided: Decided) -> Iterator[Change]:
-    """The members that are changes, if likely enough that they or others changed; the largest first."""
-    found = []
-    for i, (member, share) in enumerate(zip(decided.members, decided.shares, strict=True)):
-        odds = {k: p for k, p in share.items() if k is not None and decided.candidates[k].change}
-        sure = sum(odds.values())
-        own = share.get(member.component, 0.0)
-        if sure >= PRIORS.absent and decided.candidates[member.component].change:
-            robot = sum(p for k, p in odds.items() if of_robot(decided, k))
-            found.append(_change(decided, i, _status(decided, i, own, sure), own, robot))
+    """The members that are changes, if likely enough that they or others changed, those of one quantity
+    together; the largest first."""
+    said: dict[str, list[int]] = {}
+    for i, share in enumerate(decided.shares):
+        own, sure = _own(decided, i), sum(_changed(decided, share).values())
+        if sure >= PRIORS.absent and decided.candidates[decided.members[i].component].change:
+            said.setdefault(_status(decided, i, own, sure), []).append(i)
+    found = [
+        _change(decided, levels_of(decided, own), status)
+        for status, members in said.items()
+        for own in together(decided, members)
+    ]
     yield from sorted(found, key=lambda change: -change.moves_mm)
+
+
+def _own(decided: Decided, i: int) -> float:
+    """Probability of the i-th member."""
+    return decided.shares[i].get(decided.members[i].component, 0.0)
+
+
+def _changed(decided: Decided, share: Shares) -> dict[int, float]:
+    """Of what may stand in a place, what is a change."""
+    return {k: p for k, p in share.items() if k is not None and decided.candidates[k].change}
 
 
 def of_robot(decided: Decided, k: int) -> bool:
@@ -48,28 +62,35 @@ def _status(decided: Decided, i: int, own: float, sure: float) -> str:
     return "named" if own >= PRIORS.named and not _tied(decided, i) else "ambiguous"
 
 
-def _change(decided: Decided, i: int, status: str, own: float, robot: float) -> Change:
-    member = decided.members[i]
-    candidate, shape = decided.candidates[member.component], decided.shape(member)
-    mean, covariance = decided.solved.of(decided.part(i))
+def _change(decided: Decided, levels: Levels, status: str) -> Change:
+    member = decided.members[levels.members[0]]
+    candidate, shape = decided.candidates[member.component], levels.shape
     labels = [one.label for one in decided.system.occasions]
-    first = int(np.flatnonzero(shape.pattern)[0])
-    poses, ids = recheck(decided.system, _without(decided, i), candidate, shape, mean)
+    has = np.flatnonzero(levels.there) if levels.there.any() else np.array([levels.furthest])
+    here = levels.furthest
+    own = [_changed(decided, decided.shares[i]) for i in levels.members]
+    off = shape if len(levels.members) == 1 else shape.at(np.arange(len(labels)) == here)
+    poses, ids = recheck(decided.system, _without(decided, levels.members), candidate, off, levels.mean[here])
+    changed, before, after = numbers_at(decided, levels, here)
     return Change(
         label_of(candidate, shape),
         candidate.cause,
         candidate.where,
         candidate.side,
         status,
-        labels[first],
-        bool(shape.pattern[-1] == 0),
-        own,
-        robot,
-        parameters_of(shape, mean, covariance),
-        _moves_mm(decided, shape, mean),
-        tuple(_rivals(decided, i)),
+        labels[has[0]],
+        bool(len(has) == 1 and has[0] < len(labels) - 1),
+        min(_own(decided, i) for i in levels.members),
+        max(sum(p for k, p in odds.items() if of_robot(decided, k)) for odds in own),
+        changed,
+        _moves_mm(decided, levels),
+        tuple(_rivals(decided, levels.members)),
         poses,
         ids,
+        levels.course,
+        tuple((labels[k], numbers_at(decided, levels, k)[0]) for k in has),
+        before,
+        after,
     )
 
 
@@ -93,40 +114,35 @@ def _worth(decided: Decided, i: int, component: int, form: int) -> float:
     return worth_of(decided.chosen, i, first + np.arange(decided.candidates[component].shapes[form].main))
 
 
-def parameters_of(shape: Shape, mean: Array, covariance: Array) -> tuple[Parameter, ...]:
-    """The main numbers, from those in prior sizes; of an effect as it reports them itself."""
-    main = shape.main
-    value = mean[:main] * shape.sizes[:main]
-    C = covariance[:main, :main] * np.outer(shape.sizes[:main], shape.sizes[:main])
-    if len(shape.effects) == 1 and not shape.named:
-        return shape.effects[0].report(value, C)
-    names, std = numbers_of_shape(shape), np.sqrt(np.diag(C))
-    return tuple(
-        Parameter("zero" if shape.zero else name, float(v), float(s), unit)
-        for (name, unit), v, s in zip(names, value, std, strict=True)
-    )
-
-
-def _without(decided: Decided, i: int) -> Solved:
+def _without(decided: Decided, members: Sequence[int]) -> Solved:
     """All numbers with the other members alone: what is known before a change is looked for."""
-    others = [m for j, m in enumerate(decided.members) if j != i]
+    others = [m for j, m in enumerate(decided.members) if j not in members]
     return solve(decided.system, [decided.shape(m) for m in others], [m.scale for m in others])
 
 
-def _moves_mm(decided: Decided, shape: Shape, mean: Array) -> float:
-    """RMS of what a change makes of the points of the occasions that have it, frames and targets as they
-    are."""
-    here = shape.pattern[decided.system.own] > 0
-    motion = shape.columns[here] @ mean
-    share = decided.system.used.sum() / max(decided.system.used[here].sum(), 1)
-    return decided.system.mm * float(np.sqrt(share * (motion @ motion)))
+def _moves_mm(decided: Decided, levels: Levels) -> float:
+    """RMS of what a change makes of the points of the occasions that have it, once the instrument's frames
+    are fitted anew: what turns or shifts all of them moves none against another."""
+    system, lengths = decided.system, []
+    for k in np.flatnonzero(levels.there).tolist():
+        here = system.own == k
+        motion = levels.shape.base[here] @ levels.mean[k]
+        frames = system.J[here][:, system.frames(k)]
+        held = frames.T @ frames + np.eye(frames.shape[1])
+        lengths.append(system.lengths(k, motion - frames @ np.linalg.solve(held, frames.T @ motion)))
+    return 1e3 * float(np.sqrt(np.mean(np.concatenate(lengths) ** 2)))
 
 
-def _rivals(decided: Decided, i: int) -> Iterator[Rival]:
-    member, share = decided.members[i], decided.shares[i]
-    others = [(p, k) for k, p in share.items() if k not in (None, member.component)]
-    for p, k in sorted(others, reverse=True):
-        if p < PRIORS.faintest_rival or k is None:
+def _rivals(decided: Decided, members: Sequence[int]) -> Iterator[Rival]:
+    """What may stand in the place of any of some members, whenever it changed, the likeliest first."""
+    likeliest: dict[object, tuple[float, int]] = {}
+    for i in members:
+        for k, p in decided.shares[i].items():
+            if k is not None and k != decided.members[i].component:
+                of = decided.candidates[k].quantity
+                likeliest[of] = max((p, k), likeliest.get(of, (0.0, k)))
+    for p, k in sorted(likeliest.values(), reverse=True):
+        if p < PRIORS.faintest_rival:
             break
         candidate = decided.candidates[k]
         yield Rival(
@@ -192,19 +208,18 @@ def tracks(decided: Decided) -> Iterator[Track]:
     two-sided 99.7 % of the largest uncertainty."""
     system, last = decided.system, decided.system.last
     each = np.eye(system.count)[1:]
-    for k, candidate in enumerate(decided.candidates):
-        mine = [m for m in decided.members if m.component == k]
-        shapes = (
-            [decided.shape(mine[0])]
-            if mine
-            else [s for s in candidate.shapes if np.array_equal(s.pattern, last)]
-        )
-        shape = next((s for s in shapes if s.main == 1 and (mine or s.zero)), None)
-        if not candidate.change or shape is None:
+    for candidate in decided.candidates:
+        shape = next((s for s in candidate.shapes if np.array_equal(s.pattern, last)), None)
+        if not candidate.change or shape is None:  # one event of each quantity has that
+            continue
+        mine = [m for m in decided.members if decided.candidates[m.component].quantity == candidate.quantity]
+        bases = [decided.shape(m) for m in mine] or [shape]
+        shape = bases[0]
+        if shape.main > 1 or not (mine or shape.zero) or any(s.base is not shape.base for s in bases):
             continue
         beside = [m for m in decided.members if m not in mine]
         others, own = [decided.shape(m) for m in beside], [shape.at(pattern) for pattern in each]
-        scale = mine[0].scale if mine else LOOSE
+        scale = max((m.scale for m in mine), default=LOOSE)
         solved = solve(system, [*others, *own], [*(m.scale for m in beside), *(scale for _ in own)])
         at, p = sum(len(s.sizes) for s in others), len(shape.sizes)
         values, stds = [0.0], [0.0]

@@ -11,6 +11,7 @@ from ...robot.kinematics import Array
 from .decision import Decided
 from .occasions import Occasion
 from .result import Apart, TargetMoved
+from .scatter import scatters
 from .system import Solved, System, moved_without_parts
 
 LEVEL = 1e-4  # of the test whether targets moved
@@ -21,6 +22,7 @@ def apart(decided: Decided, final: Sequence[Occasion]) -> Iterator[Apart]:
     system, solved = decided.system, decided.solved
     shapes, scales = [decided.shape(m) for m in decided.members], [m.scale for m in decided.members]
     without = moved_without_parts(system, shapes, scales, solved)
+    scattered = scatters(system, shapes, solved)
     for k, one in enumerate(final):
         shift, turn, std = _frame(system, solved, final[0], one, k)
         targets, moved = _targets(system, final, solved, k, (without[0], without[k]))
@@ -36,16 +38,9 @@ def apart(decided: Decided, final: Sequence[Occasion]) -> Iterator[Apart]:
             moved,
             noise.sigma_mm,
             noise.source,
-            _rms_mm(system, solved, k),
+            scattered[k],
             float(np.nanmean(temperature)) if warm and temperature is not None else None,
         )
-
-
-def _rms_mm(system: System, solved: Solved, k: int) -> float:
-    """RMS length [mm] of what is left of an occasion's points."""
-    here = (system.own == k) & system.used
-    sigma = float(np.sqrt(np.mean(system.occasions[k].fit.noise.sigma ** 2)))
-    return 1e3 * sigma * float(np.sqrt(3 * np.mean(solved.left[here] ** 2)))
 
 
 def _frame(

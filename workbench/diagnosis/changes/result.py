@@ -10,6 +10,10 @@ from ...effects.place import Parameter, Where
 
 UNCHANGED, CHANGED = 0, 3  # exit status of the command
 POSSIBLE = "possible"  # status of a change that may be none
+STEP, BACK, CREEP, LEVELS = "step", "back", "creep", "levels"  # courses of a change over the campaigns
+
+PLACED = 0.5  # of the likeliest's probability
+PHASE = "phase"  # a number that comes round
 
 
 @dataclass(frozen=True)
@@ -30,9 +34,13 @@ class Change:
 
     side: robot, load, instrument or surroundings; status: named (probability from 0.95 on, and no rival that
     fits as well, number for number), ambiguous (something changed here) or possible (from 0.2 on); since:
-    label of the first campaign with it; alone: only that has it; probability: of this; any: that something of
-    the robot changed here; moves_mm: RMS of what it makes of the points; recheck_poses: how many poses would
-    show it again with 80 % power (None: more than were measured), recheck_ids: which.
+    label of the first campaign with it; alone: only that has it; course: a step that stays, off and back
+    again, creeping evenly from campaign to campaign, or another level at each; levels: of each campaign that
+    has it, its label and the numbers against the first campaign; parameters: the same where it is off by
+    most; before, after: these numbers themselves, where a sum's are not the sums (an amplitude); probability:
+    of this; any: that something of the robot changed here; moves_mm: RMS of what it makes of the points, the
+    instrument's frame fitted anew; recheck_poses: how many poses would show it again with 80 % power (None:
+    more than were measured), recheck_ids: which.
     """
 
     label: str
@@ -49,6 +57,23 @@ class Change:
     rivals: tuple[Rival, ...]
     recheck_poses: int | None = None
     recheck_ids: tuple[str, ...] = ()
+    course: str = STEP
+    levels: tuple[tuple[str, tuple[Parameter, ...]], ...] = ()
+    before: tuple[Parameter, ...] = ()
+    after: tuple[Parameter, ...] = ()
+
+    @property
+    def placed(self) -> bool:
+        """Whether nothing else is far likelier in its place: else its numbers are of something unlikely."""
+        return all(self.probability >= PLACED * rival.probability for rival in self.rivals)
+
+    @property
+    def ways(self) -> tuple[tuple[str, bool, float], ...]:
+        """What it may be: label, whether that is a change (else it is in all campaigns) and probability, the
+        likeliest first."""
+        own = (self.label, True, self.probability)
+        every = [own, *((r.label, r.change, r.probability) for r in self.rivals)]
+        return tuple(sorted(every, key=lambda way: -way[2]))
 
 
 @dataclass(frozen=True)
@@ -95,11 +120,23 @@ class TargetMoved:
 
 
 @dataclass(frozen=True)
+class Scatter:
+    """How much a campaign's points scatter by what the model leaves, one sigma per axis; times: that over the
+    first campaign's, p_value: of as much by chance; rms_mm: RMS length of what is left."""
+
+    sigma_mm: float
+    std_mm: float
+    times: float
+    p_value: float
+    rms_mm: float
+
+
+@dataclass(frozen=True)
 class Apart:
     """What is not the robot, at one campaign against the first. frame_mm, frame_mrad: shift in the middle
     of the points and turn between instrument and base, with one sigma; targets_moved: whether they sit
-    elsewhere on the robot; sigma_mm, source: the noise; rms_mm: what the model leaves; temperature: mean
-    [°C]."""
+    elsewhere on the robot; sigma_mm, source: the noise as known; scatter: as the points show it; temperature:
+    mean [°C]."""
 
     label: str
     frame_mm: float
@@ -110,7 +147,7 @@ class Apart:
     targets_moved: bool
     sigma_mm: float
     source: str
-    rms_mm: float
+    scatter: Scatter
     temperature: float | None
 
 
@@ -159,85 +196,6 @@ class Comparison:
 
     def to_json(self) -> dict[str, Any]:
         """For programs; lengths and angles of numbers in SI units, what has `_mm` in mm."""
-        return {
-            "schema": 1,
-            "robot": self.robot,
-            "campaigns": [
-                {"label": label, "n_poses": n} for label, n in zip(self.campaigns, self.n_poses, strict=True)
-            ],
-            "verdict": "changed" if self.changed else "unchanged",
-            "headline": self.headline,
-            "changes": [_change(change) for change in self.changes],
-            "unchanged_within_mm": self.within_mm,
-            "unchanged": [
-                {
-                    **_placed(item.label, item.cause, item.where, item.side),
-                    "difference": _number(item.number),
-                    "detectable": item.detectable,
-                    "detectable_mm": item.detectable_mm,
-                }
-                for item in self.unchanged
-            ],
-            "not_testable": [{"what": item.label, "same_as": item.same_as} for item in self.unseen],
-            "repeats": [
-                {"what": item.label, "status": item.status, "within_share": item.share}
-                for item in self.repeats
-            ],
-            "apart": [_apart(item) for item in self.apart],
-            "chart": [
-                {
-                    "what": track.label,
-                    "unit": track.unit,
-                    "values": list(track.values),
-                    "std": list(track.stds),
-                    "limit": track.limit,
-                }
-                for track in self.chart
-            ],
-            "notes": list(self.notes),
-            "inputs": dict(self.inputs),
-        }
+        from .result_json import as_json
 
-
-def _placed(label: str, cause: str, where: Where, side: str) -> dict[str, Any]:
-    return {"what": label, "cause": cause, **where.keys(), "side": side}
-
-
-def _number(p: Parameter) -> dict[str, Any]:
-    return {"name": p.name, "value": p.value, "std": p.std, "unit": p.unit, "interval": list(p.interval)}
-
-
-def _change(item: Change) -> dict[str, Any]:
-    return {
-        **_placed(item.label, item.cause, item.where, item.side),
-        "status": item.status,
-        "since": item.since,
-        "alone": item.alone,
-        "probability": item.probability,
-        "parameters": [_number(p) for p in item.parameters],
-        "moves_mm": item.moves_mm,
-        "rivals": [
-            {**_placed(r.label, r.cause, r.where, r.side), "change": r.change, "probability": r.probability}
-            for r in item.rivals
-        ],
-        "recheck": {"poses": item.recheck_poses, "pose_ids": list(item.recheck_ids)},
-    }
-
-
-def _apart(item: Apart) -> dict[str, Any]:
-    return {
-        "label": item.label,
-        "frame": {
-            "shift_mm": item.frame_mm,
-            "shift_std_mm": item.frame_std_mm,
-            "turn_mrad": item.frame_mrad,
-            "turn_std_mrad": item.frame_std_mrad,
-        },
-        "targets_moved": item.targets_moved,
-        "targets": [
-            {"target": t.target, "by_mm": list(t.by_mm), "std_mm": list(t.std_mm)} for t in item.targets
-        ],
-        "noise": {"sigma_mm": item.sigma_mm, "source": item.source},
-        "rms_mm": item.rms_mm,
-        "temperature_degC": item.temperature,
-    }
+        return as_json(self)

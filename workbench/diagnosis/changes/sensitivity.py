@@ -17,7 +17,7 @@ from ..priors import PRIORS
 from ..reduced import without_background
 from ..weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
-from .decision import Decided, label_of
+from .decision import Decided, form_of
 from .result import Unchanged
 from .system import System, solve
 
@@ -28,10 +28,10 @@ SEEN = 0.95
 
 def unchanged(decided: Decided) -> Iterator[Unchanged]:
     """Every number that no member has, at the last campaign against those before."""
-    taken = {m.component for m in decided.members}
+    taken = {decided.candidates[m.component].quantity for m in decided.members}
     last = decided.system.last
     for k, candidate in enumerate(decided.candidates):
-        if not candidate.change or k in taken:
+        if not candidate.change or candidate.quantity in taken:
             continue
         for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
             if np.array_equal(shape.pattern, last) and (shape.main == 1 or not shape.geometry):
@@ -60,7 +60,7 @@ def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice
     size = float(np.linalg.norm(weakest)) * float(shape.sizes[0])
     number = Parameter(name, float(value[0]), float(std[0]), unit)
     yield Unchanged(
-        label_of(candidate, shape), candidate.cause, candidate.where, candidate.side, number, size, mm
+        form_of(candidate, shape), candidate.cause, candidate.where, candidate.side, number, size, mm
     )
 
 

@@ -50,6 +50,18 @@ class System:
         """(K,) 1 at the last occasion, 0 at those before."""
         return (np.arange(self.count) == self.count - 1).astype(float)
 
+    def frames(self, k: int) -> slice:
+        """Columns of the instrument's place in an occasion's set-ups."""
+        start = self.local[k].start
+        return slice(start, start + 6 * self.occasions[k].fit.columns.setups)
+
+    def lengths(self, k: int, rows: Array) -> Array:
+        """[m] how far whitened rows of an occasion move each point that was seen there."""
+        problem, whitener = self.occasions[k].problem, self.occasions[k].fit.whitener
+        points = np.linalg.pinv(whitener) @ rows.reshape(len(whitener), -1, 1)
+        moved = points[:, : 3 * problem.seen.shape[1], 0].reshape(*problem.seen.shape, 3)
+        return np.asarray(np.linalg.norm(moved[problem.seen], axis=1))
+
     @property
     def misfit(self) -> bool:
         """Whether the noise does not explain what the model leaves of an occasion."""

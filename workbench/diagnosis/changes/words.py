@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
+from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
-from .result import POSSIBLE, Change
+from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change
 
 MOST_SAID = 3
+MOST_WAYS = 4  # that something may be, in one line
 WORTH_SAYING = 0.05  # probability of what a change may be instead
+CLEAR = 3.0  # standard deviations from which a number did change
 SAID = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "rad/(N·m)": (1e9, "nrad/(N·m)")}
 
 
-def said(p: Parameter) -> str:
-    """A number with one sigma, in the unit of the shop floor."""
-    factor, unit = SAID.get(p.unit, (1.0, p.unit))
-    value, std = factor * p.value, factor * p.std
+def said(*numbers: Parameter) -> str:
+    """One number with one sigma, in the unit of the shop floor; or of two, from what to what."""
+    p = numbers[0]
+    factor, unit = (180 / math.pi, "°") if p.name == PHASE else SAID.get(p.unit, (1.0, p.unit))
     if p.unit == "1":
-        value, std, unit = 100 * value, 100 * std, "%"
-    return f"{with_std(value, std)} {unit}".strip()
+        factor, unit = 100.0, "%"
+    text = " to ".join(with_std(factor * p.value, factor * p.std) for p in numbers)
+    return f"{text} {unit}".strip()
 
 
 def with_std(value: float, std: float) -> str:
@@ -34,12 +39,41 @@ def with_std(value: float, std: float) -> str:
 
 
 def moved_by(change: Change) -> str:
-    """joint_4 zero moved by 0.31 ± 0.02 mrad."""
-    largest = max(change.parameters, key=lambda p: abs(p.value) / max(p.std, 1e-300))
-    if len(change.parameters) == 1:
-        return f"{change.label} moved by {said(largest)}"
+    """joint_4 zero moved by 0.31 ± 0.02 mrad; of one that is back, crept or moved again, where."""
+    largest = _clearest(change.parameters)
+    one = len(change.parameters) == 1 and not change.before
     at = f"{change.moves_mm:.2f} mm RMS at the targets"
-    return f"{change.label} changed by {at} ({largest.name} by {said(largest)})"
+    if change.cause == UNKNOWN:
+        return f"{change.label} changed by {at}"
+    by = said(largest) if one else f"{at} ({_from_to(change) or f'{largest.name} by {said(largest)}'})"
+    if change.course == BACK:
+        return f"{change.label} was off by {by} in {listed([label for label, _ in change.levels])}"
+    if change.course == CREEP:
+        return f"{change.label} crept evenly, by {by} up to {change.levels[-1][0]}"
+    if change.course == LEVELS:
+        each = [f"{said(_clearest(numbers))} in {label}" for label, numbers in change.levels]
+        of = "" if one else f"{at}: {largest.name} "
+        return f"{change.label} moved more than once, against the first by {of}{listed(each)}"
+    return f"{change.label} {'moved' if one else 'changed'} by {by}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """a, b and c."""
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+
+
+def _from_to(change: Change) -> str:
+    """From what to what the numbers changed that clearly did, where it is known."""
+    every = list(zip(change.parameters, change.before, change.after, strict=True)) if change.before else []
+    clear = [one for one in every if abs(one[0].value) > CLEAR * one[0].std] or every[:1]
+    return ", ".join(f"{by.name} from {said(before, after)}" for by, before, after in clear)
+
+
+def _clearest(numbers: Sequence[Parameter]) -> Parameter:
+    """The number that is most of its uncertainties; where something came alone, its phase says not how large
+    it is."""
+    sizes = [p for p in numbers if p.name != PHASE] or numbers
+    return max(sizes, key=lambda p: abs(p.value) / max(p.std, 1e-300))
 
 
 def headline(
@@ -51,34 +85,34 @@ def headline(
 ) -> str:
     """What changed, what did not, and what is not the robot. hidden: joints a change of whose zero would look
     like a move of the instrument or the targets."""
-    robot = [c for c in changes if c.side == "robot"]
+    robot = [c for c in changes if c.side == "robot" and (c.placed or c.status != POSSIBLE)]
     sure = [moved_by(c) for c in changes if c.status == "named"]
-    open_ = [_either(c) for c in changes if c.status != "named"]
+    open_ = [_either(c) for c in changes if c.status != "named" and (c.placed or c.status != POSSIBLE)]
     within = f"unchanged within {max(within_mm, 0.001):.2g} mm"
     if hidden:
         zeros = "zero" if len(hidden) == 1 else "zeros"
-        joints = f"{', '.join(hidden[:-1])} and {hidden[-1]}" if len(hidden) > 1 else hidden[0]
-        within += f" (but for the {zeros} of {joints}: to these data a move of the instrument or the targets)"
+        like = "to these data a move of the instrument or the targets"
+        within += f" (but for the {zeros} of {listed(hidden)}: {like})"
     parts = [*sure[:MOST_SAID], *(["and more"] if len(sure) > MOST_SAID else []), *open_[:MOST_SAID]]
-    if not robot and not robot_changed:
-        parts.append(f"the robot is {within}")
-    else:
-        parts.append(f"everything else {within}")
-    text = "; ".join([*parts, *apart])
+    rest = f"the robot is {within}" if not robot and not robot_changed else f"everything else {within}"
+    nowhere = [_either(c) for c in changes if c.status == POSSIBLE and not c.placed]
+    text = "; ".join([*parts, rest, *nowhere[:MOST_SAID], *apart])
     return f"{text}." if sure else f"{text[0].upper()}{text[1:]}."  # a name stays as it is written
 
 
 def _either(change: Change) -> str:
     if change.status == POSSIBLE:
         return _perhaps(change)
-    rivals = [r.label if r.change else f"{r.label} (in all campaigns)" for r in change.rivals]
-    names = " or ".join([change.label, *rivals])
-    return f"something changed by {change.moves_mm:.2f} mm RMS at the targets, not decided: {names}"
+    names = [name if changed else f"{name} (in all campaigns)" for name, changed, _ in change.ways]
+    some = " or ".join([*names[:MOST_WAYS], *(["something less likely"] if names[MOST_WAYS:] else [])])
+    return f"something changed by {change.moves_mm:.2f} mm RMS at the targets, not decided: {some}"
 
 
 def _perhaps(change: Change) -> str:
     """A change that may be none, with what else it may be."""
-    likely = [r for r in change.rivals if r.probability >= WORTH_SAYING]
+    if not change.placed:
+        return f"something of {change.moves_mm:.2f} mm RMS at the targets cannot be placed"
+    likely = [r for r in change.rivals if r.probability >= WORTH_SAYING][: MOST_WAYS - 1]
     others = [f"{r.label} {'did' if r.change else 'is in all campaigns'}" for r in likely]
     others += ["something less likely"] if len(likely) < len(change.rivals) else []
     ways = [f"{change.label} changed by {change.moves_mm:.2f} mm RMS at the targets", *others]

@@ -13,6 +13,7 @@ from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ..base import UNKNOWN, Effect, Param, Rest
 from ..drawn import Drawn
+from ..place import Parameter
 
 MOVES = 1e-3  # rad or m: a joint that moves less than this shows no function of itself
 SLIDES = 3.0  # rad per metre: a sliding joint's travel as an angle
@@ -59,6 +60,12 @@ class Unnamed(Effect):
     @property
     def label(self) -> str:
         return f"a dependence on {self.variable}"
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        """How large it is: its weights are nobody's numbers."""
+        size = float(np.linalg.norm(values))
+        std = float(np.sqrt(values @ covariance @ values)) / size if size > 0 else 0.0
+        return (Parameter("size", size, std, "rad", "RMS of what it moves"),)
 
     def sized(self, scale: float) -> Effect:
         return replace(self, size=scale * self.size)

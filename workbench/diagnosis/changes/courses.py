@@ -1,0 +1,29 @@
+"""The courses that a number may take over the occasions: it steps and stays, it comes and goes, it creeps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...robot.kinematics import Array
+
+FEW = 2  # columns of what may come and go over any number of occasions: of more columns, over one alone
+
+
+def courses(first: int, count: int, columns: int, free: bool = False) -> Iterator[Array]:
+    """(count,) each: at each of `count` occasions, the share that it has of an event just before the `first`.
+
+    A number may have an event before each occasion, so that any course is there, and pays for each step.
+    columns: of the number's shape; free: they are a free function, which only steps: there are many of them,
+    and no gear heals."""
+    number = np.arange(count)
+    after = number >= first
+    yield after.astype(np.float64)
+    if free:
+        return
+    last = count - 1 if columns <= FEW else min(first + 1, count - 1)
+    for end in range(first + 1, last + 1):
+        yield (after & (number < end)).astype(np.float64)
+    if first == 1 and count > 2:
+        yield number / (count - 1.0)

@@ -1,0 +1,90 @@
+"""What happened to one quantity over all occasions: the levels that its events together give it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from ...robot.kinematics import Array
+from .candidates import Shape
+from .decision import Decided
+from .result import BACK, CREEP, LEVELS, STEP
+
+NOTHING = 3e-3  # probability by chance from which a level is none
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """A quantity that some members (by their numbers) change. mean: (K, g), half: (K, g, ·) with half halfᵀ
+    the covariance, each against the first occasion in prior sizes of `shape`; there: (K,) it is off there."""
+
+    members: tuple[int, ...]
+    shape: Shape
+    mean: Array
+    half: Array
+    there: Array
+
+    @property
+    def furthest(self) -> int:
+        """The first occasion where it is off by most."""
+        size = np.linalg.norm(self.mean[:, : self.shape.main], axis=1)
+        return int(np.argmax(size > (1 - 1e-9) * size.max()))
+
+    @property
+    def course(self) -> str:
+        """Stepped once, was off and is back, crept evenly, or what no such word says."""
+        steps = np.diff(self.mean[:, : self.shape.main], axis=0)
+        if len(steps) > 1 and np.allclose(steps, steps[0], rtol=1e-9, atol=0.0):
+            return CREEP
+        if not self.there[-1]:
+            return BACK
+        return STEP if len(self.members) == 1 else LEVELS
+
+    def at(self, k: int) -> tuple[Array, Array]:
+        """Mean and covariance at an occasion."""
+        return self.mean[k], self.half[k] @ self.half[k].T
+
+
+def levels_of(decided: Decided, members: Sequence[int]) -> Levels:
+    """Of members that change the same numbers."""
+    shapes = [decided.shape(decided.members[i]) for i in members]
+    solved, n = decided.solved, decided.solved.background
+    rows = [slice(n + decided.part(i).start, n + decided.part(i).stop) for i in members]
+    shares = np.array([shape.pattern for shape in shapes])
+    mean = np.einsum("ik,ig->kg", shares, np.array([solved.values[at] for at in rows]))
+    halves = np.array([solved.factor * solved.half[at] for at in rows])
+    half = np.einsum("ik,igr->kgr", shares, halves)
+    some = (shares != 0).any(axis=0)
+    if len(members) > 1:
+        some &= [_off(m, h, shapes[0].main) for m, h in zip(mean, half, strict=True)]
+    return Levels(tuple(members), shapes[0], mean, half, some)
+
+
+def _off(mean: Array, half: Array, main: int) -> bool:
+    """Whether a level is none by more than chance."""
+    if not half[:main].any():
+        return False
+    covariance = half[:main] @ half[:main].T
+    return bool(mean[:main] @ np.linalg.solve(covariance, mean[:main]) > chi2.isf(NOTHING, main))
+
+
+def together(decided: Decided, members: Sequence[int]) -> Iterator[list[int]]:
+    """Members that change the same numbers of one quantity, in the order of the first of each."""
+    found: list[list[int]] = []
+    for i in members:
+        same = next((own for own in found if _same(decided, i, own[0])), None)
+        if same is None:
+            found.append([i])
+        else:
+            same.append(i)
+    yield from found
+
+
+def _same(decided: Decided, i: int, j: int) -> bool:
+    one, other = decided.members[i], decided.members[j]
+    if decided.candidates[one.component].quantity != decided.candidates[other.component].quantity:
+        return False
+    return decided.shape(one).base is decided.shape(other).base

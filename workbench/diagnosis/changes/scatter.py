@@ -1,0 +1,36 @@
+"""How much the points scatter at each occasion: by what the model leaves, not by what anybody stated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.stats import norm
+
+from .candidates import Shape
+from .result import Scatter
+from .system import Solved, System
+
+
+def scatters(system: System, shapes: Sequence[Shape], solved: Solved) -> list[Scatter]:
+    """Of each occasion. A pose is one draw, its targets are none each: they share the robot's own scatter."""
+    X = np.concatenate([system.J, *(shape.columns for shape in shapes)], axis=1)
+    freedom = ((X @ solved.half) ** 2).sum(axis=1)  # of each row, taken by what was fitted
+    found = list[Scatter]()
+    first = (0.0, 0.0)
+    for k, one in enumerate(system.occasions):
+        here = (system.own == k) & system.used
+        share = max(1.0 - float(freedom[here].mean()), 1.0 / here.sum())
+        seen = one.problem.seen
+        squares = np.zeros(seen.shape)
+        squares[seen] = system.lengths(k, solved.left[system.own == k]) ** 2
+        each = squares.sum(axis=1)[seen.any(axis=1)] / seen.sum(axis=1)[seen.any(axis=1)]
+        sigma = float(np.sqrt(each.mean() / (3 * share)))
+        relative = 0.5 * float(each.std(ddof=1) / (each.mean() * np.sqrt(len(each))))
+        if k == 0:
+            first = sigma, relative
+        z = np.log(sigma / first[0]) / np.hypot(relative, first[1])
+        p = 1.0 if k == 0 else 2 * float(norm.sf(abs(z)))
+        rms = float(np.sqrt(np.mean(squares[seen])))
+        found.append(Scatter(1e3 * sigma, 1e3 * sigma * relative, sigma / first[0], p, 1e3 * rms))
+    return found
