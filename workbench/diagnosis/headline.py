@@ -100,8 +100,9 @@ def _either(finding: Finding) -> str:
 
 
 def _some(words: Sequence[str], between: str = ", ") -> str:
-    more = f" and {len(words) - MOST_SAID} more" if len(words) > MOST_SAID else ""
-    return between.join(words[:MOST_SAID]) + more
+    if len(words) <= MOST_SAID + 1:
+        return between.join(words)
+    return f"{between.join(words[:MOST_SAID])} and {len(words) - MOST_SAID} more"
 
 
 def remarks(

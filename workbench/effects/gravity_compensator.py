@@ -137,4 +137,5 @@ class GravityCompensator(LoadEffect):
         if self.variant == "temperature":
             return f"The compensator's pressure changes by {values[0]:.2%} per K (sealed gas: 0.34 %)."
         what = "gas charge" if self.kind == "gas" else "spring rate"
-        return f"The compensator's {what} is off by {values[0]:+.1%}."
+        word = "higher" if values[0] > 0 else "lower"
+        return f"The compensator's {what} is {abs(values[0]):.1%} {word} than the model's."

@@ -85,6 +85,7 @@ class JointCompliance(AxialYield, LinearYield):
         if self.nominal > 0:
             word = "softer" if values[0] > 0 else "stiffer"
             change = abs(1 / (1 + values[0]) - 1)
-            return f"{self.where.joint} is {word} than the model: stiffness off by {change:.1%}."
+            less = "less" if values[0] > 0 else "more"
+            return f"{self.where.joint} is {word} than the model: {change:.1%} {less} stiffness."
         unit = "µm per N" if self.sliding else "µrad per N·m"
         return f"{self.where.joint} yields {values[0] * 1e6:.3g} {unit}; the model has it rigid."

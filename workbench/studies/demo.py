@@ -178,7 +178,10 @@ def _settled(
     second = _measured(folder, rig, made.drive.records, 1)
     outcome = diagnose([campaign, second], None, progress, seed)
     minutes = made.drive.total_s / 60
-    said = f"Then {len(made.drive.own.poses)} poses more were planned and measured, {minutes:.0f} min:"
+    poses = len(made.drive.own.poses)
+    said = (
+        f"To decide what the first campaign left open, {poses} poses more were planned ({minutes:.0f} min):"
+    )
     return said, way.command or "", what_decides(outcome)
 
 
