@@ -185,6 +185,8 @@ def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
     assert competition.score(split) > competition.score(alone)
     assert competition.split(split) is None
     assert [m.component for m in competition.best()] == [0, 1]
+    few = Competition(replace(left, parts=left.parts[2:]), components[2:])
+    assert few.split([Member(0, 0, 1.0)]) is None  # nothing else is there
 
 
 def test_what_two_take_together_is_what_they_take_as_large_as_alone(competition, chosen):

@@ -107,6 +107,8 @@ class Competition:
         together counts, and what the prior and the freedom of each cost by itself."""
         weights = self.beside(rest)
         least = weights.pop(instead_of.component).log_odds - ABOUT
+        if len(weights) < 2:
+            return
         alone = [Member(k, weight.form, weight.scale) for k, weight in weights.items()]
         q, both = self.forms.together(rest, alone)
         before = np.array(rest.explained)
