@@ -35,8 +35,9 @@ def off_together(result: Fit, wild: Poses) -> Poses:
         return out
     candidates = [e for e in testable(result.model.problem)[0] if "time" not in e.uses]
     before = (result.r**2).sum(axis=1)
+    J = (result.J * result.columns.prior).reshape(result.r.size, -1)
     for effect in candidates:
-        after = (_left(result, effect) ** 2).sum(axis=1)
+        after = (_left(result, J, effect) ** 2).sum(axis=1)
         share = 1 - float(after[wild].sum() / before[wild].sum())
         p, q = 0.5 * len(effect.params), 0.5 * (FREE * wild.sum() - len(effect.params))
         if share > 0 and q > 0 and betainc(q, p, 1 - share) * len(candidates) < CHANCE:
@@ -44,15 +45,13 @@ def off_together(result: Fit, wild: Poses) -> Poses:
     return out
 
 
-def _left(result: Fit, effect: Effect) -> Array:
-    """(N, D) whitened residual with an effect in the fit, to first order."""
-    N, D = result.r.shape
-    prior = result.columns.prior
-    J = (result.J * prior).reshape(N * D, -1)
-    G = result.whitened(effect).reshape(N * D, -1) * [param.typical for param in effect.params]
+def _left(result: Fit, J: Array, effect: Effect) -> Array:
+    """(N, D) whitened residual with an effect in the fit, to first order. J: (N D, P) its columns in their
+    priors."""
+    G = result.whitened(effect).reshape(len(J), -1) * [param.typical for param in effect.params]
     Z = solve_triangular(result.upper, J.T @ G, trans="T", check_finite=False)
     S = G.T @ G - Z.T @ Z
     S[np.diag_indices_from(S)] += 1e-9 * max(float(np.trace(S)), 1.0)
     beta = np.linalg.solve(S, G.T @ result.r.ravel())
     moved = solve_triangular(result.upper, Z @ beta, check_finite=False)
-    return np.asarray(result.r - (G @ beta - J @ moved).reshape(N, D))
+    return np.asarray(result.r - (G @ beta - J @ moved).reshape(result.r.shape))

@@ -95,9 +95,7 @@ class Competition:
             if members[i].component not in self._open(rest, None, None):  # what it needs is gone
                 continue
             for pair in self._pairs(rest, members[i]):
-                own = np.zeros(len(self.components), bool)
-                own[[m.component for m in (*others, *pair)]] = True
-                new = self.exchanged([*others, *pair], own)
+                new = self.exchanged([*others, *pair], self._only(*others, *pair))
                 if self.score(new) > now + CLEARLY:
                     return new
         return None
@@ -111,9 +109,8 @@ class Competition:
             return
         alone = [Member(k, weight.form, weight.scale) for k, weight in weights.items()]
         q, both = self.forms.together(rest, alone)
-        before = np.array(rest.explained)
-        paid = np.array([w.log_odds for w in weights.values()]) - likelihood(self.reduced, before, q)
-        odds = likelihood(self.reduced, before, both) + paid[:, None] + paid
+        paid = np.array([w.log_odds for w in weights.values()]) - likelihood(self.reduced, rest.explained, q)
+        odds = likelihood(self.reduced, rest.explained, both) + paid[:, None] + paid
         odds[np.tril_indices(len(odds))] = -np.inf
         for at in np.argsort(odds, axis=None)[: -PAIRS - 1 : -1].tolist():
             k, j = divmod(at, len(odds))
@@ -128,11 +125,15 @@ class Competition:
         """The components with these labels, each in its likeliest form beside the others."""
         known = {component.label: k for k, component in enumerate(self.components)}
         here = [known[label] for label in labels if label in known]
-        own = np.zeros(len(self.components), bool)
-        own[here] = True
         weights = self.forms.weigh(Chosen(self.reduced, []), here)
         members = [Member(k, weight.form, weight.scale) for k, weight in zip(here, weights, strict=True)]
-        return self.exchanged(members, own)
+        return self.exchanged(members, self._only(*members))
+
+    def _only(self, *members: Member) -> Mask:
+        """The members' own components and no others."""
+        own = np.zeros(len(self.components), bool)
+        own[[member.component for member in members]] = True
+        return own
 
     def search(self, start: list[Member], among: Mask) -> list[Member]:
         """Additions while any helps, then exchanges, and again until neither does."""
@@ -152,9 +153,7 @@ class Competition:
             if k is None or weights[k].log_odds <= 0:
                 break
             members.append(Member(k, weights[k].form, weights[k].scale))
-            own = np.zeros(len(self.components), bool)
-            own[[m.component for m in members]] = True
-            members = self.exchanged(members, own)
+            members = self.exchanged(members, self._only(*members))
         return members
 
     def exchanged(self, members: list[Member], among: Mask) -> list[Member]:
