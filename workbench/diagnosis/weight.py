@@ -11,12 +11,11 @@ from scipy.special import chdtrc, log_ndtr, logsumexp
 from ..robot.kinematics import Array
 from .components import Component
 from .priors import PRIORS
-from .reduced import Reduced
+from .reduced import Index, Reduced
 
 SCALES = np.array(PRIORS.scales)
 WEIGHTS = np.log(SCALES / (1 + SCALES**2)) - logsumexp(np.log(SCALES / (1 + SCALES**2)))
 NOTHING_OF_IT = -1e6  # log factor
-Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ def prior_weight(component: Component, scale: float) -> float:
 
 
 def table_of(
-    left: Reduced, S: Array, u: Array, explained: Array, one_sided: NDArray[np.bool_], own: Numbers
+    left: Reduced, S: Array, u: Array, explained: Array, one_sided: NDArray[np.bool_], own: Index
 ) -> Array:
     """(F, scales) log Bayes factors of forms with columns S (F, p, p), u (F, p), weighed by the scales'
     priors. explained: (F,) what a set took off χ² before. own: (F,) number of an effect's
@@ -67,7 +66,7 @@ def table_of(
     return table
 
 
-def most_of(left: Reduced, S: Array, u: Array, more: Array, rest: Array, own: Numbers) -> Array:
+def most_of(left: Reduced, S: Array, u: Array, more: Array, rest: Array, own: Index) -> Array:
     """(F, scales, M) what `table_of` cannot exceed in the place of members without which a set explains rest
     (M,), where u is more (F, p, M) and S no less."""
     held = S[:, None] + SCALES[:, None, None] ** -2.0 * np.eye(S.shape[1])
