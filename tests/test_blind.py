@@ -9,8 +9,10 @@ import pytest
 
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.priors import PRIORS, varied
+from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.result import Rival
 from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.weight import table_of
 from workbench.effects import catalogue
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
@@ -18,6 +20,7 @@ from workbench.report.reliability import COUNTED
 from workbench.studies.blind import blind, case_keys
 from workbench.studies.blind.cases import FORMS, draw_case
 from workbench.studies.blind.constants import changed, moved
+from workbench.studies.blind.observer import reported_at_best
 from workbench.studies.blind.score import judged, right_model, run_case, sensitivity
 from workbench.studies.blind.tally import aims, by_strength, confusion, kind, rate
 from workbench.studies.blind.unknowns import UNKNOWNS
@@ -160,9 +163,24 @@ def test_rates_are_counted_with_their_aims(study):
     assert (r.hits, r.total, r.reached) == (3, 4, False)
     assert 0.3 < r.low < r.share < r.high < 1
     assert sum(row["cases"] for row in by_strength(study.cases)) == 3
+    assert all(row["at_best"] > 0.95 for row in by_strength(study.cases) if row["from"] >= 40)
     rows, columns, counts = confusion(study.cases)
     assert counts[rows.index("clean-stated"), columns.index("nothing")] == 1
     assert counts.sum() == 4
+
+
+@pytest.mark.parametrize("strength", [12.0, 30.0])
+def test_what_data_allow_at_best_is_what_the_competition_reports_of_a_shape_that_it_knows(strength):
+    places, draws = 6, 4000
+    z = np.sqrt(strength) + np.random.default_rng(3).standard_normal(draws)
+    sure = Reduced((), np.zeros((0, 0)), np.zeros(0), 1e6, 1e6, 1e9)
+    S, u = np.full((draws, 1, 1), strength), (np.sqrt(strength) * z)[:, None]
+    table = table_of(sure, S, u, np.zeros(draws), np.zeros(draws, bool), np.zeros(draws, int))
+    p = PRIORS.cause / places
+    odds = np.exp(table).sum(axis=1) * p / (1 - p)
+    assert np.mean(1 / (1 + odds) < PRIORS.absent) == pytest.approx(
+        reported_at_best(strength, places), abs=0.02
+    )
 
 
 @pytest.mark.slow

@@ -146,14 +146,21 @@ class Competition:
         return members
 
     def grown(self, members: list[Member], among: Mask) -> list[Member]:
-        """The likeliest additions one by one, the members' own forms and scales kept up to date."""
-        for _ in range(MOST):
+        """The likeliest additions one by one, the members' own forms and scales kept up to date. Where an
+        addition drives out what comes back for it, the sets go round: then the likeliest of them."""
+        sets = [members]
+        while len(sets) <= MOST:
             weights = self.beside(Chosen(self.reduced, members), among=among)
             k = max(weights, key=lambda i: weights[i].log_odds, default=None)
             if k is None or weights[k].log_odds <= 0:
-                break
-            members.append(Member(k, weights[k].form, weights[k].scale))
-            members = self.exchanged(members, self._only(*members))
+                return members
+            added = [*members, Member(k, weights[k].form, weights[k].scale)]
+            members = self.exchanged(added, self._only(*added))
+            numbers = {m.component for m in members}
+            again = [i for i, one in enumerate(sets) if {m.component for m in one} == numbers]
+            if again:
+                return max(sets[again[-1] :], key=self.score)
+            sets.append(members)
         return members
 
     def exchanged(self, members: list[Member], among: Mask) -> list[Member]:

@@ -26,6 +26,8 @@ from .rows import Equations, equations, fitted_numbers, jacobian, moved, whiteni
 
 CORRECTIONS = 4  # of a step, until it follows the valley it goes along
 TOLERANCE = 1e-2  # standard deviations, all numbers together
+AS_TOLD = 0.5  # of what a step should gain, from which it may be less damped
+LITTLE, LATELY = 1.0, 3  # χ² that so many steps have gained together: a rough fit is there, or creeps
 ROUGH = 0.3  # of a fit that is a place to start from, and to be linear about
 
 
@@ -170,8 +172,8 @@ def fit(
     geometry: all of it, none of it, or only the columns 6 · slot + component (tx ty tz rx ry rz) named.
     start: default the registered nominal robot; it may lack the effects' values (zeros then). noise: default
     as the campaign states it. Stops when a step changes no fitted number by more than `tolerance` of its
-    standard deviation, or at the start with `max_iterations` 1. Raises ArithmeticError when it does not
-    converge, `InputError` without any noise.
+    standard deviation, a rough fit when it creeps, or at the start with `max_iterations` 1. Raises
+    ArithmeticError when it does not converge, `InputError` without any noise.
     """
     problem = model.problem
     start, noise = start or start_state(problem), noise or required_noise(problem)
@@ -183,9 +185,11 @@ def fit(
     W = whitening(problem, line, noise)
     at = equations(model, line, cols, start, W)
     normal, damping, converged = _normal(model, cols, at, W), 0.0, False
+    gains = list[float]()
     for iteration in range(max_iterations):
         step = normal.step(damping)
-        converged = step.length < tolerance and damping == 0.0
+        creeps = len(gains) > LATELY and sum(gains[-LATELY:]) < LITTLE
+        converged = (step.length < tolerance and damping == 0.0) or (creeps and tolerance >= ROUGH)
         if converged or iteration == max_iterations - 1:
             break
         new = _along(model, cols, at, W, normal, step.change, damping)
@@ -194,7 +198,10 @@ def fit(
             if damping > 1e15:
                 raise ArithmeticError("the fit does not converge")
             continue
-        at, damping = new, damping / 10 if damping > 0.1 else 0.0
+        gains.append(at.cost - new.cost)
+        if step.length < tolerance or gains[-1] > AS_TOLD * normal.gain(step.change):
+            damping = damping / 10 if damping > 0.1 else 0.0
+        at = new
         if iteration < 2:  # the points' motion by the joints, in the noise, hardly changes any more
             W = whitening(problem, at.line, noise)
             at = equations(model, at.line, cols, at.state, W)

@@ -42,6 +42,11 @@ class Normal:
             step = full_step(self.J, self.r, self.offset, self.prior, damping)[0] / self.prior
         return Step(step * self.prior, float(np.sqrt(max(float(step @ self.A @ step), 0.0))))
 
+    def gain(self, change: Array) -> float:
+        """What a change (P,) takes off the squares, to second order."""
+        x = change / self.prior
+        return float(x @ (2 * self.g - self.A @ x))
+
     def factor(self, rough: bool) -> Array:
         """Triangular factor (P, P) of the equations, by QR. rough: by Cholesky where that will do,
         quicker and good to some digits where they are nearly singular."""

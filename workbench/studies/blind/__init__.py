@@ -69,8 +69,10 @@ def _numbers(cases: Sequence[Record]) -> list[str]:
 
 
 def _strengths(cases: Sequence[Record]) -> list[str]:
-    names = ("detected", "reported", "first", "named", "wrong")
-    lines = [f"{'λ':>12} {'cases':>6} {'found':>6} {'truth':>6} {'first':>6} {'named':>6} {'wrong':>6}"]
+    """Shares by λ; best: reported by one who knows the hidden shape."""
+    names = ("detected", "reported", "at_best", "first", "named", "wrong")
+    heads = ("found", "truth", "best", "first", "named", "wrong")
+    lines = [f"{'λ':>12} {'cases':>6}" + "".join(f"{head:>7}" for head in heads)]
     for row in by_strength(cases):
         span = f"{row['from']:g}–" + (f"{row['to']:g}" if row["to"] else "")
         lines.append(f"{span:>12} {row['cases']:>6}" + "".join(f"{100 * row[name]:>7.0f}" for name in names))

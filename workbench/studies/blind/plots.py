@@ -107,6 +107,8 @@ def _strength(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> F
             axes.plot(
                 x, [100 * row[name] for row in rows], "o-", color=colour, ms=4, lw=1.6, label=said[name]
             )
+        best = [100 * row["at_best"] for row in rows]
+        axes.plot(x, best, "--", color=MUTED, lw=1.2, label="reported, were its shape known")
         axes.set(
             xscale="log", xlabel="non-centrality λ of what is hidden", ylabel="% of the cases", ylim=(-2, 102)
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from ...robot.kinematics import Array
 from ...robot.rotations import body_jacobian
 from ..case_study import Record
 from .cases import Case, draw_case
+from .observer import reported_at_best
 from .sight import Key, Products
 
 NEAREST = 4  # rivals that are noted
@@ -71,6 +73,7 @@ def facts(case: Case) -> Record:
         "unknown_mm": case.unknown_mm,
         "nearest": _nearest(products, case.truths) if products is not None else [],
         "form_left": case.form_left if products is not None else None,
+        "at_best": _at_best(case, products) if products is not None else None,
     }
 
 
@@ -83,6 +86,14 @@ def _nearest(products: Products, truths: Sequence[Key]) -> list[Record]:
     alone = [(products.left(members), key) for key, members in products.keys().items() if key not in truths]
     alone.sort(key=lambda pair: pair[0])
     return [{"label": label_of(key), "left": left} for left, key in alone[:NEAREST]]
+
+
+def _at_best(case: Case, products: Products) -> float:
+    """Chance that the weakest thing hidden is reported by one who knows its shape."""
+    every = products.keys()
+    places = Counter(cause for cause, _ in every)
+    pairs = zip(case.hidden, case.strength, strict=True)
+    return min(reported_at_best(strength, max(places[item.name], 1)) for item, strength in pairs)
 
 
 def label_of(key: Key) -> str:

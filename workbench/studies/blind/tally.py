@@ -169,7 +169,8 @@ def figures(cases: Sequence[Record]) -> dict[str, float | None]:
 
 
 def by_strength(cases: Sequence[Record]) -> list[dict[str, Any]]:
-    """Single causes in classes of λ: shares detected, reported, first, named rightly and wrongly."""
+    """Single causes in classes of λ: shares detected, reported, first, named rightly and wrongly, and what
+    one who knows the shapes would report."""
     rows = []
     single = [c for c in cases if kind(c) == "single"]
     for low, high in pairwise(STRENGTHS):
@@ -187,6 +188,7 @@ def by_strength(cases: Sequence[Record]) -> list[dict[str, Any]]:
                 "first": _share(here, _is("first_right")),
                 "named": _share(here, lambda c: c["verdict"] == "named" and c["first_right"]),
                 "wrong": _share(here, _is("wrong_name")),
+                "at_best": float(np.mean([case["at_best"] for case in here])),
             }
         )
     return rows
