@@ -9,14 +9,17 @@ import pytest
 from diagnosis_cases import found, measured, named, with_points
 
 from workbench.campaign import load_campaign, write_campaign
+from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import run
 from workbench.diagnosis.components import cause_components
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.run import diagnose
+from workbench.effects.unnamed.loads import OwnWeights
 from workbench.files.faults import InputError, read_text
 from workbench.files.toml import read_toml
 from workbench.robot.description import load_robot
+from workbench.robot.loads import wrenches
 from workbench.robot.rigid_plant import arrays
 
 POSE = 7
@@ -188,13 +191,41 @@ def test_a_noise_below_that_of_any_instrument_is_not_believed():
     assert prepared.noise.sigma_mm == pytest.approx(1e-3)
 
 
+def without_masses(campaign, folder):
+    urdf = folder / "light.urdf"
+    text = re.sub(r'<mass value="[^"]*"', '<mass value="0"', campaign.robot.urdf.read_text(encoding="utf-8"))
+    urdf.write_text(text, encoding="utf-8")
+    return replace(campaign, robot=replace(campaign.robot, urdf=urdf))
+
+
+def test_an_arm_that_bends_under_masses_that_its_model_lacks_is_no_gear_that_errs(tmp_path):
+    soft = tuple(f"joint_compliance:joint=joint_{j},compliance=2e-5" for j in (2, 3))
+    campaign = measured("irb120", soft, poses=80, loads=())
+    found = diagnose(without_masses(campaign, tmp_path)).diagnosis
+    (rest,) = found.causes
+    assert rest.cause == "unknown"
+    assert rest.structure == "depends on weights beyond joint_2, which the model lacks"
+    assert found.stages[-1].heldout_rms_mm < 1.2 * np.sqrt(3) * 0.03
+
+
+def test_the_torque_of_any_masses_is_a_sum_of_the_functions_for_masses_that_a_model_lacks(tmp_path):
+    campaign = measured("kr500", poses=40, loads=())
+    heavy, light = problem_of(campaign), problem_of(without_masses(campaign, tmp_path))
+    torque = heavy.arm.own(wrenches(heavy.arm, heavy.rigid, replace(heavy.loads, compensator=None)).local)
+    sites = OwnWeights.sites(light)
+    assert [str(one.where.joint) for one in sites] == [f"joint_{j}" for j in range(2, 7)]
+    for one in sites:
+        (basis,) = one.motion(light).values()
+        own = torque[:, heavy.joint(one.where.joint)]
+        left = own - basis @ np.linalg.lstsq(basis, own, rcond=None)[0]
+        assert np.abs(left).max() < 1e-9 * np.abs(torque).max()
+    assert not OwnWeights.sites(heavy)
+
+
 def test_a_model_without_masses_is_told(tmp_path):
     """An arm that bends under a weight that the model has not looks like a gear that errs."""
     campaign, _ = clean()
-    urdf = tmp_path / "light.urdf"
-    text = re.sub(r'<mass value="[^"]*"', '<mass value="0"', campaign.robot.urdf.read_text(encoding="utf-8"))
-    urdf.write_text(text, encoding="utf-8")
-    light = replace(campaign, robot=replace(campaign.robot, urdf=urdf))
+    light = without_masses(campaign, tmp_path)
     assert any("has no masses" in note for note in diagnose(light).diagnosis.notes)
     assert not any("has no masses" in note for note in diagnose(campaign).diagnosis.notes)
 

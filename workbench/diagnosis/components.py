@@ -144,14 +144,15 @@ def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
 
 
 def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component]:
-    """Functions without a name; those of one kind share its probability."""
+    """Functions without a name; those of one kind share its probability, but for what every arm has."""
     every = list(functions)
     counts = Counter(type(one) for one in every)
     out = []
     for one in every:
         form = form_of(fit, (one,))
         if form.shows:
-            out.append(Component(one.key, (form,), float(np.log(PRIORS.free / counts[type(one)]))))
+            p = PRIORS.unstated if one.always else PRIORS.free / counts[type(one)]
+            out.append(Component(one.key, (form,), float(np.log(p))))
     return out
 
 

@@ -123,11 +123,11 @@ def assemble(parts: Parts) -> Diagnosis:
 def _unweighed(problem: Problem) -> list[str]:
     """A remark where the model has no masses: how an arm bends under its own weight looks like what its gears
     do."""
-    if problem.arm.mass[1:].any() or not problem.arm.gravity.any() or problem.arm.prismatic.all():
+    if problem.arm.weighed or not problem.arm.gravity.any() or problem.arm.prismatic.all():
         return []
     return [
-        f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is not in "
-        "the model, and looks like errors of gears and joints. State the masses before you believe these."
+        f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is fitted "
+        "without a name, and looks much like what gears do. State the masses before you believe the rest."
     ]
 
 

@@ -60,7 +60,7 @@ class Forms:
         every = np.add.reduceat(each, first)
         alone = np.add.reduceat(np.where(self._own[rows] == 0, each, 0.0), first)
         more = np.full(len(numbers), np.inf)
-        np.log(every / np.where(alone > 0, alone, 1.0), where=alone > 0, out=more)
+        np.subtract(np.log(every), np.log(np.where(alone > 0, alone, 1.0)), where=alone > 0, out=more)
         out = []
         for i, (k, rows_k) in enumerate(zip(numbers, np.split(table, first[1:]), strict=True)):
             form, scale = divmod(int(np.argmax(rows_k)), len(SCALES))

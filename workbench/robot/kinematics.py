@@ -84,6 +84,11 @@ class Arm:
         """(n,) column 6 · slot + component of each joint's own motion."""
         return 6 * np.arange(1, self.n + 1) + np.where(self.prismatic, TZ, RZ)
 
+    @property
+    def weighed(self) -> bool:
+        """Whether any moving link has a mass."""
+        return bool(self.mass[1:].any())
+
     def own(self, slots: Array) -> Array:
         """(N, n) of motions or wrenches (N, S, 6) of all slots: what each joint has along its own axis."""
         return np.asarray(slots.reshape(len(slots), -1)[:, self.axial])

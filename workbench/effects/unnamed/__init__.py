@@ -12,10 +12,10 @@ from ...campaign.problem import Problem
 from .base import Unnamed
 from .campaign import Attitude, Bearing, Clock, PerPayload, Warmth
 from .joints import Pair, Product, Side, Tilt
-from .loads import Load, Torque
+from .loads import Load, OwnWeights, Torque
 
 KINDS: tuple[type[Unnamed], ...] = (
-    Tilt, Pair, Torque, Load, Side, Clock, Warmth, PerPayload, Attitude, Bearing, Product,
+    Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Warmth, PerPayload, Attitude, Bearing, Product,
 )  # fmt: skip
 
 

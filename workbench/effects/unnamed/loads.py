@@ -11,13 +11,14 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...robot.beam import bending_compliance
-from ...robot.kinematics import RX, Array
+from ...robot.kinematics import RX, RZ, Arm, Array
 from ...robot.loads import wrenches
 from ..base import Depends
 from ..kinds import DirectEffect
 from ..place import Where
 from .base import Unnamed, each
 
+LEVELS = 1e-3  # of a lever: a joint as upright as that bears no weight
 SHIFT = 0.3  # m: a shift's usual size is that of a turn at this distance
 
 
@@ -177,6 +178,64 @@ class OwnWeight(Unnamed, DirectEffect):
                 if most > 1e-3:
                     out.append(replace(one, largest=most))
         return out
+
+
+@dataclass(frozen=True)
+class OwnWeights(Unnamed, DirectEffect):
+    """What a joint gives under the weights beyond it, where the model has none: its torque is linear in the
+    links' first moments, whatever these are (Atkeson, An, Hollerbach 1986). links: so many lie beyond."""
+
+    variant: str = "own weights"
+    links: int = 1
+
+    always: ClassVar[bool] = True
+
+    depends: ClassVar[Depends] = frozenset({"joints"})
+    by_loads: ClassVar[bool] = True
+    settings: ClassVar[tuple[str, ...]] = ("size", "links")
+
+    @property
+    def functions(self) -> int:
+        return 3 * int(self.links)
+
+    @property
+    def variable(self) -> str:
+        return f"weights beyond {self.where.joint}, which the model lacks"
+
+    @property
+    def unit(self) -> str:
+        return "m"
+
+    def x(self, problem: Problem) -> Array:
+        """(N,) [m] lever of a weight at the flange."""
+        j, where = problem.joint(self.where.joint), problem.rigid
+        lever = np.cross(where.p[-1] - where.origin[:, j + 1], _down(problem.arm))
+        return np.asarray((lever * where.axes[:, j + 1, RZ]).sum(axis=1))
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        j, arm, where = problem.joint(self.where.joint), problem.arm, problem.rigid
+        across = np.cross(_down(arm), where.axes[:, j + 1, RZ])  # (N, 3): a first moment's torque
+        beyond = range(j + 1, arm.n + 1)
+        basis = [np.einsum("ni,nij->nj", across, where.R[k]) / (k - j) for k in beyond]  # smaller outwards
+        return {int(arm.axial[j]): np.concatenate(basis, axis=1)}
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[OwnWeights]:
+        """Turning joints that weights can turn, of an arm whose links have none."""
+        arm = problem.arm
+        if arm.weighed or not arm.gravity.any():
+            return []
+        every = [
+            cls(Where(joint=name), links=arm.n - j)
+            for j, name in enumerate(arm.names)
+            if not arm.prismatic[j]
+        ]
+        return [one for one in every if any(np.ptp(b) > LEVELS for b in one.motion(problem).values())]
+
+
+def _down(arm: Arm) -> Array:
+    """(3,) the direction of gravity."""
+    return np.asarray(arm.gravity / np.linalg.norm(arm.gravity))
 
 
 @dataclass(frozen=True)
