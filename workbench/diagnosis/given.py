@@ -20,6 +20,7 @@ from .prepared import Prepared, Progress
 from .priors import PRIORS
 from .result import GivenFact, NotTestable
 
+SHARPER = 0.5  # of a given spread: the data know it that much better
 CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
 SAID_IN = {  # unit → from which size on, times what, in which unit
     "1": ((2e-4, 100.0, "%"), (0.0, 1e6, "ppm")),
@@ -46,9 +47,9 @@ def search_with_given(
 ) -> Searched:
     """The search beside all that is given and not contradicted.
 
-    Everything is searched without it first: a number that is `CONTRADICTED` off what the data say of it,
-    and an excluded cause that they name, are told and not obeyed. The rest becomes background, held by its
-    spread. Should the search then pull a number that far, it is left out too.
+    Everything is searched without it first: a number that is `CONTRADICTED` off what the data say of it, one
+    that says nothing, and an excluded cause that they name, are told and not obeyed. The rest becomes
+    background, held by its spread. Should the search then pull a number that far, it is left out too.
     """
     problem = prepared.problem
     facts, excluded = given_facts(problem), exclusions(problem)
@@ -57,7 +58,7 @@ def search_with_given(
         return Searched(*free, candidates)
     progress("testing causes beside what is given")
     seen = {fact: _seen(free[1], fact) for fact in facts}
-    obeyed = [fact for fact in facts if _pull(fact, *seen[fact]) <= CONTRADICTED]
+    obeyed = [fact for fact in facts if not fact.vague and _pull(fact, *seen[fact]) <= CONTRADICTED]
     named = {one: _named(free[1], one) for one in excluded}
     believed = [one for one in excluded if not named[one]]
     while True:
@@ -157,7 +158,14 @@ def _fact(fact: Given, seen: tuple[float, float], obeyed: Sequence[Given], resul
         fitted = _parameter(fact, *result.given_estimate(i))
         differs = _differs(result, i)
         confirmed = f" The data confirm it: {differs}." if differs else ""
-        sentence = f"Given and kept to: {said}.{confirmed}{_silent(fact.effect, result.model.problem)}"
+        sharper = f" With the data: {_plain(fitted)}." if fitted.std < SHARPER * given.std else ""
+        silent = _silent(fact.effect, result.model.problem)
+        sentence = f"Given and kept to: {said}.{confirmed or sharper}{silent}"
+    elif fact.vague:
+        sentence = (
+            f"Given, but it leaves more open than is usual of any robot ({_plain(given)} to the model), so "
+            f"the data decide as without it: {said}."
+        )
     else:
         model = (
             "as the model has it" if not fact.value else f"{_plain(given, not fact.fact.std)} to the model"

@@ -15,6 +15,7 @@ from .base import Effect
 from .records import PLACE, from_record, stated_effects
 
 NEAR = 0.1  # of a number: no further from it is the slope taken that makes its spread the parameter's
+FAR = 3.0  # standard deviations from which a number is not what the model has
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 
 
@@ -27,6 +28,12 @@ class Given:
     value: float
     std: float
     fact: FactData
+
+    @property
+    def vague(self) -> bool:
+        """Whether it leaves more open than is usual of any robot: then it says nothing that the data would
+        have to be held to."""
+        return self.std > self.effect.params[0].typical and abs(self.value) <= FAR * self.std
 
     def is_for(self, effect: Effect) -> bool:
         """Whether an effect is this one: same cause, place and form."""
