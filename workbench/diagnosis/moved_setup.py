@@ -17,7 +17,7 @@ from ..identification.fit import Fit
 from ..identification.registration import GOOD, place_stated
 from ..robot.kinematics import Array
 from .result import FaultFound
-from .screen import effective_dof, quadratic, reduce_columns
+from .screen import SURVIVES, effective_dof, quadratic, reduce_columns
 
 LEAST_BEFORE = 8  # poses before and after a jump
 JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
@@ -130,9 +130,11 @@ def _beside(result: Fit, step: Array, smooth: Sequence[Array]) -> float:
     S, u, own = reduce_columns(result, np.concatenate([*smooth, step], axis=2))
     length = np.sqrt(np.maximum(own, 1e-12 * own.max()))  # what moves nothing stays nothing
     S, u = S / np.outer(length, length), u / length
-    solved = np.linalg.solve(S[:n, :n] + 1e-8 * np.eye(n), np.column_stack([S[:n, n:], u[:n]]))
-    left = S[n:, n:] - S[n:, :n] @ solved[:, :-1]
-    return quadratic(left, u[n:] - S[n:, :n] @ solved[:, -1], np.ones(step.shape[2]))[0]
+    size, axes = np.linalg.eigh(S[:n, :n])
+    half = axes[:, size > SURVIVES] / np.sqrt(size[size > SURVIVES])  # what the background swallows is noise
+    across = half.T @ S[:n, n:]
+    left, rest = S[n:, n:] - across.T @ across, u[n:] - across.T @ (half.T @ u[:n])
+    return quadratic(left, rest, np.ones(step.shape[2]))[0]
 
 
 def _of_one_joint(problem: Problem) -> list[Effect]:
