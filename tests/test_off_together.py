@@ -50,3 +50,28 @@ def test_what_is_off_by_chance_or_for_a_while_is_left_out():
         points[which] += shift
         faults = prepare(replace(sound, points=points)).faults
         assert {fault.pose_id for fault in faults} == {sound.poses.ids[i] for i in which}
+
+
+def test_what_the_other_poses_foretell_is_no_outlier():
+    """Three poses of 60 under a load, in an arm that bends under its own weight; and one point that is off."""
+    robot, rng = load_robot("irb120"), np.random.default_rng(3)
+    heavy = np.isin(np.arange(60), [11, 30, 47])
+    plan = planned(
+        robot,
+        random_poses(robot, 60, rng),
+        payloads={"heavy": (3.0, (0.0, 0.0, 0.1))},
+        payload=["heavy" if one else "" for one in heavy],
+    )
+
+    def soft(problem):
+        load = problem.nominal_load.local[:, 3, 5]
+        out = np.zeros(problem.q.shape)
+        out[:, 2] = 8e-5 * load * (1 + 0.1 * np.abs(load) / np.abs(load).max())
+        return out
+
+    campaign = simulate(plan, Truth(joints=soft, sigma=3e-5), seed=4)
+    assert not prepare(campaign).faults
+    points = campaign.points.copy()
+    points[20, 1] += [0.0, 2e-3, 0.0]
+    faults = prepare(replace(campaign, points=points)).faults
+    assert [(fault.kind, fault.pose_id) for fault in faults] == [("outlier", campaign.poses.ids[20])]

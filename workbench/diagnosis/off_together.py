@@ -1,7 +1,8 @@
-"""Poses that are far off in the way of one cause: they are no outliers, however few they are.
+"""Poses that are far off in the way of a cause: they are no outliers, however few they are.
 
 Of campaigns with a few poses from the other side, or under a load, the geometry fits the many; the few stand
-out, and they are what tells the cause.
+out, and they are what tells the cause. And where a cause is plain in the many, the poses that were planned to
+show it most are as far off as it says.
 """
 
 from __future__ import annotations
@@ -9,12 +10,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
-from scipy.special import betainc
+from scipy.special import betainc, chdtrc
 
 from ..effects.base import Effect
 from ..identification.fit import Fit
+from ..identification.rows import offset_of
 from ..robot.kinematics import Array
 from .candidates import testable
+from .priors import PRIORS
 
 CHANCE = 1e-3  # that some cause explains as much of poses that are off by chance
 EXPLAINED = 0.5  # of a pose's squares: what is no outlier
@@ -27,13 +30,12 @@ def off_together(result: Fit, wild: Poses) -> Poses:
     """(N,) of the wild poses (N,) those that a cause explains. result: a robust fit of the geometry.
 
     A cause of p numbers explains a share of the squares of n poses, each of which counts by its direction
-    alone, that is by chance as large as one of Beta(p/2, (3n − p)/2). What depends on the time explains
-    nothing here: an instrument that is disturbed for a while is no robot.
+    alone, that is by chance as large as one of Beta(p/2, (3n − p)/2).
     """
     out = np.zeros(len(wild), bool)
     if wild.sum() < 2:
         return out
-    candidates = [e for e in testable(result.model.problem)[0] if "time" not in e.uses]
+    candidates = _candidates(result)
     before = (result.r**2).sum(axis=1)
     J = (result.J * result.columns.prior).reshape(result.r.size, -1)
     for effect in candidates:
@@ -43,6 +45,48 @@ def off_together(result: Fit, wild: Poses) -> Poses:
         if share > 0 and q > 0 and betainc(q, p, 1 - share) * len(candidates) < CHANCE:
             out |= wild & (after < (1 - EXPLAINED) * before)
     return out
+
+
+def foreseen(result: Fit, wild: Poses) -> Poses:
+    """(N,) of the wild poses (N,) those that are off as foretold by causes that all other poses show by
+    themselves: the likeliest one by one, as long as one takes more off χ² there than the best of as many
+    would by chance. result: a robust fit of the geometry."""
+    sound = ~wild & result.model.problem.seen.any(axis=1)
+    if not wild.any() or not sound.any():
+        return np.zeros(len(wild), bool)
+    background = result.J * result.columns.prior
+    pull = offset_of(result.model, result.columns, result.state)
+    candidates = [
+        result.whitened(e) * [PRIORS.largest * p.typical for p in e.params] for e in _candidates(result)
+    ]
+    r = result.r[sound].ravel()
+    while True:
+        B = background[sound].reshape(len(r), -1)
+        upper = np.linalg.cholesky(B.T @ B + np.eye(B.shape[1])).T
+        z = solve_triangular(upper, B.T @ r - pull, trans="T", check_finite=False)
+        left = result.r - background @ solve_triangular(upper, z, check_finite=False)
+        gains = []
+        for columns in candidates:
+            G = columns[sound].reshape(len(r), -1)
+            Z = solve_triangular(upper, B.T @ G, trans="T", check_finite=False)
+            u = G.T @ r - Z.T @ z
+            gains.append(float(u @ np.linalg.solve(G.T @ G - Z.T @ Z + np.eye(len(u)), u)))
+        if not gains or 2 * B.shape[1] > len(r):
+            break
+        best = int(np.argmax(gains))
+        scatter = (float((left[sound] ** 2).sum()) - gains[best]) / (len(r) - B.shape[1])
+        p = candidates[best].shape[2]
+        if chdtrc(p, gains[best] / scatter) * len(candidates) > CHANCE:
+            break
+        background = np.concatenate([background, candidates.pop(best)], axis=2)
+        pull = np.append(pull, np.zeros(p))
+    return np.asarray(wild & ((left**2).sum(axis=1) < (1 - EXPLAINED) * (result.r**2).sum(axis=1)))
+
+
+def _candidates(result: Fit) -> list[Effect]:
+    """Causes that may be it. What depends on the time explains nothing here: an instrument that is disturbed
+    for a while is no robot."""
+    return [e for e in testable(result.model.problem)[0] if "time" not in e.uses]
 
 
 def _left(result: Fit, J: Array, effect: Effect) -> Array:
