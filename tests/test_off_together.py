@@ -53,7 +53,7 @@ def test_what_is_off_by_chance_or_for_a_while_is_left_out():
 
 
 def test_what_the_other_poses_foretell_is_no_outlier():
-    """Three poses of 60 under a load, in an arm that bends under its own weight; and one point that is off."""
+    """Three poses of 60 under a load, in an arm that bends by its own weight; and one point that is off."""
     robot, rng = load_robot("irb120"), np.random.default_rng(3)
     heavy = np.isin(np.arange(60), [11, 30, 47])
     plan = planned(

@@ -14,11 +14,12 @@ from ..effects.given import Exclusion, Given, exclusions, given_facts
 from ..effects.place import NOWHERE, Parameter
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
-from .competition import LOOSE, Selection
+from .competition import Selection
 from .findings import probability_of
 from .prepared import Prepared, Progress
 from .priors import PRIORS
 from .result import GivenFact, NotTestable
+from .rounds import LOOSE
 
 SHARPER = 0.5  # of a given spread: the data know it that much better
 CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...effects.base import UNKNOWN
 from ..chosen import Shares
-from ..competition import CLEARER, LOOSE, worth_of
 from ..priors import PRIORS
+from ..rounds import CLEARER, LOOSE, worth_of
 from .before_after import numbers_at
 from .candidates import numbers_of_shape
 from .decision import Decided, Hidden, label_of

@@ -10,11 +10,11 @@ from scipy.stats import norm
 
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
-from ..competition import LOOSE
 from ..patterns import Products
 from ..power import MANY, POWER
 from ..priors import PRIORS
 from ..reduced import without_background
+from ..rounds import LOOSE
 from ..weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
 from .decision import Decided, form_of

@@ -1,0 +1,193 @@
+"""The likeliest set of components at its own fit: found, fitted, found again, until it stays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..effects import line as gear_line
+from ..effects.base import Effect
+from ..effects.unnamed import products, unnamed
+from ..effects.unnamed.joints import Product
+from ..identification.fit import ROUGH, Fit, refit
+from ..identification.heldout import heldout
+from ..identification.noise import Covariance
+from .acts_through import needs_of
+from .chosen import Chosen, Member
+from .components import Component, cause_components, line_component, nameless_components
+from .noise_choice import from_residual
+from .reduced import Index, reduce
+from .remainder import GLOBAL_LEVEL, Remainder, remainder
+from .scan import HIGHEST, LOWEST, Line, scan
+from .scatter import alike, with_scatter
+from .sets import Competition
+from .stages import rms_mm
+
+ROUNDS = 5
+CLEARER = 4.0  # gain in χ² that moves a setting, or pays for a further number
+BETTER = 0.99  # of the held-out error: what counts as an improvement of a round
+LOOSE = 30.0  # usual sizes: a prior that holds nothing
+MOST_SCATTERING = 2  # joints that are looked at for functions of two others
+LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """One round: the fit that the components were compared at, the set that this found, the fit with it."""
+
+    at: Fit
+    found: Fit
+    competition: Competition
+    members: list[Member]
+
+    @property
+    def at_home(self) -> bool:
+        """Whether the set was compared at its own fit, and not under what others left unexplained."""
+        return set(self.at.model.effects) == set(self.found.model.effects)
+
+    def is_of(self, other: Round) -> bool:
+        """Whether it found the same set."""
+        return set(self.found.model.effects) == set(other.found.model.effects)
+
+
+def converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noise_known: bool) -> Round:
+    """The likeliest set, found again at its own fit until it stays; of sets that do not stay, the one that
+    predicts best what it did not see.
+
+    The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
+    must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
+    more than that, is what it leaves: else the data would be believed in what no member can say.
+    A set that stays is judged at its own fit.
+    """
+    base, lines, errors = geometry.noise, list[Line](), list[float]()
+    stated, labels, before = base, list[str](), set[Effect]()
+    at, best = _fitted(geometry, [], base), None
+    for _ in range(ROUNDS):
+        lines = _with_lines(at, lines)
+        competition = _competition(at, candidates, lines, base, noise_dof)
+        members = competition.best(labels)
+        effects = effects_of(competition, members)
+        labels = [competition.components[m.component].label for m in members]
+        if not noise_known:
+            at_base = refitted(replace(at, noise=base), effects)
+            base = from_residual(at_base)[0]
+        after = found = _fitted(at if noise_known else at_base, effects, base)
+        errors.append(rms_mm(heldout(found)))
+        left = remainder(found, noise_known)
+        if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
+            base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
+            after = refit(replace(found, noise=with_scatter(found, base)), found.model.effects, ROUGH)
+        now = Round(at, found, competition, members)
+        if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
+            best = now
+        same, before = set(effects) == before, set(effects)
+        settled = same and alike(at.noise, after.noise)
+        at = after
+        del competition, now  # the columns of all components take much room
+        if settled or _no_better(errors):
+            break
+    assert best is not None, "no round"
+    return best
+
+
+def refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
+    """A fit with these effects; one that would make the arm too soft to stand is left out."""
+    if tuple(effects) == near.model.effects:
+        return near
+    try:
+        return refit(near, effects, ROUGH)
+    except ArithmeticError:
+        result, kept = refit(near, [], ROUGH), list[Effect]()
+    for effect in effects:
+        try:
+            result = refit(result, [*kept, effect], ROUGH)
+        except ArithmeticError:
+            continue
+        kept.append(effect)
+    return result
+
+
+def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:
+    """A fit with these effects, under the noise with the scatter that it leaves."""
+    result = refitted(near, effects)
+    noise = with_scatter(result, base)
+    if alike(noise, result.noise):
+        return result
+    return refit(replace(result, noise=noise), result.model.effects, ROUGH)
+
+
+def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
+    """Functions of two other joints: for the joints that scatter most, and those that have such a one."""
+    extra = at.noise.joint**2 - base.joint**2
+    most = [int(j) for j in np.argsort(-extra)[:MOST_SCATTERING] if extra[j] > 0]
+    found = [at.model.problem.joint(e.where.joint) for e in at.model.effects if isinstance(e, Product)]
+    for j in dict.fromkeys([*most, *found]):
+        yield from products(at.model.problem, j)
+
+
+def _competition(
+    at: Fit, candidates: Sequence[Effect], lines: Sequence[Line], base: Covariance, noise_dof: float
+) -> Competition:
+    """All that competes, at a fit."""
+    functions = [*unnamed(at.model.problem), *_of_scattering(at, base)]
+    components = [
+        *cause_components(at, candidates),
+        *(_line(at, line) for line in lines),
+        *nameless_components(at, functions),
+    ]
+    return Competition(reduce(at, components, noise_dof), components, needs_of(at, components))
+
+
+def _misfit(left: Remainder, noise_dof: float) -> float:
+    """What a fit leaves, over its noise: as far as this is known with so many degrees of freedom."""
+    return float(np.sqrt((noise_dof + left.chi2) / (noise_dof + left.dof)))
+
+
+def _no_better(errors: Sequence[float]) -> bool:
+    """Whether the last two rounds were no better than the best before them."""
+    return len(errors) > 2 and min(errors[-2:]) > BETTER * min(errors[:-2])
+
+
+def effects_of(competition: Competition, members: Sequence[Member]) -> list[Effect]:
+    """The effects that stand for a set: of each cause the form that explains most without its companions, of
+    free functions the likeliest, as large as it is likeliest."""
+    out = list[Effect]()
+    chosen = Chosen(competition.reduced, members)
+    for i, member in enumerate(members):
+        forms = competition.components[member.component].forms
+        form = forms[member.form]
+        if not form.held:
+            parts = competition.reduced.parts[member.component]
+            mains = [part.start + np.arange(f.main) for f, part in zip(forms, parts, strict=True)]
+            worth = [worth_of(chosen, i, main) for main in mains]
+            form = forms[int(np.argmax(worth))]
+        out += [effect.sized(member.scale) for effect in form.effects]
+    return out
+
+
+def worth_of(chosen: Chosen, without: int, main: Index) -> float:
+    """What a form's main numbers (its columns `main`) explain beside the others of a set, less a price for
+    each."""
+    S, u = (x[0] for x in chosen.left_of(main[None], without))
+    S[np.diag_indices_from(S)] += LOOSE**-2
+    return float(u @ np.linalg.solve(S, u)) - CLEARER * len(main)
+
+
+def _with_lines(at: Fit, lines: list[Line]) -> list[Line]:
+    """Further peaks of the scan, what is in the fit taken out."""
+    out = list(lines)
+    for line in scan(at):
+        near = any(o.joint == line.joint and abs(o.order - line.order) < 0.5 for o in out)
+        if line.statistic > LEAST_LINE and not near:
+            out.append(line)
+    return out
+
+
+def _line(at: Fit, line: Line) -> Component:
+    problem = at.model.problem
+    spread = float(np.std(problem.q[:, line.joint]))
+    width = np.sqrt(2 * np.pi) / (np.sqrt(line.statistic) * max(spread, 1e-3))
+    sharpness = min(1.0, width / line.order / np.log(HIGHEST / LOWEST))
+    return line_component(at, gear_line(problem.arm.names[line.joint], round(line.order, 3)), sharpness)
