@@ -532,8 +532,10 @@ def test_numbers_without_a_part_are_those_of_a_fit_without_it():
 def test_what_has_no_name_changes_no_robot_where_the_model_does_not_fit(misfit, cause, side, changed):
     """Other poses show another part of what the model lacks: a measured robot was told to have changed within
     one campaign."""
+    arm = SimpleNamespace(names=("joint_1",), links=("base_link", "link_1"))
+    problem = SimpleNamespace(q=np.array([[0.0], [1.0]]), arm=arm)
     decided = SimpleNamespace(
-        candidates=[SimpleNamespace(cause=cause, side=side)],
-        system=SimpleNamespace(misfit=misfit),
+        candidates=[SimpleNamespace(cause=cause, side=side, where=Where())],
+        system=SimpleNamespace(misfit=misfit, occasions=[SimpleNamespace(problem=problem)] * 2),
     )
     assert of_robot(decided, 0) is changed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from .arguments import Commands, check_folder, json_option, load_all, out_option
+from .arguments import Commands, check_folder, json_option, known_option, load_all, out_option
 from .status import progress
 
 
@@ -16,6 +16,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "campaigns", nargs="+", metavar="CAMPAIGN.toml", help="two or more of one robot, in the order of time"
     )
+    known_option(parser)
     out_option(
         parser, "folder for the page, the report and the numbers (nothing is written unless this is given)"
     )
@@ -27,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     from ..diagnosis.changes import compare
 
     check_folder(arguments.out)
-    comparison = compare(load_all(arguments.campaigns), progress)
+    comparison = compare(load_all(arguments.campaigns), progress, arguments.known)
     if arguments.out is not None:
         from ..report.comparison import write_comparison
 

@@ -35,6 +35,7 @@ SIX_DOF = 3  # targets that make a 6-D measurement
 MOST_POSES = 4000  # that a fit is made on: more say hardly more, and take room and time
 
 Progress = Callable[[str], None]
+Enough = Callable[[Problem], list[str]]
 
 
 @dataclass(frozen=True)
@@ -84,8 +85,13 @@ class Prepared:
         return replace(self, geometry=fit(model, self.geometry.state, self.covariance))
 
 
-def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambda _: None) -> Prepared:
-    """Campaigns of one robot, joined and prepared. Raises InputError where the data are unusable."""
+def prepare(
+    campaigns: Campaign | Sequence[Campaign],
+    progress: Progress = lambda _: None,
+    enough: Enough = enough_poses,
+) -> Prepared:
+    """Campaigns of one robot, joined and prepared. enough: remarks on how many poses there are, `InputError`
+    where too few. Raises InputError where the data are unusable."""
     campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
     progress("loading the robot")
     campaign, spare = parted(campaign, MOST_POSES)
@@ -94,7 +100,7 @@ def prepare(campaigns: Campaign | Sequence[Campaign], progress: Progress = lambd
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     try:
-        sound = _without_faults(read, tuple(stated_effects(read)))
+        sound = _without_faults(read, tuple(stated_effects(read)), enough)
         progress("fitting geometry")
         prepared = _fitted(replace(sound, faults=(*copies, *sound.faults)))
     except (ArithmeticError, np.linalg.LinAlgError) as error:
@@ -123,12 +129,12 @@ class _Sound:
     notes: tuple[str, ...]
 
 
-def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
+def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
     possible = without_impossible(problem)
     told = without_rarely_seen(possible.problem)
     problem, faults = _measured_only(told.problem), (*possible.faults, *told.faults)
-    enough_poses(problem)  # what cannot be enough is not searched for mistakes
+    enough(problem)  # what cannot be enough is not searched for mistakes
     far = jump(problem)
     if far is not None:
         problem, faults = split_setup(problem, far.first), (*faults, far.fault(problem))
@@ -150,7 +156,7 @@ def _without_faults(problem: Problem, known_effects: Acting) -> _Sound:
         start = start_state(problem)
     if faults or usual is not problem:
         covariance, noise, notes = _noise(problem, known_effects, start)
-    said = [*said, *enough_poses(problem)]
+    said = [*said, *enough(problem)]
     return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
 
 

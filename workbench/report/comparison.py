@@ -19,7 +19,7 @@ from ..diagnosis.changes.result import (
     Track,
     Unchanged,
 )
-from ..diagnosis.changes.words import listed, with_std
+from ..diagnosis.changes.words import hidden_size, listed, with_std
 from ..effects.place import Parameter
 from . import charts
 from .drawing import Figure
@@ -77,7 +77,7 @@ def said_of(comparison: Comparison) -> dict[str, Any]:
         "verdict": "changed" if comparison.changed else "unchanged",
         "campaigns": [[c, str(n)] for c, n in zip(comparison.campaigns, comparison.n_poses, strict=True)],
         "changes": [_change(change) for change in comparison.changes],
-        "within": f"{mm(comparison.within_mm)} mm",
+        "within": _within(comparison),
         "unchanged": [_row(u) for u in _geometry(comparison)],
         "causes": [_row(u) for u in comparison.unchanged if u.cause != "geometry"],
         "unseen": [[u.label, f"{NOT_TOLD} {u.same_as}"] for u in comparison.unseen],
@@ -90,6 +90,18 @@ def said_of(comparison: Comparison) -> dict[str, Any]:
         "inputs": [list(item) for item in comparison.inputs.items()],
         "version": version("robot-workbench"),
     }
+
+
+def _within(comparison: Comparison) -> str:
+    """What else may have changed of the geometry, in a sentence."""
+    where = "in the poses of all campaigns, frame and targets fitted anew"
+    if comparison.bounded:
+        return (
+            "All other changes of geometry together move the targets by less than "
+            f"{mm(comparison.within_mm)} mm RMS (95 %) {where}."
+        )
+    size = hidden_size(comparison.within_mm, comparison.nominal_mm)
+    return f"Other changes of geometry {size}, {where}, could not have been seen."
 
 
 def _geometry(comparison: Comparison) -> list[Unchanged]:
@@ -165,12 +177,25 @@ def _apart(comparison: Comparison) -> list[list[str]]:
         [
             one.label,
             *(("", "") if one is comparison.apart[0] else (_instrument(one), _targets(one))),
-            f"noise {mm(one.sigma_mm)} mm per axis ({one.source}), the points scatter "
-            f"{with_std(one.scatter.sigma_mm, one.scatter.std_mm)} mm, left {mm(one.scatter.rms_mm)} mm RMS",
+            _noise(one),
             "" if one.temperature is None else f"{one.temperature:.1f} °C",
         ]
         for one in comparison.apart
     ]
+
+
+def _noise(one: Apart) -> str:
+    """How much the points scatter, beside what they should where somebody stated or repeats show that."""
+    known = {
+        "stated": f"stated is {mm(one.sigma_mm)} mm",
+        "repeats": f"repeated poses alone {mm(one.sigma_mm)} mm",
+        "residual": "nobody stated a noise",
+    }
+    scatter = with_std(one.scatter.sigma_mm, one.scatter.std_mm)
+    return (
+        f"the points scatter {scatter} mm per axis about the model ({known[one.source]}), "
+        f"{mm(one.scatter.rms_mm)} mm RMS left"
+    )
 
 
 def _instrument(one: Apart) -> str:
@@ -181,10 +206,14 @@ def _instrument(one: Apart) -> str:
 
 
 def _targets(one: Apart) -> str:
-    if not (one.targets and one.targets_moved):
-        return "targets where they were"
-    moved = [f"{t.target} {_length(t)} mm" for t in one.targets]
-    return f"targets moved: {', '.join(moved)}"
+    targets = one.moves
+    if not targets.each:
+        return "no target in common with the first"
+    if not targets.moved:
+        stated = any(t.stated_mm is not None for t in targets.each)
+        return f"targets where they were{', though stated elsewhere' if stated else ''}"
+    as_stated = ", as stated" if len(targets.restated) == len(targets.moved) else ""
+    return f"targets moved{as_stated}: {', '.join(f'{t.target} {_length(t)} mm' for t in targets.each)}"
 
 
 def _length(target: TargetMoved) -> str:

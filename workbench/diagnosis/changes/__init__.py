@@ -14,28 +14,34 @@ from pathlib import Path
 import numpy as np
 
 from ...campaign import Campaign, load_campaign
+from ...campaign.known import with_known
 from ...files.faults import Fault, InputError
 from ..candidates import testable
 from ..prepared import Progress
 from ..priors import PRIORS
 from .decision import Decided, decide
-from .findings import changes_of, hidden_zeros, repeats, tracks, unseen
+from .findings import changes_of, hidden_zeros, loads_off, repeats, still_joints, tracks, unseen
 from .frames import apart
 from .occasions import occasions_of
-from .result import Apart, Comparison
-from .sensitivity import unchanged, within_mm
+from .result import Apart, Comparison, TargetMoved, TargetsMoved
+from .sensitivity import nominal_mm, unchanged, within_mm
 from .system import relinearised
-from .words import headline, with_std
+from .words import headline, listed, with_std
 
 OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
 CHANCE = 1e-4  # probability of as much by chance below which they do
 
 
-def compare(campaigns: Sequence[Campaign | str | Path], progress: Progress = lambda _: None) -> Comparison:
+def compare(
+    campaigns: Sequence[Campaign | str | Path],
+    progress: Progress = lambda _: None,
+    known: Sequence[str] = (),
+) -> Comparison:
     """What changed between campaigns of one robot, in the order of time.
 
     campaigns: two or more, as loaded, or the paths of their campaign.toml. progress: is told each step in
-    words. Raises `InputError` where they are not of one robot, or the data unusable.
+    words. known: facts of all of them beside those of `[known]`, as `--known` takes them. Raises `InputError`
+    where they are not of one robot, or the data unusable.
 
     >>> import numpy as np
     >>> from workbench import Truth, compare, load_robot, planned, random_poses, simulate
@@ -51,7 +57,7 @@ def compare(campaigns: Sequence[Campaign | str | Path], progress: Progress = lam
     if len(campaigns) < 2:
         raise InputError(Fault("compare", "one campaign alone", "name two or more of one robot"))
     loaded = [one if isinstance(one, Campaign) else load_campaign(one) for one in campaigns]
-    occasions, whole = occasions_of(loaded, progress)
+    occasions, whole = occasions_of([with_known(one, known) for one in loaded], progress)
     progress("comparing")
     decided = decide(occasions, whole, testable(whole)[0])
     progress("writing down what was found")
@@ -65,7 +71,7 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
     changes = tuple(changes_of(decided))
     changed = any(change.any >= PRIORS.named for change in changes)
     beside = tuple(apart(decided, final))
-    bound = within_mm(decided)
+    bound, nominal = within_mm(decided), nominal_mm(decided)
     first = system.occasions[0].problem
     return Comparison(
         first.robot.name,
@@ -73,9 +79,10 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
         tuple(one.label for one in system.occasions),
         tuple(len(one.problem.q) for one in system.occasions),
         changed,
-        headline(changes, bound, _other(beside), changed, hidden_zeros(decided)),
+        headline(changes, bound, _other(beside), changed, hidden_zeros(decided), nominal, beside[-1].label),
         changes,
         bound,
+        nominal,
         tuple(unchanged(decided)),
         tuple(unseen(decided)),
         tuple(repeats(decided, changes)),
@@ -91,13 +98,37 @@ def _other(beside: Sequence[Apart]) -> list[str]:
     out, first = [], beside[0]
     for one in beside[1:]:
         at = f" ({one.label})" if len(beside) > 2 else ""
-        if one.targets_moved:
-            by = max(one.targets, key=lambda target: float(np.linalg.norm(target.by_mm)))
-            size, std = float(np.linalg.norm(by.by_mm)), float(np.linalg.norm(by.std_mm))
-            why = "tool or reflectors were mounted anew, or are warmer"
-            out.append(f"the targets sit elsewhere by {with_std(size, std)} mm{at}: {why}")
+        out += [f"{text}{at}" for text in _elsewhere(one.moves)]
         out += [f"{text}{at}" for text in _scatters(one, first)]
     return out
+
+
+def _elsewhere(targets: TargetsMoved) -> Iterator[str]:
+    """Which targets sit elsewhere on the robot, and why that may be."""
+    if targets.restated:
+        yield f"{_sit(targets.restated)}, as stated"
+    for one in targets.together:
+        own = [target for target in targets.each if target.target in one.targets]
+        others = [target.target for target in targets.each if not target.moved and target not in own]
+        still = f" (not {listed(others)})" if others else ""
+        if one.joint is None:
+            who = f"the targets on the {one.link}, as one body,"
+            yield f"{_sit(own, who)}{still}: tool or reflectors were mounted anew"
+        else:
+            yield (
+                f"the targets on the {one.link} turned together about {one.joint} by "
+                f"{with_std(one.turn_mrad, one.turn_std_mrad)} mrad{still}: its zero moved, or what carries "
+                "them; if they sit where they did, state them with `fixed = true` to tell"
+            )
+    if targets.alone:
+        yield f"{_sit(targets.alone)}: tool or reflectors were mounted anew, or are warmer"
+
+
+def _sit(moved: Sequence[TargetMoved], who: str = "the targets") -> str:
+    """That targets sit elsewhere, and by how much the farthest of them."""
+    by = max(moved, key=lambda target: float(np.linalg.norm(target.by_mm)))
+    size, std = float(np.linalg.norm(by.by_mm)), float(np.linalg.norm(by.std_mm))
+    return f"{who} sit elsewhere by {with_std(size, std)} mm"
 
 
 def _scatters(one: Apart, first: Apart) -> Iterator[str]:
@@ -122,9 +153,16 @@ def _notes(decided: Decided) -> list[str]:
         out += [f"{one.label}: {note}" for note in one.prepared.notes]
         if one.prepared.faults:
             out.append(f"{one.label}: {len(one.prepared.faults)} data faults left out")
+    off = loads_off(decided)
+    out += [f"{listed(off)}: not as stated, in all campaigns that have it: no change."] if off else []
     if decided.system.misfit:
         out.append(
             "The noise does not explain what the model leaves: a change counts only where either half of the "
             "poses shows it."
         )
+        out += [
+            f"{one.label}: {listed(names)} stood still there: what only a change at these would explain may "
+            "as well be what the model lacks in other poses."
+            for one, names in still_joints(decided.system)
+        ]
     return out

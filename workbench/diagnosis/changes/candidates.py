@@ -96,11 +96,12 @@ def candidates_of(
     occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]
 ) -> list[Candidate]:
     """All of them. effects: of the catalogue, at every place that the joined campaigns can show."""
-    shared = occasions[0].fit.model.effects
+    shared, may_be = occasions[0].fit.model.effects, occasions[0].may_be
     out = list(_geometry(occasions, whole))
     places: dict[object, list[Effect]] = {}
     seen = [e for kind in catalogue().values() for e in kind.places(whole) if e.acts == "instrument"]
-    for effect in [*effects, *(one for one in (*shared, *seen) if one not in effects)]:
+    every = [*effects, *(one for one in (*shared, *seen) if one not in effects)]
+    for effect in filter(may_be, every):
         places.setdefault(effect.key, []).append(effect)
     counts: dict[str, int] = {}
     for own in places.values():
@@ -109,7 +110,7 @@ def candidates_of(
     for own in places.values():
         effect, sites = own[0], counts[own[0].cause]
         together = [tuple(own)] if effect.together and len(own) > 1 else []
-        if effect.key not in known and effect in effects:
+        if effect.key not in known and effect in effects and not _later_load(effect, occasions[0]):
             finer = [fine for one in own for fine in one.finer()[::EVERY_FINER]]
             shapes = [
                 *(_shape(occasions, (e,)) for e in (*own, *finer)),
@@ -123,6 +124,13 @@ def candidates_of(
     if any(one.problem.warmth is None for one in occasions):
         out += _growth(occasions, whole)
     return out
+
+
+def _later_load(effect: Effect, first: Occasion) -> bool:
+    """Whether an effect is of a payload that the first campaign does not have: what it is off its statement
+    came with the campaign that states it."""
+    payload, c = effect.where.payload, first.problem.campaign
+    return payload is not None and payload not in {c.payload_names[i] for i in c.poses.payload}
 
 
 def own_of(occasions: Sequence[Occasion]) -> NDArray[np.int64]:
@@ -197,7 +205,7 @@ def _growth(occasions: Sequence[Occasion], whole: Problem) -> Iterator[Candidate
     """A warmer arm where nobody wrote the temperature down: all links longer by the same share."""
     warm = [_at(one.problem, 21.0) for one in occasions]
     kinds = [effect for kind in catalogue().values() for effect in kind.places(warm[0])]
-    for effect in (effect for effect in kinds if effect.uses == {"temperature"}):
+    for effect in (e for e in kinds if e.uses == {"temperature"} and occasions[0].may_be(e)):
         blocks = []
         for one, problem in zip(occasions, warm, strict=True):
             G = effect.jacobian(problem, one.fit.line, np.zeros(1)) * effect.params[0].typical

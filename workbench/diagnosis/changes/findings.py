@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,11 +15,13 @@ from .before_after import numbers_at
 from .candidates import numbers_of_shape
 from .decision import Decided, Hidden, label_of
 from .levels import Levels, levels_of, together
-from .recheck import recheck
+from .occasions import Occasion
+from .recheck import Known, recheck
 from .result import POSSIBLE, Change, Repeats, Rival, Track, Unseen
-from .system import Solved, solve
+from .system import System, solve
 
 ROBOT = "robot"
+STILL = 0.01  # of the way that a joint goes in another campaign: less is none
 REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
 
 
@@ -27,8 +30,9 @@ def changes_of(decided: Decided) -> Iterator[Change]:
     together; the largest first."""
     said: dict[str, list[int]] = {}
     for i, share in enumerate(decided.shares):
-        own, sure = _own(decided, i), sum(_changed(decided, share).values())
-        if sure >= PRIORS.absent and decided.candidates[decided.members[i].component].change:
+        own, changed = _own(decided, i), _changed(decided, share)
+        sure = sum(p for k, p in changed.items() if not stood_still(decided, k))
+        if sum(changed.values()) >= PRIORS.absent and decided.candidates[decided.members[i].component].change:
             said.setdefault(_status(decided, i, own, sure), []).append(i)
     found = [
         _change(decided, levels_of(decided, own), status)
@@ -50,9 +54,36 @@ def _changed(decided: Decided, share: Shares) -> dict[int, float]:
 
 def of_robot(decided: Decided, k: int) -> bool:
     """Whether a candidate says that the robot changed. Where the model does not fit to the noise, what has no
-    name differs between campaigns for that alone: other poses show another part of it."""
+    name differs between campaigns for that alone, and so does what stood still in one: other poses show
+    another part of it."""
     candidate = decided.candidates[k]
-    return candidate.side == ROBOT and not (decided.system.misfit and candidate.cause == UNKNOWN)
+    if decided.system.misfit and candidate.cause == UNKNOWN:
+        return False
+    return candidate.side == ROBOT and not stood_still(decided, k)
+
+
+def stood_still(decided: Decided, k: int) -> bool:
+    """Whether a candidate sits at a joint, or on the link behind it, that stood still in some campaign, where
+    the model does not fit to the noise: then what it explains may be what the model lacks in other poses."""
+    if not decided.system.misfit:
+        return False
+    where, arm = decided.candidates[k].where, decided.system.occasions[0].problem.arm
+    joint = where.joint
+    if where.link in arm.links[1:]:
+        joint = arm.names[arm.links.index(where.link) - 1]
+    return any(joint in names for _, names in still_joints(decided.system))
+
+
+def still_joints(system: System) -> list[tuple[Occasion, list[str]]]:
+    """Campaigns with joints that stood still in them and not in another."""
+    travel = np.array([np.ptp(one.problem.q, axis=0) for one in system.occasions])
+    still = travel < STILL * travel.max(axis=0)
+    names = system.occasions[0].problem.arm.names
+    every = [
+        (one, [name for name, stood in zip(names, row, strict=True) if stood])
+        for one, row in zip(system.occasions, still, strict=True)
+    ]
+    return [(one, names) for one, names in every if names]
 
 
 def _status(decided: Decided, i: int, own: float, sure: float) -> str:
@@ -70,8 +101,9 @@ def _change(decided: Decided, levels: Levels, status: str) -> Change:
     here = levels.furthest
     own = [_changed(decided, decided.shares[i]) for i in levels.members]
     off = shape if len(levels.members) == 1 else shape.at(np.arange(len(labels)) == here)
-    poses, ids = recheck(decided.system, _without(decided, levels.members), candidate, off, levels.mean[here])
-    changed, before, after = numbers_at(decided, levels, here)
+    before = _before(decided, levels.members, int(has[0]))
+    poses, ids = recheck(decided.system, before, candidate, off, levels.mean[here])
+    changed, then, now = numbers_at(decided, levels, here)
     return Change(
         label_of(candidate, shape),
         candidate.cause,
@@ -89,8 +121,8 @@ def _change(decided: Decided, levels: Levels, status: str) -> Change:
         ids,
         levels.course,
         tuple((labels[k], numbers_at(decided, levels, k)[0]) for k in has),
-        before,
-        after,
+        then,
+        now,
     )
 
 
@@ -114,10 +146,15 @@ def _worth(decided: Decided, i: int, component: int, form: int) -> float:
     return worth_of(decided.chosen, i, first + np.arange(decided.candidates[component].shapes[form].main))
 
 
-def _without(decided: Decided, members: Sequence[int]) -> Solved:
-    """All numbers with the other members alone: what is known before a change is looked for."""
+def _before(decided: Decided, members: Sequence[int], first: int) -> Known:
+    """All numbers, the other members' among them, as the campaigns before the `first` with a change say."""
+    system = decided.system
+    counts = (system.own < first)[:, None]
     others = [m for j, m in enumerate(decided.members) if j not in members]
-    return solve(decided.system, [decided.shape(m) for m in others], [m.scale for m in others])
+    shapes = [replace(shape, base=shape.base * counts) for shape in map(decided.shape, others)]
+    known = replace(system, J=system.J * counts, e=system.e * counts[:, 0])
+    numbers = solve(known, shapes, [m.scale for m in others])
+    return Known(numbers, decided.solved.factor, any(one.misfit for one in system.occasions[:first]))
 
 
 def _moves_mm(decided: Decided, levels: Levels) -> float:
@@ -168,6 +205,14 @@ def _hidden_now(decided: Decided) -> list[Hidden]:
     """What cannot be seen at the last occasion."""
     last = decided.system.last
     return [hidden for hidden in decided.hidden if np.array_equal(hidden.shape.pattern, last)]
+
+
+def loads_off(decided: Decided) -> list[str]:
+    """Payloads that are not as stated wherever they are: none of them changed."""
+    found = zip(decided.members, decided.shares, strict=True)
+    sure = [m.component for m, share in found if share.get(m.component, 0.0) >= PRIORS.named]
+    own = [decided.candidates[k] for k in sure]
+    return [label_of(one) for one in own if one.side == "load" and not one.change]
 
 
 def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:

@@ -1,31 +1,31 @@
-"""What stands apart from the robot: where the instrument stands, where the targets sit, the noise."""
+"""What stands apart from the robot: where the instrument stands, the noise."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from scipy.stats import chi2
 
 from ...robot.kinematics import Array
 from .decision import Decided
+from .findings import hidden_zeros
 from .occasions import Occasion
-from .result import Apart, TargetMoved
+from .result import Apart
 from .scatter import scatters
 from .system import Solved, System, moved_without_parts
-
-LEVEL = 1e-4  # of the test whether targets moved
+from .targets import targets_moved
 
 
 def apart(decided: Decided, final: Sequence[Occasion]) -> Iterator[Apart]:
     """Each occasion against the first. final: the occasions at what was solved for."""
     system, solved = decided.system, decided.solved
     shapes, scales = [decided.shape(m) for m in decided.members], [m.scale for m in decided.members]
+    hidden = hidden_zeros(decided)
     without = moved_without_parts(system, shapes, scales, solved)
     scattered = scatters(system, shapes, solved)
     for k, one in enumerate(final):
         shift, turn, std = _frame(system, solved, final[0], one, k)
-        targets, moved = _targets(system, final, solved, k, (without[0], without[k]))
+        targets = targets_moved(system, final, solved, k, (without[0], without[k]), hidden)
         noise, temperature = one.prepared.noise, one.problem.campaign.poses.temperature
         warm = temperature is not None and np.isfinite(temperature).any()
         yield Apart(
@@ -35,7 +35,6 @@ def apart(decided: Decided, final: Sequence[Occasion]) -> Iterator[Apart]:
             1e3 * turn,
             1e3 * std[1],
             targets,
-            moved,
             noise.sigma_mm,
             noise.source,
             scattered[k],
@@ -71,55 +70,3 @@ def _at(system: System, solved: Solved, one: Occasion, k: int, middle: Array) ->
     half = solved.half[part] * system.prior[part, None]
     lever = one.fit.state.R[0] @ middle + one.fit.state.t[0] - one.fit.line.centre[0]
     return np.concatenate([half[:3] + np.cross(half[3:].T, lever).T, half[3:]])
-
-
-def _difference(
-    system: System, solved: Solved, k: int, there: slice, here: slice, without: Sequence[Array]
-) -> Array:
-    """Covariance of own numbers `there` of occasion k minus `here` of the first [m, rad]: by the noise, and
-    where that is too sure by as much as parts of either occasion say (jackknife: Efron & Stein 1981).
-    without: of either, by how much all numbers move without each of its parts."""
-    a, b = system.local[0].start, system.local[k].start
-    first, last = slice(a + here.start, a + here.stop), slice(b + there.start, b + there.stop)
-
-    def difference(x: Array) -> Array:
-        return np.asarray(x[last] * system.prior[last, None] - x[first] * system.prior[first, None])
-
-    half = difference(solved.half)
-    covariance = solved.factor**2 * half @ half.T
-    each = [difference(one.T) for one in without]
-    shown = sum((d.shape[1] - 1) ** 2 / d.shape[1] * np.atleast_2d(np.cov(d)) for d in each)
-    more = float(np.trace(np.linalg.solve(covariance, shown))) / len(covariance)
-    return np.asarray(covariance * max(1.0, more))
-
-
-def _targets(
-    system: System, final: Sequence[Occasion], solved: Solved, k: int, without: Sequence[Array]
-) -> tuple[tuple[TargetMoved, ...], bool]:
-    """Targets that both occasions have in their first set-ups, and whether any moved."""
-    first, one = final[0], final[k]
-    if k == 0:
-        return (), False
-    found, moved = list[TargetMoved](), False
-    there = {name: (place, part) for name, place, part in _own(one)}
-    both = [(name, place, part, *there[name]) for name, place, part in _own(first) if name in there]
-    for name, place, part, place_now, part_now in both:
-        change = place_now - place
-        covariance = _difference(system, solved, k, part_now, part, without)
-        std = np.sqrt(np.diag(covariance))
-        moved |= bool(change @ np.linalg.solve(covariance, change) > chi2.isf(LEVEL / len(both), len(change)))
-        by, sigma = 1e3 * change[:3], 1e3 * std[:3]
-        found.append(TargetMoved(name, tuple(by.tolist()), tuple(sigma.tolist())))
-    return tuple(found), moved
-
-
-def _own(one: Occasion) -> Iterator[tuple[str, Array, slice]]:
-    """Name, place and columns of each target fitted in the first set-up; a 6-D body by its middle."""
-    for setup, i, part in one.fit.columns.targets:
-        if setup != 0:
-            continue
-        places = one.fit.state.targets[0]
-        if i is None:
-            yield "body", places.mean(axis=0), slice(part.start, part.start + 3)
-        else:
-            yield one.problem.campaign.targets[i].name, places[i], part

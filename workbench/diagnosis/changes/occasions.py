@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,29 +11,39 @@ from ...campaign import Campaign, join
 from ...campaign.joined import labels_of
 from ...campaign.problem import Problem, problem_of
 from ...effects.base import Effect
+from ...effects.given import Exclusion
+from ...files.faults import Fault, InputError
 from ...identification.fit import Fit, fit, refit, start_state
 from ...identification.model import Model
 from ...identification.noise import Covariance
+from ...identification.plausible import enough_beside_others, enough_together, too_few_alone
 from ...robot.kinematics import Array
 from ..candidates import testable
 from ..competition import compete
 from ..prepared import Prepared, Progress, prepare
 from ..scatter import alike
+from .known import known_of, not_known
 
 
 @dataclass(frozen=True, eq=False)
 class Occasion:
     """One campaign. fit: of its own frames, targets and geometry and the effects that all occasions share;
-    misfit: the noise does not explain what that leaves, so that the likelihood is too sure."""
+    misfit: the noise does not explain what that leaves, so that the likelihood is too sure; excluded: causes
+    that are known not to be there."""
 
     label: str
     prepared: Prepared
     fit: Fit
     misfit: bool
+    excluded: tuple[Exclusion, ...] = ()
 
     @property
     def problem(self) -> Problem:
         return self.fit.model.problem
+
+    def may_be(self, effect: Effect) -> bool:
+        """Whether nobody said what it is, or that it is not there."""
+        return not_known(self.fit.model.given, self.excluded)(effect)
 
     def at(self, result: Fit) -> Occasion:
         """The same, linearised elsewhere."""
@@ -45,24 +55,61 @@ def occasions_of(campaigns: Sequence[Campaign], progress: Progress) -> tuple[lis
     campaigns = _told_apart(campaigns)
     join(list(campaigns))  # refuses what is not one robot, before anything is computed
     labels = labels_of(campaigns)
+    known = known_of([problem_of(campaign) for campaign in campaigns], labels)
     prepared, searched = [], []
-    for campaign, label in zip(campaigns, labels, strict=True):
+    for campaign, label, given, notes in zip(campaigns, labels, known.given, known.notes, strict=True):
         progress(f"{label}: by itself")
-        prepared.append(prepare(campaign))
-        searched.append(compete(prepared[-1], testable(prepared[-1].problem)[0]))
+        one = prepare(campaign, enough=enough_beside_others).with_given(given)
+        prepared.append(replace(one, notes=(*one.notes, *notes)))
+        searched.append(_searched(prepared[-1], not_known(given, known.excluded)))
+    enough_together([one.problem for one in prepared])
+    prepared, searched = _with_noise_of_others(prepared, searched)
     whole = problem_of(join([one.problem.campaign for one in prepared]))
-    shared = _shared([selection.fit for selection in searched], whole)
+    shared = _shared(searched, whole)
     out, first = [], 0
-    for one, selection, label in zip(prepared, searched, labels, strict=True):
+    for one, found, label, given in zip(prepared, searched, labels, known.given, strict=True):
         poses = np.arange(first, first + len(one.problem.q))
         first += len(poses)
         part = _part(whole, poses)
-        noise = _noise(selection.fit.noise, part)
-        model = Model(part, (), one.known_effects)
+        noise = _noise(found.noise, part)
+        model = Model(part, (), one.known_effects, given)
         began = fit(model, start_state(part), noise)
         misfit = one.noise.source == "residual" or not alike(noise, one.covariance)
-        out.append(Occasion(label, one, refit(began, shared), misfit))
+        out.append(Occasion(label, one, refit(began, shared), misfit, known.excluded))
     return out, whole
+
+
+def _searched(prepared: Prepared, may_be: Callable[[Effect], bool]) -> Fit:
+    """The fit with the causes that a campaign shows by itself, of those that `may_be`; one of few poses shows
+    none."""
+    if too_few_alone(prepared.problem):
+        return prepared.geometry
+    return compete(prepared, [e for e in testable(prepared.problem)[0] if may_be(e)]).fit
+
+
+def _with_noise_of_others(
+    prepared: Sequence[Prepared], searched: Sequence[Fit]
+) -> tuple[list[Prepared], list[Fit]]:
+    """Campaigns of too few poses to show how much the robot scatters, or the instrument where nobody stated
+    it, scatter as the campaign with the most poses does. Raises InputError where no other can say it."""
+    most = max(range(len(prepared)), key=lambda k: len(prepared[k].problem.q))
+    source, usual = prepared[most], searched[most].noise
+    told, fits = list[Prepared](), list[Fit]()
+    for one, found in zip(prepared, searched, strict=True):
+        if too_few_alone(one.problem):
+            if one.noise.source == "residual" and too_few_alone(source.problem):
+                mend = "say sigma_mm under [noise]"
+                raise InputError(Fault(str(one.problem.campaign.path), "no campaign shows the noise", mend))
+            own = replace(
+                one.covariance, joint=np.maximum(one.covariance.joint, usual.joint), body=usual.body
+            )
+            if one.noise.source == "residual":
+                own = replace(own, sigma=np.full_like(own.sigma, usual.usual), turn_ratio=usual.turn_ratio)
+                one = replace(one, noise=source.noise)
+            one, found = replace(one, covariance=own), replace(found, noise=own)
+        told.append(one)
+        fits.append(found)
+    return told, fits
 
 
 def _told_apart(campaigns: Sequence[Campaign]) -> list[Campaign]:
@@ -107,4 +154,5 @@ def numbers_of(occasion: Occasion) -> Array:
     result, problem = occasion.fit, occasion.problem
     change = (result.state.geometry - problem.arm.geometry).ravel()[result.columns.geometry]
     local = np.zeros(result.columns.geometry_slice.start)
-    return np.concatenate([local, change, *result.state.values])
+    given = result.model.given_values(result.state) - [item.value for item in result.model.given]
+    return np.concatenate([local, change, given, *result.state.values])

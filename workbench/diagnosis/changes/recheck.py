@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.stats import norm
 
@@ -16,42 +20,69 @@ MOST = 30
 TYPICAL_Z = 5.0  # standard deviations near which a change is named
 
 
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is known without a change: the numbers by the campaigns before, a factor on their noise, and
+    whether the model misfits these."""
+
+    numbers: Solved
+    factor: float
+    misfit: bool
+
+
 def recheck(
-    system: System, solved: Solved, candidate: Candidate, shape: Shape, value: Array
+    system: System, before: Known, candidate: Candidate, shape: Shape, value: Array
 ) -> tuple[int | None, tuple[str, ...]]:
-    """How many poses, and which, would show `value` (g,) (in prior sizes) with 80 % power when the instrument
-    stands elsewhere and all else is known as well as it is now; None: more than 30, or than there are."""
+    """How many poses, and which, would show `value` (g,) (in prior sizes) with 80 % power, compared with the
+    campaigns that do not have it: frame and targets are fitted anew, the robot is known as well as `before`,
+    by these alone; where the model misfits these, either half must show it, every other pose. None: more than
+    30, or than there are."""
     k = int(np.flatnonzero(shape.pattern)[-1])
     one = system.occasions[k]
     rows = np.flatnonzero(system.own == k)
-    setup = one.problem.campaign.poses.setup == one.problem.campaign.poses.setup[0]
-    poses = np.flatnonzero(setup)
-    per_pose = len(rows) // len(one.problem.q)
-    pick = rows.reshape(-1, per_pose)[poses]
+    poses = np.flatnonzero(one.problem.campaign.poses.setup == one.problem.campaign.poses.setup[0])
+    pick = rows.reshape(-1, len(rows) // len(one.problem.q))[poses]
     X = np.concatenate([system.J[pick][..., system.local[k]], system.J[pick][..., system.common]], axis=2)
     c = shape.columns[pick] @ value
+    halves = 2 if before.misfit else 1
     local = system.local[k].stop - system.local[k].start
-    half = solved.half[system.common]
-    known = np.linalg.inv(half @ half.T)
-    M = np.eye(X.shape[2])
-    M[local:, local:] = known
+    half = before.numbers.half[system.common]
+    known = np.eye(X.shape[2])
+    known[local:, local:] = np.linalg.inv(half @ half.T) / halves
     information = (TYPICAL_Z / max(float(np.linalg.norm(value)), 1e-12)) ** 2
-    target = (threshold(candidate, information) + norm.isf(1 - POWER)) * solved.factor
-    chosen = _spread(one.problem.q[poses], min(FIRST, len(poses)))
-    cross, own = np.zeros(X.shape[2]), 0.0
+    target = (threshold(candidate, information) + norm.isf(1 - POWER)) * before.factor
+    left, found = list(range(len(poses))), list[list[int]]()
+    for _ in range(halves):
+        chosen = _enough(X, c, known, one.problem.q[poses], left, target)
+        if chosen is None or sum(map(len, found)) + len(chosen) > MOST:
+            return None, ()
+        found.append(chosen)
+        left = [n for n in left if n not in chosen]
+    order = [n for some in itertools.zip_longest(*found) for n in some if n is not None]
+    ids = one.problem.campaign.poses.ids
+    return len(order), tuple(ids[poses[n]] for n in order)
+
+
+def _enough(
+    X: Array, c: Array, known: Array, q: Array, poses: Sequence[int], target: float
+) -> list[int] | None:
+    """Some of the poses that show a change of `target` standard deviations, each next one by what it brings;
+    None where all do not. X: (N, D, P) of all else, c: (N, D) of the change, known: (P, P) information
+    before, q: (N, n)."""
+    chosen = _spread(q, poses)
+    M, cross, own = known, np.zeros(X.shape[2]), 0.0
     for n in chosen:
         M, cross, own = M + X[n].T @ X[n], cross + X[n].T @ c[n], own + float(c[n] @ c[n])
     while own - cross @ np.linalg.solve(M, cross) < target**2:
-        left = [n for n in range(len(poses)) if n not in chosen]
+        left = [n for n in poses if n not in chosen]
         if not left or len(chosen) >= MOST:
-            return None, ()
+            return None
         inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
         best = max(left, key=lambda n: _gain(X[n], c[n], inverse, cross))
         chosen.append(best)
         M, cross = M + X[best].T @ X[best], cross + X[best].T @ c[best]
         own += float(c[best] @ c[best])
-    ids = one.problem.campaign.poses.ids
-    return len(chosen), tuple(ids[poses[n]] for n in chosen)
+    return chosen
 
 
 def _gain(X: Array, c: Array, inverse: Array, cross: Array) -> float:
@@ -60,10 +91,10 @@ def _gain(X: Array, c: Array, inverse: Array, cross: Array) -> float:
     return float(left @ np.linalg.solve(np.eye(len(c)) + X @ inverse @ X.T, left))
 
 
-def _spread(q: Array, count: int) -> list[int]:
-    """Poses far from each other: each next one farthest from those before."""
-    chosen = [0]
-    while len(chosen) < count:
-        near = np.min([np.linalg.norm(q - q[n], axis=1) for n in chosen], axis=0)
-        chosen.append(int(np.argmax(near)))
+def _spread(q: Array, poses: Sequence[int]) -> list[int]:
+    """`FIRST` of the poses, far from each other: each next one farthest from those before."""
+    chosen = [*poses[:1]]
+    while len(chosen) < min(FIRST, len(poses)):
+        near = {n: min(float(np.linalg.norm(q[n] - q[m])) for m in chosen) for n in poses}
+        chosen.append(max(poses, key=lambda n: near[n]))
     return chosen

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -76,6 +76,13 @@ class Change:
         return tuple(sorted(every, key=lambda way: -way[2]))
 
 
+def bounds(within_mm: float, nominal_mm: float, changes: Iterable[Change]) -> bool:
+    """Whether the bound of all other changes is less than the largest change of the robot that was found, and
+    than what the nominal robot is off: else it says nothing."""
+    found = [change.moves_mm for change in changes if change.side == "robot"]
+    return within_mm < min([nominal_mm, *([max(found)] if found else [])])
+
+
 @dataclass(frozen=True)
 class Unchanged:
     """A number without a change. number: difference of the last campaign from those before; detectable:
@@ -112,11 +119,52 @@ class Repeats:
 
 @dataclass(frozen=True)
 class TargetMoved:
-    """A target's place after minus before, on the axes of its link, one sigma each [mm]."""
+    """A target's place after minus before, on the axes of its link, one sigma each [mm]. moved: by more than
+    chance; stated_mm: the same as the campaigns state it, None where both state one place, as_stated: the
+    data agree; on: its link."""
 
     target: str
     by_mm: tuple[float, float, float]
     std_mm: tuple[float, float, float]
+    moved: bool
+    stated_mm: tuple[float, float, float] | None
+    as_stated: bool
+    on: str
+
+
+@dataclass(frozen=True)
+class Together:
+    """Targets of a link that moved as one body. joint: whose zero would turn them so, to these data, if there
+    is one; turn_mrad: by how much, with one sigma."""
+
+    link: str
+    targets: tuple[str, ...]
+    joint: str | None
+    turn_mrad: float
+    turn_std_mrad: float
+
+
+@dataclass(frozen=True)
+class TargetsMoved:
+    """each: the targets that both campaigns have; together: those that moved as one body."""
+
+    each: tuple[TargetMoved, ...]
+    together: tuple[Together, ...]
+
+    @property
+    def moved(self) -> tuple[TargetMoved, ...]:
+        return tuple(one for one in self.each if one.moved)
+
+    @property
+    def alone(self) -> tuple[TargetMoved, ...]:
+        """Those that moved, otherwise than stated and not with all of their link."""
+        names = {name for one in self.together for name in one.targets}
+        return tuple(one for one in self.moved if not one.as_stated and one.target not in names)
+
+    @property
+    def restated(self) -> tuple[TargetMoved, ...]:
+        """Those that moved as it was stated."""
+        return tuple(one for one in self.moved if one.as_stated)
 
 
 @dataclass(frozen=True)
@@ -134,8 +182,8 @@ class Scatter:
 @dataclass(frozen=True)
 class Apart:
     """What is not the robot, at one campaign against the first. frame_mm, frame_mrad: shift in the middle
-    of the points and turn between instrument and base, with one sigma; targets_moved: whether they sit
-    elsewhere on the robot; sigma_mm, source: the noise as known; scatter: as the points show it; temperature:
+    of the points and turn between instrument and base, with one sigma; moves: where targets sit on the
+    robot; sigma_mm, source: the noise as known; scatter: as the points show it; temperature:
     mean [°C]."""
 
     label: str
@@ -143,12 +191,21 @@ class Apart:
     frame_std_mm: float
     frame_mrad: float
     frame_std_mrad: float
-    targets: tuple[TargetMoved, ...]
-    targets_moved: bool
+    moves: TargetsMoved
     sigma_mm: float
     source: str
     scatter: Scatter
     temperature: float | None
+
+    @property
+    def targets(self) -> tuple[TargetMoved, ...]:
+        """Those that the first campaign has too."""
+        return self.moves.each
+
+    @property
+    def targets_moved(self) -> bool:
+        """Whether any sits elsewhere on the robot, as stated or not."""
+        return bool(self.moves.moved)
 
 
 @dataclass(frozen=True)
@@ -167,7 +224,8 @@ class Comparison:
     """What changed between campaigns of one robot.
 
     changed: whether the robot did, with a probability of 0.95 or more. within_mm: 95 % bound of what all
-    other changes of geometry together make of the points (RMS, frame and targets fitted anew). inputs:
+    other changes of geometry together make of the points in the poses of all campaigns (RMS, frame and
+    targets fitted anew). nominal_mm: RMS that the nominal robot is off. inputs:
     "<folder>/<file>" → SHA-256."""
 
     robot: str
@@ -178,6 +236,7 @@ class Comparison:
     headline: str
     changes: tuple[Change, ...]
     within_mm: float
+    nominal_mm: float
     unchanged: tuple[Unchanged, ...]
     unseen: tuple[Unseen, ...]
     repeats: tuple[Repeats, ...]
@@ -185,6 +244,11 @@ class Comparison:
     chart: tuple[Track, ...]
     notes: tuple[str, ...]
     inputs: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether `within_mm` says something, as `bounds`."""
+        return bounds(self.within_mm, self.nominal_mm, self.changes)
 
     @property
     def exit_status(self) -> int:

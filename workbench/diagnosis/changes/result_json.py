@@ -21,6 +21,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
         "headline": comparison.headline,
         "changes": [_change(change) for change in comparison.changes],
         "unchanged_within_mm": comparison.within_mm,
+        "nominal_mm": comparison.nominal_mm,
         "unchanged": [
             {
                 **_placed(item.label, item.cause, item.where, item.side),
@@ -94,7 +95,26 @@ def _apart(item: Apart) -> dict[str, Any]:
         },
         "targets_moved": item.targets_moved,
         "targets": [
-            {"target": t.target, "by_mm": list(t.by_mm), "std_mm": list(t.std_mm)} for t in item.targets
+            {
+                "target": t.target,
+                "on": t.on,
+                "by_mm": list(t.by_mm),
+                "std_mm": list(t.std_mm),
+                "moved": t.moved,
+                "stated_mm": None if t.stated_mm is None else list(t.stated_mm),
+                "as_stated": t.as_stated,
+            }
+            for t in item.targets
+        ],
+        "moved_together": [
+            {
+                "on": one.link,
+                "targets": list(one.targets),
+                "as_zero_of": one.joint,
+                "turn_mrad": one.turn_mrad,
+                "turn_std_mrad": one.turn_std_mrad,
+            }
+            for one in item.moves.together
         ],
         "noise": {"sigma_mm": item.sigma_mm, "source": item.source},
         "scatter": {

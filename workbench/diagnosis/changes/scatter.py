@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import t as student
 
 from .candidates import Shape
 from .result import Scatter
@@ -17,7 +17,7 @@ def scatters(system: System, shapes: Sequence[Shape], solved: Solved) -> list[Sc
     X = np.concatenate([system.J, *(shape.columns for shape in shapes)], axis=1)
     freedom = ((X @ solved.half) ** 2).sum(axis=1)  # of each row, taken by what was fitted
     found = list[Scatter]()
-    first = (0.0, 0.0)
+    first = (0.0, 0.0, 1)
     for k, one in enumerate(system.occasions):
         here = (system.own == k) & system.used
         share = max(1.0 - float(freedom[here].mean()), 1.0 / here.sum())
@@ -26,11 +26,16 @@ def scatters(system: System, shapes: Sequence[Shape], solved: Solved) -> list[Sc
         squares[seen] = system.lengths(k, solved.left[system.own == k]) ** 2
         each = squares.sum(axis=1)[seen.any(axis=1)] / seen.sum(axis=1)[seen.any(axis=1)]
         sigma = float(np.sqrt(each.mean() / (3 * share)))
-        relative = 0.5 * float(each.std(ddof=1) / (each.mean() * np.sqrt(len(each))))
+        shown = 0.5 * float(each.std(ddof=1) / (each.mean() * np.sqrt(len(each))))
+        relative = max(shown, float((2 * share * here.sum()) ** -0.5))  # no less than of independent errors
         if k == 0:
-            first = sigma, relative
+            first = sigma, relative, len(each)
         z = np.log(sigma / first[0]) / np.hypot(relative, first[1])
-        p = 1.0 if k == 0 else 2 * float(norm.sf(abs(z)))
+        # of few poses the standard error is rough itself (Welch 1947)
+        dof = (relative**2 + first[1] ** 2) ** 2 / (
+            relative**4 / (len(each) - 1) + first[1] ** 4 / (first[2] - 1)
+        )
+        p = 1.0 if k == 0 else 2 * float(student.sf(abs(z), dof))
         rms = float(np.sqrt(np.mean(squares[seen])))
         found.append(Scatter(1e3 * sigma, 1e3 * sigma * relative, sigma / first[0], p, 1e3 * rms))
     return found

@@ -80,20 +80,28 @@ def seen_mm(system: System, columns: Array, size: Array, pattern: Array) -> floa
 
 
 def within_mm(decided: Decided) -> float:
-    """95 % bound [mm] of what all changes of geometry together make of the points, as far as neither frames
-    and targets nor the members do the same."""
+    """95 % bound [mm] of what all changes of geometry together make of the points in the poses of all
+    campaigns, as far as neither frames and targets nor the members do the same: of few poses, what they do
+    not show is much in others."""
     system, last = decided.system, decided.system.last
     geometry = tuple(int(c) for c in system.occasions[0].fit.columns.geometry)
-    every = moved(system.occasions, geometry).at(last)
+    every = moved(system.occasions, geometry)
     shapes = [decided.shape(m) for m in decided.members]
-    solved = solve(system, [*shapes, every], [*(m.scale for m in decided.members), LOOSE])
+    solved = solve(system, [*shapes, every.at(last)], [*(m.scale for m in decided.members), LOOSE])
     before = sum(len(shape.sizes) for shape in shapes)
     mean, covariance = solved.of(slice(before, before + len(geometry)))
-    S = _beside_local(system, every.columns, [shape.columns for shape in shapes])
+    S = _beside_local(system, every.base, [shape.base for shape in shapes])
     draws = np.random.default_rng(0).multivariate_normal(mean, covariance, DRAWS, method="svd")
     square = np.asarray(np.einsum("di,ij,dj->d", draws, S, draws), dtype=np.float64)
     length = np.sqrt(np.maximum(square, 0.0))
-    return float(np.quantile(length, SEEN)) * _per_root(system, last)
+    return float(np.quantile(length, SEEN)) * system.mm
+
+
+def nominal_mm(decided: Decided) -> float:
+    """[mm] RMS of what the nominal robot is off at the campaign where it is off by most, frame and targets
+    fitted."""
+    off = [one.prepared.nominal.residual for one in decided.system.occasions]
+    return 1e3 * max(float(np.sqrt(np.nanmean((one**2).sum(axis=2)))) for one in off)
 
 
 def _beside_local(system: System, columns: Array, more: Sequence[Array] = ()) -> Array:

@@ -165,15 +165,15 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
 def moved_without_parts(
     system: System, shapes: Sequence[Shape], scales: Sequence[float], solved: Solved
 ) -> list[Array]:
-    """Of each occasion (`PARTS`, n + g): by how much all numbers move, in prior sizes, when one part of it is
-    left out, after the other in the order of measurement."""
+    """Of each occasion (`PARTS` or one for each pose, n + g): by how much all numbers move, in prior sizes,
+    when one part of it is left out, after the other in the order of measurement."""
     A = _columns(system, shapes, scales)[0]
     N = A.T @ A + np.eye(A.shape[1])
     out = []
     for here in (system.own == k for k in range(system.count)):
         poses = np.unique(system.pose[here])
         part = np.where(here, np.searchsorted(poses, system.pose) * PARTS // len(poses), -1)
-        left_out = [(A[rows], solved.left[rows]) for rows in (part == i for i in range(PARTS))]
+        left_out = [(A[rows], solved.left[rows]) for rows in (part == i for i in np.unique(part[here]))]
         out.append(np.array([-np.linalg.solve(N - own.T @ own, own.T @ left) for own, left in left_out]))
     return out
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
-from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change
+from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, bounds
 
 MOST_SAID = 3
 MOST_WAYS = 4  # that something may be, in one line
@@ -54,7 +54,8 @@ def moved_by(change: Change) -> str:
         each = [f"{said(_clearest(numbers))} in {label}" for label, numbers in change.levels]
         of = "" if one else f"{at}: {largest.name} "
         return f"{change.label} moved more than once, against the first by {of}{listed(each)}"
-    return f"{change.label} {'moved' if one else 'changed'} by {by}"
+    verb = "is off" if change.side == "load" else "moved" if one else "changed"
+    return f"{change.label} {verb} by {by}"
 
 
 def listed(names: Sequence[str]) -> str:
@@ -82,22 +83,40 @@ def headline(
     apart: Sequence[str],
     robot_changed: bool,
     hidden: Sequence[str] = (),
+    nominal_mm: float = math.inf,
+    last: str = "",
 ) -> str:
-    """What changed, what did not, and what is not the robot. hidden: joints a change of whose zero would look
-    like a move of the instrument or the targets."""
+    """What changed, what did not, and what is not the robot. within_mm: bound of all else, said where it is
+    it `bounds` them, beside what the nominal robot is off (nominal_mm); else what the `last`
+    campaign could not have shown. hidden: joints a change of whose zero would look like a move of the
+    instrument or the targets."""
     robot = [c for c in changes if c.side == "robot" and (c.placed or c.status != POSSIBLE)]
     sure = [moved_by(c) for c in changes if c.status == "named"]
     open_ = [_either(c) for c in changes if c.status != "named" and (c.placed or c.status != POSSIBLE)]
-    within = f"unchanged within {max(within_mm, 0.001):.2g} mm"
+    none = not robot and not robot_changed
+    if bounds(within_mm, nominal_mm, robot):
+        what = "the robot is" if none else "everything else"
+        rest = f"{what} unchanged within {max(within_mm, 0.001):.2g} mm"
+        but = "but for"
+    else:
+        size = hidden_size(within_mm, nominal_mm)
+        seen = "no change of the robot is seen; changes" if none else "other changes"
+        rest, but = f"{seen} {size} could not have been seen{f' in {last}' if last else ''}", "nor"
     if hidden:
         zeros = "zero" if len(hidden) == 1 else "zeros"
         like = "to these data a move of the instrument or the targets"
-        within += f" (but for the {zeros} of {listed(hidden)}: {like})"
+        rest += f" ({but} the {zeros} of {listed(hidden)}: {like})"
     parts = [*sure[:MOST_SAID], *(["and more"] if len(sure) > MOST_SAID else []), *open_[:MOST_SAID]]
-    rest = f"the robot is {within}" if not robot and not robot_changed else f"everything else {within}"
     nowhere = [_either(c) for c in changes if c.status == POSSIBLE and not c.placed]
     text = "; ".join([*parts, rest, *nowhere[:MOST_SAID], *apart])
     return f"{text}." if sure else f"{text[0].upper()}{text[1:]}."  # a name stays as it is written
+
+
+def hidden_size(within_mm: float, nominal_mm: float) -> str:
+    """How large what could not have been seen may be."""
+    if within_mm < nominal_mm:
+        return f"up to {within_mm:.2g} mm at the targets"
+    return f"as large as the nominal robot's error ({nominal_mm:.2g} mm)"
 
 
 def _either(change: Change) -> str:

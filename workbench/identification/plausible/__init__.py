@@ -1,7 +1,7 @@
 """Whether joints, points and robot belong together, before anything is fitted to explain them."""
 
 from .check import Plausible, believed, check_plausible, judge
-from .few_poses import enough_poses
+from .few_poses import enough_beside_others, enough_poses, enough_together, too_few_alone
 from .machine import check_rest, plausible_geometry
 
 __all__ = [
@@ -9,7 +9,10 @@ __all__ = [
     "believed",
     "check_plausible",
     "check_rest",
+    "enough_beside_others",
     "enough_poses",
+    "enough_together",
     "judge",
     "plausible_geometry",
+    "too_few_alone",
 ]
