@@ -136,7 +136,7 @@ def measured():
 def test_the_smallest_campaign_that_settles_a_result(tmp_path, measured):
     small = plan(measured, tell=str(ambiguous(tmp_path, 5e-5)), quick=True)
     assert small.least >= 40
-    assert small.needed == len(small.records.poses) < 60
+    assert small.needed <= len(small.records.poses) < 60
     assert "the size that was found" in small.text
     large = plan(measured, tell=str(ambiguous(tmp_path, 3e-3)), quick=True)
     assert large.least >= 40
