@@ -145,6 +145,13 @@ def test_the_smallest_campaign_that_settles_a_result(tmp_path, measured):
     assert fewer.least < small.least
 
 
+def test_a_size_that_no_cause_has_is_remarked_on_and_one_without_effect_refused(measured):
+    odd = plan(measured, 8, tell="gear_ratio:joint=joint_1,relative=5,bearing_tilt:joint=joint_1", quick=True)
+    assert "is said to be 1e+05 times its usual size" in odd.text
+    with pytest.raises(InputError, match=r"link_mass.*cannot show in this model"):
+        plan(measured, 8, tell="gear_ratio:joint=joint_1,relative=3e-4,link_mass:link=link_1", quick=True)
+
+
 def test_a_cause_is_told_in_the_size_that_was_found(tmp_path, measured):
     """As the commands of a diagnosis say it: the same plan as for its result.json."""
     found = json.loads(ambiguous(tmp_path, 3e-4).read_text())["causes"][0]

@@ -83,19 +83,19 @@ def _looked_up(fact: FactData, problem: Problem) -> Given:
 def _too_far(effect: Effect, fact: FactData, value: float, problem: Problem) -> Fault:
     """Of a number from which the model differs by more than the cause may be."""
     (param,) = effect.params
-    unit = f" {param.unit}".removesuffix(" 1")
-    here = f"{param.name} would be {value:g}{unit}, it goes from {param.lower:g} to {param.upper:g}"
+    what = f"{fact.parameter} {fact.value:g} is no {fact.cause}: {param.name} would be {value:g}"
+    mend = f"between {param.lower:g} and {param.upper:g} {param.unit}".removesuffix(" 1")
     models = _models(effect, fact, problem)
-    if models is None:
-        return Fault(_place(fact), f"{fact.parameter} {fact.value:g} is no {fact.cause}", here)
-    what = f"is {fact.value:g} as said, {models:.6g} in the model: too much for a {fact.cause} ({here})"
-    at = f", under [joints.{fact.joint}]" if fact.joint else ""
-    return Fault(_place(fact), what, f"if the robot is built so, state it in the robot's TOML{at}")
+    if models is not None:
+        at = f" under [joints.{fact.joint}]" if fact.joint else ""
+        what += f", since the model has {fact.parameter} {models:.6g}"
+        mend = f"state it in the robot's TOML{at} if it is built so; {param.name} is {mend}"
+    return Fault(_place(fact), what, mend)
 
 
 def _models(effect: Effect, fact: FactData, problem: Problem) -> float | None:
     """The model's own number for a whole quantity; None where it is no whole, or the model has none near."""
-    if fact.parameter not in effect.wholes:
+    if fact.parameter not in effect.wholes or fact.value <= 0:
         return None
 
     def differs(value: float) -> float:
