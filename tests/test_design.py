@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -228,10 +229,35 @@ def test_no_poses_tell_the_same_from_the_same(kr500):
     assert made.to_json()["told_apart"] is False
     assert made.text.startswith("No poses tell gear_ratio(joint_4) from hose_torque(joint_4).")
     assert "hose pack taken off" in made.text
-    # a vertical axis carries no gravity torque
-    unseen = plan(kr500.robot, 20, tell="joint_compliance:joint=joint_1,foundation", quick=True)
-    assert unseen.records is None
-    assert "No pose shows joint_compliance(joint_1)." in unseen.text
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        # a vertical axis carries no gravity torque
+        ("kr500", "joint_compliance:joint=joint_1,foundation", "in no pose does a load of the model bend it"),
+        (
+            "kr500",
+            "gear_ratio:joint=joint_2,link_mass:link=link_1",
+            "link_1.*a body that turns upright",
+        ),
+        ("iiwa7", "gear_ratio:joint=joint_2,link_mass", "all joints and links of the model are rigid"),
+    ],
+)
+def test_what_cannot_show_in_the_model_is_no_question(name, text, said):
+    with pytest.raises(InputError, match=said):
+        plan(load_robot(name), 10, tell=text, quick=True)
+
+
+def test_every_two_causes_that_were_asked_for_are_told_and_none_worse_than_at_random():
+    text = "backlash:joint=joint_3,lost_motion:joint=joint_3,variant=cubic,gear_ratio:joint=joint_3"
+    made = plan(load_robot("kr500"), 12, tell=text, quick=True)
+    two = {frozenset((pair.effect.cause, pair.rival.cause)) for pair in made.asked}
+    names = ("backlash", "lost_motion", "gear_ratio")
+    assert two == {frozenset(pair) for pair in combinations(names, 2)}
+    assert len(made.to_json()["asked"]) == 3
+    assert made.text.count("planned poses") >= 3
+    assert made.worth[0] >= made.worth[1]
 
 
 def test_causes_as_on_the_command_line():

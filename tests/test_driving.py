@@ -187,6 +187,12 @@ def test_obstacles_may_be_called_as_they_like() -> None:
     assert not {"fence", "fence 2", "floor 2", "link_2 2"} & hit
 
 
+def test_what_stands_in_the_robot_is_said_to_be_unchecked(cell: Reach) -> None:
+    inside = ObstacleData(name="inside", box_mm=(300, 300, 300), xyz_mm=(0, 0, 250))
+    assert ("inside", "link_1") in reached("irb120", CellData(obstacles=(inside,))).unchecked
+    assert not cell.unchecked
+
+
 def test_the_camera_does_not_stand_behind_a_fence() -> None:
     links, extent = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.5], [0.6, 0.0, 0.6]]), 3.0
     open_cell = reached("irb120", CellData())

@@ -63,6 +63,8 @@ def test_facts_are_read_from_text_and_toml_alike(tmp_path):
         ("joint_compliance:joint=joint_2,stiffness=-3,std=1", "-3 is no stiffness"),
         ("no backlsh", "no cause 'backlsh'"),
         ("no backlash(joint_9)", "cannot sit there"),
+        ("no payload(heavy)", "payload cannot be in this campaign anywhere: no pose with a payload"),
+        ("gear_ratio:joint=joint_4,ratio=120,std=0", "would be -0.166667, since the model has ratio 100"),
     ],
 )
 def test_a_fact_that_cannot_be_is_an_error_of_the_input(text, said):

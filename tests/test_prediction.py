@@ -181,8 +181,31 @@ def test_command(model, tmp_path, capsys):
 def test_volume(model, tmp_path, capsys):
     assert main(["predict", str(model), "--volume", "40", "--out", str(tmp_path), "--tolerance", "10"]) == 0
     said = capsys.readouterr().out
-    assert "mean of 40 poses" in said
+    assert said.startswith("14 of 40 poses lie within what was measured")
+    assert "mean of 14 poses" in said
     assert "Inside 10 mm with 95 %: at 100 % of these poses" in said
+    told = json.loads((tmp_path / "predict.json").read_text())
+    inside = [pose["corrected_bound_mm"] for pose in told["poses"] if not pose["outside"]]
+    assert told["inside"]["n_poses"] == len(inside) == 14
+    assert told["inside"]["corrected"]["bound_max_mm"] == pytest.approx(max(inside))
+
+
+def test_where_nothing_was_measured_no_figure_is_said(model, tmp_path, capsys):
+    """Nor is a pose that the robot cannot take passed over in silence."""
+    rows = ["p1,170,300,200", "p2,400,300,100", "p3,-900,300,100"]
+    (tmp_path / "poses.csv").write_text("\n".join(["pose_id,q1_deg,q2_mm,q3_mm", *rows, ""]))
+    out = tmp_path / "out"
+    assert main(["predict", str(model), "--poses", str(tmp_path / "poses.csv"), "--out", str(out)]) == 0
+    said, warned = capsys.readouterr()
+    assert said.startswith("None of 3 poses lies within what was measured: nothing can be said of them.")
+    assert " mm" not in said
+    assert "beyond the limits of joint_1: poses p2, p3" in warned
+    told = json.loads((out / "predict.json").read_text())
+    assert told["inside"] is None
+    assert [pose["beyond_limits"] for pose in told["poses"]] == ["", "joint_1", "joint_1"]
+    table = (out / "errors.csv").read_text().splitlines()
+    assert table[0].endswith(",outside,beyond_limits")
+    assert "What an uncorrected program misses" not in (out / "index.html").read_text()
 
 
 def test_the_scene_shows_errors_and_measured_poses(model, tmp_path):

@@ -12,7 +12,8 @@ from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.joint_map import JointMap
 from workbench.effects.place import Where
 from workbench.measurement.design import decide
-from workbench.measurement.design.candidates import Factors, candidates
+from workbench.measurement.design.accuracy import DRAWS
+from workbench.measurement.design.candidates import Factors, candidates, random_rows
 from workbench.measurement.design.fedorov import Search
 from workbench.measurement.design.prior_information import from_campaign
 from workbench.measurement.design.t_optimal import design_space
@@ -22,6 +23,7 @@ from workbench.measurement.design.ties import (
     contains,
     fewest,
     least,
+    records_needed,
     share_of,
     tie_between,
 )
@@ -77,6 +79,27 @@ def test_a_map_that_was_found_is_settled_beside_the_sine_in_it(tied):
     assert share >= 1
     assert least(space, space.measured(chosen), tie) >= 40
     assert 0 < share_of(space, space.measured(chosen), tie) < share / 2
+
+
+def test_what_is_needed_is_not_drawn_out_in_a_line(tied):
+    """Odds beside a map that contains the sine grow slower than poses: so many of them do settle it."""
+    fit, sine, values, whole, space = tied
+    tie = tie_between(fit, sine, values, (whole,), {sine.key: 0.94, whole.key: 0.06})
+    few = np.arange(20)
+    share = share_of(space, space.measured(few), tie)
+    needed = records_needed(space, few, [tie])
+    assert share_of(space, space.measured(few, 20 / share), tie) < 1  # in a line it would be settled
+    assert needed is None or needed > 20 / share
+    every = np.arange(POOL)
+    assert records_needed(space, every, [replace(tie, chances={sine.key: 0.97, whole.key: 0.03})]) is not None
+
+
+def test_no_chosen_records_settle_less_than_random_ones(tied):
+    fit, sine, values, whole, space = tied
+    tie = tie_between(fit, sine, values, (whole,), {})
+    _, share = fewest(space, [tie], Search(POOL, 1, 0), Attempts(15, 15, 15, 1, 1.0))
+    draws = [random_rows(len(space.rows), 15, 0, draw) for draw in range(DRAWS)]
+    assert share >= max(share_of(space, space.measured(draw), tie) for draw in draws) - 1e-9
 
 
 def test_a_stiffness_of_a_rigid_joint_is_read_near_what_was_found():

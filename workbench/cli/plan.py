@@ -21,7 +21,7 @@ from .arguments import (
     quick_option,
     seed_option,
 )
-from .status import progress
+from .status import progress, warn
 
 if TYPE_CHECKING:
     from ..campaign import Campaign
@@ -111,6 +111,8 @@ def run(arguments: argparse.Namespace) -> None:
         progress=progress,
     )
     files = [] if made.drive is None else _write(source, made, poses, program, arguments)
+    for one, other in [] if made.reach is None else made.reach.unchecked:
+        warn(f"{one} and {other} touch in nearly all poses: whether they do is not checked")
     if arguments.json:
         print(json.dumps(_facts(source, made, poses, arguments) | {"files": [str(file) for file in files]}))
         return

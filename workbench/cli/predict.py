@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..files.faults import Fault, InputError
 from .arguments import Commands, above_zero, check_folder, json_option, out_option, positive, seed_option
-from .status import progress
+from .status import progress, warn
 
 if TYPE_CHECKING:
     from ..campaign import Campaign
@@ -84,6 +84,8 @@ def run(arguments: argparse.Namespace) -> None:
     expected = Expected(robot, errors, tolerance, digests(read))
     progress("writing the page, the table and the scene")
     write_expected(expected, out)
+    for words in expected.beyond_limits:
+        warn(words)
     print(json.dumps(expected.to_json()) if arguments.json else f"{expected.text}\n\nopen {out}/index.html")
 
 

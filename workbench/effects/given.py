@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from scipy.optimize import brentq
+
 from ..campaign.known import FactData
 from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
 from ..files.faults import Fault, InputError
@@ -79,12 +81,35 @@ def _looked_up(fact: FactData, problem: Problem) -> Given:
     if whole in effect.wholes:  # what the model's own effects add to it is there already
         value -= sum(float(v[0]) for v in stated)
     if not param.lower <= value <= param.upper:
-        what = f"{fact.parameter} {fact.value:g} is no {fact.cause}: {param.name} would be {value:g}"
-        mend = f"between {param.lower:g} and {param.upper:g} {param.unit}".removesuffix(" 1")
-        raise InputError(Fault(place, what, mend))
+        raise InputError(_too_far(effect, fact, value, problem))
     if abs(value) < EXACT * param.typical:  # the model's own number, as far as floats go
         value = 0.0
     return Given(effect, value, max(std, EXACT * param.typical), fact)
+
+
+def _too_far(effect: Effect, fact: FactData, value: float, problem: Problem) -> Fault:
+    """Of a number from which the model differs by more than the cause may be."""
+    (param,) = effect.params
+    what = f"{fact.parameter} {fact.value:g} is no {fact.cause}: {param.name} would be {value:g}"
+    mend = f"between {param.lower:g} and {param.upper:g} {param.unit}".removesuffix(" 1")
+    models = _models(effect, fact, problem)
+    if models is not None:
+        at = f" under [joints.{fact.joint}]" if fact.joint else ""
+        what += f", since the model has {fact.parameter} {models:.6g}"
+        mend = f"state it in the robot's TOML{at} if it is built so; {param.name} is {mend}"
+    return Fault(_place(fact), what, mend)
+
+
+def _models(effect: Effect, fact: FactData, problem: Problem) -> float | None:
+    """The model's own number for a whole quantity; None where it is no whole, or the model has none near."""
+    if fact.parameter not in effect.wholes or fact.value <= 0:
+        return None
+
+    def differs(value: float) -> float:
+        return _number(effect, fact, value, problem)
+
+    low, high = abs(fact.value) * 1e-3, abs(fact.value) * 1e3
+    return float(brentq(differs, low, high)) if differs(low) * differs(high) < 0 else None
 
 
 def _number(effect: Effect, fact: FactData, value: float, problem: Problem) -> float:
@@ -134,8 +159,11 @@ def exclusions(problem: Problem) -> tuple[Exclusion, ...]:
             faults.append(Fault(f"known: exclude {one.text!r}", f"no cause {cause!r}", mend))
         elif one.text.strip() != cause and not _sits(one, kinds[cause].places(problem)):
             places = dict.fromkeys(effect.label for effect in kinds[cause].places(problem))
-            mend = f"possible: {', '.join(places)}"
-            faults.append(Fault(f"known: exclude {one.text!r}", "cannot sit there", mend))
+            what, mend = "cannot sit there", f"possible: {', '.join(places)}"
+            if not places:
+                why = kinds[cause].needs(problem) or "there is no place for it"
+                what, mend = f"{cause} cannot be in this campaign anywhere: {why}", "leave it out"
+            faults.append(Fault(f"known: exclude {one.text!r}", what, mend))
     if faults:
         raise InputError(faults)
     return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,7 @@ from .workspace_map import workspace_map
 
 HEAD = (
     "pose_id", "target", "x_mm", "y_mm", "z_mm", "dx_mm", "dy_mm", "dz_mm",
-    "error_mm", "nominal_bound_mm", "corrected_bound_mm", "outside",
+    "error_mm", "nominal_bound_mm", "corrected_bound_mm", "outside", "beyond_limits",
 )  # fmt: skip
 MISSED, LEFT = "What an uncorrected program misses", "What is left after correction (95 % bound)"
 LISTED = 6  # places outside of what was measured, by name
@@ -43,22 +44,50 @@ class Expected:
     tolerance: float | None = None
     inputs: Mapping[str, str] = field(default_factory=dict)
 
+    @cached_property
+    def inside(self) -> ToolErrors | None:
+        """What is expected at the poses within what was measured; None where there are none."""
+        return self.errors.some(self.errors.measured) if self.errors.measured.any() else None
+
     @property
     def headline(self) -> str:
-        e, count = self.errors, len(self.errors.outside)
+        e, count = self.inside, len(self.errors.outside)
+        if e is None:
+            return f"None of {count} poses lies within what was measured: nothing can be said of them"
+        within, said = len(e.outside), ""
+        if within < count:
+            lie = "lies" if within == 1 else "lie"
+            said = f"{within} of {count} poses {lie} within what was measured, of others nothing is said. "
         median, most = 1e3 * np.quantile(e.worst, [0.5, 0.95])
         mean = 1e3 * float(e.length.mean())
-        said = (
-            f"An uncorrected program misses by {mean:.3f} mm (mean of {count} poses); after correction "
+        said += (
+            f"An uncorrected program misses by {mean:.3f} mm (mean of {within} poses); after correction "
             f"the tool stays within {median:.3f} mm at half of them, within {most:.3f} mm at 95 %"
         )
         if self.tolerance is not None:
-            before, after = self.errors.share_inside(self.tolerance)
+            before, after = e.share_inside(self.tolerance)
             said += (
                 f". Inside {1e3 * self.tolerance:.3g} mm with 95 %: at {100 * after:.0f} % of these poses, "
                 f"uncorrected at {100 * before:.0f} %"
             )
         return said
+
+    @property
+    def beyond_limits(self) -> list[str]:
+        """Which poses have joints beyond their limits, in words."""
+        found: dict[str, list[str]] = {}
+        for name, said in zip(self.errors.campaign.poses.ids, self.errors.beyond_limits, strict=True):
+            if said:
+                found.setdefault(said, []).append(name)
+        return [
+            f"beyond the limits of {joints}: poses {', '.join(ids[:LISTED])}"
+            + (f" and {len(ids) - LISTED} more" if len(ids) > LISTED else "")
+            for joints, ids in found.items()
+        ]
+
+    @property
+    def notes(self) -> list[str]:
+        return [*self.errors.notes, *self.beyond_limits]
 
     @property
     def outside(self) -> list[str]:
@@ -68,7 +97,7 @@ class Expected:
             return ["All poses lie inside of what was measured."]
         lines = [
             f"{sum(found.values())} of {len(self.errors.outside)} poses lie outside of what was measured: "
-            "their bounds are extrapolated, and grow with the distance"
+            "what the table has of them is extrapolated"
         ]
         lines += [f"{said}: {count} poses" for said, count in found.most_common(LISTED)]
         return lines + ([f"and {len(found) - LISTED} more combinations"] if len(found) > LISTED else [])
@@ -88,7 +117,8 @@ class Expected:
             "nominal": _figures(e.length, e.nominal.max(axis=1)),
             "corrected": _figures(None, e.worst),
             "outside": sum(bool(said) for said in e.outside),
-            "notes": list(e.notes),
+            "inside": self._inside_json(),
+            "notes": self.notes,
         }
         if self.tolerance is not None:
             before, after = e.share_inside(self.tolerance)
@@ -98,7 +128,13 @@ class Expected:
                 "corrected_share": after,
             }
         rows = zip(
-            e.campaign.poses.ids, e.length.max(axis=1), e.nominal.max(axis=1), e.worst, e.outside, strict=True
+            e.campaign.poses.ids,
+            e.length.max(axis=1),
+            e.nominal.max(axis=1),
+            e.worst,
+            e.outside,
+            e.beyond_limits,
+            strict=True,
         )
         out["poses"] = [
             {
@@ -107,10 +143,23 @@ class Expected:
                 "nominal_bound_mm": 1e3 * float(nominal),
                 "corrected_bound_mm": 1e3 * float(bound),
                 "outside": said,
+                "beyond_limits": beyond,
             }
-            for name, error, nominal, bound, said in rows
+            for name, error, nominal, bound, said, beyond in rows
         ]
         out["inputs"] = dict(self.inputs)
+        return out
+
+    def _inside_json(self) -> dict[str, Any] | None:
+        """The same figures of the poses within what was measured alone."""
+        e = self.inside
+        if e is None:
+            return None
+        nominal, corrected = _figures(e.length, e.nominal.max(axis=1)), _figures(None, e.worst)
+        out: dict[str, Any] = {"n_poses": len(e.outside), "nominal": nominal, "corrected": corrected}
+        if self.tolerance is not None:
+            before, after = e.share_inside(self.tolerance)
+            out |= {"nominal_share": before, "corrected_share": after}
         return out
 
 
@@ -130,8 +179,8 @@ def write_expected(expected: Expected, folder: Path) -> None:
         headline=expected.headline,
         words=WORDS,
         outside=expected.outside,
-        notes=list(e.notes),
-        figures=[_shares(expected), *_maps(expected)],
+        notes=expected.notes,
+        figures=[] if expected.inside is None else [_shares(expected, expected.inside), *_maps(expected)],
         inputs=expected.inputs.items(),
         version=version("robot-workbench"),
     )
@@ -152,15 +201,14 @@ def _rows(e: ToolErrors) -> list[Sequence[str]]:
         [e.places, e.error, e.length[..., None], e.nominal[..., None], e.corrected[..., None]], axis=2
     )
     return [
-        [name, target.name, *(f"{1e3 * value:.4f}" for value in numbers[i, t]), e.outside[i]]
-        for i, name in enumerate(e.campaign.poses.ids)
+        [name, target.name, *(f"{1e3 * value:.4f}" for value in numbers[i, t]), e.outside[i], beyond]
+        for i, (name, beyond) in enumerate(zip(e.campaign.poses.ids, e.beyond_limits, strict=True))
         for t, target in enumerate(e.campaign.targets)
     ]
 
 
-def _shares(expected: Expected) -> Figure:
-    """Share of the poses over the bound."""
-    e = expected.errors
+def _shares(expected: Expected, e: ToolErrors) -> Figure:
+    """Share of the poses within what was measured, e, over the bound."""
     share = np.arange(1, len(e.worst) + 1) / len(e.worst) * 100
     with drawing("shares", 2.8) as (axes, svg):
         for bound, colour, label in (

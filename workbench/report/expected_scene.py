@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..identification.prediction import ToolErrors
 from ..robot.description import Robot
@@ -39,21 +40,23 @@ def expected_scene(
         "outside": list(errors.outside[::step]),
         "measured": pack(measured),
         "colours": opaque_colours(),
-        "stages": [_stage(name, value, step) for name, value in values.items()],
+        "stages": [_stage(name, value, errors.measured, step) for name, value in values.items()],
         "extent": extent,
         "factor": 1.0,
     }
     return with_panel(html, "predict_overlay.html", data, title)
 
 
-def _stage(name: str, value: Array, step: int) -> dict[str, Any]:
-    """One quantity: class of colour and millimetres of each place that is drawn, and what the classes are."""
-    edges = class_edges(value)
+def _stage(name: str, value: Array, inside: NDArray[np.bool_], step: int) -> dict[str, Any]:
+    """One quantity: class of colour and millimetres of each place that is drawn, and what the classes are, by
+    the values inside (N,) of what was measured; where none are, there are no classes to tell."""
+    told = value[inside]
+    edges = class_edges(told) if len(told) else np.full(4, np.inf)
     return {
         "name": name,
-        "mean_mm": 1e3 * float(value.mean()),
-        "largest_mm": 1e3 * float(value.max()),
-        "labels": class_labels(edges),
+        "mean_mm": 1e3 * float(told.mean()) if len(told) else None,
+        "largest_mm": 1e3 * float(told.max()) if len(told) else None,
+        "labels": class_labels(edges) if len(told) else [],
         "level": np.searchsorted(edges, value[::step]).tolist(),
         "mm": [round(1e3 * float(one), 4) for one in value[::step]],
     }

@@ -24,8 +24,9 @@ def workspace_map(
     name: str, title: str, places: Array, value: Array, outside: NDArray[np.bool_], measured: Array
 ) -> Figure:
     """Cells coloured by the mean of `value` (N,) [m] of the poses at `places` (N, 3) [m]; outside: (N,) the
-    pose lies outside of what was measured; measured: (M, 3) [m] where the campaign was."""
-    edges = class_edges(value)
+    pose lies outside of what was measured; what lies inside, some at least, says what the classes are;
+    measured: (M, 3) [m] where the campaign was."""
+    edges = class_edges(value[~outside])
     with drawing(name, 3.8, columns=2) as (axes, svg):
         for ax, view in zip(axes, VIEWS, strict=True):
             _cells(ax, places[:, view], value, outside, edges)
@@ -35,8 +36,9 @@ def workspace_map(
             ax.set_ylabel(f"{'xyz'[view[1]]} (m)")
             ax.set_aspect("equal", adjustable="datalim")
         _legend(axes[0], edges, bool(outside.any()), bool(len(measured)))
-    low, high = 1e3 * float(value.min()), 1e3 * float(value.max())
-    return Figure(name, title, f"{title}: {low:.3f} to {high:.3f} mm, means over cells", svg[0])
+    low, high = (1e3 * float(end(value[~outside])) for end in (np.min, np.max))
+    words = f"{title}: {low:.3f} to {high:.3f} mm within what was measured, means over cells"
+    return Figure(name, title, words, svg[0])
 
 
 def class_edges(value: Array) -> Array:
@@ -70,6 +72,9 @@ def _cells(ax: Any, at: Array, value: Array, outside: NDArray[np.bool_], edges: 
     cell, where = np.unique(np.floor((at - low) / side).astype(int), axis=0, return_inverse=True)
     count = np.bincount(where.ravel())
     mean, beyond = (np.bincount(where.ravel(), v) / count for v in (value, outside.astype(float)))
+    seen = np.bincount(where.ravel(), ~outside)
+    inside = np.bincount(where.ravel(), np.where(outside, 0.0, value)) / np.maximum(seen, 1)
+    mean = np.where(beyond > 0.5, mean, inside)
     level = np.searchsorted(edges, mean)
     half = 0.5 * side * np.where(beyond > 0.5, BEYOND, 1.0)
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])

@@ -25,6 +25,7 @@ from .tempering import Tempering
 from .tool import tool_motion, tool_points, tool_problem
 
 TOGETHER = "combination of joints"  # each of them inside of its range
+LIMIT = 1e-6  # rad or m, beyond a joint's limit that is rounding
 MARGIN = 0.02  # of a joint's measured range, or of the largest spread: nearer than this is inside
 
 
@@ -64,6 +65,26 @@ class ToolErrors:
     def measured(self) -> NDArray[np.bool_]:
         """(N,) the pose lies inside of what was measured."""
         return np.array([not said for said in self.outside])
+
+    @cached_property
+    def beyond_limits(self) -> tuple[str, ...]:
+        """Joints that each pose has beyond their limits ("" none)."""
+        robot, q = self.campaign.robot, self.campaign.poses.q
+        lower, upper = (np.array([getattr(j, end) for j in robot.joints]) for end in ("lower", "upper"))
+        beyond = (q < lower - LIMIT) | (q > upper + LIMIT)
+        return tuple("; ".join(robot.joints[j].name for j in np.flatnonzero(row)) for row in beyond)
+
+    def some(self, poses: NDArray[np.bool_]) -> ToolErrors:
+        """Some of the poses, (N,)."""
+        return replace(
+            self,
+            campaign=self.campaign.some(np.flatnonzero(poses)),
+            error=self.error[poses],
+            nominal=self.nominal[poses],
+            corrected=self.corrected[poses],
+            places=self.places[poses],
+            outside=tuple(said for said, kept in zip(self.outside, poses, strict=True) if kept),
+        )
 
     def share_inside(self, tolerance: float) -> tuple[float, float]:
         """Share of the poses at which every point of the tool stays within `tolerance` [m] with 95 %:

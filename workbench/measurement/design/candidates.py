@@ -81,9 +81,9 @@ def candidates(
     )
 
 
-def random_rows(offered: int, count: int, seed: int) -> NDArray[np.int64]:
-    """As many random ones of the records on offer, beside which a plan is held."""
-    return np.random.default_rng([seed, 23]).permutation(offered)[:count]
+def random_rows(offered: int, count: int, seed: int, draw: int = 0) -> NDArray[np.int64]:
+    """As many random ones of the records on offer, beside which a plan is held; draw: which of some."""
+    return np.random.default_rng([seed, 23, draw]).permutation(offered)[:count]
 
 
 def take(records: Campaign, chosen: NDArray[np.int64]) -> Campaign:

@@ -23,7 +23,7 @@ from ...effects.records import effect_text
 from ..driving.block import torque_columns
 from .candidates import candidates, reach_of
 from .causes import CHANCE, varied
-from .discrimination import MOST_MEASURED
+from .discrimination_plan import MOST_MEASURED
 from .fedorov import Records, Search
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, design_space
@@ -35,6 +35,7 @@ from .ties import (
     contains,
     fewest,
     least,
+    records_needed,
     settled_at,
     share_of,
     tie_of,
@@ -42,7 +43,7 @@ from .ties import (
 )
 
 MOST = 3  # ambiguous findings that are worked out, the strongest
-POOL = 120  # candidate records
+POOL = 240  # candidate records
 POSES = Attempts(first=24, fewest=18, most=60, times=4, margin=1.4)  # others may turn up as rivals
 DRAWS = 3  # of random poses with torques
 TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
@@ -125,13 +126,16 @@ def _decisions(
 
 
 def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float | None] | None:
-    """Poses that settle it, and λ after them: not known where it takes more than `POSES.most`; None where it
-    takes more than anyone measures."""
-    chosen, share = fewest(space, [tie], Search(POOL, 1, 0), POSES)
-    if share >= 1:
-        return len(chosen), least(space, space.measured(chosen), tie)
-    needed = len(chosen) / max(share, 1e-9)
-    return (10 * int(np.ceil(needed / 10)), None) if needed <= MOST_MEASURED else None
+    """Poses that settle it, with the margin, and λ after them: not known where it takes more than
+    `POSES.most`; None where it takes more than anyone measures."""
+    chosen, _ = fewest(space, [tie], Search(POOL, 1, 0), POSES)
+    needed = records_needed(space, chosen, [tie])
+    if needed is None or POSES.margin * needed > MOST_MEASURED:
+        return None
+    count = max(POSES.fewest, int(np.ceil(POSES.margin * needed)))
+    if count > POSES.most:
+        return 10 * int(np.ceil(count / 10)), None
+    return count, least(space, space.measured(chosen, count), tie)
 
 
 def _settled_by_torque(torques: Torques, tie: Tie) -> tuple[int, float] | None:

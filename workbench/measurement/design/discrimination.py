@@ -20,24 +20,24 @@ from .accuracy import DRAWS
 from .budget import SESSIONS, Question, in_time
 from .candidates import Factors, candidates, random_rows, take
 from .causes import EXAMPLE, factors, named_causes
-from .discrimination_plan import LEVELS, Discrimination, DiscriminationPlan
+from .discrimination_plan import LEVELS, MOST_MEASURED, TELLS, Discrimination, DiscriminationPlan
 from .fedorov import Records, Search, check_count, information
 from .prior_information import PriorInformation, ValuedEffects
+from .shown import check_shown
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
-
-TELLS = 1.0  # λ below which a plan tells nothing
-MOST_MEASURED = 1000  # poses that anyone would measure for this
 
 
 @dataclass(frozen=True, eq=False)
 class TellSpace(Question):
-    """Candidate records, the pairs of causes that they may tell apart, and what they cannot."""
+    """Candidate records, the pairs of causes that they may tell apart, and what they cannot; asked: of every
+    two causes that were named, all pairs of their places, both ways."""
 
     prior: PriorInformation
     effects: ValuedEffects
     offered: Campaign
     space: DesignSpace
     pairs: tuple[Pair, ...]
+    asked: tuple[tuple[Pair, ...], ...]
     hopeless: tuple[Pair, ...]
     unseen: tuple[Effect, ...]
     separate_by: str
@@ -60,8 +60,12 @@ class TellSpace(Question):
 
     def worth(self, records: Campaign) -> float:
         """λ of the hardest pair, less what was there before."""
+        return self.worth_of(self.data(records))
+
+    def worth_of(self, data: Array) -> float:
+        """The same of data (P, P)."""
         now = float(self.space.criterion(self.space.before, self.pairs).min())
-        return float(self.space.criterion(self.data(records), self.pairs).min()) - now
+        return float(self.space.criterion(data, self.pairs).min()) - now
 
 
 def tell_space(prior: PriorInformation, text: str, search: Search) -> TellSpace:
@@ -72,8 +76,10 @@ def tell_space(prior: PriorInformation, text: str, search: Search) -> TellSpace:
     at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
     space = design_space(prior.of_records(offered, at_zero), prior.of_campaign(at_zero))
     everything = space.before + information(space.rows)
+    check_shown(space, causes, prior.problem)
     unseen = [effect for effect in effects if space.alone(everything, effect) < LEVELS.least]
     pairs = _pairs(causes, unseen)
+    asked = tuple(filter(None, (tuple(_pairs(two, unseen)) for two in combinations(causes, 2))))
     if not pairs and not unseen:
         raise InputError(Fault("--tell", f"{text!r} names one cause at one place", EXAMPLE))
     reached = space.criterion(everything, pairs)
@@ -81,7 +87,9 @@ def tell_space(prior: PriorInformation, text: str, search: Search) -> TellSpace:
     hopeless = tuple(pair for pair in pairs[::2] if frozenset(pair) in lost)
     open_pairs = tuple(pair for pair in pairs if frozenset(pair) not in lost)
     words = advice(hopeless or pairs or [(unseen[0], e) for e in effects], prior.problem)
-    return TellSpace(prior, at_zero, offered, space, open_pairs, hopeless, tuple(unseen), words, search)
+    return TellSpace(
+        prior, at_zero, offered, space, open_pairs, asked, hopeless, tuple(unseen), words, search
+    )
 
 
 def plan_discrimination(prior: PriorInformation, text: str, count: int, search: Search) -> DiscriminationPlan:
@@ -91,8 +99,10 @@ def plan_discrimination(prior: PriorInformation, text: str, count: int, search: 
     check_count(count, len(space.offered.poses.q))
     if not space.pairs:
         return _plan(space, None, count)
-    chosen = t_optimal(space.space, space.pairs, count, search)
-    return _plan(space, take(space.offered, chosen), count)
+    designs = [t_optimal(space.space, space.pairs, count, search), *_draws(space, count)]
+    least = [float(space.space.criterion(space.space.measured(d), space.pairs).min()) for d in designs]
+    best = int(np.argmax(least))  # exchanges end where no single one helps: some draw may be better
+    return replace(_plan(space, take(space.offered, designs[best]), count), any_do=best > 0)
 
 
 def plan_discrimination_in_time(
@@ -126,9 +136,23 @@ def _plan(space: TellSpace, records: Campaign | None, count: int) -> Discriminat
     )
     if records is None:
         return found
-    hardest = _hardest(space.space, space.pairs, space.data(records), count, space.search.seed)
-    random = take(space.offered, random_rows(len(space.space.rows), count, space.search.seed))
-    return replace(found, random=random, hardest=hardest, needed=_needed(hardest, count))
+    data, draws = space.data(records), _draws(space, count)
+    at_random = [space.space.measured(draw) for draw in draws]
+    asked = tuple(min(_ways(space, two, data, draws), key=lambda way: way.plan) for two in space.asked)
+    hardest = _hardest(space, data, draws)
+    return replace(
+        found,
+        random=take(space.offered, draws[0]),
+        worth=(space.worth_of(data), float(np.median([space.worth_of(d) for d in at_random]))),
+        hardest=hardest,
+        needed=_needed(hardest, count),
+        asked=tuple(replace(pair, needed=_needed([pair], count)) for pair in asked),
+    )
+
+
+def _draws(space: TellSpace, count: int) -> list[Records]:
+    """Some draws of as many random records."""
+    return [np.sort(random_rows(len(space.space.rows), count, space.search.seed, k)) for k in range(DRAWS)]
 
 
 def _offered(prior: PriorInformation, text: str, search: Search) -> tuple[Campaign, list[list[Effect]]]:
@@ -158,22 +182,23 @@ def _pairs(causes: Sequence[Sequence[Effect]], unseen: Sequence[Effect]) -> list
     return [way for a, b in out.values() for way in ((a, b), (b, a))]
 
 
-def _hardest(
-    space: DesignSpace, pairs: Sequence[Pair], data: Array, count: int, seed: int
+def _hardest(space: TellSpace, data: Array, draws: Sequence[Records]) -> tuple[Discrimination, ...]:
+    """Both ways of the pair with the least λ after data (P, P)."""
+    k = int(np.argmin(space.space.criterion(data, space.pairs))) // 2 * 2
+    return _ways(space, space.pairs[k : k + 2], data, draws)
+
+
+def _ways(
+    tell: TellSpace, pairs: Sequence[Pair], data: Array, draws: Sequence[Records]
 ) -> tuple[Discrimination, ...]:
-    """Both ways of the pair with the least λ after data (P, P) of `count` records."""
+    """λ of pairs now, after data (P, P), and after random records, the median of some draws."""
+    space = tell.space
     plan = space.criterion(data, pairs)
-    k = int(np.argmin(plan)) // 2 * 2
-    both = pairs[k : k + 2]
-    now = space.criterion(space.before, both) if space.before.any() else [None, None]
-    draws = []
-    for draw in range(DRAWS):
-        at_random = np.random.default_rng([seed, 32, draw]).integers(len(space.rows), size=count)
-        draws.append(space.criterion(space.measured(at_random), both))
-    random: Array = np.median(draws, axis=0)
+    now = space.criterion(space.before, pairs) if space.before.any() else [None] * len(pairs)
+    random = np.median([space.criterion(space.measured(draw), pairs) for draw in draws], axis=0)
     return tuple(
         Discrimination(*pair, None if n is None else float(n), float(r), float(p))
-        for pair, n, r, p in zip(both, now, random, plan[k : k + 2], strict=True)
+        for pair, n, r, p in zip(pairs, now, random, plan, strict=True)
     )
 
 

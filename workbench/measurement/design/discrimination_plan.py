@@ -7,7 +7,7 @@ from typing import Any
 
 from ...campaign import Campaign
 from ...effects.base import Effect
-from ...report.numbers import significant
+from ...report.numbers import MISSING, significant
 from ..driving.block import Drive
 from .candidates import payload_counts
 from .causes import keys, label
@@ -30,17 +30,21 @@ class Power:
 
 
 LEVELS = Power()
+TELLS = 1.0  # λ below which a plan tells nothing
+MOST_MEASURED = 1000  # poses that anyone would measure for this
 
 
 @dataclass(frozen=True)
 class Discrimination:
-    """λ of a cause beside its rival: now (None without a campaign), after random records, after the plan."""
+    """λ of a cause beside its rival: now (None without a campaign), after random records, after the plan;
+    needed: planned records that tell these two (None: more than anyone measures, or not worked out)."""
 
     effect: Effect
     rival: Effect
     now: float | None
     random: float
     plan: float
+    needed: int | None = None
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -51,6 +55,14 @@ class Discrimination:
             "lambda_plan": self.plan,
         }
 
+    @property
+    def row(self) -> list[str]:
+        """Cause, rival, λ now, after random records and after the plan, and the records that tell them."""
+        now = MISSING if self.now is None else significant(self.now)
+        needed = f"more than {MOST_MEASURED}" if self.needed is None else f"{self.needed}"
+        names = [label(self.effect), label(self.rival)]
+        return [*names, now, significant(self.random), significant(self.plan), needed]
+
 
 @dataclass(frozen=True)
 class DiscriminationPlan(DrivenPlan):
@@ -60,7 +72,10 @@ class DiscriminationPlan(DrivenPlan):
     together do not tell; unseen: effects that no pose shows beside geometry; needed: planned poses after
     which the hardest λ is `LEVELS.mostly`; separate_by: measurements of another kind that tell them apart;
     random: as many random records; found: the causes have the size in which they were found, and each stands
-    beside its hardest rival.
+    beside its hardest rival. asked: every two causes that were asked for, in their hardest places, with the
+    planned poses that tell them; worth: what the plan brings, and random records: of ties that were found
+    how much of what settles them (`share_of`), else λ of what is hardest after each; any_do: no chosen
+    records did better than random ones, which these are; notes: what is odd in what was asked.
     """
 
     records: Campaign | None
@@ -73,15 +88,18 @@ class DiscriminationPlan(DrivenPlan):
     separate_by: str
     random: Campaign | None = None
     found: bool = False
+    asked: tuple[Discrimination, ...] = ()
+    worth: tuple[float, float] | None = None
+    any_do: bool = False
+    notes: tuple[str, ...] = ()
 
     @property
     def gain(self) -> float | None:
-        """λ per hour over that of random records."""
-        if self.drive is None or self.random_s is None:
+        """What it brings per hour over random records."""
+        if self.drive is None or self.random_s is None or self.worth is None:
             return None
-        worst = min(self.hardest, key=lambda pair: pair.plan)
-        now = worst.now or 0.0
-        return (worst.plan - now) / self.drive.total_s / max((worst.random - now) / self.random_s, 1e-12)
+        plan, random = self.worth
+        return plan / self.drive.total_s / max(random / self.random_s, 1e-12)
 
     def with_drive(self, drive: Drive, random: Drive) -> DiscriminationPlan:
         """In the order of a drive; random: that of as many random records."""
@@ -103,6 +121,10 @@ class DiscriminationPlan(DrivenPlan):
             "hardest": [pair.to_json() for pair in self.hardest],
             "hopeless": [{**keys(a), "rival": keys(b)} for a, b in self.hopeless],
             "unseen": [keys(effect) for effect in self.unseen],
+            "asked": [{**pair.to_json(), "poses_needed": pair.needed} for pair in self.asked],
+            "worth": None if self.worth is None else dict(zip(("plan", "random"), self.worth, strict=True)),
+            "any_poses_do": self.any_do,
+            "notes": list(self.notes),
             "poses_needed": self.needed,
             "separate_by": self.separate_by,
             **self.drive_json(),
@@ -121,7 +143,8 @@ class DiscriminationPlan(DrivenPlan):
 
     @property
     def text(self) -> str:
-        lines = [f"No pose shows {label(effect)}." for effect in self.unseen]
+        lines = [f"{note[:1].upper()}{note[1:]}" for note in self.notes]
+        lines += [f"No pose shows {label(effect)}." for effect in self.unseen]
         lines += [f"No poses tell {label(a)} from {label(b)}." for a, b in self.hopeless]
         if self.hardest:
             lines.append(self._of_lambda())
@@ -131,17 +154,41 @@ class DiscriminationPlan(DrivenPlan):
                     f"  {label(pair.effect)} beside {label(pair.rival)}: {now}{significant(pair.random)} "
                     f"after {self.count} random poses, {significant(pair.plan)} after this plan"
                 )
-            lines.append(self._meaning())
+            lines += [self._meaning(), *self._beside_random(), *self._others()]
+        if self.any_do:
+            lines.append("No chosen poses tell more than random ones, which these are: any poses do.")
         enough = self.settles if self.found else self.least >= LEVELS.mostly
         if not enough or self.hopeless or self.unseen:
             lines.append(f"Another kind of measurement tells more: {self.separate_by}.")
         if self.drive is not None:
             lines += [self.drive.text, *self.not_measured]
-        if self.gain is not None:
-            lines.append(
-                f"In the same time it tells {self.gain:.1f} times as much as random poses (λ per hour)."
-            )
+        if self.gain is not None and not self.any_do:
+            of = "what settles it, per hour" if self.found else "λ of the hardest pair, per hour"
+            lines.append(f"In the same time it tells {self.gain:.1f} times as much as random poses ({of}).")
         return "\n".join(lines)
+
+    def _beside_random(self) -> list[str]:
+        """What random poses bring, by what counts: λ of the pair that the plan leaves hardest is not all."""
+        if self.worth is None:
+            return []
+        plan, random = self.worth
+        if self.found:
+            words = f"Of what settles it this plan brings {100 * plan:.3g} %"
+            return [f"{words}, as many random poses {100 * random:.3g} %."]
+        words = f"To the pair that is hardest for them random poses bring a λ of {significant(random)}"
+        return [f"{words}, this plan {significant(plan)}."] if len(self.asked) > 1 else []
+
+    def _others(self) -> list[str]:
+        """Every two causes that were asked for, where these are more than two, a line each."""
+        if len(self.asked) < 2:
+            return []
+        lines = ["Every two causes that were asked for (λ now, after random poses, after this plan; poses):"]
+        for pair in self.asked:
+            effect, rival, now, random, plan, needed = pair.row
+            lines.append(
+                f"  {effect} beside {rival}: {now}, {random}, {plan}; told by {needed} planned poses"
+            )
+        return lines
 
     @property
     def settles(self) -> bool:

@@ -85,7 +85,8 @@ def plan(
     seconds = None if minutes is None else 60 * minutes
     if seconds is not None:
         count = _likely(around, seconds, dwell)
-    fast = quick or minutes is not None  # in time, many plans are tried
+    found = tell is not None and is_found(tell)
+    fast = quick or found or minutes is not None  # in time, and of what was found, many plans are tried
     pool, per_pose, starts = (QUICK_POOL, QUICK_PER_POSE, QUICK_STARTS) if fast else (POOL, PER_POSE, STARTS)
     search = Search(max(pool, per_pose * count), starts, seed, around.draw, around.cell.driving)
     ways = Ways(around)

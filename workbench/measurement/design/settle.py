@@ -9,13 +9,14 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...campaign.problem import Problem
+from ...diagnosis.priors import PRIORS
 from ...effects import catalogue
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
@@ -25,14 +26,26 @@ from ...files.faults import Fault, InputError, read_text
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
 from ...robot.schema import EffectRecord
+from .accuracy import DRAWS
 from .candidates import candidates, random_rows, take
-from .causes import EXAMPLE, chance_of, has_size, named_causes, pairs_of, split_causes, varied
-from .discrimination import MOST_MEASURED, advice
+from .causes import EXAMPLE, chance_of, has_size, label, named_causes, pairs_of, split_causes, varied
+from .discrimination import advice
 from .discrimination_plan import Discrimination, DiscriminationPlan
-from .fedorov import Search
+from .fedorov import Records, Search
 from .prior_information import PriorInformation
-from .t_optimal import design_space
-from .ties import Attempts, Tie, at_zero, fewest, least, share_of, sites_of, tie_between
+from .shown import check_shown, with_shown
+from .t_optimal import DesignSpace, design_space
+from .ties import (
+    Attempts,
+    Tie,
+    at_zero,
+    fewest,
+    least,
+    least_share,
+    records_needed,
+    sites_of,
+    tie_between,
+)
 
 POSES = Attempts(first=24, fewest=12, most=120, times=5, margin=1.05)
 PLACES = (*PLACE, "order")
@@ -67,58 +80,100 @@ def plan_settling(
     rng = np.random.default_rng([search.seed, 21])
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
-    now = [least(space, space.before, tie) for tie in ties]
-    can = [share_of(space, space.everything, tie) >= 1 for tie in ties]
-    some = [(tie, n) for tie, n, resolved in zip(ties, now, can, strict=True) if resolved]
-    lost = tuple((t.effect, t.rivals[0]) for t, resolved in zip(ties, can, strict=True) if not resolved)
+    if not text.endswith(".json"):
+        sites = [places for places, _ in _rivals_said(text, ties[0].effect, prior.problem)]
+        check_shown(space, [[ties[0].effect], *sites], prior.problem)
+    ties = [with_shown(space, tie) for tie in ties]
+    every = np.arange(len(space.rows))
+    some = [tie for tie in ties if records_needed(space, every, [tie]) is not None]
+    lost = tuple((tie.effect, tie.rivals[0]) for tie in ties if tie not in some)
     words = advice([(tie.effect, rival) for tie in ties for rival in tie.rivals], prior.problem)
-    made = DiscriminationPlan(None, 0, prior.noise, (), lost, (), None, words, found=True)
+    notes = tuple(filter(None, map(_too_large, ties)))
+    made = DiscriminationPlan(None, 0, prior.noise, (), lost, (), None, words, notes=notes, found=True)
     if not some:
         return made
     attempts = POSES if count is None else replace(POSES, first=count, times=1)
-    chosen, share = fewest(space, [tie for tie, _ in some], search, attempts)
-    needed = None
-    if share >= 1 or share > len(chosen) / MOST_MEASURED:
-        needed = int(np.ceil(len(chosen) / min(share, 1.0)))
-    order = random_rows(len(space.rows), len(chosen), search.seed)
-    hardest = tuple(
-        Discrimination(
-            tie.effect,
-            tie.rivals[0],
-            n,
-            least(space, space.measured(order), tie),
-            least(space, space.measured(chosen), tie),
-        )
-        for tie, n in some
-    )
+    chosen, _ = fewest(space, some, search, attempts)
+    draws = [random_rows(len(space.rows), len(chosen), search.seed, draw) for draw in range(DRAWS)]
+    told = _Told(space, chosen, draws[0])
     return replace(
         made,
         records=take(offered, chosen),
         count=len(chosen),
-        hardest=hardest,
-        needed=needed,
-        random=take(offered, order),
+        hardest=tuple(told.of(tie, tie.rivals[0]) for tie in some),
+        asked=tuple(told.of(tie.beside(rival.key), rival) for tie in ties for rival in _first_forms(tie)),
+        needed=records_needed(space, chosen, some),
+        random=take(offered, draws[0]),
+        worth=(told.share(some, chosen), told.share(some, draws[0])),
+        any_do=any(np.array_equal(np.sort(draw), chosen) for draw in draws),
+    )
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What chosen records and random ones tell."""
+
+    space: DesignSpace
+    chosen: Records
+    random: Records
+
+    def of(self, tie: Tie, rival: Effect) -> Discrimination:
+        """The cause beside its hardest rival, and the planned records that settle it."""
+        now, random, plan = (
+            least(self.space, data, tie)
+            for data in (
+                self.space.before,
+                self.space.measured(self.random),
+                self.space.measured(self.chosen),
+            )
+        )
+        needed = records_needed(self.space, self.chosen, [tie])
+        return Discrimination(tie.effect, rival, now, random, plan, needed)
+
+    def share(self, ties: Sequence[Tie], records: Records) -> float:
+        return least_share(self.space, self.space.measured(records), ties)
+
+
+def _first_forms(tie: Tie) -> list[Effect]:
+    """Of each rival the first of its forms."""
+    return list({rival.key: rival for rival in reversed(tie.rivals)}.values())[::-1]
+
+
+def _too_large(tie: Tie) -> str:
+    """A word on a size that no cause of its kind has."""
+    times = float(np.abs(tie.size).max())
+    if times <= PRIORS.largest:
+        return ""
+    return (
+        f"{label(tie.effect)} is said to be {times:.3g} times its usual size; beyond {PRIORS.largest:g} "
+        "times nothing passes for a cause: is the number right?"
     )
 
 
 def tie_said(text: str, fit: Fit) -> Tie:
     """The tie of `cause:place,size,rival:place,...`, each with its probability where that is known; those
     without a name are rivals only by theirs. Raises InputError."""
-    (first, chance), *others = (chance_of(cause) for cause in split_causes(text))
-    if not others:
-        raise InputError(Fault("--tell", f"{text!r} names one cause, not two", EXAMPLE))
+    first, chance = chance_of(split_causes(text)[0])
     problem = fit.model.problem
     effect, size = parse_effect(first, problem)
     chances = {} if chance is None else {effect.key: chance}
     rivals: list[Effect] = []
-    for cause, chance in others:
-        places = _places_of(effect, cause, problem)
+    for places, chance in _rivals_said(text, effect, problem):
         chances |= {} if chance is None else {one.key: chance for one in places}
         known = fit.model.given
         rivals += [e for e in places if e.cause != UNKNOWN and not any(item.is_for(e) for item in known)]
     if not rivals:
         raise InputError(Fault("--tell", f"{text!r} has no rival with a name", EXAMPLE))
     return tie_between(fit, effect, size, tuple(rivals), chances)
+
+
+def _rivals_said(text: str, effect: Effect, problem: Problem) -> list[tuple[Sequence[Effect], float | None]]:
+    """Everywhere each further cause of a text may sit, and its probability where that is said. Raises
+    InputError."""
+    others = [chance_of(cause) for cause in split_causes(text)[1:]]
+    if not others:
+        raise InputError(Fault("--tell", f"{text!r} names one cause, not two", EXAMPLE))
+    return [(_places_of(effect, cause, problem), chance) for cause, chance in others]
 
 
 def _places_of(effect: Effect, rival: str, problem: Problem) -> Sequence[Effect]:

@@ -51,9 +51,11 @@ class DesignSpace:
         """Number of columns before the effects'."""
         return sum(not name.startswith("effect/") for name in self.names)
 
-    def measured(self, chosen: Records) -> Array:
-        """(P, P) information of the campaign and of some records."""
-        return self.before + information(self.rows[chosen])
+    def measured(self, chosen: Records, count: float | None = None) -> Array:
+        """(P, P) information of the campaign and of some records; or of `count` in the proportions of these,
+        each weighted alike (an approximate design: Fedorov 1972)."""
+        times = 1.0 if count is None else count / len(chosen)
+        return self.before + times * information(self.rows[chosen])
 
     @cached_property
     def everything(self) -> Array:

@@ -12,8 +12,10 @@ the odds of `expected_odds`: at the share `POWER` of the probability that these 
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +30,9 @@ from ...effects.base import UNKNOWN, Effect
 from ...effects.unnamed import unnamed
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
-from .discrimination_plan import LEVELS
+from .accuracy import DRAWS
+from .candidates import random_rows
+from .discrimination_plan import LEVELS, MOST_MEASURED
 from .expected_odds import Pattern, Weighed, share_of_way
 from .fedorov import Records, Search, information
 from .prior_information import WIDE, ValuedEffects, from_prepared
@@ -66,6 +70,20 @@ class Tie:
         """The cause beside each rival, and each rival beside the cause; not what another contains."""
         ways = [way for rival in self.rivals for way in ((self.effect, rival), (rival, self.effect))]
         return [way for way in ways if not contains(space, way[1], way[0])]
+
+    def all_pairs(self, space: DesignSpace) -> list[Pair]:
+        """The same, and each rival beside each other: any of them may be what is true."""
+        every = permutations((self.effect, *self.rivals), 2)
+        return [(a, b) for a, b in every if a.key != b.key and not contains(space, b, a)]
+
+    def beside(self, key: Key) -> Tie:
+        """The tie with one of its rivals alone, in every form of it."""
+        kept = {self.effect.key, key}
+        return replace(
+            self,
+            rivals=tuple(rival for rival in self.rivals if rival.key == key),
+            forms=tuple(form for form in self.forms if form[0][0].key in kept),
+        )
 
     def patterns(self, space: DesignSpace) -> list[Pattern]:
         """The forms in the columns of a space."""
@@ -271,19 +289,51 @@ def fewest(
 ) -> tuple[Records, float]:
     """The fewest records that settle all ties, and the share of the way that the hardest of them goes
     (`share_of`); below one: none settle them, and these were tried last."""
-    pairs = list(dict.fromkeys(pair for tie in ties for pair in tie.pairs(space)))
     steering = as_found(space, ties)
     count, found, reached = attempts.first, None, 0.0
     for _ in range(attempts.times):
-        chosen = t_optimal(steering, pairs, count, replace(search, starts=1))
-        data = space.measured(chosen)
-        share = min(share_of(space, data, tie) for tie in ties)
+        chosen, share = _chosen(space, steering, ties, count, search)
         if found is None or share >= 1 or reached < 1:
             found, reached = chosen, share
         most = min(attempts.most, len(space.rows))
-        wanted = int(np.clip(np.ceil(attempts.margin * count / max(share, 1e-6)), attempts.fewest, most))
+        needed = records_needed(space, chosen, ties) or np.inf
+        wanted = int(np.clip(np.ceil(attempts.margin * needed), attempts.fewest, most))
         if wanted == count or (reached >= 1 and wanted >= len(found)):
             break
         count = wanted
     assert found is not None
     return found, reached
+
+
+def _chosen(
+    space: DesignSpace, steering: DesignSpace, ties: Sequence[Tie], count: int, search: Search
+) -> tuple[Records, float]:
+    """`count` records, sorted, and their share of the way: the best of those with the largest λ of the
+    causes beside their rivals, of all beside all, and of some random ones, which λ alone may not see."""
+    causes, every = (
+        tuple(dict.fromkeys(pair for tie in ties for pair in of(tie, space)))
+        for of in (Tie.pairs, Tie.all_pairs)
+    )
+    quick = replace(search, starts=1)
+    designs = [t_optimal(steering, pairs, count, quick) for pairs in dict.fromkeys((causes, every))]
+    designs += [np.sort(random_rows(len(space.rows), count, search.seed, draw)) for draw in range(DRAWS)]
+    shares = [least_share(space, space.measured(design), ties) for design in designs]
+    best = int(np.argmax(shares))
+    return designs[best], shares[best]
+
+
+def least_share(space: DesignSpace, data: Array, ties: Sequence[Tie]) -> float:
+    """`share_of` of the hardest of some ties."""
+    return min(share_of(space, data, tie) for tie in ties)
+
+
+def records_needed(space: DesignSpace, chosen: Records, ties: Sequence[Tie]) -> int | None:
+    """How many records in the proportions of these settle all ties; None: more than anyone measures. What
+    tells does not grow as their number: odds beside what contains the cause grow as its logarithm."""
+
+    def settled(count: int) -> bool:
+        return least_share(space, space.measured(chosen, count), ties) >= 1
+
+    if not settled(MOST_MEASURED):
+        return None
+    return 1 + bisect_left(range(1, MOST_MEASURED), True, key=settled)

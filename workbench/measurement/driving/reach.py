@@ -62,6 +62,13 @@ class Reach:
         """Free poses that hang together."""
         return roadmap(self.collisions, partial(_time, self.robot, self.cell), self.free)
 
+    @property
+    def unchecked(self) -> list[tuple[str, str]]:
+        """Pairs of a body of the robot and one that stands around, which touch in nearly all poses, so that
+        they are not checked."""
+        own = {self.robot.base, *self.robot.links}
+        return [pair for pair in self.collisions.ignored if not own.issuperset(pair)]
+
     def looking_at(self, names: Collection[str]) -> Reach:
         """The same where of the targets these alone are measured."""
         gone = [name not in names for name in self.names]

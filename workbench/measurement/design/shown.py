@@ -1,0 +1,62 @@
+"""Causes that nothing in this model would show, in no pose: to tell them from others is no question."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...effects.base import Effect
+from ...files.faults import Fault, InputError
+from .causes import label
+from .discrimination_plan import MOST_MEASURED, TELLS
+from .t_optimal import DesignSpace
+from .ties import Tie
+
+
+def is_shown(space: DesignSpace, effect: Effect) -> bool:
+    """Whether an effect of usual size moves anything: its λ, were nothing else fitted, in what was measured
+    and in as many records as anyone measures."""
+    own = space.columns(effect)
+    new = float(np.mean(np.sum(space.rows[:, :, own] ** 2, axis=(1, 2))))
+    return float(np.trace(space.before[np.ix_(own, own)])) + MOST_MEASURED * new > TELLS
+
+
+def check_shown(space: DesignSpace, causes: Sequence[Sequence[Effect]], problem: Problem) -> None:
+    """causes: of each the places and forms that it may have. Raises InputError with each that has none which
+    moves anything."""
+    faults = [
+        Fault(f"--tell {label(one)}", f"cannot show in this model: {_why(one, problem)}", _mend(one))
+        for one, *more in filter(None, causes)
+        if not any(is_shown(space, effect) for effect in (one, *more))
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def with_shown(space: DesignSpace, tie: Tie) -> Tie:
+    """The tie without rivals that nothing would show."""
+    gone = {rival for rival in tie.rivals if not is_shown(space, rival)}
+    return replace(
+        tie,
+        rivals=tuple(rival for rival in tie.rivals if rival not in gone),
+        forms=tuple(form for form in tie.forms if form[0][0] not in gone),
+    )
+
+
+def _why(effect: Effect, problem: Problem) -> str:
+    if effect.acts == "yielding":
+        return "in no pose does a load of the model bend it"
+    if effect.acts != "load":
+        return f"of its usual size it moves no target in {MOST_MEASURED} poses"
+    if not problem.arm.compliance.any():
+        return "all joints and links of the model are rigid, so that no load moves a target"
+    return "in no pose does its load bend what yields in the model, as that of a body that turns upright"
+
+
+def _mend(effect: Effect) -> str:
+    if effect.acts == "load":
+        return "state the stiffness of what yields in the robot's TOML, or leave it out"
+    return "leave it out"
