@@ -35,6 +35,7 @@ from .ties import (
     contains,
     fewest,
     least,
+    least_share,
     records_needed,
     settled_at,
     share_of,
@@ -43,8 +44,9 @@ from .ties import (
 )
 
 MOST = 3  # ambiguous findings that are worked out, the strongest
-POOL = 240  # candidate records
+POOL = 120  # candidate records
 POSES = Attempts(first=24, fewest=18, most=60, times=4, margin=1.4)  # others may turn up as rivals
+AMPLE = 5  # times as many poses of all kinds as anyone measures: none are so well chosen that they tell more
 DRAWS = 3  # of random poses with torques
 TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
@@ -128,6 +130,8 @@ def _decisions(
 def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float | None] | None:
     """Poses that settle it, with the margin, and λ after them: not known where it takes more than
     `POSES.most`; None where it takes more than anyone measures."""
+    if least_share(space, space.measured(np.arange(POOL), AMPLE * MOST_MEASURED), [tie]) < 1:
+        return None  # however they are chosen
     chosen, _ = fewest(space, [tie], Search(POOL, 1, 0), POSES)
     needed = records_needed(space, chosen, [tie])
     if needed is None or POSES.margin * needed > MOST_MEASURED:
