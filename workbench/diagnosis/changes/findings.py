@@ -69,7 +69,8 @@ def _change(decided: Decided, levels: Levels, status: str) -> Change:
     has = np.flatnonzero(levels.there) if levels.there.any() else np.array([levels.furthest])
     here = levels.furthest
     own = [_changed(decided, decided.shares[i]) for i in levels.members]
-    off = shape if len(levels.members) == 1 else shape.at(np.arange(len(labels)) == here)
+    one = len(levels.members) == shape.courses == 1
+    off = shape if one else shape.at(np.arange(len(labels)) == here)
     poses, ids = recheck(decided.system, _without(decided, levels.members), candidate, off, levels.mean[here])
     changed, before, after = numbers_at(decided, levels, here)
     return Change(
@@ -110,8 +111,8 @@ def _tied(decided: Decided, i: int) -> bool:
 
 def _worth(decided: Decided, i: int, component: int, form: int) -> float:
     """What the main numbers of a form explain beside all members but the i-th, less a price for each."""
-    first = decided.reduced.parts[component][form].start
-    return worth_of(decided.chosen, i, first + np.arange(decided.candidates[component].shapes[form].main))
+    first, shape = decided.reduced.parts[component][form].start, decided.candidates[component].shapes[form]
+    return worth_of(decided.chosen, i, first + np.arange(shape.main * shape.courses))
 
 
 def _without(decided: Decided, members: Sequence[int]) -> Solved:
@@ -167,7 +168,7 @@ def hidden_zeros(decided: Decided) -> list[str]:
 def _hidden_now(decided: Decided) -> list[Hidden]:
     """What cannot be seen at the last occasion."""
     last = decided.system.last
-    return [hidden for hidden in decided.hidden if np.array_equal(hidden.shape.pattern, last)]
+    return [hidden for hidden in decided.hidden if hidden.shape.is_at(last)]
 
 
 def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
@@ -184,7 +185,7 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
             continue
         for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
             known = [e for e in shape.effects if e in result.model.effects]
-            if not known or not np.array_equal(shape.pattern, last):
+            if not known or not shape.is_at(last):
                 continue
             columns = result.columns.effect[result.model.effects.index(known[0])]
             value = common[columns.start - start : columns.stop - start]
@@ -209,7 +210,7 @@ def tracks(decided: Decided) -> Iterator[Track]:
     system, last = decided.system, decided.system.last
     each = np.eye(system.count)[1:]
     for candidate in decided.candidates:
-        shape = next((s for s in candidate.shapes if np.array_equal(s.pattern, last)), None)
+        shape = next((s for s in candidate.shapes if s.is_at(last)), None)
         if not candidate.change or shape is None:  # one event of each quantity has that
             continue
         mine = [m for m in decided.members if decided.candidates[m.component].quantity == candidate.quantity]
@@ -221,7 +222,7 @@ def tracks(decided: Decided) -> Iterator[Track]:
         others, own = [decided.shape(m) for m in beside], [shape.at(pattern) for pattern in each]
         scale = max((m.scale for m in mine), default=LOOSE)
         solved = solve(system, [*others, *own], [*(m.scale for m in beside), *(scale for _ in own)])
-        at, p = sum(len(s.sizes) for s in others), len(shape.sizes)
+        at, p = sum(s.width for s in others), len(shape.sizes)
         values, stds = [0.0], [0.0]
         for j in range(len(own)):
             mean, covariance = solved.of(slice(at + j * p, at + (j + 1) * p))

@@ -21,7 +21,7 @@ def recheck(
 ) -> tuple[int | None, tuple[str, ...]]:
     """How many poses, and which, would show `value` (g,) (in prior sizes) with 80 % power when the instrument
     stands elsewhere and all else is known as well as it is now; None: more than 30, or than there are."""
-    k = int(np.flatnonzero(shape.pattern)[-1])
+    k = int(np.flatnonzero(shape.pattern[:, 0])[-1])
     one = system.occasions[k]
     rows = np.flatnonzero(system.own == k)
     setup = one.problem.campaign.poses.setup == one.problem.campaign.poses.setup[0]
