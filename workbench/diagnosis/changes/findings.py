@@ -23,18 +23,14 @@ REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
 
 
 def changes_of(decided: Decided) -> Iterator[Change]:
-    """The members that are changes, if likely enough that they or others changed, those of one quantity
-    together; the largest first."""
-    said: dict[str, list[int]] = {}
-    for i, share in enumerate(decided.shares):
-        own, sure = _own(decided, i), sum(_changed(decided, share).values())
-        if sure >= PRIORS.absent and decided.candidates[decided.members[i].component].change:
-            said.setdefault(_status(decided, i, own, sure), []).append(i)
-    found = [
-        _change(decided, levels_of(decided, own), status)
-        for status, members in said.items()
-        for own in together(decided, members)
-    ]
+    """The quantities that changed, or in whose place another did, if likely enough; the largest first. All
+    events of a quantity are its course, and the surest of them says how sure it is that it changed."""
+    every = [i for i, m in enumerate(decided.members) if decided.candidates[m.component].change]
+    found = []
+    for own in together(decided, every):
+        lead = max(own, key=lambda i: _own(decided, i))
+        if sum(_changed(decided, decided.shares[lead]).values()) >= PRIORS.absent:
+            found.append(_change(decided, levels_of(decided, own), lead))
     yield from sorted(found, key=lambda change: -change.moves_mm)
 
 
@@ -55,14 +51,15 @@ def of_robot(decided: Decided, k: int) -> bool:
     return candidate.side == ROBOT and not (decided.system.misfit and candidate.cause == UNKNOWN)
 
 
-def _status(decided: Decided, i: int, own: float, sure: float) -> str:
-    """own: probability of the i-th member; sure: that anything changed in its place."""
-    if sure < PRIORS.named:
+def _status(decided: Decided, i: int) -> str:
+    """Of the i-th member: whether anything changed in its place, and whether that is it."""
+    if sum(_changed(decided, decided.shares[i]).values()) < PRIORS.named:
         return POSSIBLE
-    return "named" if own >= PRIORS.named and not _tied(decided, i) else "ambiguous"
+    return "named" if _own(decided, i) >= PRIORS.named and not _tied(decided, i) else "ambiguous"
 
 
-def _change(decided: Decided, levels: Levels, status: str) -> Change:
+def _change(decided: Decided, levels: Levels, lead: int) -> Change:
+    """lead: the surest of its members."""
     member = decided.members[levels.members[0]]
     candidate, shape = decided.candidates[member.component], levels.shape
     labels = [one.label for one in decided.system.occasions]
@@ -78,14 +75,14 @@ def _change(decided: Decided, levels: Levels, status: str) -> Change:
         candidate.cause,
         candidate.where,
         candidate.side,
-        status,
+        _status(decided, lead),
         labels[has[0]],
         bool(len(has) == 1 and has[0] < len(labels) - 1),
-        min(_own(decided, i) for i in levels.members),
+        _own(decided, lead),
         max(sum(p for k, p in odds.items() if of_robot(decided, k)) for odds in own),
         changed,
         _moves_mm(decided, levels),
-        tuple(_rivals(decided, levels.members)),
+        tuple(_rivals(decided, lead)),
         poses,
         ids,
         levels.course,
@@ -134,16 +131,11 @@ def _moves_mm(decided: Decided, levels: Levels) -> float:
     return 1e3 * float(np.sqrt(np.mean(np.concatenate(lengths) ** 2)))
 
 
-def _rivals(decided: Decided, members: Sequence[int]) -> Iterator[Rival]:
-    """What may stand in the place of any of some members, whenever it changed, the likeliest first."""
-    likeliest: dict[object, tuple[float, int]] = {}
-    for i in members:
-        for k, p in decided.shares[i].items():
-            if k is not None and k != decided.members[i].component:
-                of = decided.candidates[k].quantity
-                likeliest[of] = max((p, k), likeliest.get(of, (0.0, k)))
-    for p, k in sorted(likeliest.values(), reverse=True):
-        if p < PRIORS.faintest_rival:
+def _rivals(decided: Decided, i: int) -> Iterator[Rival]:
+    """What may stand in the place of the i-th member, whenever it changed, the likeliest first."""
+    share = {k: p for k, p in decided.shares[i].items() if k not in (None, decided.members[i].component)}
+    for k, p in sorted(share.items(), key=lambda way: -way[1]):
+        if k is None or p < PRIORS.faintest_rival:
             break
         candidate = decided.candidates[k]
         yield Rival(

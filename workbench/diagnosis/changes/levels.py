@@ -35,7 +35,7 @@ class Levels:
 
     @property
     def course(self) -> str:
-        """Stepped once, was off and is back, crept evenly for a while, or what no such word says."""
+        """Stepped once, was off and is back, crept evenly to the last, or what no such word says."""
         if not self.there[-1]:
             return BACK
         if len(self.members) > 1 or self.shape.courses > 1:
