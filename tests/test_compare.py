@@ -198,26 +198,25 @@ def test_every_event_of_a_number_competes_and_of_two_campaigns_there_is_one():
     assert [course.tolist() for course in courses(1, 4, 1)] == [
         [0, 1, 1, 1], [0, 1, 0, 0], [0, 1, 1, 0], [0, 1 / 3, 2 / 3, 1]
     ]  # fmt: skip
+    assert [course.tolist() for course in courses(2, 4, 1)] == [[0, 0, 1, 1], [0, 0, 1, 0], [0, 0, 1 / 2, 1]]
+    assert [course.tolist() for course in courses(3, 4, 1)] == [[0, 0, 0, 1]]
     assert [course.tolist() for course in courses(1, 4, 11)][1:] == [[0, 1, 0, 0], [0, 1 / 3, 2 / 3, 1]]
     assert [course.tolist() for course in courses(2, 4, 47, free=True)] == [[0, 0, 1, 1]]
 
 
-def test_a_rival_of_two_events_is_one_rival_with_the_larger_probability():
+def test_rivals_come_by_their_probability():
     def zero(joint: int) -> SimpleNamespace:
-        where = Where(joint=f"joint_{joint}")
         form = SimpleNamespace(geometry=(0,), zero=True)
-        return SimpleNamespace(
-            cause="geometry", where=where, change=True, side="robot",
-            shapes=(form,), quantity=("geometry", where, True),
-        )  # fmt: skip
+        where = Where(joint=f"joint_{joint}")
+        return SimpleNamespace(cause="geometry", where=where, change=True, side="robot", shapes=(form,))
 
     decided = SimpleNamespace(
-        candidates=[zero(1), zero(1), zero(2), zero(2), zero(3)],
-        members=[SimpleNamespace(component=0), SimpleNamespace(component=1)],
-        shares=[{0: 0.6, 2: 0.17, 4: 0.2, None: 0.03}, {1: 0.8, 3: 0.19, None: 0.01}],
+        candidates=[zero(1), zero(2), zero(3), zero(4)],
+        members=[SimpleNamespace(component=0)],
+        shares=[{0: 0.6, 1: 0.165, 2: 0.2, None: 0.03, 3: 0.005}],
     )
-    found = [(rival.label, rival.probability) for rival in _rivals(decided, (0, 1))]
-    assert found == [("joint_3 zero", 0.2), ("joint_2 zero", 0.19)]
+    found = [(rival.label, rival.probability) for rival in _rivals(decided, 0)]
+    assert found == [("joint_3 zero", 0.2), ("joint_2 zero", 0.165)]
 
 
 def test_a_bent_link_is_that_link():

@@ -119,7 +119,8 @@ def _change(change: Change) -> dict[str, Any]:
         ]
     ways = [
         f"{label}{'' if changed else ' in all campaigns'} ({probability(p)})"
-        for label, changed, p in change.ways[1 if change.placed else 0 :]
+        for label, changed, p in change.ways
+        if not (change.placed and label == change.label)
     ]
     if ways:
         lines.append(f"{'or instead' if change.placed else 'it may be'}: {', '.join(ways)}")

@@ -17,7 +17,7 @@ from ...robot.schema import GEOMETRY
 from ..components import EVERY_FINER, Component, Form, form_of, log_odds_of
 from ..priors import PRIORS
 from ..rounds import LOOSE
-from .courses import courses
+from .courses import any_course, courses
 from .occasions import Occasion
 
 USUAL = 2e-4  # m, rad: usual size of a change of geometry
@@ -27,9 +27,10 @@ PLACED = "geometry"  # cause of a number of the geometry
 @dataclass(frozen=True, eq=False)
 class Shape:
     """One form of a change or of a common cause. base: (R, g) whitened, in prior sizes, over the rows of
-    all occasions one after the other; own: (R,) occasion of each; pattern: (K,) share of it at each
-    occasion; geometry: columns 6 · slot + component that it moves, zero: it is a joint's own; named: name
-    and unit of the numbers where they are not the effects' own."""
+    all occasions one after the other; own: (R,) occasion of each; pattern: (K, c) share of it at each
+    occasion, of each of the c columns that it has of each number; geometry: columns 6 · slot + component that
+    it moves, zero: it is a joint's own; named: name and unit of the numbers where they are not the effects'
+    own."""
 
     base: Array
     own: NDArray[np.int64]
@@ -43,8 +44,24 @@ class Shape:
 
     @property
     def columns(self) -> Array:
-        """(R, g) where the occasions have it."""
-        return np.asarray(self.base * self.pattern[self.own][:, None])
+        """(R, g · c) where the occasions have it."""
+        each = self.base[:, :, None] * self.pattern[self.own][:, None, :]
+        return np.asarray(each.reshape(len(self.base), -1))
+
+    @property
+    def courses(self) -> int:
+        """c: columns of each number; of more than one, each occasion has its own level."""
+        return self.pattern.shape[1]
+
+    @property
+    def width(self) -> int:
+        """g · c: all columns."""
+        return len(self.sizes) * self.courses
+
+    def levels(self, values: Array) -> Array:
+        """(K, g, ...) at each occasion, of values (g · c, ...) of the columns."""
+        each = values.reshape(len(self.sizes), self.courses, *values.shape[1:])
+        return np.asarray(np.einsum("kc,gc...->kg...", self.pattern, each))
 
     @property
     def main(self) -> int:
@@ -57,22 +74,26 @@ class Shape:
         return any(effect.free for effect in self.effects)
 
     def held(self, scale: float) -> Array:
-        """(g,) in prior sizes, how its numbers are held where it was found at a scale: an effect's own
+        """(g · c,) in prior sizes, how its numbers are held where it was found at a scale: an effect's own
         loosely; its companions, and the weights of a free function, as they were found."""
         out = np.full(len(self.sizes), scale)
         if not self.free:
             out[: self.main] = LOOSE
-        return out
+        return np.repeat(out, self.courses)
 
     def at(self, pattern: Array) -> Shape:
-        """The same at some of the occasions only."""
-        return replace(self, pattern=np.asarray(pattern, dtype=np.float64))
+        """The same with other shares of the occasions, (K,) or (K, c)."""
+        return replace(self, pattern=np.asarray(pattern, dtype=np.float64).reshape(len(pattern), -1))
+
+    def is_at(self, pattern: Array) -> bool:
+        """Whether it has these shares (K,)."""
+        return self.courses == 1 and np.array_equal(self.pattern[:, 0], pattern)
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A cause at one place: common to all occasions, or changed by one event between them. side: whose it
-    is."""
+    """A cause at one place: common to all occasions, or changed: by one event between them, or to a level of
+    its own at each. side: whose it is."""
 
     cause: str
     where: Where
@@ -87,8 +108,15 @@ class Candidate:
         return self.cause, self.where, self.change
 
     @property
+    def any_course(self) -> bool:
+        """Whether it says all that events may do."""
+        return self.shapes[0].courses > 1
+
+    @property
     def component(self) -> Component:
-        forms = [Form((), s.sizes, s.effects, s.one_sided) for s in self.shapes]
+        forms = [
+            Form((), np.repeat(s.sizes, s.courses), s.effects * s.courses, s.one_sided) for s in self.shapes
+        ]
         return Component((self.cause, self.where), tuple(forms), self.log_odds, self.change)
 
 
@@ -148,18 +176,23 @@ def side_of(effect: Effect) -> str:
 
 
 def _changes(key: tuple[str, Where], side: str, shapes: Sequence[Shape], sites: int) -> Iterator[Candidate]:
-    """A change by each of the events that may have made it: a quantity may change more than once. sites:
-    joints, for every cause: no cause gains by sitting at few places, since it is a place that something
-    happens to."""
+    """A change by each of the events that may have made it, since a quantity may change more than once; and
+    of what is one number, to any level at each occasion. sites: joints, for every cause: no cause gains by
+    sitting at few places, since it is a place that something happens to."""
     count = len(shapes[0].pattern)
-    p = PRIORS.cause / sites / (count - 1)
+    single = [shape for shape in shapes if len(shape.sizes) == 1] if count > 2 else []
+    p = PRIORS.cause / sites / (count - 1 + bool(single))
+    log_odds = float(np.log(p / (1 - p)))
     for first in range(1, count):
         forms = [
             shape.at(course)
             for shape in shapes
             for course in courses(first, count, len(shape.sizes), shape.free)
         ]
-        yield Candidate(*key, True, side, tuple(forms), float(np.log(p / (1 - p))))
+        yield Candidate(*key, True, side, tuple(forms), log_odds)
+    if single:
+        forms = [shape.at(any_course(count)) for shape in single]
+        yield Candidate(*key, True, side, tuple(forms), log_odds)
 
 
 def _common(effect: Effect, shapes: Sequence[Shape], odds: float) -> Iterator[Candidate]:
@@ -173,7 +206,7 @@ def _shape(occasions: Sequence[Occasion], effects: tuple[Effect, ...]) -> Shape:
     forms = [form_of(one.fit, effects, occasions[0].fit.model.problem) for one in occasions]
     sizes = np.min([form.sizes for form in forms], axis=0)
     columns = [form.columns.reshape(-1, len(sizes)) * sizes for form in forms]
-    pattern = np.ones(len(occasions))
+    pattern = np.ones((len(occasions), 1))
     one_sided = forms[0].one_sided
     return Shape(np.concatenate(columns), own_of(occasions), sizes, pattern, effects, one_sided=one_sided)
 
@@ -197,8 +230,8 @@ def moved(occasions: Sequence[Occasion], columns: tuple[int, ...]) -> Shape:
         own = one.fit.J[:, :, one.fit.columns.geometry_slice]
         at = [int(np.flatnonzero(one.fit.columns.geometry == c)[0]) for c in columns]
         blocks.append(own[:, :, at].reshape(-1, len(columns)) * USUAL)
-    sizes = np.full(len(columns), USUAL)
-    return Shape(np.concatenate(blocks), own_of(occasions), sizes, np.ones(len(occasions)), geometry=columns)
+    sizes, every = np.full(len(columns), USUAL), np.ones((len(occasions), 1))
+    return Shape(np.concatenate(blocks), own_of(occasions), sizes, every, geometry=columns)
 
 
 def _growth(occasions: Sequence[Occasion], whole: Problem) -> Iterator[Candidate]:
@@ -212,7 +245,7 @@ def _growth(occasions: Sequence[Occasion], whole: Problem) -> Iterator[Candidate
             blocks.append(np.matmul(one.fit.whitener, G).reshape(-1, 1))
         sizes = np.array([effect.params[0].typical])
         named = (("growth", "1"),)
-        every = np.ones(len(occasions))
+        every = np.ones((len(occasions), 1))
         shape = Shape(np.concatenate(blocks), own_of(occasions), sizes, every, (effect,), named=named)
         if shape.base.any():
             yield from _changes(effect.key, side_of(effect), [shape], whole.arm.n)

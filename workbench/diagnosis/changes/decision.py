@@ -17,6 +17,7 @@ from ..reduced import Reduced
 from ..sets import Competition
 from .candidates import Candidate, Shape, candidates_of
 from .occasions import Occasion
+from .search import Search
 from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
 
 SURVIVES = 1e-6  # share of a column's length² that frames, targets and what is common must leave
@@ -55,7 +56,7 @@ class Decided:
 
     def part(self, i: int) -> slice:
         """Columns of the i-th member in `solved`."""
-        lengths = [len(self.shape(m).sizes) for m in self.members]
+        lengths = [self.shape(m).width for m in self.members]
         return slice(sum(lengths[:i]), sum(lengths[: i + 1]))
 
 
@@ -67,7 +68,7 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
         every = candidates_of(occasions, whole, effects)
         reduced = reduced_of(system, every, noise_dof)
         candidates, reduced, hidden = _distinct(every, reduced)
-        competition = Competition(reduced, [c.component for c in candidates])
+        competition = Search(reduced, candidates)
         members = competition.best()
         shares = _shares(system, every, candidates, competition, members, noise_dof)
         sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
@@ -135,7 +136,7 @@ def _distinct(
         shapes, places = [], []
         for shape, part in zip(candidate.shapes, own, strict=True):
             if len(shape.geometry) == 1:
-                length = float((shape.columns**2).sum())
+                length = float((shape.columns[:, 0] ** 2).sum())
                 left = float(reduced.S[part.start, part.start])
                 if left < SURVIVES * max(length, 1e-12):
                     hidden.append(Hidden(candidate, shape, None))

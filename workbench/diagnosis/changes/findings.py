@@ -26,19 +26,14 @@ REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
 
 
 def changes_of(decided: Decided) -> Iterator[Change]:
-    """The members that are changes, if likely enough that they or others changed, those of one quantity
-    together; the largest first."""
-    said: dict[str, list[int]] = {}
-    for i, share in enumerate(decided.shares):
-        own, changed = _own(decided, i), _changed(decided, share)
-        sure = sum(p for k, p in changed.items() if not stood_still(decided, k))
-        if sum(changed.values()) >= PRIORS.absent and decided.candidates[decided.members[i].component].change:
-            said.setdefault(_status(decided, i, own, sure), []).append(i)
-    found = [
-        _change(decided, levels_of(decided, own), status)
-        for status, members in said.items()
-        for own in together(decided, members)
-    ]
+    """The quantities that changed, or in whose place another did, if likely enough; the largest first. All
+    events of a quantity are its course, and the surest of them says how sure it is that it changed."""
+    every = [i for i, m in enumerate(decided.members) if decided.candidates[m.component].change]
+    found = []
+    for own in together(decided, every):
+        lead = max(own, key=lambda i: _own(decided, i))
+        if sum(_changed(decided, decided.shares[lead]).values()) >= PRIORS.absent:
+            found.append(_change(decided, levels_of(decided, own), lead))
     yield from sorted(found, key=lambda change: -change.moves_mm)
 
 
@@ -86,21 +81,24 @@ def still_joints(system: System) -> list[tuple[Occasion, list[str]]]:
     return [(one, names) for one, names in every if names]
 
 
-def _status(decided: Decided, i: int, own: float, sure: float) -> str:
-    """own: probability of the i-th member; sure: that anything changed in its place."""
-    if sure < PRIORS.named:
+def _status(decided: Decided, i: int) -> str:
+    """Of the i-th member: whether anything changed in its place, and whether that is it."""
+    changed = _changed(decided, decided.shares[i])
+    if sum(p for k, p in changed.items() if not stood_still(decided, k)) < PRIORS.named:
         return POSSIBLE
-    return "named" if own >= PRIORS.named and not _tied(decided, i) else "ambiguous"
+    return "named" if _own(decided, i) >= PRIORS.named and not _tied(decided, i) else "ambiguous"
 
 
-def _change(decided: Decided, levels: Levels, status: str) -> Change:
+def _change(decided: Decided, levels: Levels, lead: int) -> Change:
+    """lead: the surest of its members."""
     member = decided.members[levels.members[0]]
     candidate, shape = decided.candidates[member.component], levels.shape
     labels = [one.label for one in decided.system.occasions]
     has = np.flatnonzero(levels.there) if levels.there.any() else np.array([levels.furthest])
     here = levels.furthest
     own = [_changed(decided, decided.shares[i]) for i in levels.members]
-    off = shape if len(levels.members) == 1 else shape.at(np.arange(len(labels)) == here)
+    one = len(levels.members) == shape.courses == 1
+    off = shape if one else shape.at(np.arange(len(labels)) == here)
     before = _before(decided, levels.members, int(has[0]))
     poses, ids = recheck(decided.system, before, candidate, off, levels.mean[here])
     changed, then, now = numbers_at(decided, levels, here)
@@ -109,14 +107,14 @@ def _change(decided: Decided, levels: Levels, status: str) -> Change:
         candidate.cause,
         candidate.where,
         candidate.side,
-        status,
+        _status(decided, lead),
         labels[has[0]],
         bool(len(has) == 1 and has[0] < len(labels) - 1),
-        min(_own(decided, i) for i in levels.members),
+        _own(decided, lead),
         max(sum(p for k, p in odds.items() if of_robot(decided, k)) for odds in own),
         changed,
         _moves_mm(decided, levels),
-        tuple(_rivals(decided, levels.members)),
+        tuple(_rivals(decided, lead)),
         poses,
         ids,
         levels.course,
@@ -142,8 +140,8 @@ def _tied(decided: Decided, i: int) -> bool:
 
 def _worth(decided: Decided, i: int, component: int, form: int) -> float:
     """What the main numbers of a form explain beside all members but the i-th, less a price for each."""
-    first = decided.reduced.parts[component][form].start
-    return worth_of(decided.chosen, i, first + np.arange(decided.candidates[component].shapes[form].main))
+    first, shape = decided.reduced.parts[component][form].start, decided.candidates[component].shapes[form]
+    return worth_of(decided.chosen, i, first + np.arange(shape.main * shape.courses))
 
 
 def _before(decided: Decided, members: Sequence[int], first: int) -> Known:
@@ -170,16 +168,11 @@ def _moves_mm(decided: Decided, levels: Levels) -> float:
     return 1e3 * float(np.sqrt(np.mean(np.concatenate(lengths) ** 2)))
 
 
-def _rivals(decided: Decided, members: Sequence[int]) -> Iterator[Rival]:
-    """What may stand in the place of any of some members, whenever it changed, the likeliest first."""
-    likeliest: dict[object, tuple[float, int]] = {}
-    for i in members:
-        for k, p in decided.shares[i].items():
-            if k is not None and k != decided.members[i].component:
-                of = decided.candidates[k].quantity
-                likeliest[of] = max((p, k), likeliest.get(of, (0.0, k)))
-    for p, k in sorted(likeliest.values(), reverse=True):
-        if p < PRIORS.faintest_rival:
+def _rivals(decided: Decided, i: int) -> Iterator[Rival]:
+    """What may stand in the place of the i-th member, whenever it changed, the likeliest first."""
+    share = {k: p for k, p in decided.shares[i].items() if k not in (None, decided.members[i].component)}
+    for k, p in sorted(share.items(), key=lambda way: -way[1]):
+        if k is None or p < PRIORS.faintest_rival:
             break
         candidate = decided.candidates[k]
         yield Rival(
@@ -204,7 +197,7 @@ def hidden_zeros(decided: Decided) -> list[str]:
 def _hidden_now(decided: Decided) -> list[Hidden]:
     """What cannot be seen at the last occasion."""
     last = decided.system.last
-    return [hidden for hidden in decided.hidden if np.array_equal(hidden.shape.pattern, last)]
+    return [hidden for hidden in decided.hidden if hidden.shape.is_at(last)]
 
 
 def loads_off(decided: Decided) -> list[str]:
@@ -229,7 +222,7 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
             continue
         for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
             known = [e for e in shape.effects if e in result.model.effects]
-            if not known or not np.array_equal(shape.pattern, last):
+            if not known or not shape.is_at(last):
                 continue
             columns = result.columns.effect[result.model.effects.index(known[0])]
             value = common[columns.start - start : columns.stop - start]
@@ -254,7 +247,7 @@ def tracks(decided: Decided) -> Iterator[Track]:
     system, last = decided.system, decided.system.last
     each = np.eye(system.count)[1:]
     for candidate in decided.candidates:
-        shape = next((s for s in candidate.shapes if np.array_equal(s.pattern, last)), None)
+        shape = next((s for s in candidate.shapes if s.is_at(last)), None)
         if not candidate.change or shape is None:  # one event of each quantity has that
             continue
         mine = [m for m in decided.members if decided.candidates[m.component].quantity == candidate.quantity]
@@ -266,7 +259,7 @@ def tracks(decided: Decided) -> Iterator[Track]:
         others, own = [decided.shape(m) for m in beside], [shape.at(pattern) for pattern in each]
         scale = max((m.scale for m in mine), default=LOOSE)
         solved = solve(system, [*others, *own], [*(m.scale for m in beside), *(scale for _ in own)])
-        at, p = sum(len(s.sizes) for s in others), len(shape.sizes)
+        at, p = sum(s.width for s in others), len(shape.sizes)
         values, stds = [0.0], [0.0]
         for j in range(len(own)):
             mean, covariance = solved.of(slice(at + j * p, at + (j + 1) * p))

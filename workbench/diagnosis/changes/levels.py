@@ -35,13 +35,12 @@ class Levels:
 
     @property
     def course(self) -> str:
-        """Stepped once, was off and is back, crept evenly, or what no such word says."""
-        steps = np.diff(self.mean[:, : self.shape.main], axis=0)
-        if len(steps) > 1 and np.allclose(steps, steps[0], rtol=1e-9, atol=0.0):
-            return CREEP
+        """Stepped once, was off and is back, crept evenly to the last, or what no such word says."""
         if not self.there[-1]:
             return BACK
-        return STEP if len(self.members) == 1 else LEVELS
+        if len(self.members) > 1 or self.shape.courses > 1:
+            return LEVELS
+        return STEP if set(self.shape.pattern.flat) == {0.0, 1.0} else CREEP
 
     def at(self, k: int) -> tuple[Array, Array]:
         """Mean and covariance at an occasion."""
@@ -53,12 +52,11 @@ def levels_of(decided: Decided, members: Sequence[int]) -> Levels:
     shapes = [decided.shape(decided.members[i]) for i in members]
     solved, n = decided.solved, decided.solved.background
     rows = [slice(n + decided.part(i).start, n + decided.part(i).stop) for i in members]
-    shares = np.array([shape.pattern for shape in shapes])
-    mean = np.einsum("ik,ig->kg", shares, np.array([solved.values[at] for at in rows]))
-    halves = np.array([solved.factor * solved.half[at] for at in rows])
-    half = np.einsum("ik,igr->kgr", shares, halves)
-    some = (shares != 0).any(axis=0)
-    if len(members) > 1:
+    own = list(zip(shapes, rows, strict=True))
+    mean = np.sum([shape.levels(solved.values[at]) for shape, at in own], axis=0)
+    half = np.sum([shape.levels(solved.factor * solved.half[at]) for shape, at in own], axis=0)
+    some = np.any([shape.pattern.any(axis=1) for shape in shapes], axis=0)
+    if len(members) > 1 or shapes[0].courses > 1:
         some &= [_off(m, h, shapes[0].main) for m, h in zip(mean, half, strict=True)]
     return Levels(tuple(members), shapes[0], mean, half, some)
 

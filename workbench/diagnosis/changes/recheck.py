@@ -37,7 +37,7 @@ def recheck(
     campaigns that do not have it: frame and targets are fitted anew, the robot is known as well as `before`,
     by these alone; where the model misfits these, either half must show it, every other pose. None: more than
     30, or than there are."""
-    k = int(np.flatnonzero(shape.pattern)[-1])
+    k = int(np.flatnonzero(shape.pattern[:, 0])[-1])
     one = system.occasions[k]
     rows = np.flatnonzero(system.own == k)
     poses = np.flatnonzero(one.problem.campaign.poses.setup == one.problem.campaign.poses.setup[0])

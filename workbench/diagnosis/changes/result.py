@@ -35,12 +35,12 @@ class Change:
     side: robot, load, instrument or surroundings; status: named (probability from 0.95 on, and no rival that
     fits as well, number for number), ambiguous (something changed here) or possible (from 0.2 on); since:
     label of the first campaign with it; alone: only that has it; course: a step that stays, off and back
-    again, creeping evenly from campaign to campaign, or another level at each; levels: of each campaign that
+    again, creeping evenly to the last campaign, or another level at each; levels: of each campaign that
     has it, its label and the numbers against the first campaign; parameters: the same where it is off by
     most; before, after: these numbers themselves, where a sum's are not the sums (an amplitude); probability:
-    of this; any: that something of the robot changed here; moves_mm: RMS of what it makes of the points, the
-    instrument's frame fitted anew; recheck_poses: how many poses would show it again with 80 % power (None:
-    more than were measured), recheck_ids: which.
+    of this, by the surest of its events; any: that something of the robot changed here; moves_mm: RMS of what
+    it makes of the points, the instrument's frame fitted anew; recheck_poses: how many poses would show it
+    again with 80 % power (None: more than were measured), recheck_ids: which.
     """
 
     label: str

@@ -34,7 +34,7 @@ def unchanged(decided: Decided) -> Iterator[Unchanged]:
         if not candidate.change or candidate.quantity in taken:
             continue
         for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
-            if np.array_equal(shape.pattern, last) and (shape.main == 1 or not shape.geometry):
+            if shape.is_at(last) and (shape.main == 1 or not shape.geometry):
                 yield from _unchanged(decided, candidate, shape, part)
 
 
@@ -55,7 +55,7 @@ def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice
         return
     z = threshold(candidate, float(values[0])) + float(norm.isf(1 - POWER))
     weakest = factor * z / np.sqrt(values[0]) * vectors[:, 0]
-    mm = seen_mm(decided.system, shape.columns[:, : shape.main], weakest, shape.pattern)
+    mm = seen_mm(decided.system, shape.columns[:, : shape.main], weakest, shape.pattern[:, 0])
     name, unit = numbers_of_shape(shape)[0]
     size = float(np.linalg.norm(weakest)) * float(shape.sizes[0])
     number = Parameter(name, float(value[0]), float(std[0]), unit)
@@ -88,7 +88,7 @@ def within_mm(decided: Decided) -> float:
     every = moved(system.occasions, geometry)
     shapes = [decided.shape(m) for m in decided.members]
     solved = solve(system, [*shapes, every.at(last)], [*(m.scale for m in decided.members), LOOSE])
-    before = sum(len(shape.sizes) for shape in shapes)
+    before = sum(shape.width for shape in shapes)
     mean, covariance = solved.of(slice(before, before + len(geometry)))
     S = _beside_local(system, every.base, [shape.base for shape in shapes])
     draws = np.random.default_rng(0).multivariate_normal(mean, covariance, DRAWS, method="svd")

@@ -112,7 +112,7 @@ def reduced_of(
 ) -> Reduced:
     """The candidates in small matrices, what all occasions have anyway taken out. rows: only these count."""
     some = np.ones(len(system.e), bool) if rows is None else rows
-    parts = parts_of([len(shape.sizes) for shape in candidate.shapes] for candidate in candidates)
+    parts = parts_of([shape.width for shape in candidate.shapes] for candidate in candidates)
     G = np.concatenate([shape.columns[some] for c in candidates for shape in c.shapes], axis=1)
     J, e = system.J[some], system.e[some]
     products = Products.of(J, G, e)
@@ -194,8 +194,8 @@ def relinearised(system: System, shapes: Sequence[Shape], solved: Solved) -> lis
         result, wanted = one.fit, background[system.common].copy()
         start, at = result.columns.geometry_slice.start, 0
         for shape in shapes:
-            value = solved.of(slice(at, at + len(shape.sizes)))[0] * shape.sizes * shape.pattern[k]
-            at += len(shape.sizes)
+            value = shape.levels(solved.of(slice(at, at + shape.width))[0])[k] * shape.sizes
+            at += shape.width
             for column, moved_by in zip(shape.geometry, value, strict=False):
                 wanted[np.flatnonzero(result.columns.geometry == column)] += moved_by
             first = 0

@@ -39,7 +39,8 @@ def with_std(value: float, std: float) -> str:
 
 
 def moved_by(change: Change) -> str:
-    """joint_4 zero moved by 0.31 ± 0.02 mrad; of one that is back, crept or moved again, where."""
+    """joint_4 zero moved by 0.31 ± 0.02 mrad; of one that is back, crept or moved again, where and since
+    when."""
     largest = _clearest(change.parameters)
     one = len(change.parameters) == 1 and not change.before
     at = f"{change.moves_mm:.2f} mm RMS at the targets"
@@ -49,7 +50,7 @@ def moved_by(change: Change) -> str:
     if change.course == BACK:
         return f"{change.label} was off by {by} in {listed([label for label, _ in change.levels])}"
     if change.course == CREEP:
-        return f"{change.label} crept evenly, by {by} up to {change.levels[-1][0]}"
+        return f"{change.label} crept evenly since {change.since}, by {by} up to {change.levels[-1][0]}"
     if change.course == LEVELS:
         each = [f"{said(_clearest(numbers))} in {label}" for label, numbers in change.levels]
         of = "" if one else f"{at}: {largest.name} "
