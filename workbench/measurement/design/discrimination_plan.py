@@ -185,7 +185,7 @@ class DiscriminationPlan(DrivenPlan):
         lines = ["Every two causes that were asked for (λ now, after random poses, after this plan; poses):"]
         for pair in self.asked:
             effect, rival, now, random, plan, needed = pair.row
-            lines.append(f"  {effect} beside {rival}: {now}, {random}, {plan}; planned poses to tell: {needed}")
+            lines.append(f"  {effect} beside {rival}: {now}, {random}, {plan}; poses to tell: {needed}")
         return lines
 
     @property
