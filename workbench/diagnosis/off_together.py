@@ -7,6 +7,8 @@ show it most are as far off as it says.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
@@ -54,33 +56,38 @@ def foreseen(result: Fit, wild: Poses) -> Poses:
     sound = ~wild & result.model.problem.seen.any(axis=1)
     if not wild.any() or not sound.any():
         return np.zeros(len(wild), bool)
-    background = result.J * result.columns.prior
-    pull = offset_of(result.model, result.columns, result.state)
     candidates = [
         result.whitened(e) * [PRIORS.largest * p.typical for p in e.params] for e in _candidates(result)
     ]
-    r = result.r[sound].ravel()
+    every = np.concatenate([result.J * result.columns.prior, *candidates], axis=2)
+    ends = np.cumsum([result.J.shape[2], *(columns.shape[2] for columns in candidates)])
+    parts = [np.arange(a, b) for a, b in pairwise(ends.tolist())]
+    A, r = every[sound].reshape(-1, every.shape[2]), result.r[sound].ravel()
+    gram, score = A.T @ A, A.T @ r
+    held = score.copy()
+    held[: ends[0]] -= offset_of(result.model, result.columns, result.state)
+    fitted = np.arange(ends[0])
     while True:
-        B = background[sound].reshape(len(r), -1)
-        upper = np.linalg.cholesky(B.T @ B + np.eye(B.shape[1])).T
-        z = solve_triangular(upper, B.T @ r - pull, trans="T", check_finite=False)
-        left = result.r - background @ solve_triangular(upper, z, check_finite=False)
+        own = gram[np.ix_(fitted, fitted)]
+        upper = np.linalg.cholesky(own + np.eye(len(own))).T
+        z = solve_triangular(upper, held[fitted], trans="T", check_finite=False)
+        size = solve_triangular(upper, z, check_finite=False)
+        if not parts or 2 * len(fitted) > len(r):
+            break
+        Z = solve_triangular(upper, gram[fitted], trans="T", check_finite=False)
+        left = held - Z.T @ z
         gains = []
-        for columns in candidates:
-            G = columns[sound].reshape(len(r), -1)
-            Z = solve_triangular(upper, B.T @ G, trans="T", check_finite=False)
-            u = G.T @ r - Z.T @ z
-            gains.append(float(u @ np.linalg.solve(G.T @ G - Z.T @ Z + np.eye(len(u)), u)))
-        if not gains or 2 * B.shape[1] > len(r):
-            break
+        for part in parts:
+            S = gram[np.ix_(part, part)] - Z[:, part].T @ Z[:, part] + np.eye(len(part))
+            gains.append(float(left[part] @ np.linalg.solve(S, left[part])))
         best = int(np.argmax(gains))
-        scatter = (float((left[sound] ** 2).sum()) - gains[best]) / (len(r) - B.shape[1])
-        p = candidates[best].shape[2]
-        if chdtrc(p, gains[best] / scatter) * len(candidates) > CHANCE:
+        chi2 = float(r @ r - 2 * size @ score[fitted] + size @ own @ size)
+        scatter = (chi2 - gains[best]) / (len(r) - len(fitted))
+        if chdtrc(len(parts[best]), gains[best] / scatter) * len(parts) > CHANCE:
             break
-        background = np.concatenate([background, candidates.pop(best)], axis=2)
-        pull = np.append(pull, np.zeros(p))
-    return np.asarray(wild & ((left**2).sum(axis=1) < (1 - EXPLAINED) * (result.r**2).sum(axis=1)))
+        fitted = np.append(fitted, parts.pop(best))
+    rest = result.r - every[:, :, fitted] @ size
+    return np.asarray(wild & ((rest**2).sum(axis=1) < (1 - EXPLAINED) * (result.r**2).sum(axis=1)))
 
 
 def _candidates(result: Fit) -> list[Effect]:
