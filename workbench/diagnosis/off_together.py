@@ -23,6 +23,7 @@ from .priors import PRIORS
 
 CHANCE = 1e-3  # that some cause explains as much of poses that are off by chance
 EXPLAINED = 0.5  # of a pose's squares: what is no outlier
+EXACT = 1e-9  # χ², or of it: data without noise
 FREE = 3  # directions that a pose may be off in by chance, its points together
 
 Poses = NDArray[np.bool_]
@@ -82,7 +83,7 @@ def foreseen(result: Fit, wild: Poses) -> Poses:
             gains.append(float(left[part] @ np.linalg.solve(S, left[part])))
         best = int(np.argmax(gains))
         chi2 = float(r @ r - 2 * size @ score[fitted] + size @ own @ size)
-        scatter = (chi2 - gains[best]) / (len(r) - len(fitted))
+        scatter = max(chi2 - gains[best], EXACT * chi2, EXACT) / (len(r) - len(fitted))
         if chdtrc(len(parts[best]), gains[best] / scatter) * len(parts) > CHANCE:
             break
         fitted = np.append(fitted, parts.pop(best))
