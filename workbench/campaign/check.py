@@ -111,7 +111,7 @@ def doubts(poses: Table, points: Table, robot: Robot) -> list[str]:
                 f"{place}: {label} turns {abs(q[largest]) / (2 * np.pi):.0f} times; are these degrees?"
             )
             continue
-        beyond = (q < joint.lower - 1e-6) | (q > joint.upper + 1e-6)
+        beyond = joint.beyond(q)
         if beyond.any():
             place = f"{poses.path} line {poses.lines[int(np.argmax(beyond))]}"
             count = int(np.count_nonzero(beyond))

@@ -10,7 +10,7 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
-from ..effects.given import Exclusion, Given, exclusions, given_facts
+from ..effects.given import CONTRADICTED, Exclusion, Given, exclusions, given_facts, may_be
 from ..effects.place import NOWHERE, Parameter
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
@@ -22,7 +22,6 @@ from .result import GivenFact, NotTestable
 from .rounds import LOOSE
 
 SHARPER = 0.5  # of a given spread: the data know it that much better
-CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
 SAID_IN = {  # unit → from which size on, times what, in which unit
     "1": ((2e-4, 100.0, "%"), (0.0, 1e6, "ppm")),
     "rad": ((5e-3, 1e3, "mrad"), (0.0, 1e6, "µrad")),
@@ -63,7 +62,7 @@ def search_with_given(
     named = {one: _named(free[1], one) for one in excluded}
     believed = [one for one in excluded if not named[one]]
     while True:
-        left = _allowed(candidates, obeyed, believed)
+        left = [effect for effect in candidates if may_be(effect, obeyed, believed)]
         beside = prepared.with_given(tuple(obeyed))
         nothing = not obeyed and len(left) == len(candidates)
         found = free if nothing else search(beside, left)
@@ -82,14 +81,6 @@ def search_with_given(
             for one in believed for e in candidates if one.covers(e)}  # fmt: skip
     missing = tuple(NotTestable(cause, "given: it is not there", where) for cause, where in gone)
     return Searched(*found, left, tuple(said), missing)
-
-
-def _allowed(
-    candidates: Sequence[Effect], obeyed: Sequence[Given], excluded: Sequence[Exclusion]
-) -> list[Effect]:
-    """Candidates that are neither given nor excluded."""
-    gone = (*(fact.is_for for fact in obeyed), *(one.covers for one in excluded))
-    return [effect for effect in candidates if not any(is_it(effect) for is_it in gone)]
 
 
 def _seen(free: Selection, fact: Given) -> tuple[float, float]:

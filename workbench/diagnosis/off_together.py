@@ -7,6 +7,7 @@ show it most are as far off as it says.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -14,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.special import betainc, chdtrc
 
-from ..effects.base import Effect
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
 from ..robot.kinematics import Array
@@ -29,8 +29,21 @@ FREE = 3  # directions that a pose may be off in by chance, its points together
 Poses = NDArray[np.bool_]
 
 
-def off_together(result: Fit, wild: Poses) -> Poses:
-    """(N,) of the wild poses (N,) those that a cause explains. result: a robust fit of the geometry.
+def no_outliers(result: Fit, wild: Poses) -> Poses:
+    """(N,) of the wild poses (N,) those that are off in the way of a cause. result: a robust fit of the
+    geometry.
+
+    What depends on the time explains nothing here: an instrument that is disturbed for a while is no robot.
+    """
+    if not wild.any():
+        return wild
+    candidates = [e for e in testable(result.model.problem)[0] if "time" not in e.uses]
+    columns = [result.whitened(e) * [p.typical for p in e.params] for e in candidates]
+    return _off_together(result, wild, columns) | _foreseen(result, wild, columns)
+
+
+def _off_together(result: Fit, wild: Poses, candidates: Sequence[Array]) -> Poses:
+    """(N,) of the wild poses (N,) those that one cause explains. candidates: (N, D, p) columns of each.
 
     A cause of p numbers explains a share of the squares of n poses, each of which counts by its direction
     alone, that is by chance as large as one of Beta(p/2, (3n − p)/2).
@@ -38,29 +51,26 @@ def off_together(result: Fit, wild: Poses) -> Poses:
     out = np.zeros(len(wild), bool)
     if wild.sum() < 2:
         return out
-    candidates = _candidates(result)
     before = (result.r**2).sum(axis=1)
     J = (result.J * result.columns.prior).reshape(result.r.size, -1)
-    for effect in candidates:
-        after = (_left(result, J, effect) ** 2).sum(axis=1)
+    for columns in candidates:
+        after = (_left(result, J, columns) ** 2).sum(axis=1)
         share = 1 - float(after[wild].sum() / before[wild].sum())
-        p, q = 0.5 * len(effect.params), 0.5 * (FREE * wild.sum() - len(effect.params))
+        p, q = 0.5 * columns.shape[2], 0.5 * (FREE * wild.sum() - columns.shape[2])
         if share > 0 and q > 0 and betainc(q, p, 1 - share) * len(candidates) < CHANCE:
             out |= wild & (after < (1 - EXPLAINED) * before)
     return out
 
 
-def foreseen(result: Fit, wild: Poses) -> Poses:
+def _foreseen(result: Fit, wild: Poses, candidates: Sequence[Array]) -> Poses:
     """(N,) of the wild poses (N,) those that are off as foretold by causes that all other poses show by
     themselves: the likeliest one by one, as long as one takes more off χ² there than the best of as many
-    would by chance. result: a robust fit of the geometry."""
+    would by chance. candidates: (N, D, p) columns of each."""
     sound = ~wild & result.model.problem.seen.any(axis=1)
-    if not wild.any() or not sound.any():
+    if not sound.any():
         return np.zeros(len(wild), bool)
-    candidates = [
-        result.whitened(e) * [PRIORS.largest * p.typical for p in e.params] for e in _candidates(result)
-    ]
-    every = np.concatenate([result.J * result.columns.prior, *candidates], axis=2)
+    large = [PRIORS.largest * columns for columns in candidates]
+    every = np.concatenate([result.J * result.columns.prior, *large], axis=2)
     ends = np.cumsum([result.J.shape[2], *(columns.shape[2] for columns in candidates)])
     parts = [np.arange(a, b) for a, b in pairwise(ends.tolist())]
     A, r = every[sound].reshape(-1, every.shape[2]), result.r[sound].ravel()
@@ -91,16 +101,10 @@ def foreseen(result: Fit, wild: Poses) -> Poses:
     return np.asarray(wild & ((rest**2).sum(axis=1) < (1 - EXPLAINED) * (result.r**2).sum(axis=1)))
 
 
-def _candidates(result: Fit) -> list[Effect]:
-    """Causes that may be it. What depends on the time explains nothing here: an instrument that is disturbed
-    for a while is no robot."""
-    return [e for e in testable(result.model.problem)[0] if "time" not in e.uses]
-
-
-def _left(result: Fit, J: Array, effect: Effect) -> Array:
-    """(N, D) whitened residual with an effect in the fit, to first order. J: (N D, P) its columns in their
-    priors."""
-    G = result.whitened(effect).reshape(len(J), -1) * [param.typical for param in effect.params]
+def _left(result: Fit, J: Array, columns: Array) -> Array:
+    """(N, D) whitened residual with columns (N, D, p) in the fit, to first order. J: (N D, P) the
+    fit's own in their priors."""
+    G = columns.reshape(len(J), -1)
     Z = solve_triangular(result.upper, J.T @ G, trans="T", check_finite=False)
     S = G.T @ G - Z.T @ Z
     S[np.diag_indices_from(S)] += 1e-9 * max(float(np.trace(S)), 1.0)

@@ -21,7 +21,7 @@ from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.registration import register
 from ..robot.kinematics import Array
-from .off_together import foreseen, off_together
+from .off_together import no_outliers
 from .result import FaultFound
 from .shifted_poses import shifted_poses, without_shifted
 
@@ -55,8 +55,7 @@ def clean(problem: Problem, start: State, noise: Covariance, known_effects: Acti
         result = robust_fit(problem, start, noise, known_effects)
         length = np.linalg.norm(result.residual, axis=2)
         limit = wild_limit(problem, length, least)
-        wild = np.asarray((length > limit).any(axis=1))
-        limit[off_together(result, wild) | foreseen(result, wild)] = np.inf
+        limit[no_outliers(result, np.asarray((length > limit).any(axis=1)))] = np.inf
         found = mended(problem, result.line.prediction.points, limit)
         start = result.state
         if not found.faults:

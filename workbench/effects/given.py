@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from scipy.optimize import brentq
@@ -17,7 +17,7 @@ from .base import Effect
 from .records import PLACE, from_record, stated_effects
 
 NEAR = 0.1  # of a number: no further from it is the slope taken that makes its spread the parameter's
-FAR = 3.0  # standard deviations from which a number is not what the model has
+CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 
 
@@ -35,7 +35,7 @@ class Given:
     def vague(self) -> bool:
         """Whether it leaves more open than is usual of any robot: then it says nothing that the data would
         have to be held to."""
-        return self.std > self.effect.params[0].typical and abs(self.value) <= FAR * self.std
+        return self.std > self.effect.params[0].typical and abs(self.value) <= CONTRADICTED * self.std
 
     def is_for(self, effect: Effect) -> bool:
         """Whether an effect is this one: same cause, place and form."""
@@ -145,6 +145,12 @@ class Exclusion:
     def covers(self, effect: Effect) -> bool:
         said = self.text.replace(" ", "")
         return said in (effect.cause, effect.label.replace(" ", ""))
+
+
+def may_be(effect: Effect, given: Iterable[Given], excluded: Iterable[Exclusion]) -> bool:
+    """Whether an effect is neither given nor excluded."""
+    said = any(fact.is_for(effect) for fact in given)
+    return not said and not any(one.covers(effect) for one in excluded)
 
 
 def exclusions(problem: Problem) -> tuple[Exclusion, ...]:

@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..files.faults import Fault, InputError
+from .kinematics import Array
 from .rotations import from_zyx
 from .urdf import LOOSE, MOVING, WORLD, Urdf, Vector3, limit, origin_of, vector
 
+ROUNDING = 1e-6  # rad or m
 LIMITS = ("lower", "upper", "velocity", "effort")
 
 
@@ -31,6 +34,10 @@ class MovingJoint:
     upper: float
     velocity: float
     effort: float
+
+    def beyond(self, q: Array) -> NDArray[np.bool_]:
+        """Which of its positions [rad, m] lie beyond its limits, by more than rounding."""
+        return np.asarray((q < self.lower - ROUNDING) | (q > self.upper + ROUNDING))
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...effects.base import Effect
 from ...effects.given import Exclusion, Given, exclusions, given_facts
 from .words import listed
 
@@ -23,7 +22,7 @@ class Known:
     notes: tuple[tuple[str, ...], ...]
 
 
-def known_of(problems: Sequence[Problem], labels: Sequence[str]) -> Known:
+def known_of(problems: Sequence[Problem]) -> Known:
     """What is said of every campaign, numbers where they are known better than they usually err: then how
     they changed is known too, and no change of them competes. Raises `InputError` as `given_facts`."""
     facts = [given_facts(problem) for problem in problems]
@@ -57,9 +56,3 @@ def _surely(found: Sequence[Given], count: int) -> bool:
         return False
     (param,) = found[0].effect.params
     return float(np.hypot.reduce([one.std for one in found])) <= param.typical
-
-
-def not_known(given: Sequence[Given], excluded: Sequence[Exclusion]) -> Callable[[Effect], bool]:
-    """Tells effects that are neither given nor excluded."""
-    gone = (*(fact.is_for for fact in given), *(one.covers for one in excluded))
-    return lambda effect: not any(is_it(effect) for is_it in gone)

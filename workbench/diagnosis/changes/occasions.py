@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from ...campaign import Campaign, join
 from ...campaign.joined import labels_of
 from ...campaign.problem import Problem, problem_of
 from ...effects.base import Effect
-from ...effects.given import Exclusion
+from ...effects.given import Exclusion, may_be
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit, fit, refit, start_state
 from ...identification.model import Model
@@ -22,7 +22,7 @@ from ..candidates import testable
 from ..competition import compete
 from ..prepared import Prepared, Progress, prepare
 from ..scatter import alike
-from .known import known_of, not_known
+from .known import known_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Occasion:
 
     def may_be(self, effect: Effect) -> bool:
         """Whether nobody said what it is, or that it is not there."""
-        return not_known(self.fit.model.given, self.excluded)(effect)
+        return may_be(effect, self.fit.model.given, self.excluded)
 
     def at(self, result: Fit) -> Occasion:
         """The same, linearised elsewhere."""
@@ -55,13 +55,13 @@ def occasions_of(campaigns: Sequence[Campaign], progress: Progress) -> tuple[lis
     campaigns = _told_apart(campaigns)
     join(list(campaigns))  # refuses what is not one robot, before anything is computed
     labels = labels_of(campaigns)
-    known = known_of([problem_of(campaign) for campaign in campaigns], labels)
+    known = known_of([problem_of(campaign) for campaign in campaigns])
     prepared, searched = [], []
     for campaign, label, given, notes in zip(campaigns, labels, known.given, known.notes, strict=True):
         progress(f"{label}: by itself")
         one = prepare(campaign, enough=enough_beside_others).with_given(given)
         prepared.append(replace(one, notes=(*one.notes, *notes)))
-        searched.append(_searched(prepared[-1], not_known(given, known.excluded)))
+        searched.append(_searched(prepared[-1], known.excluded))
     enough_together([one.problem for one in prepared])
     prepared, searched = _with_noise_of_others(prepared, searched)
     whole = problem_of(join([one.problem.campaign for one in prepared]))
@@ -79,12 +79,14 @@ def occasions_of(campaigns: Sequence[Campaign], progress: Progress) -> tuple[lis
     return out, whole
 
 
-def _searched(prepared: Prepared, may_be: Callable[[Effect], bool]) -> Fit:
-    """The fit with the causes that a campaign shows by itself, of those that `may_be`; one of few poses shows
-    none."""
+def _searched(prepared: Prepared, excluded: Sequence[Exclusion]) -> Fit:
+    """The fit with the causes that a campaign shows by itself, of those that are neither given nor excluded;
+    one of few poses shows none."""
     if too_few_alone(prepared.problem):
         return prepared.geometry
-    return compete(prepared, [e for e in testable(prepared.problem)[0] if may_be(e)]).fit
+    given = prepared.geometry.model.given
+    every = [e for e in testable(prepared.problem)[0] if may_be(e, given, excluded)]
+    return compete(prepared, every).fit
 
 
 def _with_noise_of_others(

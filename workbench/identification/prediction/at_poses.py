@@ -25,7 +25,6 @@ from .tempering import Tempering
 from .tool import tool_motion, tool_points, tool_problem
 
 TOGETHER = "combination of joints"  # each of them inside of its range
-LIMIT = 1e-6  # rad or m, beyond a joint's limit that is rounding
 MARGIN = 0.02  # of a joint's measured range, or of the largest spread: nearer than this is inside
 
 
@@ -69,10 +68,9 @@ class ToolErrors:
     @cached_property
     def beyond_limits(self) -> tuple[str, ...]:
         """Joints that each pose has beyond their limits ("" none)."""
-        robot, q = self.campaign.robot, self.campaign.poses.q
-        lower, upper = (np.array([getattr(j, end) for j in robot.joints]) for end in ("lower", "upper"))
-        beyond = (q < lower - LIMIT) | (q > upper + LIMIT)
-        return tuple("; ".join(robot.joints[j].name for j in np.flatnonzero(row)) for row in beyond)
+        joints = self.campaign.robot.joints
+        beyond = [joint.beyond(q) for joint, q in zip(joints, self.campaign.poses.q.T, strict=True)]
+        return tuple("; ".join(joints[j].name for j in np.flatnonzero(pose)) for pose in np.transpose(beyond))
 
     def some(self, poses: NDArray[np.bool_]) -> ToolErrors:
         """Some of the poses, (N,)."""

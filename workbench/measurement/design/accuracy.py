@@ -21,12 +21,11 @@ from ...robot.kinematics import Array
 from ..driving.ways import Ways
 from .accuracy_plan import MOST_TRIED, AccuracyPlan
 from .budget import Question, in_time
-from .candidates import Factors, candidates, random_rows, take
+from .candidates import DRAWS, Factors, candidates, random_rows, take
 from .fedorov import Records, Search, criterion, exchange, information
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, prior_precision
 
 TYPICAL = 300  # poses whose mean squared error counts
-DRAWS = 25  # random plans behind a median
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from ...campaign.problem import REFERENCE_TEMPERATURE
 from ..driving.reach import Draw, Reach, reach
 from .prior_information import PriorInformation
 
+DRAWS = 25  # random plans behind a median
 FEWEST = 40  # joint positions, however many loads and states they are offered in
 WARM = REFERENCE_TEMPERATURE + 10.0  # °C, of an arm that has worked for an hour or two
 
@@ -84,6 +85,11 @@ def candidates(
 def random_rows(offered: int, count: int, seed: int, draw: int = 0) -> NDArray[np.int64]:
     """As many random ones of the records on offer, beside which a plan is held; draw: which of some."""
     return np.random.default_rng([seed, 23, draw]).permutation(offered)[:count]
+
+
+def random_draws(offered: int, count: int, seed: int) -> list[NDArray[np.int64]]:
+    """`DRAWS` times as many random ones, each sorted."""
+    return [np.sort(random_rows(offered, count, seed, draw)) for draw in range(DRAWS)]
 
 
 def take(records: Campaign, chosen: NDArray[np.int64]) -> Campaign:

@@ -16,9 +16,8 @@ from ...effects.given import given_facts
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from ..driving.ways import Ways
-from .accuracy import DRAWS
 from .budget import SESSIONS, Question, in_time
-from .candidates import Factors, candidates, random_rows, take
+from .candidates import Factors, candidates, random_draws, take
 from .causes import EXAMPLE, factors, named_causes
 from .discrimination_plan import LEVELS, MOST_MEASURED, TELLS, Discrimination, DiscriminationPlan
 from .fedorov import Records, Search, check_count, information
@@ -152,7 +151,7 @@ def _plan(space: TellSpace, records: Campaign | None, count: int) -> Discriminat
 
 def _draws(space: TellSpace, count: int) -> list[Records]:
     """Some draws of as many random records."""
-    return [np.sort(random_rows(len(space.space.rows), count, space.search.seed, k)) for k in range(DRAWS)]
+    return random_draws(len(space.space.rows), count, space.search.seed)
 
 
 def _offered(prior: PriorInformation, text: str, search: Search) -> tuple[Campaign, list[list[Effect]]]:

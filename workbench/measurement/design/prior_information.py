@@ -20,7 +20,7 @@ from ...campaign.problem import Problem, problem_of
 from ...diagnosis.prepared import Prepared, prepare
 from ...diagnosis.result import FaultFound
 from ...effects.base import Effect
-from ...effects.given import Given, exclusions, given_facts
+from ...effects.given import Given, exclusions, given_facts, may_be
 from ...effects.records import stated_effects
 from ...identification.fit import Fit, fit, refit
 from ...identification.model import Model, State
@@ -83,8 +83,7 @@ class PriorInformation:
 
     def is_open(self, effect: Effect) -> bool:
         """Whether an effect may be there: it is neither given nor excluded."""
-        gone = (*(item.is_for for item in self.given), *(one.covers for one in exclusions(self.problem)))
-        return not any(is_it(effect) for is_it in gone)
+        return may_be(effect, self.given, exclusions(self.problem))
 
     @property
     def robot(self) -> Robot:

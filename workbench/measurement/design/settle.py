@@ -26,8 +26,7 @@ from ...files.faults import Fault, InputError, read_text
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
 from ...robot.schema import EffectRecord
-from .accuracy import DRAWS
-from .candidates import candidates, random_rows, take
+from .candidates import candidates, random_draws, random_rows, take
 from .causes import EXAMPLE, chance_of, has_size, label, named_causes, pairs_of, split_causes, varied
 from .discrimination import advice
 from .discrimination_plan import Discrimination, DiscriminationPlan
@@ -94,8 +93,9 @@ def plan_settling(
         return made
     attempts = POSES if count is None else replace(POSES, first=count, times=1)
     chosen, _ = fewest(space, some, search, attempts)
-    draws = [random_rows(len(space.rows), len(chosen), search.seed, draw) for draw in range(DRAWS)]
-    told = _Told(space, chosen, draws[0])
+    order = random_rows(len(space.rows), len(chosen), search.seed)
+    draws = random_draws(len(space.rows), len(chosen), search.seed)
+    told = _Told(space, chosen, order)
     return replace(
         made,
         records=take(offered, chosen),
@@ -103,9 +103,9 @@ def plan_settling(
         hardest=tuple(told.of(tie, tie.rivals[0]) for tie in some),
         asked=tuple(told.of(tie.beside(rival.key), rival) for tie in ties for rival in _first_forms(tie)),
         needed=records_needed(space, chosen, some),
-        random=take(offered, draws[0]),
-        worth=(told.share(some, chosen), told.share(some, draws[0])),
-        any_do=any(np.array_equal(np.sort(draw), chosen) for draw in draws),
+        random=take(offered, order),
+        worth=(told.share(some, chosen), told.share(some, order)),
+        any_do=any(np.array_equal(draw, chosen) for draw in draws),
     )
 
 

@@ -30,8 +30,7 @@ from ...effects.base import UNKNOWN, Effect
 from ...effects.unnamed import unnamed
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
-from .accuracy import DRAWS
-from .candidates import random_rows
+from .candidates import random_draws
 from .discrimination_plan import LEVELS, MOST_MEASURED
 from .expected_odds import Pattern, Weighed, share_of_way
 from .fedorov import Records, Search, information
@@ -316,7 +315,7 @@ def _chosen(
     )
     quick = replace(search, starts=1)
     designs = [t_optimal(steering, pairs, count, quick) for pairs in dict.fromkeys((causes, every))]
-    designs += [np.sort(random_rows(len(space.rows), count, search.seed, draw)) for draw in range(DRAWS)]
+    designs += random_draws(len(space.rows), count, search.seed)
     shares = [least_share(space, space.measured(design), ties) for design in designs]
     best = int(np.argmax(shares))
     return designs[best], shares[best]
