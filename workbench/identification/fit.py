@@ -36,9 +36,8 @@ class Fit:
     """A fitted model.
 
     line: derivatives at the solution; whitener: (N, D, R) with R = 3T, or 3T + n where drive torques were
-    recorded; J: (N, D, P) whitened Jacobian, r: (N, D) whitened residual (measured minus predicted);
-    residual: (N, T, 3) [m], NaN where not seen.
-    upper: (P, P) with (JᵀJ + prior)= upperᵀ upper, in units of the priors. cost: whitened squares of the
+    recorded; r: (N, D) whitened residual (measured minus predicted); residual: (N, T, 3) [m], NaN where not
+    seen; normal: the equations at the solution; rough: a place to start from. cost: whitened squares of the
     residual and of what the priors hold.
     """
 
@@ -48,10 +47,10 @@ class Fit:
     noise: Covariance
     line: Linearisation
     whitener: Array
-    J: Array
+    normal: Normal
     r: Array
     residual: Array
-    upper: Array
+    rough: bool
     iterations: int
     converged: bool
     cost: float
@@ -59,6 +58,16 @@ class Fit:
     def __repr__(self) -> str:
         names = ", ".join(effect.cause for effect in self.model.effects) or "geometry alone"
         return f"Fit with {names}: {len(self.columns.names)} numbers, {self.iterations} iterations"
+
+    @property
+    def J(self) -> Array:
+        """(N, D, P) whitened Jacobian."""
+        return self.normal.J.reshape(*self.r.shape, -1)
+
+    @cached_property
+    def upper(self) -> Array:
+        """(P, P) with JᵀJ + prior = upperᵀ upper, in units of the priors."""
+        return self.normal.factor(self.rough)
 
     @cached_property
     def motions(self) -> Array:
@@ -206,11 +215,9 @@ def fit(
             W = whitening(problem, at.line, noise)
             at = equations(model, at.line, cols, at.state, W)
         normal = _normal(model, cols, at, W)
-    J = normal.J.reshape(*at.r.shape, -1)
-    upper = normal.factor(rough=tolerance > TOLERANCE)
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
-    end = iteration + 1, converged, at.cost
-    return Fit(model, at.state, cols, noise, at.line, W, J, at.r, residual, upper, *end)
+    end = tolerance > TOLERANCE, iteration + 1, converged, at.cost
+    return Fit(model, at.state, cols, noise, at.line, W, normal, at.r, residual, *end)
 
 
 def _normal(model: Model, cols: Columns, at: Equations, W: Array) -> Normal:

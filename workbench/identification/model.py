@@ -167,12 +167,9 @@ class Model:
         on, setup = self.problem.on, self.problem.campaign.poses.setup
         n_poses, n_targets = prediction.base.shape[:2]
         turn = state.R[setup]
-        back = turn.transpose(0, 2, 1)
 
         def seen(axes: Array, origin: Array) -> Array:
-            turned = np.matmul(axes.reshape(n_poses, -1, 3), back).reshape(axes.shape)
-            J = point_jacobian(turned, np.matmul(origin, back), np.matmul(prediction.base, back), on)
-            return J.reshape(n_poses, 3 * n_targets, -1)
+            return point_jacobian(axes, origin, prediction.base, on, turn).reshape(n_poses, 3 * n_targets, -1)
 
         J, G = seen(where.axes, where.origin), seen(where.geometry_axes, where.geometry_origin)
         acting = self.acting(state)

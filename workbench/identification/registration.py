@@ -16,7 +16,7 @@ from ..robot.rotations import body_jacobian, from_vectors
 STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists
 UNKNOWN_TARGET = 1.0  # m, how far an unknown target may be from its frame
 GOOD = 0.02  # of the spread of the points: with a smaller misfit no other start is tried
-STILL = 1e-7  # m, rad: a step below which a registration has arrived
+STILL = 1e-5  # m, rad: a step below which a registration, a place to start from, has arrived
 ROUGHLY = 8  # iterations from each of many directions, of which the
 PROMISING = 4  # best are followed to the end
 FAR = 50.0  # times the usual distance from the middle: farther points are not looked at

@@ -34,7 +34,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from .rotations import from_xyz, xyz_angles
+from .rotations import body_jacobian, from_xyz, xyz_angles
 
 Array = NDArray[np.float64]
 TX, TY, TZ, RX, RY, RZ = range(6)
@@ -242,20 +242,36 @@ def _corrected(arm: Arm) -> tuple[Array, Array, Array]:
     return R, p, axes
 
 
-def point_jacobian(axes: Array, origin: Array, points: Array, on: Sequence[int]) -> Array:
+def point_jacobian(
+    axes: Array, origin: Array, points: Array, on: Sequence[int], turn: Array | None = None
+) -> Array:
     """Motion of points per unit of every slot motion.
 
     axes: (N, S, 6, 3), origin: (N, S, 3), points: (N, T, 3); `on` the slot behind which each
-    target sits. Returns (N, T, 3, 6 S): translations move a point along the axis, rotations by
-    axis × (point − origin); slots beyond the target do not move it.
+    target sits; turn: (N, 3, 3) into the frame in which the motion counts. Returns (N, T, 3, 6 S): a slot's
+    motion is a twist, and moves a point by body_jacobian(point) @ twist; slots beyond the target do not.
     """
     n_poses, slots = axes.shape[:2]
-    out = np.zeros((n_poses, points.shape[1], 3, slots, 6))
-    along, about = np.moveaxis(axes[:, :, :3], 3, 0), np.moveaxis(axes[:, :, 3:], 3, 0)
+    reach = body_jacobian(points)
+    if turn is not None:
+        reach = np.matmul(turn[:, None], reach)
+    J = np.matmul(reach.reshape(n_poses, -1, 6), twists(axes, origin))
+    out = np.asarray(J.reshape(n_poses, points.shape[1], 3, 6 * slots))
     for i, k in enumerate(on):
-        arms = np.moveaxis(points[:, i, None] - origin[:, : k + 1], 2, 0)[..., None]
-        for c in range(3):
-            a, b = (c + 1) % 3, (c + 2) % 3
-            out[:, i, c, : k + 1, :3] = along[c][:, : k + 1]
-            out[:, i, c, : k + 1, 3:] = about[a][:, : k + 1] * arms[b] - about[b][:, : k + 1] * arms[a]
-    return out.reshape(n_poses, points.shape[1], 3, 6 * slots)
+        out[:, i, :, 6 * (k + 1) :] = 0.0
+    return out
+
+
+def twists(axes: Array, origin: Array) -> Array:
+    """(N, 6, 6 S) velocity of the base's origin and angular velocity per unit of every slot motion, for axes
+    (N, S, 6, 3) and where their rotations pivot (N, S, 3)."""
+    n_poses, slots = axes.shape[:2]
+    out = np.zeros((n_poses, 6, slots, 6))
+    out[:, :3, :, :3] = axes[:, :, :3].transpose(0, 3, 1, 2)
+    about = axes[:, :, 3:].transpose(0, 3, 1, 2)
+    out[:, 3:, :, 3:] = about
+    x, y, z = origin[..., None].transpose(2, 0, 1, 3)
+    out[:, 0, :, 3:] = y * about[:, 2] - z * about[:, 1]
+    out[:, 1, :, 3:] = z * about[:, 0] - x * about[:, 2]
+    out[:, 2, :, 3:] = x * about[:, 1] - y * about[:, 0]
+    return out.reshape(n_poses, 6, 6 * slots)

@@ -95,8 +95,10 @@ def cross(a: Array, b: Array) -> Array:
 def skew(v: Array) -> Array:
     """(..., 3, 3) of vectors (..., 3): skew(v) w = v × w."""
     out = np.zeros((*np.shape(v), 3))
-    out[..., 2, 1], out[..., 0, 2], out[..., 1, 0] = np.moveaxis(v, -1, 0)
-    return out - np.swapaxes(out, -1, -2)
+    x, y, z = np.moveaxis(v, -1, 0)
+    out[..., 2, 1], out[..., 0, 2], out[..., 1, 0] = x, y, z
+    out[..., 1, 2], out[..., 2, 0], out[..., 0, 1] = -x, -y, -z
+    return out
 
 
 def turn_z_to(axis: Array) -> Array:
@@ -124,8 +126,11 @@ def body_jacobian(arms: Array) -> Array:
 
     arms: (..., 3) [m] from the pivot of the turn to the points.
     """
-    out = np.empty((*np.shape(arms), 6))
-    out[..., :3], out[..., 3:] = np.eye(3), -skew(arms)
+    out = np.zeros((*np.shape(arms), 6))
+    x, y, z = np.moveaxis(arms, -1, 0)
+    out[..., 0, 0] = out[..., 1, 1] = out[..., 2, 2] = 1.0
+    out[..., 0, 4], out[..., 1, 5], out[..., 2, 3] = z, x, y
+    out[..., 0, 5], out[..., 1, 3], out[..., 2, 4] = -y, -z, -x
     return out
 
 

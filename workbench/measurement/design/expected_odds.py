@@ -15,8 +15,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
-from scipy.special import logsumexp
 
 from ...diagnosis.priors import PRIORS
 from ...diagnosis.weight import SCALES, WEIGHTS
@@ -43,34 +41,53 @@ class Weighed:
     patterns: Sequence[Pattern]
 
     @cached_property
-    def _factors(self) -> list[list[tuple[tuple[Array, bool], float]]]:
-        """Per pattern and scale: Cholesky factor of A, and what does not depend on the truth."""
-        return [[self._factor(one, scale * one.sizes) for scale in SCALES] for one in self.patterns]
-
-    def _factor(self, one: Pattern, size: Array) -> tuple[tuple[Array, bool], float]:
-        S = self.left[np.ix_(one.columns, one.columns)]
-        factor = cho_factor(S + np.diag(size**-2.0))
-        log_det = 2 * float(np.log(np.diag(factor[0])).sum() + np.log(size).sum())
-        return factor, float(np.trace(cho_solve(factor, S))) - log_det
+    def _spectra(self) -> list[Spectrum]:
+        return [Spectrum.of(self.left[np.ix_(p.columns, p.columns)], p.sizes) for p in self.patterns]
 
     def evidence(self, k: int, truth: NDArray[np.int64], beta: Array) -> tuple[float, float]:
         """Twice the log evidence of the k-th pattern that is expected where the columns `truth` (t,) have the
         numbers `beta` (t,); and what it leaves of them, λ."""
         one = self.patterns[k]
-        u = self.left[np.ix_(one.columns, truth)] @ beta
-        explained = np.array([float(u @ cho_solve(factor, u)) for factor, _ in self._factors[k]])
-        value = explained + [rest for _, rest in self._factors[k]]
+        explained, value = self._spectra[k].of_scales(self.left[np.ix_(one.columns, truth)] @ beta)
         weights = np.where(one.named & (PRIORS.largest < SCALES), -np.inf, WEIGHTS)
         logs = 0.5 * value + weights
         whole = float(beta @ self.left[np.ix_(truth, truth)] @ beta)
-        return 2 * float(logsumexp(logs)), max(whole - float(explained[np.argmax(logs)]), 0.0)
+        return 2 * float(np.logaddexp.reduce(logs)), max(whole - float(explained[np.argmax(logs)]), 0.0)
 
     def imitation(self, k: int, truth: NDArray[np.int64], beta: Array) -> Array:
         """(p,) numbers of the k-th pattern that imitate `beta` best, in its likeliest scale."""
-        one = self.patterns[k]
-        u = self.left[np.ix_(one.columns, truth)] @ beta
-        logs = [0.5 * (float(u @ cho_solve(f, u)) + rest) for f, rest in self._factors[k]] + WEIGHTS
-        return np.asarray(cho_solve(self._factors[k][int(np.argmax(logs))][0], u))
+        u = self.left[np.ix_(self.patterns[k].columns, truth)] @ beta
+        _, value = self._spectra[k].of_scales(u)
+        return self._spectra[k].imitation(u, float(SCALES[np.argmax(0.5 * value + WEIGHTS)]))
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """P S P = V diag(w) Vᵀ of one pattern: in these directions A is diagonal for every scale of the sizes.
+
+    axes: (p, p) P V; w: (p,); rest: (scales,) what does not depend on the truth.
+    """
+
+    axes: Array
+    w: Array
+    rest: Array
+
+    @classmethod
+    def of(cls, S: Array, sizes: Array) -> Spectrum:
+        w, V = np.linalg.eigh(S * np.outer(sizes, sizes))
+        w = np.maximum(w, 0.0)
+        seen = np.multiply.outer(SCALES**2, w)
+        return cls(sizes[:, None] * V, w, np.sum(seen / (1 + seen) - np.log1p(seen), axis=1))
+
+    def of_scales(self, u: Array) -> tuple[Array, Array]:
+        """(scales,) uᵀA⁻¹u, and the same with `rest`."""
+        squares = SCALES[:, None] ** 2
+        explained = (squares / (1 + squares * self.w)) @ (self.axes.T @ u) ** 2
+        return explained, explained + self.rest
+
+    def imitation(self, u: Array, scale: float) -> Array:
+        """(p,) A⁻¹u."""
+        return np.asarray(self.axes @ ((self.axes.T @ u) * scale**2 / (1 + scale**2 * self.w)))
 
 
 def share_of_way(gain: float, variance: float, needed: float) -> float:

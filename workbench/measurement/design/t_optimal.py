@@ -115,7 +115,7 @@ class TCriterion:
         value = self.own + float(np.sum(Y**2)) - float(np.sum(c * beta))
         S = np.matmul(self.F @ V, self.F.swapaxes(1, 2)) + np.eye(self.F.shape[1])
         E = self.Y - self.F @ beta
-        gain = np.sum(np.linalg.inv(S) * np.matmul(E, E.swapaxes(1, 2)), axis=(1, 2))
+        gain = np.sum(E * np.linalg.solve(S, E), axis=(1, 2))
         return np.asarray((value + gain) / p)
 
 
