@@ -5,11 +5,28 @@ import shlex
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from workbench import Where, diagnose, follow_up, plan, what_decides
+from workbench import (
+    Truth,
+    Where,
+    diagnose,
+    follow_up,
+    load_robot,
+    parse_effect,
+    plan,
+    planned,
+    problem_of,
+    random_geometry,
+    random_poses,
+    rotation_about,
+    what_decides,
+)
 from workbench.campaign.joined import join
 from workbench.campaign.known import with_known
+from workbench.campaign.payloads import with_payloads
+from workbench.cli.main import main
 from workbench.diagnosis.result import Decision
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
@@ -53,7 +70,10 @@ def test_the_demos_tie_is_settled_by_the_poses_that_it_asks_for(open_tie, tmp_pa
     assert tie is not None
     reached = told_apart(outcome, tie, first)
     assert reached >= settled_at(way.lambda_before)
-    assert 0.8 * way.lambda_after < reached < 2 * way.lambda_after
+    (promised,) = follow_up(campaign, way, quick=True).hardest
+    assert promised.plan == pytest.approx(
+        reached, rel=0.2
+    )  # λ of these poses, before and after they are measured
     told = demo._revealed(rig.truth, first.diagnosis, outcome.diagnosis, (words, command))
     assert len(told.rows) == 4  # nothing was named that is not there
     (row,) = (row for row in told.rows if row[0].startswith("joint_3 is softer"))
@@ -78,6 +98,45 @@ def test_one_tie_has_one_lambda(open_tie, tmp_path):
     assert "λ is how far apart two explanations are" in said["of_lambda"]
     after = replace(way, lambda_after=184.3, lambda_before=12.9)
     assert decision(after).endswith("(λ 13 → 180)")
+
+
+def test_a_weight_is_asked_for_where_poses_alone_are_too_many(tmp_path):
+    """A soft joint under its own weight looks like one that loses motion; twice the load tells them apart."""
+    rng = np.random.default_rng([1, 27])
+    robot = load_robot("kr500")
+    bare = planned(robot, random_poses(robot, 30, rng))
+    problem = problem_of(bare)
+    soft = parse_effect("joint_compliance:joint=joint_3,relative=0.3", problem)
+    truth = Truth(geometry=random_geometry(problem.arm, rng), effects=(soft,), sigma=3e-5)
+    rig = demo.Rig(truth, (rotation_about("z", 2.2)[None], np.array([[3.2, -1.4, -0.6]])), 1)
+    campaign = demo._measured(tmp_path / "first", rig, bare, 0)
+    first = what_decides(diagnose(campaign))
+    ways = {way.kind: way for finding in first.diagnosis.causes for way in finding.decide}
+    assert "poses" not in ways or ways["poses"].poses >= 2 * ways["load"].poses
+    assert "without and with 200 kg at the flange" in ways["load"].words
+    made = follow_up(campaign, ways["load"], quick=True)
+    records = made.drive.records
+    assert records.payload_names == ("", "load")
+    assert set(records.poses.payload) == {0, 1}
+    outcome = diagnose([campaign, demo._measured(tmp_path / "second", rig, records, 1)])
+    assert statuses(outcome) == {JOINT_3: "named"}
+    with pytest.raises(InputError, match="another payload 'load', of 200 kg"):
+        with_payloads(records, {"load": (100.0, (0.0, 0.0, 0.15))})
+
+
+def test_a_long_question_is_no_file(open_tie, tmp_path, monkeypatch, capsys):
+    _, campaign, first = open_tie
+    (finding,) = (f for f in first.diagnosis.causes if f.decide)
+    (way,) = (d for d in finding.decide if d.kind == "poses")
+    monkeypatch.chdir(tmp_path)
+    words = [word if word != "follow-up" else str(tmp_path / "out") for word in shlex.split(way.command)]
+    at = words.index("--tell") + 1
+    words[at] += "".join(f",link_bending:link=link_{k},probability=0.001" for k in (1, 2, 5))
+    words[at] += ",bearing_tilt:joint=joint_1,probability=0.001"
+    assert len(words[at]) > 255
+    main([*words[1:], "--quick"])
+    assert (tmp_path / "out" / "poses.csv").is_file()
+    assert campaign.n_poses == 100
 
 
 def test_commands_name_all_that_was_diagnosed(open_tie, tmp_path):

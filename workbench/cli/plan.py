@@ -77,6 +77,13 @@ def add(commands: Commands) -> None:
         "--torque", action="store_true",
         help="also record the drives' torques: columns to fill in (always so where the campaign has them)",
     )  # fmt: skip
+    parser.add_argument(
+        "--payload",
+        action="append",
+        default=[],
+        metavar="NAME=KG[:x,y,z mm]",
+        help="a further load that can be mounted at the flange; NAME alone for one that a model.toml states",
+    )
     out_option(
         parser,
         "folder for poses, campaign, page, scene and program; or a file for the poses or the program alone "
@@ -90,13 +97,16 @@ def add(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
+    from ..campaign import Campaign
     from ..campaign.cell import read_cell
+    from ..campaign.payloads import payload
     from ..measurement.design import plan
 
     poses, program = _places(arguments.out, arguments.format)
     check_folder(poses.parent)
     cell = None if arguments.cell is None else read_cell(arguments.cell)
     source = read_sources(arguments.source)
+    robot = source.robot if isinstance(source, Campaign) else source
     made = plan(
         source,
         arguments.poses,
@@ -108,6 +118,7 @@ def run(arguments: argparse.Namespace) -> None:
         cell=cell,
         dwell=arguments.dwell,
         torque=arguments.torque,
+        payloads=dict(payload(text, robot) for text in arguments.payload),
         progress=progress,
     )
     files = [] if made.drive is None else _write(source, made, poses, program, arguments)
@@ -217,7 +228,8 @@ def _facts(source: Campaign | Robot, made: Plan, out: Path, arguments: argparse.
     from ..files.digest import digests
 
     read = source.files if isinstance(source, Campaign) else digests(source.files)
-    beside = [Path(name) for name in (arguments.cell, arguments.tell) if name]
+    told = arguments.tell if arguments.tell and arguments.tell.endswith(".json") else None
+    beside = [Path(name) for name in (arguments.cell, told) if name]
     return {
         "robot": source.robot.name if isinstance(source, Campaign) else source.name,
         "campaign": str(source.path) if isinstance(source, Campaign) else None,

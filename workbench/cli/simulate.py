@@ -12,8 +12,9 @@ from .arguments import Commands, check_folder, json_option, out_option, positive
 if TYPE_CHECKING:
     import numpy as np
 
+    from ..campaign.payloads import Load
     from ..robot.description import Robot
-    from .told import Load, Told
+    from .told import Told
 
 
 def add(commands: Commands) -> None:
@@ -76,14 +77,13 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     import numpy as np
 
-    from ..campaign import write_campaign
+    from ..campaign import payloads, write_campaign
     from ..campaign.planned import planned
     from ..campaign.problem import problem_of
     from ..effects.records import effect_text, parse_effect
     from ..robot.description import load_robot
     from ..robot.schema import stated_load
     from ..simulation.virtual_campaign import Truth, idle_effects, random_geometry, simulate
-    from . import told
 
     check_folder(arguments.out)
     robot = load_robot(arguments.robot)
@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> None:
         poses.q,
         payloads=loads,
         payload=poses.payload,
-        tool=told.load(arguments.tool, "--tool") if arguments.tool else stated_load(robot.tool),
+        tool=payloads.load(arguments.tool, "--tool") if arguments.tool else stated_load(robot.tool),
         wrench=poses.wrench,
         direction=poses.direction,
         time=poses.time,
@@ -126,9 +126,10 @@ def _told(
     arguments: argparse.Namespace, robot: Robot, rng: np.random.Generator
 ) -> tuple[Told, dict[str, Load]]:
     """What the robot is told, and the payloads by name."""
+    from ..campaign import payloads
     from . import told
 
-    loads = dict(told.payload(text, robot) for text in arguments.payload)
+    loads = dict(payloads.payload(text, robot) for text in arguments.payload)
     if arguments.poses is not None:
         poses, loads = told.from_file(robot, arguments.poses, loads)
     elif arguments.grid is not None:

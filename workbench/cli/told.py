@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..campaign.file import pose_columns
+from ..campaign.payloads import Load
 from ..campaign.planned import random_poses
 from ..campaign.problem import REFERENCE_TEMPERATURE, filled
 from ..files.faults import Fault, InputError
@@ -19,8 +19,6 @@ from ..files.tables import Layout, read_table
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from ..robot.schema import stated_load
-
-Load = tuple[float, tuple[float, float, float]]  # kg, and the centre of mass [m] in the flange's frame
 
 
 @dataclass(frozen=True)
@@ -136,26 +134,3 @@ def on_grid(robot: Robot, text: str) -> Told:
                 Fault("--grid", f"{part!r} is no JOINT=FROM:TO:COUNT", "like joint_2=-60:20:9")
             ) from None
     return Told(np.array(list(product(*values))))
-
-
-def payload(text: str, robot: Robot) -> tuple[str, Load]:
-    """Name and load of NAME=KG:x,y,z (mm); the name alone for a payload that the robot's own TOML states."""
-    name, equals, rest = text.partition("=")
-    if name in robot.payloads and not equals:
-        return name, stated_load(robot.payloads[name])
-    if not equals or not name:
-        raise InputError(Fault("--payload", f"{text!r} is no NAME=KG", "like heavy=250:150,0,0"))
-    return name, load(rest, "--payload")
-
-
-def load(text: str, place: str) -> Load:
-    """A load of KG:x,y,z (mm); place: the option, for the fault."""
-    mass, _, com = text.partition(":")
-    try:
-        x, y, z = (float(v) * 1e-3 for v in com.split(",")) if com else (0.0, 0.0, 0.0)
-        kg = float(mass)
-        if not (0 <= kg < math.inf and all(map(math.isfinite, (x, y, z)))):
-            raise ValueError
-    except ValueError:
-        raise InputError(Fault(place, f"{text!r} is no KG:x,y,z (mm)", "like 250:150,0,0")) from None
-    return kg, (x, y, z)

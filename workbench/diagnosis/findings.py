@@ -176,8 +176,9 @@ def _beside_what_is_found(findings: list[Finding]) -> list[Finding]:
 def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
     """One cause. own: numbers of its effects in the fit."""
     final, selection = parts.selection.fit, parts.selection
-    probability, rivals, by_data = probability_of(selection, effect)
-    named = probability >= PRIORS.named and by_data >= PRIORS.by_data
+    found = standing(selection, effect)
+    rivals = found.rivals
+    named = found.probability >= PRIORS.named and found.by_data >= PRIORS.by_data
     read = {(fact.cause, fact.where) for fact in parts.given if fact.given is not None}
     advice = list(filter(None, (separation_beside(effect.key, (r.cause, r.where), read) for r in rivals)))
     if any(rival.cause == UNKNOWN for rival in rivals):
@@ -190,10 +191,11 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
         where=effect.where,
         status="named" if named else "ambiguous",
         gain_mm=selection.gains_mm[effect.key],
-        probability=probability,
+        probability=found.probability,
         variant=_form(final, own, strongest),
         parameters=parameters,
         rivals=() if named else rivals,
+        faint=() if named else found.faint,
         separate_by=None if named else "; ".join(dict.fromkeys(advice)) or ANYTHING,
         sentence=sentence,
         equation=effect.equation,
@@ -210,10 +212,21 @@ def _form(final: Fit, own: Sequence[int], strongest: int) -> str:
     return "" if len(own) == 1 and effect.variant == first.variant else effect.variant
 
 
-def probability_of(selection: Selection, effect: Effect) -> tuple[float, tuple[Rival, ...], float]:
-    """Probability of a cause at its place; the rivals that cover the rest, likeliest first, and those that
-    only their prior odds keep from it; and its probability where no other cause is less likely before the
+@dataclass(frozen=True)
+class Standing:
+    """A cause at its place among all that compete. rivals: those that cover the rest, likeliest first, and
+    those that only their prior odds keep from it; faint: the likeliest of the others, without which it would
+    be named were there no rivals; by_data: its probability where no other cause is less likely before the
     data than it: what the data alone say."""
+
+    probability: float
+    rivals: tuple[Rival, ...]
+    faint: tuple[Rival, ...]
+    by_data: float
+
+
+def standing(selection: Selection, effect: Effect) -> Standing:
+    """How a cause stands at its place, where it is likeliest."""
     best: tuple[float, Shares, int] | None = None
     for member, share in zip(selection.members, selection.shares, strict=True):
         component = selection.components[member.component]
@@ -224,17 +237,28 @@ def probability_of(selection: Selection, effect: Effect) -> tuple[float, tuple[R
     probability, share, index = best
     raised = {k: p * _handicap(selection.components, index, k) for k, p in share.items()}
     total = sum(raised.values())
-    covered, rivals = probability, list[Rival]()
+    covered, rivals, faint = probability, list[Rival](), list[Rival]()
     others = sorted(((p, k) for k, p in share.items() if k is not None and k != index), reverse=True)
     for p, k in others:
+        rival = Rival(*selection.components[k].key, p)
         close = raised[k] >= (1 - PRIORS.by_data) * total
-        if not close and (covered >= PRIORS.listed or p < PRIORS.faintest_rival):
-            continue
-        cause, where = selection.components[k].key
-        if (cause, where) != effect.key:
-            rivals.append(Rival(cause, where, p))
-        covered += p
-    return probability, tuple(rivals), raised[index] / total
+        worth_a_word = close or (covered < PRIORS.listed and p >= PRIORS.faintest_rival)
+        if (rival.cause, rival.where) != effect.key:
+            (rivals if worth_a_word else faint).append(rival)
+        covered += p if worth_a_word else 0.0
+    return Standing(probability, tuple(rivals), _not_yet_named(probability, faint), raised[index] / total)
+
+
+def _not_yet_named(probability: float, faint: Sequence[Rival]) -> tuple[Rival, ...]:
+    """The first of these rivals, likeliest first, until the others leave half of what a name leaves."""
+    left = sum(rival.probability for rival in faint)
+    kept = list[Rival]()
+    for rival in faint:
+        if left <= (1 - PRIORS.named) / 2 * probability:
+            break
+        kept.append(rival)
+        left -= rival.probability
+    return tuple(kept)
 
 
 def _handicap(components: Sequence[Component], own: int, other: int | None) -> float:

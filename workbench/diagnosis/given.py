@@ -15,7 +15,7 @@ from ..effects.place import NOWHERE, Parameter
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
 from .competition import Selection
-from .findings import probability_of
+from .findings import standing
 from .prepared import Prepared, Progress
 from .priors import PRIORS
 from .result import GivenFact, NotTestable
@@ -137,7 +137,7 @@ def _pull(fact: Given, value: float, std: float) -> float:
 def _named(free: Selection, one: Exclusion) -> float:
     """Probability of an excluded cause that the data name; 0 where they do not."""
     found = [e for e in free.fit.model.effects if one.covers(e) and free.named(e)]
-    likely = max((probability_of(free, effect)[0] for effect in found), default=0.0)
+    likely = max((standing(free, effect).probability for effect in found), default=0.0)
     return likely if likely >= PRIORS.named else 0.0
 
 

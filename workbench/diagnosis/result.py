@@ -72,7 +72,7 @@ class Decision:
     """What would decide between a finding and its rivals. command: ready to run; poses: how many settle it;
     lambda_before, lambda_after: how far apart the rivals are now, and after it (`measurement.design`)."""
 
-    kind: Literal["poses", "drive_torque", "reading", "other"]
+    kind: Literal["poses", "load", "drive_torque", "reading", "other"]
     words: str
     command: str | None
     poses: int | None
@@ -84,7 +84,8 @@ class Decision:
 class Finding:
     """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
     this one, of all that competed; variant: its form, of several the one that shows most, where
-    place and order do not say it."""
+    place and order do not say it; faint: rivals that are not worth a word, but would stand in the way of its
+    name were the others gone."""
 
     cause: str
     title: str
@@ -95,6 +96,7 @@ class Finding:
     variant: str = ""
     parameters: tuple[Parameter, ...] = ()
     rivals: tuple[Rival, ...] = ()
+    faint: tuple[Rival, ...] = ()
     separate_by: str | None = None
     decide: tuple[Decision, ...] = ()
     structure: str | None = None

@@ -8,7 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ..effects.place import Parameter
-    from .result import Decision, Diagnosis, FaultFound, Finding, GivenFact, Stage, TestFigures
+    from .result import Decision, Diagnosis, FaultFound, Finding, GivenFact, Rival, Stage, TestFigures
 
 
 def result_json(result: Diagnosis) -> dict[str, Any]:
@@ -92,14 +92,16 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "gain_mm": _number(finding.gain_mm),
         "probability": _number(finding.probability),
         "parameters": [_parameter(p) for p in finding.parameters],
-        "rivals": [
-            {"cause": r.cause, **r.where.keys(), "probability": _number(r.probability)}
-            for r in finding.rivals
-        ],
+        "rivals": [_rival(rival) for rival in finding.rivals],
+        **({"faint": [_rival(rival) for rival in finding.faint]} if finding.faint else {}),
         "separate_by": finding.separate_by,
         **({"decide": [_decision(one) for one in finding.decide]} if finding.decide else {}),
         **({"structure": finding.structure} if finding.structure else {}),
     }
+
+
+def _rival(rival: Rival) -> dict[str, Any]:
+    return {"cause": rival.cause, **rival.where.keys(), "probability": _number(rival.probability)}
 
 
 def _decision(one: Decision) -> dict[str, Any]:

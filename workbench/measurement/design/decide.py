@@ -5,16 +5,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from shlex import quote
 
 import numpy as np
 
 from ...campaign import Campaign
 from ...campaign.problem import Problem
-from ...diagnosis.result import Decision
+from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome
 from ...effects import separation_beside
 from ...effects.base import Effect
@@ -51,77 +51,121 @@ DRAWS = 3  # of random poses with torques
 TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
+LOAD = "load"  # name of a weight that nobody has mounted yet:
+LIGHTER = 2  # times as many poses that are spared, at least, where it is to be mounted
+HEAVY, BEFORE_FLANGE = 0.1, 0.15  # share of the arm's mass, and [m] how far before the flange its centre is
+
 Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
+
+
+@dataclass(frozen=True, eq=False)
+class Offers:
+    """What may be measured next. effects: at stake; measured: their sensitivity in the campaign."""
+
+    prior: PriorInformation
+    effects: ValuedEffects
+    measured: Sensitivity | None
+
+    @cached_property
+    def records(self) -> Campaign:
+        return self._offered(self.prior)
+
+    def _offered(self, prior: PriorInformation) -> Campaign:
+        """Records as `plan` offers them, but for whether the poses hang together: a plan's matter."""
+        around = reach_of(prior, 0)
+        factors = varied(effect for effect, _ in self.effects).possible(around.cell.driving)
+        return candidates(prior, POOL, factors, np.random.default_rng(21), partial(around.draw, linked=False))
+
+    @cached_property
+    def space(self) -> DesignSpace:
+        return design_space(self.prior.of_records(self.records, self.effects), self.measured)
+
+    @property
+    def loads_at_stake(self) -> bool:
+        return any(effect.acts == "load" for effect, _ in self.effects)
+
+    @cached_property
+    def torques(self) -> Torques | None:
+        """The same records with the drives' torques; None where these were recorded, or no load is in it."""
+        if not self.loads_at_stake or self.prior.problem.drives:
+            return None
+        recorded = self.records.with_poses(torque=np.zeros_like(self.records.poses.q))
+
+        def space(chosen: Records) -> DesignSpace:
+            return design_space(self.prior.of_records(recorded.some(chosen), self.effects), self.measured)
+
+        return space
+
+    @cached_property
+    def with_load(self) -> tuple[str, DesignSpace] | None:
+        """Records without and with a weight at the flange, as `--payload` takes it; None where a payload was
+        measured, or no load is in it."""
+        problem = self.prior.problem
+        mass = float(f"{HEAVY * problem.arm.mass.sum():.1g}")
+        if not self.loads_at_stake or len(problem.campaign.payload_names) > 1 or not mass:
+            return None
+        prior = self.prior.with_payloads({LOAD: (mass, (0.0, 0.0, BEFORE_FLANGE))})
+        space = design_space(prior.of_records(self._offered(prior), self.effects), self.measured)
+        return f"{LOAD}={mass:g}:0,0,{1e3 * BEFORE_FLANGE:g}", space
 
 
 def what_decides(outcome: Outcome) -> Outcome:
     """The outcome, its strongest ambiguous findings with what would decide: commands with expected λ."""
     told = [(f, tie) for f in outcome.diagnosis.causes if (tie := tie_of(outcome, f)) is not None][:MOST]
-    ties = [tie for _, tie in told]
-    if not ties:
+    if not told:
         return outcome
     prior = from_prepared(outcome.prepared)
-    valued = at_zero(ties)
-    offered = _offered(prior, [effect for effect, _ in valued])
-    measured = prior.of_campaign(valued)
-    space = design_space(prior.of_records(offered, valued), measured)
-    with_torque = _with_torque(prior, offered, valued, measured)
-    found = {id(f): _decisions(prior.problem, tie, space, with_torque) for f, tie in told}
+    valued = at_zero([tie for _, tie in told])
+    offers = Offers(prior, valued, prior.of_campaign(valued))
+    found = {id(f): _decisions(tie, _heard(tie, f), offers) for f, tie in told}
     causes = tuple(replace(f, decide=found.get(id(f), ())) for f in outcome.diagnosis.causes)
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
 
 
-def _offered(prior: PriorInformation, effects: Sequence[Effect]) -> Campaign:
-    """Records as `plan` offers them, but for whether the poses hang together: a plan's matter."""
-    around = reach_of(prior, 0)
-    factors = varied(effects).possible(around.cell.driving)
-    return candidates(prior, POOL, factors, np.random.default_rng(21), partial(around.draw, linked=False))
+def _heard(tie: Tie, finding: Finding) -> Tie:
+    """The tie without the rivals that are not worth a word."""
+    said = {(rival.cause, rival.where) for rival in finding.rivals}
+    return replace(tie, rivals=tuple(rival for rival in tie.rivals if rival.key in said))
 
 
-def _with_torque(
-    prior: PriorInformation, offered: Campaign, effects: ValuedEffects, measured: Sensitivity | None
-) -> Torques | None:
-    """The same records with the drives' torques; None where these were recorded, or no load is in it."""
-    loads = any(effect.acts == "load" for effect, _ in effects)
-    if not loads or prior.problem.drives:
-        return None
-    recorded = offered.with_poses(torque=np.zeros_like(offered.poses.q))
-
-    def space(chosen: Records) -> DesignSpace:
-        return design_space(prior.of_records(recorded.some(chosen), effects), measured)
-
-    return space
-
-
-def _decisions(
-    problem: Problem, tie: Tie, space: DesignSpace, with_torque: Torques | None
-) -> tuple[Decision, ...]:
-    """Poses; the torques beside them where poses alone are too many; readings; else what the causes say."""
-    source = problem.campaign.arguments
+def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
+    """Poses; a weight at the flange or the drives' torques where poses alone are too many; readings; else
+    what the causes say. heard: the tie as far as it is worth a word."""
+    problem, space = offers.prior.problem, offers.space
+    source, tell = problem.campaign.arguments, quote(command_text(tie))
     now = least(space, space.before, tie)
-    tell = command_text(tie)
     found: list[Decision] = []
     poses = _settled(space, tie)
     if poses is not None:
         count, after = poses
         words = f"{'about ' if after is None else ''}{count} more poses, chosen for it"
-        command = f"workbench plan {source} --tell {quote(tell)} --poses {count} --out follow-up"
+        command = f"workbench plan {source} --tell {tell} --poses {count} --out follow-up"
         found.append(Decision("poses", words, command, count, now, after))
-    if with_torque is not None and (torque := _settled_by_torque(with_torque, tie)) is not None:
+    many = poses is None or poses[1] is None
+    if many and (loaded := _settled_by_load(offers, tie)) is not None:
+        weight, count, after = loaded
+        if poses is None or LIGHTER * count <= poses[0]:
+            kg = weight.partition("=")[2].partition(":")[0]
+            more = f"{'about ' if after is None else ''}{count} more poses"
+            words = f"{more}, chosen for it, without and with {kg} kg at the flange"
+            with_it = f"workbench plan {source} --payload {weight} --tell {tell}"
+            command = f"{with_it} --poses {count} --out follow-up"
+            found.append(Decision("load", words, command, count, now, after))
+    if offers.torques is not None and (torque := _settled_by_torque(offers.torques, tie)) is not None:
         count, after = torque
         if poses is None or count < poses[0]:
             columns = torque_columns(problem.robot)
             words = f"record the torques of the drives (columns {columns}) at {count} more poses"
             command = f"workbench plan {source} --poses {count} --torque --out follow-up"
             found.append(Decision("drive_torque", words, command, count, now, after))
-    found += _readings(problem, tie, space, now)
+    found += _readings(problem, heard, space, now)
     if poses is None:
         found += [
-            Decision("other", _whole(tie, rival), None, None, now, None) for rival in _wholes(space, tie)
+            Decision("other", _whole(heard, rival), None, None, now, None) for rival in _wholes(space, heard)
         ]
-    if poses is None or poses[1] is None:
+    if many:
         read = {item.effect.key for item in given_facts(problem)}
-        said = (separation_beside(tie.effect.key, rival.key, read) for rival in tie.rivals)
+        said = (separation_beside(tie.effect.key, rival.key, read) for rival in heard.rivals)
         words_of = dict.fromkeys(filter(None, said))
         found += [Decision("other", words, None, None, now, None) for words in words_of]
     return tuple(found)
@@ -140,6 +184,15 @@ def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float | None] | None:
     if count > POSES.most:
         return 10 * int(np.ceil(count / 10)), None
     return count, least(space, space.measured(chosen, count), tie)
+
+
+def _settled_by_load(offers: Offers, tie: Tie) -> tuple[str, int, float | None] | None:
+    """The weight, and poses without and with it that settle the tie, as `_settled`."""
+    if offers.with_load is None:
+        return None
+    weight, space = offers.with_load
+    settled = _settled(space, tie)
+    return None if settled is None else (weight, *settled)
 
 
 def _settled_by_torque(torques: Torques, tie: Tie) -> tuple[int, float] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -12,6 +12,7 @@ import numpy as np
 from ...campaign import Campaign
 from ...campaign.cell import CellData
 from ...campaign.known import with_known
+from ...campaign.payloads import payload
 from ...correction.programs.measuring import DWELL_S
 from ...diagnosis.result import Decision
 from ...files.faults import Fault, InputError
@@ -49,6 +50,7 @@ def plan(
     cell: CellData | None = None,
     dwell: float = DWELL_S,
     torque: bool = False,
+    payloads: Mapping[str, tuple[float, Sequence[float]]] | None = None,
     progress: Progress = lambda _: None,
 ) -> Plan:
     """The next poses to measure: for accuracy, or to tell rival causes apart.
@@ -60,7 +62,8 @@ def plan(
     poses on offer; quick: fewer of them. cell: what stands around the robot (default: what the campaign
     says); minutes: in place of a number of poses the time that they may take, loads, stops on the way and
     targets chosen with them; dwell: [s] of a standstill with one target; torque: the drives' torques are to
-    be recorded too, as in a campaign that has them. progress: is told each step in words. Raises
+    be recorded too, as in a campaign that has them; payloads: further loads that can be mounted, name → mass
+    [kg] and centre of mass [m, flange frame]. progress: is told each step in words. Raises
     `InputError` where there is no plan.
 
     >>> from workbench import load_robot, plan
@@ -81,6 +84,7 @@ def plan(
         prior = from_campaign(with_known(source, known), partial(found_by, tell))
     else:
         prior = from_robot(source, known)
+    prior = prior.with_payloads(payloads or {})
     around = reach_of(prior, seed, cell)
     seconds = None if minutes is None else 60 * minutes
     if seconds is not None:
@@ -125,7 +129,17 @@ def follow_up(
     asked = shlex.split(decision.command)
     tell = asked[asked.index("--tell") + 1] if "--tell" in asked else None
     torque = "--torque" in asked
-    return plan(campaign, decision.poses, tell=tell, seed=seed, quick=quick, torque=torque, progress=progress)
+    mounted = [asked[i + 1] for i, word in enumerate(asked) if word == "--payload"]
+    return plan(
+        campaign,
+        decision.poses,
+        tell=tell,
+        seed=seed,
+        quick=quick,
+        torque=torque,
+        payloads=dict(payload(text, campaign.robot) for text in mounted),
+        progress=progress,
+    )
 
 
 def _likely(around: Reach, seconds: float, dwell: float) -> int:

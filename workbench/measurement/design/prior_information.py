@@ -7,7 +7,7 @@ geometry and effects are what the records share with those that are there alread
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign, drive_torque
 from ...campaign.known import with_known
+from ...campaign.payloads import with_payloads
 from ...campaign.planned import TARGETS, planned
 from ...campaign.problem import Problem, problem_of
 from ...diagnosis.prepared import Prepared, prepare
@@ -88,6 +89,11 @@ class PriorInformation:
     @property
     def robot(self) -> Robot:
         return self.problem.robot
+
+    def with_payloads(self, payloads: Mapping[str, tuple[float, Sequence[float]]]) -> PriorInformation:
+        """With further loads that new records may carry, as `campaign.payloads.with_payloads`."""
+        campaign = with_payloads(self.problem.campaign, payloads)
+        return replace(self, problem=replace(self.problem, campaign=campaign))
 
     def records(self, q: Array, payload: NDArray[np.int64]) -> Campaign:
         """A campaign of N poses q: (N, n) with payloads (N,), without points."""

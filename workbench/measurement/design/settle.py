@@ -240,7 +240,8 @@ def _tie(one: dict[str, Any], fit: Fit) -> Tie | None:
     if one["cause"] == UNKNOWN:
         return None
     effect, size = _effect(one, fit.model.problem)
-    chances = {(r["cause"], _place(r)): float(r["probability"]) for r in one["rivals"]}
+    others = (*one["rivals"], *one.get("faint", ()))
+    chances = {(r["cause"], _place(r)): float(r["probability"]) for r in others}
     rivals = sites_of(chances, fit)
     chances[effect.key] = float(one.get("probability", 1 - sum(chances.values())))
     return tie_between(fit, effect, size, rivals, chances) if rivals else None

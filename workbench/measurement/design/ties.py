@@ -111,9 +111,10 @@ def tie_of(outcome: Outcome, finding: Finding) -> Tie | None:
     if finding.status == "named" or finding.cause == UNKNOWN:
         return None
     own = [i for i, e in enumerate(outcome.fit.model.effects) if e.key == (finding.cause, finding.where)]
-    chances = {(rival.cause, rival.where): rival.probability for rival in finding.rivals}
+    said = {(rival.cause, rival.where): rival.probability for rival in finding.rivals}
+    chances = said | {(rival.cause, rival.where): rival.probability for rival in finding.faint}
     rivals = sites_of(chances, outcome.prepared.geometry)
-    if not own or not rivals:
+    if not own or not any(rival.key in said for rival in rivals):
         return None
     strongest = max(own, key=outcome.fit.wald)
     effect, values = outcome.fit.model.effects[strongest], outcome.fit.state.values[strongest]
