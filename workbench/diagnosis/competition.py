@@ -35,7 +35,8 @@ class Selection:
     joints beyond the noise; faint: causes that bring too little to be named beside what has no name.
     misfit: the noise is none that was known, or something has no name: the likelihood is too sure; agreed:
     causes that parts of the data then find by themselves; gains_mm: what each cause brings on poses held out,
-    once that was looked at."""
+    once that was looked at; beside: effects of the fit that a cause has beside its form, and whose; against:
+    causes without a name that would be springs of less than no compliance."""
 
     fit: Fit
     components: tuple[Component, ...]
@@ -48,6 +49,8 @@ class Selection:
     misfit: bool = False
     agreed: frozenset[Key] = frozenset()
     gains_mm: Mapping[Key, float] = field(default_factory=dict)
+    beside: Mapping[Effect, Key] = field(default_factory=dict)
+    against: frozenset[Key] = frozenset()
 
     def named(self, effect: Effect) -> bool:
         """Whether an effect of the fit stands for a member that has a name."""
@@ -56,17 +59,21 @@ class Selection:
 
     @property
     def groups(self) -> list[Group]:
-        """Named effects of one cause and place together, strongest first."""
+        """Named effects of one cause and place together, strongest first, and what they have beside them."""
         found: dict[Key, Group] = {}
         for i, effect in enumerate(self.fit.model.effects):
             if self.named(effect):
                 found.setdefault(effect.key, (effect, []))[1].append(i)
+        for i, effect in enumerate(self.fit.model.effects):
+            if self.beside.get(effect) in found:
+                found[self.beside[effect]][1].append(i)
         return list(found.values())
 
     @property
     def nameless(self) -> list[int]:
         """Numbers of the fit's effects that have no name."""
-        return [i for i, effect in enumerate(self.fit.model.effects) if not self.named(effect)]
+        named = {i for _, own in self.groups for i in own}
+        return [i for i in range(len(self.fit.model.effects)) if i not in named]
 
     def worth_mm(self, member: Member) -> float:
         """RMS length [mm] of what a member makes of the points."""

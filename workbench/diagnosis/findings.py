@@ -184,7 +184,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
     parameters, sentence = _describe(final, own)
-    strongest = max(own, key=final.wald)
+    strongest = max((i for i in own if final.model.effects[i].key == effect.key), key=final.wald)
     return Finding(
         cause=effect.cause,
         title=effect.title,
@@ -302,6 +302,10 @@ def _nameless(selection: Selection, worth_mm: float) -> list[Finding]:
         worth = selection.worth_mm(member)
         structure = f"looks like {label} in one {part} and not in another (it makes {worth:.3f} mm RMS)"
         found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
+    for effect in {e.key: e for e in selection.fit.model.effects if e.key in selection.against}.values():
+        structure = f"looks like {effect.label}, but with less than no compliance: something else gives way"
+        worth = selection.gains_mm[effect.key]
+        found.append(_plain(structure, f"What is left {structure}.", effect.where, worth))
     ordered = sorted(found, key=lambda finding: -finding.gain_mm)
     return [_as_one(ordered, max(worth_mm, 0.0))] if found else []
 

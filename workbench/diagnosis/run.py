@@ -18,6 +18,7 @@ from .candidates import testable
 from .competition import Selection, compete
 from .findings import Parts, assemble
 from .given import search_with_given
+from .off_form import with_own_forms
 from .prepared import Prepared, Progress, prepare
 from .result import Diagnosis
 from .worth import worth_it
@@ -92,7 +93,8 @@ def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tupl
     selection = compete(prepared, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
-    return prepared, worth_it(selection, seed)
+    selection = worth_it(selection, seed)
+    return prepared, with_own_forms(selection, prepared.covariance, prepared.noise_known, seed)
 
 
 def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> list[Campaign]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...robot.beam import bending_compliance
-from ...robot.kinematics import RX, RZ, Arm, Array
+from ...robot.kinematics import RX, RZ, TX, Arm, Array
 from ...robot.loads import wrenches
 from ..base import Depends
 from ..kinds import DirectEffect
@@ -20,6 +20,7 @@ from .base import Unnamed, each
 
 LEVELS = 1e-3  # of a lever: a joint as upright as that bears no weight
 SHIFT = 0.3  # m: a shift's usual size is that of a turn at this distance
+FOOT = 1.5  # m: half the height of a pedestal at a third of the tilt, the share of what is uneven
 
 
 @dataclass(frozen=True)
@@ -293,9 +294,10 @@ class PivotForce(Unnamed, DirectEffect):
 
 @dataclass(frozen=True)
 class UnevenTilt(Unnamed, DirectEffect):
-    """A base that tilts under moment does not do so alike in all directions, nor evenly: softer about one
-    axis of the floor than about the other, whichever these are, and softer or stiffer under a large moment.
-    largest [N·m]: overturning moment of the campaign."""
+    """A base that tilts under moment does not do so alike in all directions, nor evenly, nor about its own
+    origin: softer about one axis of the floor than about the other, whichever these are, softer or stiffer
+    under a large moment, and about the foot of a pedestal. largest [N·m]: overturning moment of the
+    campaign."""
 
     variant: str = "uneven tilt"
     size: float = 5e-5
@@ -307,7 +309,7 @@ class UnevenTilt(Unnamed, DirectEffect):
 
     @property
     def functions(self) -> int:
-        return 3
+        return 4
 
     @property
     def variable(self) -> str:
@@ -327,7 +329,22 @@ class UnevenTilt(Unnamed, DirectEffect):
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         x, y = self.moment(problem).T / self.largest
         size = np.hypot(x, y)
-        return {RX: np.column_stack([x, y, size * x]), RX + 1: np.column_stack([-y, x, size * y])}
+        none = np.zeros_like(x)
+        return {
+            RX: np.column_stack([x, y, size * x, none]),
+            RX + 1: np.column_stack([-y, x, size * y, none]),
+            TX: np.column_stack([none, none, none, FOOT * y]),
+            TX + 1: np.column_stack([none, none, none, -FOOT * x]),
+        }
+
+    def sentence(self, values: Array) -> str:
+        per_kNm = values[:, None][[0, 1, 3], 0] / self.largest * 1e9  # µrad, µrad, 1.5 µm
+        size, softest = np.hypot(*per_kNm[:2]), np.degrees(np.arctan2(per_kNm[1], per_kNm[0])) / 2 % 180
+        return (
+            f"It is not alike in all directions: {size:.2g} µrad per kN·m more about the axis at "
+            f"{softest:.0f}° to the base's x, as much less across it; and the base's origin moves by "
+            f"{abs(per_kNm[2]) * FOOT:.2g} µm per kN·m, as where it turns about a foot."
+        )
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[UnevenTilt]:

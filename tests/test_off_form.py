@@ -1,0 +1,78 @@
+"""What real causes have beside the forms that they are known by is fitted with them, and not with others."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench import (
+    Truth,
+    diagnose,
+    load_robot,
+    parse_effect,
+    planned,
+    problem_of,
+    random_geometry,
+    random_poses,
+    simulate,
+)
+from workbench.diagnosis.off_form import _against_its_load
+from workbench.identification.fit import fit
+from workbench.identification.model import Model
+
+MODELS = Path(__file__).resolve().parents[1] / "models"
+FOOT = 0.9  # m below the base
+
+
+@pytest.fixture(scope="module")
+def on_a_pedestal(tmp_path_factory):
+    """An RX 170 that turns about the foot of a pedestal, which its model does not have."""
+    folder = tmp_path_factory.mktemp("pedestal")
+    shutil.copytree(MODELS / "rx170", folder, dirs_exist_ok=True)
+    urdf = folder / "rx170.urdf"
+    text, foot = (
+        urdf.read_text(),
+        f'<link name="foot"/><joint name="pedestal" type="fixed"><parent link="foot"/>\
+<child link="base_link"/><origin xyz="0 0 {FOOT}" rpy="0 0 0"/></joint></robot>',
+    )
+    urdf.write_text(text.replace("</robot>", foot))
+    real, robot = load_robot(folder / "rx170.toml"), load_robot("rx170")
+    rng = np.random.default_rng(43)
+    q = random_poses(robot, 60, rng)
+    plans = [
+        planned(r, q, payloads={"h": (40.0, (0.05, 0.0, 0.1))}, payload=["", "h"] * 30) for r in (real, robot)
+    ]
+    problem = problem_of(plans[0])
+    tilt = parse_effect("foundation:compliance=6e-7", problem)
+    truth = Truth(geometry=random_geometry(problem.arm, rng), effects=(tilt,), sigma=3e-5)
+    return replace(plans[1], points=simulate(plans[0], truth, seed=3).points, noise_sigma=3e-5)
+
+
+def test_a_pedestal_turns_about_its_foot(on_a_pedestal):
+    outcome = diagnose(on_a_pedestal)
+    (found,) = outcome.diagnosis.causes
+    assert (found.label, found.status) == ("foundation", "named")
+    assert found.parameters[0].value == pytest.approx(6e-7, rel=0.1)
+    assert "turns about a foot" in found.sentence
+    assert outcome.diagnosis.verdict == "named"
+    assert outcome.diagnosis.stages[-1].name == "geometry + foundation"
+    assert outcome.diagnosis.stages[-1].heldout_rms_mm < 1.3 * np.sqrt(3) * 0.03
+    (moved,) = (e for e in outcome.fit.model.effects if e.variant == "uneven tilt")
+    values, _ = outcome.fit.effect_values(outcome.fit.model.effects.index(moved))
+    foot = values[3] * 1.5 / moved.largest / found.parameters[0].value
+    assert foot == pytest.approx(FOOT, rel=0.2)
+
+
+def test_no_spring_pushes_back(on_a_pedestal):
+    """A negative compliance is no cause, however well it fits."""
+    problem = problem_of(on_a_pedestal)
+    pair = tuple(
+        parse_effect(f"{text},compliance=0", problem)[0]
+        for text in ("foundation:", "bearing_tilt:joint=joint_1")
+    )
+    found = fit(Model(problem, pair))
+    assert found.state.values[1][0] < 0
+    assert not _against_its_load(found, [0])
+    assert _against_its_load(found, [0, 1])

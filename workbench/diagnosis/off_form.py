@@ -1,0 +1,84 @@
+"""What real causes have beside the forms that they are known by, fitted with them once they are named.
+
+The competition counts it: companions stand beside each form, so that no cause is dropped for being off it.
+Here they join the model where the data show them: no ground is alike in all directions, and a path is bent
+by all of what the ground does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects.base import UNKNOWN, Effect
+from ..identification.fit import ROUGH, Fit, refit
+from ..identification.heldout import heldout
+from ..identification.noise import Covariance
+from .competition import Selection
+from .components import Key, bare
+from .remainder import remainder
+from .rounds import BETTER
+from .scatter import with_scatter
+from .stages import rms_mm, without
+
+SURELY = 3.0  # standard deviations
+
+
+def with_own_forms(selection: Selection, noise: Covariance, noise_known: bool, seed: int) -> Selection:
+    """The selection with what its named causes have beside their forms, as large as these are likeliest,
+    where without it more than noise is left, and with it poses held out are predicted better. noise: without
+    the scatter that the search took for noise. What yields against its load is none of the causes, though
+    something is there: it has no name, and goes where they do without it."""
+    against = frozenset(
+        effect.key for effect, own in selection.groups if _against_its_load(selection.fit, own)
+    )
+    selection = replace(selection, faint=selection.faint | against, against=against)
+    fit, beside = selection.fit, _beside(selection)
+    effects = [effect for effect in fit.model.effects if effect.key not in against]
+    alone = refit(replace(fit, noise=noise) if noise_known else fit, effects, ROUGH)
+    if not beside or (noise_known and not remainder(alone, noise_known).scatter):
+        return selection
+    whole = refit(alone, [*effects, *beside], ROUGH)
+    if noise_known:
+        whole = replace(whole, noise=with_scatter(whole, noise))
+    whole = refit(whole, whole.model.effects)
+    better = 1 / BETTER if against else BETTER
+    if rms_mm(heldout(whole, seed=seed)) > better * rms_mm(heldout(fit, seed=seed)):
+        return selection
+    found = replace(selection, fit=whole, beside=beside, against=frozenset())
+    return replace(found, gains_mm={**selection.gains_mm, **_gains_mm(found, whole, seed)})
+
+
+def _against_its_load(fit: Fit, own: Sequence[int]) -> bool:
+    """Whether one of a fit's effects is a spring that gives less than nothing, the model's part too."""
+    for i in own:
+        effect = fit.model.effects[i]
+        if effect.acts == "yielding":
+            values, covariance = fit.effect_values(i)
+            least = np.array([p.lower for p in effect.params])
+            if (values + SURELY * np.sqrt(np.diag(covariance)) < least).any():
+                return True
+    return False
+
+
+def _beside(selection: Selection) -> dict[Effect, Key]:
+    """What stands beside the named causes' forms without a name of its own, in the scale in which these were
+    likeliest, and whose it is; not what the model has already."""
+    scale = {bare(selection.components[m.component].key): m.scale for m in selection.members}
+    had = {(e.variant, e.where) for e in selection.fit.model.effects if e.cause == UNKNOWN}
+    found: dict[Effect, Key] = {}
+    for effect, _ in selection.groups:
+        for share, companion in effect.companions(selection.fit.model.problem):
+            if companion.cause == UNKNOWN and (companion.variant, companion.where) not in had:
+                found.setdefault(companion.sized(scale[effect.key] * share), effect.key)
+                had.add((companion.variant, companion.where))
+    return found
+
+
+def _gains_mm(found: Selection, whole: Fit, seed: int) -> dict[Key, float]:
+    """What causes that are off their form bring with all of it on poses held out, RMS [mm]."""
+    error = rms_mm(heldout(whole, seed=seed))
+    off = set(found.beside.values())
+    return {e.key: without(whole, own, seed) - error for e, own in found.groups if e.key in off}
