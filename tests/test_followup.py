@@ -14,13 +14,10 @@ from workbench import (
     diagnose,
     follow_up,
     load_robot,
-    parse_effect,
     plan,
     planned,
-    problem_of,
-    random_geometry,
     random_poses,
-    rotation_about,
+    simulate,
     what_decides,
 )
 from workbench.campaign.joined import join
@@ -100,26 +97,17 @@ def test_one_tie_has_one_lambda(open_tie, tmp_path):
     assert decision(after).endswith("(λ 13 → 180)")
 
 
-def test_a_weight_is_asked_for_where_poses_alone_are_too_many(tmp_path):
-    """A soft joint under its own weight looks like one that loses motion; twice the load tells them apart."""
-    rng = np.random.default_rng([1, 27])
+def test_a_weight_that_can_be_mounted_is_planned_with(tmp_path):
     robot = load_robot("kr500")
-    bare = planned(robot, random_poses(robot, 30, rng))
-    problem = problem_of(bare)
-    soft = parse_effect("joint_compliance:joint=joint_3,relative=0.3", problem)
-    truth = Truth(geometry=random_geometry(problem.arm, rng), effects=(soft,), sigma=3e-5)
-    rig = demo.Rig(truth, (rotation_about("z", 2.2)[None], np.array([[3.2, -1.4, -0.6]])), 1)
-    campaign = demo._measured(tmp_path / "first", rig, bare, 0)
-    first = what_decides(diagnose(campaign))
-    ways = {way.kind: way for finding in first.diagnosis.causes for way in finding.decide}
-    assert "poses" not in ways or ways["poses"].poses >= 2 * ways["load"].poses
-    assert "without and with 200 kg at the flange" in ways["load"].words
-    made = follow_up(campaign, ways["load"], quick=True)
+    bare = planned(robot, random_poses(robot, 30, np.random.default_rng(27)))
+    campaign = simulate(bare, Truth(sigma=3e-5), seed=1)
+    weight = {"load": (200.0, (0.0, 0.0, 0.15))}
+    made = plan(
+        campaign, 12, tell="joint_compliance:joint=joint_3,link_mass:link=link_3", quick=True, payloads=weight
+    )
     records = made.drive.records
     assert records.payload_names == ("", "load")
-    assert set(records.poses.payload) == {0, 1}
-    outcome = diagnose([campaign, demo._measured(tmp_path / "second", rig, records, 1)])
-    assert statuses(outcome) == {JOINT_3: "named"}
+    assert set(records.poses.payload) == {0, 1}  # one load alone tells a stiffness from no mass
     with pytest.raises(InputError, match="another payload 'load', of 200 kg"):
         with_payloads(records, {"load": (100.0, (0.0, 0.0, 0.15))})
 

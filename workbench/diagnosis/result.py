@@ -72,7 +72,7 @@ class Decision:
     """What would decide between a finding and its rivals. command: ready to run; poses: how many settle it;
     lambda_before, lambda_after: how far apart the rivals are now, and after it (`measurement.design`)."""
 
-    kind: Literal["poses", "load", "drive_torque", "reading", "other"]
+    kind: Literal["poses", "drive_torque", "reading", "other"]
     words: str
     command: str | None
     poses: int | None

@@ -51,10 +51,6 @@ DRAWS = 3  # of random poses with torques
 TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
 
-LOAD = "load"  # name of a weight that nobody has mounted yet:
-LIGHTER = 2  # times as many poses that are spared, at least, where it is to be mounted
-HEAVY, BEFORE_FLANGE = 0.1, 0.15  # share of the arm's mass, and [m] how far before the flange its centre is
-
 Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
 
 
@@ -68,26 +64,21 @@ class Offers:
 
     @cached_property
     def records(self) -> Campaign:
-        return self._offered(self.prior)
-
-    def _offered(self, prior: PriorInformation) -> Campaign:
         """Records as `plan` offers them, but for whether the poses hang together: a plan's matter."""
-        around = reach_of(prior, 0)
+        around = reach_of(self.prior, 0)
         factors = varied(effect for effect, _ in self.effects).possible(around.cell.driving)
-        return candidates(prior, POOL, factors, np.random.default_rng(21), partial(around.draw, linked=False))
+        draw = partial(around.draw, linked=False)
+        return candidates(self.prior, POOL, factors, np.random.default_rng(21), draw)
 
     @cached_property
     def space(self) -> DesignSpace:
         return design_space(self.prior.of_records(self.records, self.effects), self.measured)
 
-    @property
-    def loads_at_stake(self) -> bool:
-        return any(effect.acts == "load" for effect, _ in self.effects)
-
     @cached_property
     def torques(self) -> Torques | None:
         """The same records with the drives' torques; None where these were recorded, or no load is in it."""
-        if not self.loads_at_stake or self.prior.problem.drives:
+        loads = any(effect.acts == "load" for effect, _ in self.effects)
+        if not loads or self.prior.problem.drives:
             return None
         recorded = self.records.with_poses(torque=np.zeros_like(self.records.poses.q))
 
@@ -95,18 +86,6 @@ class Offers:
             return design_space(self.prior.of_records(recorded.some(chosen), self.effects), self.measured)
 
         return space
-
-    @cached_property
-    def with_load(self) -> tuple[str, DesignSpace] | None:
-        """Records without and with a weight at the flange, as `--payload` takes it; None where a payload was
-        measured, or no load is in it."""
-        problem = self.prior.problem
-        mass = float(f"{HEAVY * problem.arm.mass.sum():.1g}")
-        if not self.loads_at_stake or len(problem.campaign.payload_names) > 1 or not mass:
-            return None
-        prior = self.prior.with_payloads({LOAD: (mass, (0.0, 0.0, BEFORE_FLANGE))})
-        space = design_space(prior.of_records(self._offered(prior), self.effects), self.measured)
-        return f"{LOAD}={mass:g}:0,0,{1e3 * BEFORE_FLANGE:g}", space
 
 
 def what_decides(outcome: Outcome) -> Outcome:
@@ -129,8 +108,8 @@ def _heard(tie: Tie, finding: Finding) -> Tie:
 
 
 def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
-    """Poses; a weight at the flange or the drives' torques where poses alone are too many; readings; else
-    what the causes say. heard: the tie as far as it is worth a word."""
+    """Poses; the torques beside them where poses alone are too many; readings; else what the causes say.
+    heard: the tie as far as it is worth a word."""
     problem, space = offers.prior.problem, offers.space
     source, tell = problem.campaign.arguments, quote(command_text(tie))
     now = least(space, space.before, tie)
@@ -142,15 +121,6 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         command = f"workbench plan {source} --tell {tell} --poses {count} --out follow-up"
         found.append(Decision("poses", words, command, count, now, after))
     many = poses is None or poses[1] is None
-    if many and (loaded := _settled_by_load(offers, tie)) is not None:
-        weight, count, after = loaded
-        if poses is None or LIGHTER * count <= poses[0]:
-            kg = weight.partition("=")[2].partition(":")[0]
-            more = f"{'about ' if after is None else ''}{count} more poses"
-            words = f"{more}, chosen for it, without and with {kg} kg at the flange"
-            with_it = f"workbench plan {source} --payload {weight} --tell {tell}"
-            command = f"{with_it} --poses {count} --out follow-up"
-            found.append(Decision("load", words, command, count, now, after))
     if offers.torques is not None and (torque := _settled_by_torque(offers.torques, tie)) is not None:
         count, after = torque
         if poses is None or count < poses[0]:
@@ -184,15 +154,6 @@ def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float | None] | None:
     if count > POSES.most:
         return 10 * int(np.ceil(count / 10)), None
     return count, least(space, space.measured(chosen, count), tie)
-
-
-def _settled_by_load(offers: Offers, tie: Tie) -> tuple[str, int, float | None] | None:
-    """The weight, and poses without and with it that settle the tie, as `_settled`."""
-    if offers.with_load is None:
-        return None
-    weight, space = offers.with_load
-    settled = _settled(space, tie)
-    return None if settled is None else (weight, *settled)
 
 
 def _settled_by_torque(torques: Torques, tie: Tie) -> tuple[int, float] | None:
