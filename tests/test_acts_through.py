@@ -14,6 +14,7 @@ from workbench.effects.payload import Payload
 from workbench.effects.place import Where
 from workbench.effects.unnamed.loads import UnevenTilt
 from workbench.identification.fit import refit
+from workbench.robot.kinematics import RX, TX
 
 
 def needs(name, load, *joints):
@@ -62,6 +63,11 @@ def test_an_uneven_base_is_a_share_of_its_tilt():
     motion = uneven.motion(read)
     moment = uneven.moment(read) / uneven.largest
     assert np.abs(moment).max() <= 1 + 1e-12
-    for weights, matrix in (((1, 0, 0), [[1, 0], [0, -1]]), ((0, 1, 0), [[0, 1], [1, 0]])):
-        turned = np.column_stack([motion[column] @ weights for column in sorted(motion)])
+    for weights, matrix in (((1, 0, 0, 0), [[1, 0], [0, -1]]), ((0, 1, 0, 0), [[0, 1], [1, 0]])):
+        turned = np.column_stack([motion[column] @ weights for column in (RX, RX + 1)])
         np.testing.assert_allclose(turned, moment @ np.array(matrix), atol=1e-12)
+    shifted = np.column_stack([motion[column] @ (0, 0, 0, 1) for column in (TX, TX + 1)])
+    turned = np.column_stack([motion[column] @ (0, 0, 0, 1) for column in (RX, RX + 1)])
+    assert not turned.any()
+    height = 1.5  # of the base over where it turns, for a tilt of its moment
+    np.testing.assert_allclose(shifted, height * moment[:, ::-1] * (1, -1), atol=1e-12)

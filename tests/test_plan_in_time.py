@@ -13,6 +13,7 @@ import pytest
 from workbench import Truth, load_robot, plan, planned, random_poses, simulate
 from workbench.campaign.cell import CellData, DrivingData
 from workbench.cli.main import main
+from workbench.correction.programs import read_program
 from workbench.files.faults import InputError
 from workbench.measurement.design.candidates import Factors, candidates
 from workbench.measurement.design.prior_information import from_robot
@@ -188,3 +189,18 @@ def test_a_result_that_leaves_nothing_open_is_refused(tmp_path, measured):
     path.write_text("[]")
     with pytest.raises(InputError, match=r"is no result.json of a diagnosis"):
         plan(measured, tell=str(path), quick=True)
+
+
+def test_every_block_has_a_val3_application_of_its_own(tmp_path):
+    """Their programs have the same file names: in one folder the last would drive the others' points."""
+    call = ["plan", "rx170", "--payload", "heavy=20:0,0,100", "--poses", "15", "--quick", "--format", "val3"]
+    call += ["--tell", "joint_compliance:joint=joint_3,link_mass:link=link_3"]
+    main([*call, "--out", str(tmp_path)])
+    applications = sorted(tmp_path.glob("*/*.pjx"))
+    assert len(applications) == 2  # without and with the load
+    for application in applications:
+        assert {file.name for file in application.parent.glob("*.pgx")} == {"start.pgx", "stop.pgx"}
+        assert "load" in (application.parent / "start.pgx").read_text()
+    still = [int((read_program(application, "val3").dwell > 0).sum()) for application in applications]
+    poses = (tmp_path / "poses.csv").read_text().splitlines()[1:]
+    assert sorted(still) == sorted([sum("heavy" in p for p in poses), sum("heavy" not in p for p in poses)])

@@ -209,8 +209,12 @@ def _write(
         alone = is_folder(program, chosen)
         share = made.reach.cell.driving.speed_share
         stem = "measure" if alone else program.stem
-        for name, one in programs(made.drive, chosen, share, stem, arguments.as_urdf).items():
-            files |= program_files(one, chosen, program if alone else program.with_stem(name))
+        several = programs(made.drive, chosen, share, stem, arguments.as_urdf)
+        for name, one in several.items():
+            place = program if alone else program.with_stem(name)
+            if chosen.own_folder and len(several) > 1:  # else the last would lie over the others
+                place = (program if alone else program.parent) / name
+            files |= program_files(one, chosen, place)
     pages = {}
     if whole:
         progress("drawing the scene")

@@ -33,7 +33,8 @@ class Format(ABC):
     """One controller's program format. The class attributes say its rules; `None` = no limit known.
 
     circles: it has circular moves. own_joints: its joints and frames are the controller's, not the URDF's.
-    samples: it is a table of samples, never thinned.
+    samples: it is a table of samples, never thinned. own_folder: a program's files have
+    fixed names, and need a folder of their own.
     """
 
     name: ClassVar[str]
@@ -55,6 +56,7 @@ class Format(ABC):
     circles: ClassVar[bool] = False
     own_joints: ClassVar[bool] = True
     samples: ClassVar[bool] = False
+    own_folder: ClassVar[bool] = False
 
     @abstractmethod
     def write(self, program: Program) -> dict[str, str]:
