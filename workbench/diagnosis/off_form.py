@@ -36,19 +36,23 @@ def with_own_forms(selection: Selection, noise: Covariance, noise_known: bool, s
     )
     selection = replace(selection, faint=selection.faint | against, against=against)
     fit, beside = selection.fit, _beside(selection)
+    if not beside:
+        return selection
     effects = [effect for effect in fit.model.effects if effect.key not in against]
     alone = refit(replace(fit, noise=noise) if noise_known else fit, effects, ROUGH)
-    if not beside or (noise_known and not remainder(alone, noise_known).scatter):
+    if noise_known and not remainder(alone, noise_known).scatter:
         return selection
     whole = refit(alone, [*effects, *beside], ROUGH)
     if noise_known:
         whole = replace(whole, noise=with_scatter(whole, noise))
     whole = refit(whole, whole.model.effects)
-    better = 1 / BETTER if against else BETTER
-    if rms_mm(heldout(whole, seed=seed)) > better * rms_mm(heldout(fit, seed=seed)):
+    error, better = rms_mm(heldout(whole, seed=seed)), 1 / BETTER if against else BETTER
+    if error > better * rms_mm(heldout(fit, seed=seed)):
         return selection
     found = replace(selection, fit=whole, beside=beside, against=frozenset())
-    return replace(found, gains_mm={**selection.gains_mm, **_gains_mm(found, whole, seed)})
+    off = set(beside.values())
+    gains_mm = {e.key: without(whole, own, seed) - error for e, own in found.groups if e.key in off}
+    return replace(found, gains_mm={**selection.gains_mm, **gains_mm})
 
 
 def _against_its_load(fit: Fit, own: Sequence[int]) -> bool:
@@ -75,10 +79,3 @@ def _beside(selection: Selection) -> dict[Effect, Key]:
                 found.setdefault(companion.sized(scale[effect.key] * share), effect.key)
                 had.add((companion.variant, companion.where))
     return found
-
-
-def _gains_mm(found: Selection, whole: Fit, seed: int) -> dict[Key, float]:
-    """What causes that are off their form bring with all of it on poses held out, RMS [mm]."""
-    error = rms_mm(heldout(whole, seed=seed))
-    off = set(found.beside.values())
-    return {e.key: without(whole, own, seed) - error for e, own in found.groups if e.key in off}

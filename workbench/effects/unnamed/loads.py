@@ -20,7 +20,7 @@ from .base import Unnamed, each
 
 LEVELS = 1e-3  # of a lever: a joint as upright as that bears no weight
 SHIFT = 0.3  # m: a shift's usual size is that of a turn at this distance
-FOOT = 1.5  # m: half the height of a pedestal at a third of the tilt, the share of what is uneven
+FOOT = 1.5  # m: with what is uneven a third of the tilt, a base half a metre above where it turns is usual
 
 
 @dataclass(frozen=True)
@@ -338,7 +338,7 @@ class UnevenTilt(Unnamed, DirectEffect):
         }
 
     def sentence(self, values: Array) -> str:
-        per_kNm = values[:, None][[0, 1, 3], 0] / self.largest * 1e9  # µrad, µrad, 1.5 µm
+        per_kNm = values[[0, 1, 3]] / self.largest * 1e9  # µrad, µrad, FOOT µm
         size, softest = np.hypot(*per_kNm[:2]), np.degrees(np.arctan2(per_kNm[1], per_kNm[0])) / 2 % 180
         return (
             f"It is not alike in all directions: {size:.2g} µrad per kN·m more about the axis at "

@@ -120,7 +120,6 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         words = f"{'about ' if after is None else ''}{count} more poses, chosen for it"
         command = f"workbench plan {source} --tell {tell} --poses {count} --out follow-up"
         found.append(Decision("poses", words, command, count, now, after))
-    many = poses is None or poses[1] is None
     if offers.torques is not None and (torque := _settled_by_torque(offers.torques, tie)) is not None:
         count, after = torque
         if poses is None or count < poses[0]:
@@ -133,7 +132,7 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         found += [
             Decision("other", _whole(heard, rival), None, None, now, None) for rival in _wholes(space, heard)
         ]
-    if many:
+    if poses is None or poses[1] is None:
         read = {item.effect.key for item in given_facts(problem)}
         said = (separation_beside(tie.effect.key, rival.key, read) for rival in heard.rivals)
         words_of = dict.fromkeys(filter(None, said))
