@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from shlex import quote
@@ -30,6 +30,10 @@ class Target:
     on: str = "flange"
     fixed: bool = False
     opens: tuple[float, float, float] | None = None
+
+
+TOOL = "tool"
+SAME = 1e-6  # m, and share of a mass: to which a tool is the same one
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +91,22 @@ class Campaign:
         """The campaign as a command names it: its files, and what was said besides."""
         files = [str(path) for path in (self.path, *self.beside)]
         return " ".join(quote(one) for one in [*files, *(x for fact in self.told for x in ("--known", fact))])
+
+    @property
+    def tool_name(self) -> str:
+        """What is always mounted, stated or not, as a place of causes; a payload may have the name."""
+        name = TOOL
+        while name in self.payload_names:
+            name += ", always mounted"
+        return name
+
+    def has_load(self, name: str, mass: float, com: Sequence[float] | Array) -> bool:
+        """Whether what was found of a load holds here: of one of its payloads; or of the tool, where that is
+        the one over which it was found, of this mass [kg] and centre of mass (3,) [m, flange frame]."""
+        if name in self.payload_names[1:]:
+            return True
+        there = not mass or np.allclose(com, self.tool_com, rtol=0, atol=SAME)
+        return name == self.tool_name and abs(mass - self.tool_mass) <= SAME * mass and there
 
     def __repr__(self) -> str:
         loads = f", payloads {', '.join(self.payload_names[1:])}" if len(self.payload_names) > 1 else ""

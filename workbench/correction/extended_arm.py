@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.acting import WHOLE, Acting, Shares
-from ..effects.records import from_record
+from ..effects.records import from_record, is_mounted
 from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.loads import Loads, Wrenches, wrenches
 
@@ -91,7 +91,7 @@ class ExtendedArm:
 def extended_arm(problem: Problem) -> ExtendedArm:
     """The robot's own corrections and effects on a path (as a problem).
 
-    Effects of the instrument and of payloads that are not carried do nothing here; those that hang on
+    Effects of the instrument and of loads that are not carried do nothing here; those that hang on
     something that is not given for the path are named in the notes. Raises `InputError` for a model that
     is not this robot's.
     """
@@ -100,7 +100,7 @@ def extended_arm(problem: Problem) -> ExtendedArm:
     for item in problem.robot.effects:
         kind = catalogue().get(item.cause)
         seen_only = kind is not None and kind.acts == "instrument"
-        if seen_only or item.payload not in (None, *thinned.campaign.payload_names):
+        if seen_only or not is_mounted(item, thinned):
             continue
         if kind is not None and not kind.places(thinned):
             notes.append(f"{item.cause} is left out: {kind.needs(thinned) or 'it has no place on this path'}")

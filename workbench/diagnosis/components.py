@@ -125,7 +125,7 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
     out = []
     for key, effects in places.items():
         finer = [other for effect in effects for other in effect.finer()[::EVERY_FINER]]
-        forms = [form_of(fit, (effect,)) for effect in (*effects, *finer)]
+        forms = [form_of(fit, (effect,)) for effect in (*effects, *finer) if effect.whole]
         if effects[0].together and len(effects) > 1:
             forms.append(form_of(fit, tuple(effects)))
         if effects[0].pure:

@@ -273,8 +273,11 @@ def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], st
     """Parameters and sentence; further parts of one cause carry their order or form in the name."""
     parameters: list[Parameter] = []
     sentences: list[str] = []
+    there = [(final.model.effects[i], final.effect_values(i)[0]) for i in own]
+    given = final.model.given_values(final.state)
+    there += [(item.effect, given[k, None]) for k, item in enumerate(final.model.given)]
     for n, i in enumerate(own):
-        effect = final.model.effects[i]
+        effect = final.model.effects[i].beside(there)
         values, covariance = final.effect_values(i)
         sentences.append(effect.sentence(values))
         for p in effect.report(values, covariance):

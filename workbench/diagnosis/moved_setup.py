@@ -146,8 +146,9 @@ def _of_one_joint(problem: Problem) -> list[Effect]:
 
 def _of_load(problem: Problem) -> list[Effect]:
     """What a change of load does: payloads, and joints that yield to them."""
+    loads = problem.campaign.payload_names
     every = [e for kind in catalogue().values() if kind.needs(problem) is None for e in kind.sites(problem)]
-    return [e for e in every if e.where.payload is not None or (e.always and e.axial)]
+    return [e for e in every if e.where.payload in loads or (e.always and e.axial)]
 
 
 def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Array]]:

@@ -94,12 +94,14 @@ def _cleaned(problem: Problem, final: Fit) -> tuple[Problem, tuple[FaultFound, .
 
 def _errors(problem: Problem, result: Fit) -> _Errors:
     """The test campaign's points as a fit predicts them, and its errors."""
+    fitted = result.model.problem.campaign
+    tool = fitted.tool_mass, fitted.tool_com
     known = tuple(
         (effect, values)
         for effect, values in result.model.acting(result.state)
         if effect.lasting
         and effect.needs(problem) is None
-        and (effect.where.payload is None or effect.where.payload in problem.campaign.payload_names)
+        and (effect.where.payload is None or problem.campaign.has_load(effect.where.payload, *tool))
     )
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)

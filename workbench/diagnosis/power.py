@@ -29,7 +29,7 @@ def needed(rank: int, alpha: float) -> float:
 
 def detectable(candidates: Sequence[Effect], final: Fit, known: bool) -> Iterator[Detectable]:
     """Smallest size of every cause that would have been found with 80 % power, whatever its phase."""
-    candidates = [e for e in candidates if e not in final.model.effects and len(e.params) < MANY]
+    candidates = [e for e in candidates if e.whole and e not in final.model.effects and len(e.params) < MANY]
     if not candidates:
         return
     table = screen(final, candidates)

@@ -15,7 +15,7 @@ what it depends on, whether it is smooth, always there, along its joint's own ax
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, Protocol
 
@@ -154,6 +154,11 @@ class Effect(ABC):
         return all(p.spread is not None for p in self.params)
 
     @property
+    def whole(self) -> bool:
+        """Whether it may be there without the other forms that it comes together with."""
+        return True
+
+    @property
     def lasting(self) -> bool:
         """Whether it is the robot's own, and there in other campaigns as well."""
         return True
@@ -248,6 +253,10 @@ class Effect(ABC):
     def reported_size(self, size: float) -> tuple[float, str]:
         """A size of the first parameter [its unit], and its unit, as `report` has them."""
         return size, self.params[0].unit
+
+    def beside(self, others: Iterable[tuple[Effect, Array]]) -> Effect:
+        """The same effect as it is said where these, each with its values (p,), were found as well."""
+        return self
 
     @property
     def names(self) -> tuple[str, ...]:

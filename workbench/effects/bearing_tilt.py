@@ -34,7 +34,7 @@ class BearingTilt(LinearYield):
         "link_bending": "a target on the link next to the joint",
         "foundation": "targets on the base casting",
         "joint_compliance": "a target on the link next to the joint, or a load from the side",
-        "payload": "weigh the payload",
+        "payload": "weigh what the flange carries",
     }
 
     @property

@@ -33,7 +33,7 @@ class Foundation(LinearYield):
         "gear_eccentricity": "targets on the base casting",
         "joint_compliance": "targets on the base casting",
         "drift": "return to some poses at other times",
-        "payload": "weigh the payload",
+        "payload": "weigh what the flange carries",
     }
 
     @property

@@ -33,7 +33,7 @@ class JointCompliance(AxialYield, LinearYield):
     wholes: ClassVar[dict[str, str]] = {"stiffness": "N·m/rad"}
     equation: ClassVar[str] = "Delta q = c_0 thin r thin tau"
     separate: ClassVar[dict[str, str]] = {
-        "payload": "weigh the payload, or add a third load",
+        "payload": "weigh what the flange carries, or add a third load",
         "link_mass": "measure with two payloads: a stiffness acts on both, a link mass on neither",
         "link_bending": "a target in the middle of the link",
         "bearing_tilt": "a target on the link next to the joint, or a load from the side",

@@ -43,7 +43,7 @@ class LinkBending(LinearYield):
         "bearing_tilt": "targets at both ends of the link",
         "gravity_compensator": "the motor torque of joint 2, or a target in the middle of the link",
         "foundation": "targets on the base casting",
-        "payload": "weigh the payload",
+        "payload": "weigh what the flange carries",
         "link_bending": "a target in the middle of each link",
     }
 

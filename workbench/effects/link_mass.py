@@ -12,7 +12,7 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
 from .base import Param
-from .masses import MassEffect, mass_wrench
+from .masses import MassEffect, mass_wrench, usually_mounted
 from .place import Where
 
 
@@ -21,7 +21,7 @@ class LinkMass(MassEffect):
     """Gravity of the link acts with m + Δm at c (`variant` "mass"), or with m at c + Δc ("com").
 
     The fitted centre-of-mass parameters are first moments m Δc [kg·m] on the URDF link's axes, so that
-    both are linear.
+    both are linear. The last link's usual error is that of all that moves with it.
     """
 
     cause: ClassVar[str] = "link_mass"
@@ -31,7 +31,7 @@ class LinkMass(MassEffect):
     reading: ClassVar[str] = "weigh the link"
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "measure with two payloads: a stiffness acts on both, a link mass on neither",
-        "payload": "the same poses without payload",
+        "payload": "weigh what the flange carries, or measure without it",
         "gravity_compensator": "read the pressure gauge, or weigh the link",
         "gear_eccentricity": "record the motor torque of the joint",
         "link_mass": "record the motor torques of the joints",
@@ -40,10 +40,10 @@ class LinkMass(MassEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         if self.variant == "mass":
-            return (Param("mass", "kg", 0.05 * self.mass, "added to the URDF's mass", lower=-self.mass),)
-        most = 0.3 * self.mass  # a centre of mass does not leave its link
+            return (Param("mass", "kg", 0.05 * self.usual, "added to the URDF's mass", lower=-self.mass),)
+        most = 0.3 * self.usual  # a centre of mass does not leave its link
         return tuple(
-            Param(f"moment_{axis}", "kg·m", 0.02 * self.mass, lower=-most, upper=most) for axis in "xyz"
+            Param(f"moment_{axis}", "kg·m", 0.02 * self.usual, lower=-most, upper=most) for axis in "xyz"
         )
 
     @classmethod
@@ -54,8 +54,10 @@ class LinkMass(MassEffect):
     def sites(cls, problem: Problem) -> Sequence[LinkMass]:
         """Moving links that have a mass."""
         arm = problem.arm
+        usual = arm.mass.copy()
+        usual[arm.n] = max(arm.mass[arm.n], usually_mounted(problem))
         return [
-            cls(Where(link=arm.links[k]), variant, float(arm.mass[k]))
+            cls(Where(link=arm.links[k]), variant, float(arm.mass[k]), float(usual[k]))
             for k in range(1, arm.n + 1)
             if arm.mass[k] > 0
             for variant in ("mass", "com")
@@ -88,5 +90,7 @@ class LinkMass(MassEffect):
         if self.variant == "mass":
             word = "heavier" if values[0] > 0 else "lighter"
             return f"{self.where.link} is {abs(values[0]):.1f} kg {word} than its URDF says."
+        if not self.mass:
+            return f"The first moment of {self.where.link} is off by {np.linalg.norm(values):.3g} kg·m."
         shift = np.linalg.norm(values) / self.mass * 1e3
         return f"The centre of mass of {self.where.link} is {shift:.0f} mm off its place in the URDF."

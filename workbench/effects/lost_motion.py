@@ -39,7 +39,7 @@ class LostMotion(AxialYield):
     settings: ClassVar[tuple[str, ...]] = ("torque",)
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "three loads at each pose, one of which reverses the torque",
-        "payload": "weigh the payload, or measure a third load",
+        "payload": "weigh what the flange carries, or measure a third load",
         "gravity_compensator": "a load that reverses the torque; the motor torque of the joint",
         "backlash": "each pose from both sides, under the same load",
         "gear_eccentricity": "the same poses with another payload",

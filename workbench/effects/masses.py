@@ -1,28 +1,36 @@
-"""A mass or centre of mass that differs from what is stated: base of payload and link mass."""
+"""A mass or centre of mass that differs from what is stated: base of payload and link mass.
+
+The last link and the tool move together: what the data show of them is their mass and first moment together,
+and only where that sits, and what is usual of each, speaks for one of the two.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array, Frames
+from .base import Effect
 from .kinds import LoadEffect
 from .place import Parameter
+
+OF_ARM = 0.1  # of the mass of the moving links: what is usually mounted, half of what such an arm may carry
 
 
 @dataclass(frozen=True)
 class MassEffect(LoadEffect):
     """Mass (`variant` "mass") or centre of mass ("com") of a body differs from its `mass` [kg] and place.
 
-    A centre of mass is fitted as first moment [kg·m], which is linear, and reported as a shift. reference:
-    whose numbers they differ from, in words.
+    A centre of mass is fitted as first moment [kg·m], which is linear, and reported as a shift. usual: mass
+    [kg] of which what is off is a usual share. reference: whose numbers they differ from, in words.
     """
 
     mass: float = 0.0
+    usual: float = 0.0
 
     reference: ClassVar[str]
     in_drake: ClassVar[str] = "mass and centre of mass of the body, in the Context"
@@ -47,6 +55,8 @@ class MassEffect(LoadEffect):
         std = np.sqrt(np.diag(covariance))
         if self.variant == "mass":
             return (Parameter("mass", float(values[0]), float(std[0]), "kg", f"over {self.reference} mass"),)
+        if not self.mass:
+            return super().report(values, covariance)
         return tuple(
             Parameter(
                 f"com_{axis}", float(v / self.mass), float(s / self.mass), "m", f"over {self.reference} place"
@@ -54,8 +64,22 @@ class MassEffect(LoadEffect):
             for axis, v, s in zip("xyz", values, std, strict=True)
         )
 
+    def beside(self, others: Iterable[tuple[Effect, Array]]) -> Effect:
+        """A centre of mass moves by the first moment over the mass that is there with what was found."""
+        more = sum(
+            float(values[0])
+            for other, values in others
+            if other.key == self.key and isinstance(other, MassEffect) and other.variant == "mass"
+        )
+        return replace(self, mass=max(self.mass + more, 0.0)) if self.variant == "com" else self
+
     def reported_size(self, size: float) -> tuple[float, str]:
         return (size / self.mass, "m") if self.variant == "com" and self.mass else (size, self.params[0].unit)
+
+
+def usually_mounted(problem: Problem) -> float:
+    """Mass [kg] of what a robot like this carries all the time, known or not."""
+    return max(problem.campaign.tool_mass, OF_ARM * float(problem.arm.mass[1:].sum()))
 
 
 def mass_wrench(problem: Problem, where: Frames, slot: int, mass: Array, moment: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Mass or centre of mass of a payload differs from what was stated."""
+"""Mass or centre of mass of a payload, or of the tool, differs from what was stated."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
 from .base import Param
-from .masses import MassEffect, mass_wrench
+from .masses import MassEffect, mass_wrench, usually_mounted
 from .place import Where
 
 
@@ -20,55 +20,71 @@ from .place import Where
 class Payload(MassEffect):
     """Gravity of the payload acts with m + Δm at c (`variant` "mass"), or with m at c + Δc ("com").
 
-    The fitted centre-of-mass parameters are first moments m Δc, so that both are linear.
+    The fitted centre-of-mass parameters are first moments m Δc, so that both are linear. The tool, which is
+    always mounted, is a payload as well, whether it was stated or not.
     """
 
     com: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    always_there: bool = False
 
     cause: ClassVar[str] = "payload"
-    title: ClassVar[str] = "Payload differs from what was stated"
+    title: ClassVar[str] = "Payload or tool differs from what was stated"
     reference: ClassVar[str] = "the stated"
     equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
-    reading: ClassVar[str] = "weigh the payload"
+    reading: ClassVar[str] = "weigh what the flange carries"
     separate: ClassVar[dict[str, str]] = {
-        "joint_compliance": "weigh the payload, or measure a third load",
-        "link_mass": "weigh the payload",
-        "lost_motion": "weigh the payload, or measure a third load",
-        "link_bending": "weigh the payload",
+        "joint_compliance": "weigh what the flange carries, or measure a third load",
+        "link_mass": "weigh what the flange carries",
+        "lost_motion": "weigh what the flange carries, or measure a third load",
+        "link_bending": "weigh what the flange carries",
     }
 
     @property
     def params(self) -> tuple[Param, ...]:
+        size = max(self.usual, 1.0)
         if self.variant == "mass":
-            return (
-                Param("mass", "kg", 0.05 * max(self.mass, 1.0), "added to the stated mass", lower=-self.mass),
-            )
-        size = max(self.mass, 1.0)
+            return (Param("mass", "kg", 0.05 * size, "added to the stated mass", lower=-self.mass),)
         return tuple(
             Param(f"moment_{axis}", "kg·m", 0.03 * size, lower=-0.5 * size, upper=0.5 * size)
             for axis in "xyz"
         )
 
+    @property
+    def whole(self) -> bool:
+        return self.variant == "mass" or self.mass > 0  # what is not there has no centre of mass
+
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
-        if (problem.campaign.poses.payload > 0).any():
+        if cls.sites(problem):
             return None
-        return "no pose with a payload: name one in the column payload, and state it under [payloads]"
+        return "no payload or tool stated: name a payload in the column payload, or state the [tool]"
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Payload]:
+        """The payloads that are carried, and the tool. One that nobody stated is seen by the model's masses
+        alone, and is what is carried where that is one payload in all poses."""
         c = problem.campaign
+        carried = [i for i in range(1, len(c.payload_names)) if (c.poses.payload == i).any()]
+        loads = [
+            (c.payload_names[i], float(c.load_mass[i]), float(c.load_mass[i]), c.load_com[i], False)
+            for i in carried
+            if c.load_mass[i] > 0
+        ]
+        one_always = len(carried) == 1 and bool((c.poses.payload > 0).all())
+        if c.tool_mass > 0 or (problem.arm.weighed and not one_always):
+            loads.append((c.tool_name, c.tool_mass, usually_mounted(problem), c.tool_com, True))
         return [
-            cls(Where(payload=name), variant, float(c.load_mass[i]), tuple(float(x) for x in c.load_com[i]))  # type: ignore[arg-type]
-            for i, name in enumerate(c.payload_names)
-            if i > 0 and (c.poses.payload == i).any() and c.load_mass[i] > 0
+            cls(Where(payload=name), variant, mass, usual, (float(x), float(y), float(z)), always)
+            for name, mass, usual, (x, y, z), always in loads
             for variant in ("mass", "com")
         ]
 
     def _change(self, problem: Problem) -> tuple[Array, Array]:
         """(N, p) mass and (N, 3, p) first moment per unit of each parameter."""
         c = problem.campaign
-        here = (c.poses.payload == c.payload_names.index(str(self.where.payload))).astype(float)
+        here = np.ones(len(problem.q))
+        if not self.always_there:
+            here = (c.poses.payload == c.payload_names.index(str(self.where.payload))).astype(float)
         if self.variant == "mass":
             return here[:, None], here[:, None, None] * np.array(self.com)[:, None]
         return np.zeros((len(here), 3)), here[:, None, None] * np.eye(3)
@@ -86,8 +102,14 @@ class Payload(MassEffect):
         )
 
     def sentence(self, values: Array) -> str:
+        if self.always_there and self.variant == "mass" and not self.mass:
+            return f"{abs(values[0]):.2f} kg that nobody stated are mounted at the flange."
+        what = "the tool" if self.always_there else f"payload '{self.where.payload}'"
         if self.variant == "mass":
             word = "heavier" if values[0] > 0 else "lighter"
-            return f"Payload '{self.where.payload}' is {abs(values[0]):.2f} kg {word} than stated."
+            return f"{what[0].upper()}{what[1:]} is {abs(values[0]):.2f} kg {word} than stated."
+        if not self.mass:
+            return f"The first moment of {what} is off by {np.linalg.norm(values):.3g} kg·m."
         shift = np.linalg.norm(values) / self.mass * 1e3
-        return f"The centre of mass of payload '{self.where.payload}' is off by {shift:.0f} mm."
+        place = "its stated place" if any(self.com) else "the flange's origin"
+        return f"The centre of mass of {what} is {shift:.0f} mm off {place}."

@@ -13,7 +13,7 @@ from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
 from ..files.toml import SHOWN
 from ..robot.kinematics import Array
-from ..robot.schema import EffectRecord
+from ..robot.schema import EffectRecord, stated_load
 from . import catalogue
 from .base import UNKNOWN, Effect
 from .place import Where
@@ -88,14 +88,20 @@ def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[E
 def stated_effects(problem: Problem) -> list[tuple[Effect, Array]]:
     """The effects that the robot's own TOML states (a model.toml), as far as they touch this campaign.
 
-    A payload that the campaign does not carry is left out; without temperature the arm is at 20 °C.
+    A payload that the campaign does not carry is left out, and so is what was found of another tool than the
+    campaign's; without temperature the arm is at 20 °C.
     """
-    carried = problem.campaign.payload_names
     return [
         from_record(item, problem, f"{problem.robot.path}: effects")
         for item in problem.robot.effects
-        if item.payload is None or item.payload in carried
+        if is_mounted(item, problem)
     ]
+
+
+def is_mounted(item: EffectRecord, problem: Problem) -> bool:
+    """Whether an effect of the robot's TOML is of no load, or of one that the campaign has as well."""
+    tool = stated_load(problem.robot.tool)
+    return item.payload is None or problem.campaign.has_load(item.payload, *tool)
 
 
 def _check_names(item: EffectRecord, problem: Problem, text: str) -> None:
@@ -104,7 +110,7 @@ def _check_names(item: EffectRecord, problem: Problem, text: str) -> None:
         "joint": arm.names,
         "other": arm.names,
         "link": arm.links,
-        "payload": problem.campaign.payload_names[1:],
+        "payload": (*problem.campaign.payload_names[1:], problem.campaign.tool_name),
     }
     faults = [
         Fault(text, f"no {key} {getattr(item, key)!r}", f"known: {', '.join(known[key]) or 'none'}")

@@ -141,11 +141,11 @@ def candidates_of(
         if effect.key not in known and effect in effects and not _later_load(effect, occasions[0]):
             finer = [fine for one in own for fine in one.finer()[::EVERY_FINER]]
             shapes = [
-                *(_shape(occasions, (e,)) for e in (*own, *finer)),
+                *(_shape(occasions, (e,)) for e in (*own, *finer) if e.whole),
                 *(_shape(occasions, t) for t in together),
             ]
             out += _common(effect, shapes, log_odds_of(effect, sites))
-        shapes = [replace(_shape(occasions, (e,)), one_sided=False) for e in own]
+        shapes = [replace(_shape(occasions, (e,)), one_sided=False) for e in own if e.whole]
         shapes = [shape for shape in shapes if shape.base.any()]
         if shapes:
             out += _changes(effect.key, side_of(effect), shapes, whole.arm.n)
@@ -158,7 +158,8 @@ def _later_load(effect: Effect, first: Occasion) -> bool:
     """Whether an effect is of a payload that the first campaign does not have: what it is off its statement
     came with the campaign that states it."""
     payload, c = effect.where.payload, first.problem.campaign
-    return payload is not None and payload not in {c.payload_names[i] for i in c.poses.payload}
+    there = {c.tool_name, *(c.payload_names[i] for i in c.poses.payload)}
+    return payload is not None and payload not in there
 
 
 def own_of(occasions: Sequence[Occasion]) -> NDArray[np.int64]:

@@ -133,7 +133,7 @@ def _shared(fits: Sequence[Fit], whole: Problem) -> list[Effect]:
     found: dict[object, Effect] = {}
     for result in fits:
         for effect in result.model.effects:
-            if effect.where.payload in (None, *whole.campaign.payload_names):
+            if effect.where.payload in (None, *whole.campaign.payload_names, whole.campaign.tool_name):
                 found.setdefault((effect.key, effect.variant), effect)
     return list(found.values())
 
