@@ -179,7 +179,8 @@ def weighs(case, effect, twin, direct):
         for a, b in zip(twin.built.bodies, stated.built.bodies, strict=True)
     ]  # fmt: skip
     body = case.arm.links.index(effect.where.link) if effect.where.link else len(changed) - 1
-    carried = effect.where.payload in (None, case.campaign.payload_names[case.campaign.poses.payload[0]])
+    c = case.campaign
+    carried = effect.where.payload in (None, c.tool_name, c.payload_names[c.poses.payload[0]])
     assert np.flatnonzero(changed).tolist() == ([body] if carried else [])
 
 

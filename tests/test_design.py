@@ -291,7 +291,7 @@ def test_a_plan_varies_what_its_causes_depend_on(kr500, text, varied):
         ("gear_ratio:joint_2,drift", "'joint_2' is no place or form"),
         ("gear_ratio:joint=joint_9,drift", "no joint 'joint_9'"),
         ("gear_ratio:joint=joint_2,relative=1,drift", "needs the campaign that was diagnosed"),
-        ("payload,joint_compliance", "no pose with a payload"),
+        ("payload:payload=heavy,joint_compliance", "no payload 'heavy'"),
         ("drift,drift", "names one cause at one place"),
     ],
 )

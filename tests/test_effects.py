@@ -242,7 +242,7 @@ def test_what_the_data_cannot_show_is_said():
     whys = {cause: kind.needs(bare) for cause, kind in catalogue().items()}
     assert whys["backlash"] == "no column dir1..dir6: record the side of approach"
     missing = {cause for cause, why in whys.items() if why}
-    columns = {"backlash", "drift", "payload", "readback_joints", "thermal_growth", "tracker_scale"}
+    columns = {"backlash", "drift", "readback_joints", "thermal_growth", "tracker_scale"}
     assert missing == {*columns, "joint_map"}  # no joint moves in these poses
     for cause, why in whys.items():
         assert why or catalogue()[cause].sites(bare)

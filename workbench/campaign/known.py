@@ -25,8 +25,9 @@ class FactData(BaseModel):
     """`[[known.facts]]`: one number of one cause, measured by other means.
 
     parameter: as `workbench causes` lists it, the difference from the robot's model; or the whole quantity:
-    `mass_kg` of a link or payload, `stiffness` (N·m/rad, N/m) and `ratio` of a joint, of the compensator
-    `precharge_bar` (absolute), `gauge_bar` (over the atmosphere), both at its `reference`, or `rate` (N/m).
+    `mass_kg` of a link, payload or tool, `stiffness` (N·m/rad, N/m) and `ratio` of a joint, of the
+    compensator `precharge_bar` (absolute), `gauge_bar` (over the atmosphere), both at its `reference`, or
+    `rate` (N/m).
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
@@ -40,7 +41,7 @@ class FactData(BaseModel):
     link: str | None = None
     """where it sits"""
     payload: str | None = None
-    """which load"""
+    """which load; `tool`: what is always mounted"""
     order: FiniteFloat | None = None
     """cycles per joint turn"""
     variant: str = ""

@@ -57,7 +57,7 @@ class Payload(MassEffect):
     def needs(cls, problem: Problem) -> str | None:
         if cls.sites(problem):
             return None
-        return "no payload or tool stated: name a payload in the column payload, or state the [tool]"
+        return "no payload or tool stated, and no masses in the URDF: state one of them"
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Payload]:
