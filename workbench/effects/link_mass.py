@@ -21,7 +21,8 @@ class LinkMass(MassEffect):
     """Gravity of the link acts with m + Δm at c (`variant` "mass"), or with m at c + Δc ("com").
 
     The fitted centre-of-mass parameters are first moments m Δc [kg·m] on the URDF link's axes, so that
-    both are linear. The last link's usual error is that of all that moves with it.
+    both are linear. Where no load was stated, the last link's usual error is that of what may be mounted
+    on it.
     """
 
     cause: ClassVar[str] = "link_mass"
@@ -55,7 +56,8 @@ class LinkMass(MassEffect):
         """Moving links that have a mass."""
         arm = problem.arm
         usual = arm.mass.copy()
-        usual[arm.n] = max(arm.mass[arm.n], usually_mounted(problem))
+        if not problem.loads.mass.all():
+            usual[arm.n] = max(arm.mass[arm.n], usually_mounted(problem))
         return [
             cls(Where(link=arm.links[k]), variant, float(arm.mass[k]), float(usual[k]))
             for k in range(1, arm.n + 1)

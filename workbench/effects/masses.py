@@ -78,7 +78,7 @@ class MassEffect(LoadEffect):
 
 
 def usually_mounted(problem: Problem) -> float:
-    """Mass [kg] of what a robot like this carries all the time, known or not."""
+    """Mass [kg] of what a robot like this carries all the time, stated or not."""
     return max(problem.campaign.tool_mass, OF_ARM * float(problem.arm.mass[1:].sum()))
 
 

@@ -61,8 +61,8 @@ class Payload(MassEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Payload]:
-        """The payloads that are carried, and the tool. One that nobody stated is seen by the model's masses
-        alone, and is what is carried where that is one payload in all poses."""
+        """The payloads that are carried, and the tool: one that nobody stated where the model has masses; beside
+        a payload that is in all poses, and so moves with it, one that weighs more."""
         c = problem.campaign
         carried = [i for i in range(1, len(c.payload_names)) if (c.poses.payload == i).any()]
         loads = [
@@ -70,8 +70,8 @@ class Payload(MassEffect):
             for i in carried
             if c.load_mass[i] > 0
         ]
-        one_always = len(carried) == 1 and bool((c.poses.payload > 0).all())
-        if c.tool_mass > 0 or (problem.arm.weighed and not one_always):
+        with_tool = float(c.load_mass[carried[0]]) if len(carried) == 1 and c.poses.payload.all() else 0.0
+        if c.tool_mass > with_tool or (problem.arm.weighed and not with_tool):
             loads.append((c.tool_name, c.tool_mass, usually_mounted(problem), c.tool_com, True))
         return [
             cls(Where(payload=name), variant, mass, usual, (float(x), float(y), float(z)), always)
@@ -103,8 +103,12 @@ class Payload(MassEffect):
 
     def sentence(self, values: Array) -> str:
         if self.always_there and self.variant == "mass" and not self.mass:
-            return f"{abs(values[0]):.2f} kg that nobody stated are mounted at the flange."
-        what = "the tool" if self.always_there else f"payload '{self.where.payload}'"
+            return (
+                f"{values[0]:.2f} kg that nobody stated are mounted at the flange, or are of the last link."
+            )
+        what = f"payload '{self.where.payload}'"
+        if self.always_there:
+            what = "the tool (or the last link with it)"
         if self.variant == "mass":
             word = "heavier" if values[0] > 0 else "lighter"
             return f"{what[0].upper()}{what[1:]} is {abs(values[0]):.2f} kg {word} than stated."
