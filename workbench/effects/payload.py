@@ -61,8 +61,8 @@ class Payload(MassEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Payload]:
-        """The payloads that are carried, and the tool: one that nobody stated where the model has masses; beside
-        a payload that is in all poses, and so moves with it, one that weighs more."""
+        """The payloads that are carried, and the tool: one that nobody stated where the model has masses;
+        beside a payload that is in all poses, and so moves with it, one that weighs more."""
         c = problem.campaign
         carried = [i for i in range(1, len(c.payload_names)) if (c.poses.payload == i).any()]
         loads = [
