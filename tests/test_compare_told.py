@@ -144,6 +144,17 @@ def test_a_mass_that_was_read_is_kept_to_where_it_is_said_of_every_campaign(tmp_
     )
 
 
+def test_a_fact_that_the_data_of_a_campaign_refute_is_told_and_not_kept_to():
+    pair = [before(True), measured(2, loaded=True, effects=LEAK)]
+    fact = "joint_compliance:joint=joint_3,relative={},std=0"
+    told = [], [fact.format(0)], [fact.format(0.2)]
+    plain, kept, refuted = (compare(pair, known=facts) for facts in told)
+    assert all("given and kept to" in note for note in kept.notes)
+    assert len(refuted.notes) == 2  # and none that the noise does not explain what the model leaves
+    assert all("the data contradict it" in note and "was not kept to" in note for note in refuted.notes)
+    assert refuted.headline == plain.headline
+
+
 def test_targets_that_moved_as_stated_are_told_as_that():
     moved = tuple(
         replace(t, xyz=(t.xyz[0], t.xyz[1], t.xyz[2] + by))

@@ -43,7 +43,7 @@ class Searched:
 
 
 def search_with_given(
-    prepared: Prepared, candidates: Sequence[Effect], search: Search, progress: Progress
+    prepared: Prepared, candidates: Sequence[Effect], search: Search, progress: Progress = lambda _: None
 ) -> Searched:
     """The search beside all that is given and not contradicted.
 

@@ -19,10 +19,12 @@ from ...identification.noise import Covariance
 from ...identification.plausible import enough_beside_others, enough_together, too_few_alone
 from ...robot.kinematics import Array
 from ..candidates import testable
-from ..competition import compete
+from ..competition import Selection, compete
+from ..given import search_with_given
 from ..prepared import Prepared, Progress, prepare
+from ..result import GivenFact
 from ..scatter import alike
-from .known import known_of
+from .known import held_against, only, said_of_all
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,38 +57,49 @@ def occasions_of(campaigns: Sequence[Campaign], progress: Progress) -> tuple[lis
     campaigns = _told_apart(campaigns)
     join(list(campaigns))  # refuses what is not one robot, before anything is computed
     labels = labels_of(campaigns)
-    known = known_of([problem_of(campaign) for campaign in campaigns])
-    prepared, searched = [], []
-    for campaign, label, given, notes in zip(campaigns, labels, known.given, known.notes, strict=True):
+    problems = [problem_of(campaign) for campaign in campaigns]
+    common = said_of_all(problems)
+    prepared, searched, told = list[Prepared](), list[Fit](), list[Sequence[GivenFact]]()
+    for campaign, label, said in zip(campaigns, labels, common, strict=True):
         progress(f"{label}: by itself")
-        one = prepare(campaign, enough=enough_beside_others).with_given(given)
-        prepared.append(replace(one, notes=(*one.notes, *notes)))
-        searched.append(_searched(prepared[-1], known.excluded))
+        one = prepare(replace(campaign, known=only(said, campaign.known)), enough=enough_beside_others)
+        found, facts = _searched(one)
+        prepared.append(one)
+        searched.append(found)
+        told.append(facts)
+    known = held_against(problems, common, told)
+    prepared = [
+        replace(one.with_given(own.given), notes=(*one.notes, *own.notes))
+        for one, own in zip(prepared, known, strict=True)
+    ]
     enough_together([one.problem for one in prepared])
     prepared, searched = _with_noise_of_others(prepared, searched)
     whole = problem_of(join([one.problem.campaign for one in prepared]))
     shared = _shared(searched, whole)
     out, first = [], 0
-    for one, found, label, given in zip(prepared, searched, labels, known.given, strict=True):
+    for one, found, label, own in zip(prepared, searched, labels, known, strict=True):
         poses = np.arange(first, first + len(one.problem.q))
         first += len(poses)
         part = _part(whole, poses)
         noise = _noise(found.noise, part)
-        model = Model(part, (), one.known_effects, given)
+        model = Model(part, (), one.known_effects, own.given)
         began = fit(model, start_state(part), noise)
         misfit = one.noise.source == "residual" or not alike(noise, one.covariance)
-        out.append(Occasion(label, one, refit(began, shared), misfit, known.excluded))
+        out.append(Occasion(label, one, refit(began, shared), misfit, own.excluded))
     return out, whole
 
 
-def _searched(prepared: Prepared, excluded: Sequence[Exclusion]) -> Fit:
-    """The fit with the causes that a campaign shows by itself, of those that are neither given nor excluded;
-    one of few poses shows none."""
+def _searched(prepared: Prepared) -> tuple[Fit, Sequence[GivenFact]]:
+    """The fit with the causes that a campaign shows by itself, and what became of what was given; one of few
+    poses shows none."""
     if too_few_alone(prepared.problem):
-        return prepared.geometry
-    given = prepared.geometry.model.given
-    every = [e for e in testable(prepared.problem)[0] if may_be(e, given, excluded)]
-    return compete(prepared, every).fit
+        return prepared.geometry, ()
+
+    def search(beside: Prepared, candidates: Sequence[Effect]) -> tuple[Prepared, Selection]:
+        return beside, compete(beside, candidates)
+
+    found = search_with_given(prepared, testable(prepared.problem)[0], search)
+    return found.selection.fit, found.said
 
 
 def _with_noise_of_others(
