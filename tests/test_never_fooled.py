@@ -240,6 +240,7 @@ def test_loads_that_no_arm_carries_are_said():
     ("old", "new", "said"),
     [
         ('<mass value="', '<mass value="x', "mass: value = 'x4' is not a number"),
+        ('<mass value="', '<mass value="-', "mass: -4 kg is no mass; state what the link weighs"),
         ('lower="-', 'lower="9', "the lower one comes first"),
         ('lower="-', 'lower="x', "is not a number; mend the URDF"),
     ],

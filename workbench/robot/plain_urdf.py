@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files.faults import Fault, InputError
 from .chain import Chain, MovingJoint
 from .meshes import Pictures, mesh_key
 from .urdf import MOVING, Urdf, number, origin_of, vector
@@ -64,7 +65,12 @@ def left_out(urdf: Urdf, chain: Chain) -> list[str]:
 
 
 def _mass(urdf: Urdf, link: str) -> float:
-    return number(urdf.links[link].find("inertial/mass"), "value", f"{urdf.path}: link {link!r} mass", 0.0)
+    """[kg], 0 where none is stated. Raises `InputError`."""
+    place = f"{urdf.path}: link {link!r} mass"
+    mass = number(urdf.links[link].find("inertial/mass"), "value", place, 0.0)
+    if mass < 0:
+        raise InputError(Fault(place, f"{mass:g} kg is no mass", "state what the link weighs, 0 if unknown"))
+    return mass
 
 
 def _inertia(urdf: Urdf, link: str) -> list[float] | None:
