@@ -31,6 +31,10 @@ def moved(points):
     points[LATE:] += [8e-4, -6e-4, 0.0]
 
 
+def slightly(points):
+    points[30:] += [2.6e-4, 0.0, 0.0]
+
+
 def wild(points):
     points[7, 1] += [0.2, 0, 0.1]
 
@@ -62,6 +66,26 @@ def test_a_plan_takes_a_moved_instrument_for_two_set_ups(tmp_path, capsys):
     assert f"Data fault: moved_instrument at pose {LATE + 1}" in capsys.readouterr().out
     assert main([*call, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["faults"] == [fault]
+
+
+@pytest.mark.parametrize(("poses", "targets"), [(110, 1), (60, 2)])
+def test_an_instrument_that_moved_is_found_with_few_targets(poses, targets):
+    """The step itself is most of what scatters there: it must stand out of what it leaves."""
+    campaign = spoilt(slightly, poses=poses, targets=targets, loads=())
+    assert [(f.kind, f.pose_id) for f in prepared.prepare(campaign).faults] == [("moved_instrument", "31")]
+
+
+def azimuth(problem):
+    """(N, n) [rad]: an encoder of joint_1 as no form has it, by far the largest error."""
+    q = problem.q
+    return 1e-3 * np.sin(4 * q[:, :1] + 0.6) ** 3 * (np.arange(q.shape[1]) == 0)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_an_error_of_a_joint_by_which_poses_are_ordered_is_no_step(seed):
+    campaign = measured(poses=80, targets=2, loads=(), joints=azimuth, seed=seed)
+    ordered = campaign.some(np.argsort(campaign.poses.q[:, 0]))
+    assert not [f for f in prepared.prepare(ordered).faults if f.kind != "outlier"]
 
 
 @pytest.mark.parametrize(

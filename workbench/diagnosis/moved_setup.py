@@ -21,6 +21,7 @@ from .screen import SURVIVES, effective_dof, quadratic, reduce_columns
 
 LEAST_BEFORE = 8  # poses before and after a jump
 JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
+MOST = 0.5  # of what is beyond the noise, which a step explains
 WAVES = 3  # cosines in the order of measurement: what a drift may look like
 
 
@@ -97,8 +98,7 @@ def _step(result: Fit, kind: str, base: Array) -> Step | None:
         S, u, own = before(k)
         gains.append(quadratic(S, u, np.maximum(own, 1e-300))[0])
     gain, first = max(gains), 5 + int(np.argmax(gains))
-    # against what the residual scatters anyway: an unknown effect is no step
-    scatter = max(1.0, result.chi2 / effective_dof(result))
+    scatter = _scatter(result, gain)
     step = base * (np.arange(n_poses) < first)[:, None, None]
     drift = [
         base * np.cos(k * np.pi * np.linspace(0, 1, n_poses))[:, None, None] for k in range(1, WAVES + 1)
@@ -110,6 +110,14 @@ def _step(result: Fit, kind: str, base: Array) -> Step | None:
     S, u, own = before(first)
     size = float(np.linalg.norm((np.linalg.pinv(S, hermitian=True) @ u)[:3]))
     return Step(kind, first, size, gain)
+
+
+def _scatter(result: Fit, gain: float) -> float:
+    """χ² per degree of freedom that a step must stand out of, at least 1: what it leaves, where it takes most
+    of what is beyond the noise; else all, as an unknown effect is no step."""
+    dof = effective_dof(result)
+    every, left = result.chi2 / dof, (result.chi2 - gain) / dof
+    return max(1.0, left if left - 1.0 < (1.0 - MOST) * (every - 1.0) else every)
 
 
 def _beside_joints(result: Fit, step: Array) -> float:
