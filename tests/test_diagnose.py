@@ -12,7 +12,7 @@ from workbench.campaign.problem import problem_of
 from workbench.diagnosis.result import Diagnosis
 from workbench.diagnosis.run import diagnose
 from workbench.effects.records import from_record, record
-from workbench.effects.unnamed import KINDS, Product, Warmth, unnamed
+from workbench.effects.unnamed import BESIDE, KINDS, Product, Warmth, unnamed
 from workbench.effects.unnamed.loads import OwnWeights
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
@@ -190,8 +190,8 @@ def test_functions_without_a_name_say_what_they_are_about():
     found = list(unnamed(problem))
     assert {type(one) for one in found} == {*KINDS} - {OwnWeights, Product, Warmth}  # its arm has masses
     result = fit(Model(problem))
-    for one in found:
-        for name in filter(None, (one.where.joint, one.where.other)):
+    for one in [*found, *(beside for kind in BESIDE for beside in kind.sites(problem))]:
+        for name in filter(None, (one.where.joint, one.where.other, one.where.link)):
             assert name in one.variable
         weights = one.given({p.name: p.typical for p in one.params})
         if one.lasting:  # the others stay in their campaign

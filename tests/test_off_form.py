@@ -65,6 +65,49 @@ def test_a_pedestal_turns_about_its_foot(on_a_pedestal):
     assert foot == pytest.approx(FOOT, rel=0.2)
 
 
+def hinge(number: int, origin: str, axis: str) -> str:
+    """A joint of link_4 and the piece of link behind it."""
+    parent = "link_4" if number == 1 else f"piece_{number - 1}"
+    return f'<link name="piece_{number}"/><joint name="bend_{number}" type="revolute">{origin}\
+<parent link="{parent}"/><child link="piece_{number}"/><axis xyz="{axis}"/>\
+<limit lower="-1" upper="1" effort="1000" velocity="1"/></joint>'
+
+
+def with_a_forearm_that_bends(folder, seed: int):
+    """An IRB 120 whose forearm has a spring hinge in its middle, four times as stiff sideways."""
+    folder.mkdir()
+    text = (MODELS / "irb120" / "irb120.urdf").read_text()
+    joint = next(part for part in text.split("<joint")[1:] if 'name="joint_5"' in part)
+    half = '<origin xyz="0.151 0 0" rpy="0 0 0"/>'
+    assert '<origin xyz="0.302 0 0" rpy="0 0 0"/>' in joint
+    moved = joint.replace('<origin xyz="0.302 0 0" rpy="0 0 0"/>', half).replace('"link_4"', '"piece_2"')
+    pieces = hinge(1, half, "0 1 0") + hinge(2, "", "0 0 1")
+    (folder / "real.urdf").write_text(text.replace("<joint" + joint, pieces + "<joint" + moved))
+    (folder / "real.toml").write_text(
+        'schema = 1\nname = "real"\nurdf = "real.urdf"\nflange = "flange"\n'
+        '[[joints]]\nname = "bend_1"\nstiffness = 8e3\n[[joints]]\nname = "bend_2"\nstiffness = 32e3\n'
+    )
+    real, robot = load_robot(folder / "real.toml"), load_robot("irb120")
+    rng = np.random.default_rng(seed)
+    q = random_poses(robot, 60, rng)
+    plans = [
+        planned(r, joints, payloads={"h": (3.0, (0.05, 0.0, 0.1))}, payload=["", "h"] * 30)
+        for r, joints in ((real, np.insert(q, [4, 4], 0.0, axis=1)), (robot, q))
+    ]
+    truth = Truth(geometry=random_geometry(problem_of(plans[0]).arm, rng), sigma=2e-5)
+    return replace(plans[1], points=simulate(plans[0], truth, seed=seed).points, noise_sigma=2e-5)
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_link_that_does_not_bend_alike_in_all_directions_has_its_name(tmp_path, seed):
+    """Each was "something that no known cause explains"."""
+    outcome = diagnose(with_a_forearm_that_bends(tmp_path / "real", seed))
+    found = outcome.diagnosis.causes[0]
+    assert (found.label, found.status) == ("link_bending(link_4)", "named")
+    assert not [one for one in outcome.diagnosis.causes if one.cause == "unknown"]
+    assert "does not bend alike in all directions" in found.sentence
+
+
 def test_no_spring_pushes_back(on_a_pedestal):
     """A negative compliance is no cause, however well it fits."""
     problem = problem_of(on_a_pedestal)

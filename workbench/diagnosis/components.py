@@ -195,7 +195,7 @@ def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:
     rest = fit.line.prediction
     drawn = effect.drawn(fit.model.problem, rest, np.ones(1))
     most, arm = float(np.abs(drawn.size).max(initial=0.0)), float(np.abs(rest.load.local).max(initial=0.0))
-    usual = PRIORS.joint_yields if effect.axial else PRIORS.tilt_yields
+    usual = PRIORS.joint_yields if effect.axial else PRIORS.tilt_yields * effect.lever(rest.arm)
     if most <= NO_LOAD * arm:
         return typical
     if effect.axial:

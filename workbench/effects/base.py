@@ -236,6 +236,11 @@ class Effect(ABC):
         first order. None of others."""
         return None
 
+    def lever(self, arm: Arm) -> float:
+        """Of what yields across its joint: how far it moves, as drawn, where it is as usual of robots as a
+        tilt by 1 rad is of a bearing."""
+        return 1.0
+
     @abstractmethod
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         """The effect over what it depends on."""

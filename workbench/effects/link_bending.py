@@ -16,7 +16,9 @@ from .bearing_tilt import BearingTilt
 from .kinds import LinearYield
 from .place import Where
 from .unnamed.loads import OwnWeight, PivotForce
+from .unnamed.uneven_bending import UnevenBending
 
+UNEVEN = 0.3  # of the bending: a section that is twice as stiff in one direction
 SHORTEST = 0.05  # m, shorter links are taken as rigid
 
 
@@ -67,13 +69,24 @@ class LinkBending(LinearYield):
         ]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A real link gives way at its bearings as well, under its own weight, wherever that is, and under
-        more or less of the compensator's force."""
+        """A real link gives way at its bearings as well, not alike in all directions, under its own weight,
+        wherever that is, and under more or less of the compensator's force."""
         slot = self.slot(problem.arm)
         tilts = [one for one in BearingTilt.sites(problem) if one.slot(problem.arm) in (slot - 1, slot)]
         every: list[OwnWeight | PivotForce] = [*OwnWeight.sites(problem), *PivotForce.sites(problem)]
         own = [one for one in every if one.where == self.where]
-        return [*((0.3, one) for one in tilts), *((self._share(problem, one), one) for one in own)]
+        uneven = [one for one in UnevenBending.sites(problem) if one.where == self.where]
+        return [
+            *((0.3, one) for one in tilts),
+            *((UNEVEN * self._usual(problem, one), one) for one in uneven),
+            *((self._share(problem, one), one) for one in own),
+        ]
+
+    def _usual(self, problem: Problem, uneven: UnevenBending) -> float:
+        """What a link usually bends by, over the usual size of what is uneven of that."""
+        if self.stated:
+            return self.params[0].typical * uneven.largest / uneven.size
+        return self.lever(problem.arm)
 
     def _share(self, problem: Problem, own: OwnWeight | PivotForce) -> float:
         """What a link's own weight or the compensator bends it by, over the usual size of that, where the
@@ -89,6 +102,10 @@ class LinkBending(LinearYield):
 
     def compliance(self, arm: Arm) -> Array:
         return bending_compliance(arm.span[self.slot(arm)])
+
+    def lever(self, arm: Arm) -> float:
+        """By as much as its curvature is usual: a short link bends less [m; 1 m at the end of 1 m]."""
+        return float(arm.span[self.slot(arm)] @ arm.span[self.slot(arm)])
 
     def sentence(self, values: Array) -> str:
         total = values[0] + self.nominal

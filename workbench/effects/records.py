@@ -71,7 +71,11 @@ def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[E
         raise InputError(Fault(text, f"no cause {item.cause!r}", f"known: {', '.join(kinds)}"))
     _check_names(item, problem, text)
     free = kind_of(item.variant) if item.cause == UNKNOWN else None
-    effect = free(Where(item.joint, item.other)) if free else _place(kinds[item.cause], item, problem, text)
+    effect = (
+        free(Where(item.joint, item.other, item.link))
+        if free
+        else _place(kinds[item.cause], item, problem, text)
+    )
     settings: dict[str, Any] = {name: item.values[name] for name in effect.settings if name in item.values}
     effect = replace(effect, **settings)
     known = (*effect.names, *effect.settings)

@@ -12,11 +12,13 @@ from ...campaign.problem import Problem
 from .base import Unnamed
 from .campaign import Attitude, Bearing, Clock, PerPayload, Warmth
 from .joints import Pair, Product, Side, Tilt
-from .loads import Load, OwnWeights, Torque
+from .loads import Load, OwnWeight, OwnWeights, PivotForce, Torque, UnevenTilt
+from .uneven_bending import UnevenBending
 
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Warmth, PerPayload, Attitude, Bearing, Product,
 )  # fmt: skip
+BESIDE: tuple[type[Unnamed], ...] = (OwnWeight, PivotForce, UnevenBending, UnevenTilt)  # causes' forms alone
 
 
 def unnamed(problem: Problem) -> Iterator[Unnamed]:
@@ -28,7 +30,7 @@ def unnamed(problem: Problem) -> Iterator[Unnamed]:
 
 def kind_of(variant: str) -> type[Unnamed] | None:
     """The kind of function that a variant is a form of."""
-    return next((kind for kind in KINDS if kind.variant == variant), None)
+    return next((kind for kind in (*KINDS, *BESIDE) if kind.variant == variant), None)
 
 
 def products(problem: Problem, joint: int) -> Iterator[Unnamed]:
