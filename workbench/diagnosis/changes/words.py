@@ -21,7 +21,7 @@ def said(*numbers: Parameter) -> str:
     p = numbers[0]
     factor, unit = (180 / math.pi, "°") if p.name == PHASE else SAID.get(p.unit, (1.0, p.unit))
     if p.unit == "1":
-        factor, unit = 100.0, "%"
+        factor, unit = 100.0, "% of the model's" if p.name == "relative" else "%"
     text = " to ".join(with_std(factor * p.value, factor * p.std) for p in numbers)
     return f"{text} {unit}".strip()
 
