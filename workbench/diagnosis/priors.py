@@ -24,8 +24,8 @@ class Priors:
     data; listed: share of the probability that the cause and its rivals must cover, faintest_rival:
     probability below which a rival is not worth a word; absent: probability of nothing there from which a
     cause is not reported.
-    joint_yields, tilt_yields: usual motion of a yield [rad] at the campaign's largest load; a link's end
-    moves by the latter times the square of its length [m]: usual links of any length have one curvature."""
+    joint_yields, tilt_yields: usual motion of a yield [rad] at the campaign's largest load; of a link that
+    bends, the latter is the tilt of the line from its root to its end."""
 
     cause: float = 0.03
     line: float = 0.02

@@ -104,8 +104,8 @@ class LinkBending(LinearYield):
         return bending_compliance(arm.span[self.slot(arm)])
 
     def lever(self, arm: Arm) -> float:
-        """By as much as its curvature is usual: a short link bends less [m; 1 m at the end of 1 m]."""
-        return float(arm.span[self.slot(arm)] @ arm.span[self.slot(arm)])
+        """What its end moves by where the line from its root to it tilts by 1 rad [m]: the link's length."""
+        return float(np.linalg.norm(arm.span[self.slot(arm)]))
 
     def sentence(self, values: Array) -> str:
         total = values[0] + self.nominal
