@@ -123,11 +123,11 @@ def test_weights_in_batches_are_those_of_each_form_alone(competition, chosen):
                 if main > 1 and least:
                     sigma = np.sqrt(np.trace(cov) / main)
                     value += norm.logcdf((np.linalg.norm(mean) - least) / sigma)
-                elif form.one_sided or least:
+                elif form.wrong_sign < 0.5 or least:
                     right, wrong = (
                         norm.cdf((sign * mean[0] - least) / np.sqrt(cov[0, 0])) for sign in (1, -1)
                     )
-                    side = 2 * (0.98 * right + 0.02 * wrong) if form.one_sided else right + wrong
+                    side = 2 * ((1 - form.wrong_sign) * right + form.wrong_sign * wrong)
                     value += np.log(max(side, 1e-300))
                 value -= chi2.logsf((least / scale) ** 2, main) if least else 0.0
                 more = np.sqrt(np.mean(((V[main:] * held) @ y) ** 2)) if least else 0.0

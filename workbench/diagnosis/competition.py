@@ -13,7 +13,7 @@ from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
 from .chosen import Chosen, Member, Shares
-from .components import Component, Key, bare
+from .components import Component, Key, bare, beside_forms
 from .noise_choice import known_dof
 from .prepared import Prepared
 from .priors import PRIORS
@@ -179,11 +179,15 @@ def _as_known(at: Fit, geometry: Fit, noise_dof: float) -> bool:
 def _renamed_at_no_loss(
     best: Round, members: list[Member], shares: list[Shares]
 ) -> tuple[list[Member], list[Shares]]:
-    """The members with the names that the parts have for them, unless these predict worse what they did not
-    see: then what is there without a name is better than another's."""
+    """The members with the names that the parts have for them, unless these, with what they have beside their
+    forms, predict worse what they did not see: then what is there without a name is better than another's."""
+    components, problem = best.competition.components, best.found.model.problem
 
     def error(chosen: Sequence[Member]) -> float:
-        return rms_mm(heldout(refitted(best.found, effects_of(best.competition, chosen))))
+        effects = effects_of(best.competition, chosen)
+        forms = [(e, m.scale) for m in chosen for e in components[m.component].forms[m.form].effects]
+        beside = beside_forms(forms, problem, effects)
+        return rms_mm(heldout(refitted(best.found, [*effects, *beside])))
 
     new, theirs = renamed(best.competition, members, shares)
     if {m.component for m in new} == {m.component for m in members} or error(members) > BETTER * error(new):

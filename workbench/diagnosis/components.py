@@ -31,13 +31,13 @@ EVERY_FINER = 3  # of an effect's finer settings, every third is a form of its o
 class Form:
     """One form of a component: patterns with g columns together, main columns first, in prior sizes (g,).
 
-    effects: what stands for it in the model. one_sided: its first number is held to be positive.
+    effects: what stands for it in the model. wrong_sign: probability that its first number is negative.
     """
 
     patterns: tuple[Pattern, ...]
     sizes: Array
     effects: tuple[Effect, ...]
-    one_sided: bool = False
+    wrong_sign: float = 0.5
 
     @property
     def main(self) -> int:
@@ -167,9 +167,14 @@ def form_of(fit: Fit, effects: tuple[Effect, ...], about: Problem | None = None)
     problem (default: the fit's own)."""
     every = with_companions(fit, effects, about or fit.model.problem)
     patterns = tuple(pattern_of(fit, effect) for effect, _ in every)
-    first = effects[0].params[0]
-    one_sided = len(effects) == 1 and len(effects[0].params) == 1 and first.lower == 0.0
-    return Form(patterns, np.concatenate([sizes for _, sizes in every]), effects, one_sided)
+    return Form(patterns, np.concatenate([sizes for _, sizes in every]), effects, _wrong_sign(effects))
+
+
+def _wrong_sign(effects: Sequence[Effect]) -> float:
+    first = effects[0]
+    if len(effects) > 1 or len(first.params) > 1 or first.params[0].lower != 0.0:
+        return 0.5
+    return PRIORS.pushes_back if first.acts == "yielding" else PRIORS.wrong_sign
 
 
 def with_companions(fit: Fit, effects: Sequence[Effect], about: Problem) -> list[tuple[Effect, Array]]:
@@ -177,6 +182,21 @@ def with_companions(fit: Fit, effects: Sequence[Effect], about: Problem) -> list
     shares = [(1.0, effect) for effect in effects]
     shares += [pair for effect in effects for pair in effect.companions(about)]
     return [(effect, share * usual(fit, effect)) for share, effect in shares]
+
+
+def beside_forms(
+    scaled: Iterable[tuple[Effect, float]], about: Problem, there: Iterable[Effect]
+) -> dict[Effect, Key]:
+    """What effects in their scales have beside their forms without a name of its own, and whose it is: of
+    each function the first, and none that is there already."""
+    found, had = dict[Effect, Key](), {(e.variant, e.where) for e in there if e.cause == UNKNOWN}
+    for effect, scale in scaled:
+        for share, companion in effect.companions(about):
+            place = companion.variant, companion.where
+            if companion.cause == UNKNOWN and place not in had:
+                found[companion.sized(scale * share)] = effect.key
+                had.add(place)
+    return found
 
 
 def usual(fit: Fit, effect: Effect) -> Array:

@@ -29,7 +29,7 @@ class Forms:
         parts = [part for own in reduced.parts for part in own]
         self._start = np.array([part.start for part in parts], int)
         self._width = np.array([part.stop - part.start for part in parts], int)
-        self._one_sided = np.array([form.one_sided for _, form in forms], bool)
+        self._wrong_sign = np.array([form.wrong_sign for _, form in forms])
         main = np.array([form.main for _, form in forms], int)
         self._own = np.where(main < self._width, main, 0)  # 0: no companions follow
         self._too_large = np.array([not components[k].nameless for k, _ in forms], bool)[:, None] & (
@@ -52,7 +52,7 @@ class Forms:
         table = np.empty((len(rows), len(SCALES)))
         for here, block in self._alike(rows):
             S, u = chosen.left_of(block, None if gone is None else gone[here])
-            own = self._one_sided[rows[here]], self._own[rows[here]]
+            own = self._wrong_sign[rows[here]], self._own[rows[here]]
             table[here] = table_of(self.reduced, S, u, explained[here], *own)
         table[self._too_large[rows]] = -np.inf
         most = np.maximum.reduceat(table.max(axis=1), first)

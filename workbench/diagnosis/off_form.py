@@ -12,12 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects.base import UNKNOWN, Effect
+from ..effects.base import Effect
 from ..identification.fit import ROUGH, Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from .competition import Selection
-from .components import Key, bare
+from .components import Key, bare, beside_forms
 from .remainder import remainder
 from .rounds import BETTER
 from .scatter import with_scatter
@@ -71,11 +71,5 @@ def _beside(selection: Selection) -> dict[Effect, Key]:
     """What stands beside the named causes' forms without a name of its own, in the scale in which these were
     likeliest, and whose it is; not what the model has already."""
     scale = {bare(selection.components[m.component].key): m.scale for m in selection.members}
-    had = {(e.variant, e.where) for e in selection.fit.model.effects if e.cause == UNKNOWN}
-    found: dict[Effect, Key] = {}
-    for effect, _ in selection.groups:
-        for share, companion in effect.companions(selection.fit.model.problem):
-            if companion.cause == UNKNOWN and (companion.variant, companion.where) not in had:
-                found.setdefault(companion.sized(scale[effect.key] * share), effect.key)
-                had.add((companion.variant, companion.where))
-    return found
+    named = ((effect, scale[effect.key]) for effect, _ in selection.groups)
+    return beside_forms(named, selection.fit.model.problem, selection.fit.model.effects)

@@ -18,12 +18,12 @@ class Priors:
     yield to loads; shadow: size of a cause by loads, over that of what loads do without a name, from which
     it is no part of that.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
-    physics holds to one sign has the other. present: least size, in its scale, of an effect that brings
-    companions; companions: most that these are, in their prior sizes, over the effect in its own. named:
-    probability from which a cause is named; by_data: the same, were no other cause less likely before the
-    data; listed: share of the probability that the cause and its rivals must cover, faintest_rival:
-    probability below which a rival is not worth a word; absent: probability of nothing there from which a
-    cause is not reported.
+    physics holds to one sign has the other; pushes_back: the same of a spring, which would give against its
+    load. present: least size, in its scale, of an effect that brings companions; companions: most that these
+    are, in their prior sizes, over the effect in its own. named: probability from which a cause is named;
+    by_data: the same, were no other cause less likely before the data; listed: share of the probability that
+    the cause and its rivals must cover, faintest_rival: probability below which a rival is not worth a word;
+    absent: probability of nothing there from which a cause is not reported.
     joint_yields, tilt_yields: usual motion of a yield [rad] at the campaign's largest load; of a link that
     bends, the latter is the tilt of the line from its root to its end."""
 
@@ -39,6 +39,7 @@ class Priors:
     shadow: float = 2.0
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
+    pushes_back: float = 1e-4
     present: float = 0.3
     companions: float = 3.0
     named: float = 0.95

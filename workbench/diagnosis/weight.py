@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc, log_ndtr, logsumexp
 
 from ..robot.kinematics import Array
@@ -45,23 +44,21 @@ def prior_weight(component: Component, scale: float) -> float:
     return float(component.log_odds - np.log(len(component.forms)) + WEIGHTS[at])
 
 
-def table_of(
-    left: Reduced, S: Array, u: Array, explained: Array, one_sided: NDArray[np.bool_], own: Index
-) -> Array:
+def table_of(left: Reduced, S: Array, u: Array, explained: Array, wrong_sign: Array, own: Index) -> Array:
     """(F, scales) log Bayes factors of forms with columns S (F, p, p), u (F, p), weighed by the scales'
     priors. explained: (F,) what a set took off χ² before. own: (F,) number of an effect's
     own columns where companions follow, 0: none do."""
     q, log_det = _quadratic(S, u)
     table = likelihood(left, explained[:, None], q) - 0.5 * log_det + WEIGHTS
-    alone = one_sided & (own == 0)
+    alone = (wrong_sign != 0.5) & (own == 0)
     if alone.any():
         mean, covariance = _posterior(S[alone], u[alone], 1)
         z = mean[..., 0] / np.sqrt(covariance[..., 0, 0])
-        table[alone] += np.log(2) + _sides(log_ndtr(z), log_ndtr(-z))
+        table[alone] += np.log(2) + _sides(log_ndtr(z), log_ndtr(-z), wrong_sign[alone])
     for count in set(own[own > 0].tolist()):
         here = own == count
         mean, covariance = _posterior(S[here], u[here], count)
-        table[here] += _present(mean[..., :count], covariance, one_sided[here])
+        table[here] += _present(mean[..., :count], covariance, wrong_sign[here])
         table[here] += _mostly_itself(mean, count)
     return table
 
@@ -112,12 +109,14 @@ def _mostly_itself(mean: Array, count: int) -> Array:
     return np.asarray(np.where(more > PRIORS.companions * own, NOTHING_OF_IT, 0.0))
 
 
-def _sides(right: Array, wrong: Array) -> Array:
-    """log probability of a sign that physics mostly holds, from those of either side."""
-    return np.asarray(np.logaddexp(np.log(1 - PRIORS.wrong_sign) + right, np.log(PRIORS.wrong_sign) + wrong))
+def _sides(right: Array, wrong: Array, wrong_sign: Array) -> Array:
+    """log probability of a sign that physics mostly holds, from those of either side (F, scales); wrong_sign:
+    (F,) probability of the other before the data."""
+    p = wrong_sign[:, None]
+    return np.asarray(np.logaddexp(np.log1p(-p) + right, np.log(p) + wrong))
 
 
-def _present(mean: Array, covariance: Array, one_sided: NDArray[np.bool_]) -> Array:
+def _present(mean: Array, covariance: Array, wrong_sign: Array) -> Array:
     """(F, scales) log factor on the evidence where an effect is held to be no less than `PRIORS.present` of
     its scale: companions are a share of an effect that is there. It is the probability of that after the
     data over that before (Gelfand et al. 1992: a prior cut to a region)."""
@@ -126,9 +125,7 @@ def _present(mean: Array, covariance: Array, one_sided: NDArray[np.bool_]) -> Ar
     if count == 1:
         sigma = np.sqrt(covariance[..., 0, 0])
         above, below = (log_ndtr((sign * mean[..., 0] - least) / sigma) for sign in (1, -1))
-        either = np.logaddexp(above, below)
-        held = np.log(2) + _sides(above, below)
-        return np.asarray(np.where(one_sided[:, None], held, either) - before)
+        return np.log(2) + _sides(above, below, wrong_sign) - before
     sigma = np.sqrt(np.trace(covariance, axis1=-2, axis2=-1) / count)
     after = log_ndtr((np.linalg.norm(mean, axis=-1) - least) / sigma)
     return np.asarray(after - before)

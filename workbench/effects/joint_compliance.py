@@ -13,7 +13,11 @@ from ..robot.kinematics import Arm, Array
 from .base import Effect, Param
 from .kinds import AxialYield, LinearYield
 from .place import Where
+from .unnamed.curved_yield import CurvedYield
 from .unnamed.loads import Torque
+
+ONE_SIDED = 0.15  # of the yield, that depends on the torque's sign
+CURVED = 0.2  # of the yield, that is not in proportion to the torque
 
 
 @dataclass(frozen=True)
@@ -62,11 +66,13 @@ class JointCompliance(AxialYield, LinearYield):
         ]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A real joint yields more to one side than to the other."""
+        """A real joint yields more to one side than to the other, and not in proportion."""
         usual = self.nominal * self.params[0].typical  # rad per N·m
+        every = [(ONE_SIDED, one) for one in Torque.sites(problem)]
+        every += [(CURVED, one) for one in CurvedYield.sites(problem)]
         return [
-            (0.15 * (usual * one.largest / one.size if self.stated else 2.0), one)
-            for one in Torque.sites(problem)
+            (share * (usual * one.largest / one.size if self.stated else 2.0), one)
+            for share, one in every
             if one.where == self.where
         ]
 

@@ -39,7 +39,7 @@ class Shape:
     effects: tuple[Effect, ...] = ()
     geometry: tuple[int, ...] = ()
     zero: bool = False
-    one_sided: bool = False
+    wrong_sign: float = 0.5
     named: tuple[tuple[str, str], ...] = ()
 
     @property
@@ -115,7 +115,7 @@ class Candidate:
     @property
     def component(self) -> Component:
         forms = [
-            Form((), np.repeat(s.sizes, s.courses), s.effects * s.courses, s.one_sided) for s in self.shapes
+            Form((), np.repeat(s.sizes, s.courses), s.effects * s.courses, s.wrong_sign) for s in self.shapes
         ]
         return Component((self.cause, self.where), tuple(forms), self.log_odds, self.change)
 
@@ -145,7 +145,7 @@ def candidates_of(
                 *(_shape(occasions, t) for t in together),
             ]
             out += _common(effect, shapes, log_odds_of(effect, sites))
-        shapes = [replace(_shape(occasions, (e,)), one_sided=False) for e in own if e.whole]
+        shapes = [replace(_shape(occasions, (e,)), wrong_sign=0.5) for e in own if e.whole]
         shapes = [shape for shape in shapes if shape.base.any()]
         if shapes:
             out += _changes(effect.key, side_of(effect), shapes, whole.arm.n)
@@ -208,8 +208,8 @@ def _shape(occasions: Sequence[Occasion], effects: tuple[Effect, ...]) -> Shape:
     sizes = np.min([form.sizes for form in forms], axis=0)
     columns = [form.columns.reshape(-1, len(sizes)) * sizes for form in forms]
     pattern = np.ones((len(occasions), 1))
-    one_sided = forms[0].one_sided
-    return Shape(np.concatenate(columns), own_of(occasions), sizes, pattern, effects, one_sided=one_sided)
+    wrong_sign = forms[0].wrong_sign
+    return Shape(np.concatenate(columns), own_of(occasions), sizes, pattern, effects, wrong_sign=wrong_sign)
 
 
 def _geometry(occasions: Sequence[Occasion], whole: Problem) -> Iterator[Candidate]:

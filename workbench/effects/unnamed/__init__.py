@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from ...campaign.problem import Problem
 from .base import Unnamed
 from .campaign import Attitude, Bearing, Clock, PerPayload, Warmth
+from .curved_yield import CurvedYield
 from .joints import Pair, Product, Side, Tilt
 from .loads import Load, OwnWeight, OwnWeights, PivotForce, Torque, UnevenTilt
 from .uneven_bending import UnevenBending
@@ -18,7 +19,8 @@ from .uneven_bending import UnevenBending
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Warmth, PerPayload, Attitude, Bearing, Product,
 )  # fmt: skip
-BESIDE: tuple[type[Unnamed], ...] = (OwnWeight, PivotForce, UnevenBending, UnevenTilt)  # causes' forms alone
+# what causes have beside their forms, and that stands for nothing by itself
+BESIDE: tuple[type[Unnamed], ...] = (CurvedYield, OwnWeight, PivotForce, UnevenBending, UnevenTilt)
 
 
 def unnamed(problem: Problem) -> Iterator[Unnamed]:

@@ -24,6 +24,7 @@ SIZES = (
     "shadow",
     "noise_dof",
     "wrong_sign",
+    "pushes_back",
     "present",
     "companions",
     "joint_yields",
