@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from diagnosis_cases import found, measured, named
 
 from workbench import (
     Truth,
@@ -18,6 +19,7 @@ from workbench import (
     random_poses,
     simulate,
 )
+from workbench.campaign.problem import Problem
 from workbench.diagnosis.off_form import _against_its_load
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
@@ -52,16 +54,16 @@ def on_a_pedestal(tmp_path_factory):
 
 def test_a_pedestal_turns_about_its_foot(on_a_pedestal):
     outcome = diagnose(on_a_pedestal)
-    (found,) = outcome.diagnosis.causes
-    assert (found.label, found.status) == ("foundation", "named")
-    assert found.parameters[0].value == pytest.approx(6e-7, rel=0.1)
-    assert "turns about a foot" in found.sentence
+    (cause,) = outcome.diagnosis.causes
+    assert (cause.label, cause.status) == ("foundation", "named")
+    assert cause.parameters[0].value == pytest.approx(6e-7, rel=0.1)
+    assert "turns about a foot" in cause.sentence
     assert outcome.diagnosis.verdict == "named"
     assert outcome.diagnosis.stages[-1].name == "geometry + foundation"
     assert outcome.diagnosis.stages[-1].heldout_rms_mm < 1.3 * np.sqrt(3) * 0.03
     (moved,) = (e for e in outcome.fit.model.effects if e.variant == "uneven tilt")
     values, _ = outcome.fit.effect_values(outcome.fit.model.effects.index(moved))
-    foot = values[3] * 1.5 / moved.largest / found.parameters[0].value
+    foot = values[3] * 1.5 / moved.largest / cause.parameters[0].value
     assert foot == pytest.approx(FOOT, rel=0.2)
 
 
@@ -102,10 +104,28 @@ def with_a_forearm_that_bends(folder, seed: int):
 def test_a_link_that_does_not_bend_alike_in_all_directions_has_its_name(tmp_path, seed):
     """Each was "something that no known cause explains"."""
     outcome = diagnose(with_a_forearm_that_bends(tmp_path / "real", seed))
-    found = outcome.diagnosis.causes[0]
-    assert (found.label, found.status) == ("link_bending(link_4)", "named")
+    cause = outcome.diagnosis.causes[0]
+    assert (cause.label, cause.status) == ("link_bending(link_4)", "named")
     assert not [one for one in outcome.diagnosis.causes if one.cause == "unknown"]
-    assert "does not bend alike in all directions" in found.sentence
+    assert "does not bend alike in all directions" in cause.sentence
+
+
+def stiffer(problem: Problem) -> np.ndarray:
+    """(N, n) [rad]: joint_2 yields less than its model, most of all up to a third of its torque."""
+    load = problem.nominal_load.local.reshape(len(problem.q), -1)[:, problem.arm.axial[1]]
+    x = np.abs(load) / np.abs(load).max()
+    out = np.zeros_like(problem.q)
+    out[:, 1] = -2e-4 * np.sign(load) * (2.2 * np.minimum(x, 0.3) + 0.5 * np.maximum(x - 0.3, 0))
+    return out
+
+
+@pytest.mark.parametrize(("name", "load", "seed"), [("kr500", 400.0, 2), ("6R", 60.0, 1)])
+def test_a_joint_that_stiffens_otherwise_than_in_proportion_has_its_name(name, load, seed):
+    """Each was "something that no known cause explains", or lost motion of less than nothing."""
+    diagnosis = found(measured(name, joints=stiffer, loads=(load,), seed=seed))
+    assert named(diagnosis) == {("joint_compliance", "joint_2"): "named"}
+    assert diagnosis.causes[0].parameters[0].value < 0
+    assert "does not yield in proportion" in diagnosis.causes[0].sentence
 
 
 def test_no_spring_pushes_back(on_a_pedestal):
@@ -115,7 +135,7 @@ def test_no_spring_pushes_back(on_a_pedestal):
         parse_effect(f"{text},compliance=0", problem)[0]
         for text in ("foundation:", "bearing_tilt:joint=joint_1")
     )
-    found = fit(Model(problem, pair))
-    assert found.state.values[1][0] < 0
-    assert not _against_its_load(found, [0])
-    assert _against_its_load(found, [0, 1])
+    fitted = fit(Model(problem, pair))
+    assert fitted.state.values[1][0] < 0
+    assert not _against_its_load(fitted, [0])
+    assert _against_its_load(fitted, [0, 1])
