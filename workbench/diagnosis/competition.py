@@ -139,14 +139,15 @@ def _selected(
     misfit: bool,
     certain: frozenset[Key] = frozenset(),
 ) -> Selection:
-    """The final fit with all members; those that are not likeliest in their own place have no name in it."""
+    """The final fit with all members; those for which something else, or nothing, is there have no name."""
     competition = best.competition
     final = _sharpened(refitted(best.found, effects_of(competition, members)), candidates)
     if final.model.effects:
         final = refit(final, final.model.effects)  # the rounds' fits are rough
     named, unrepeated, sure = list[Member](), list[Member](), list[Shares]()
     for member, share in zip(members, shares, strict=True):
-        if share[member.component] == max(share.values()) and share[None] < PRIORS.absent:
+        own = share[member.component]
+        if share[None] < PRIORS.absent and (own >= PRIORS.absent or own == max(share.values())):
             named.append(member)
             sure.append(share)
         else:
