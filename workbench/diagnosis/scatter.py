@@ -12,6 +12,7 @@ from scipy.optimize import lsq_linear
 
 from ..identification.fit import Fit
 from ..identification.noise import Covariance, body_motion
+from ..identification.rows import whitening
 from ..robot.kinematics import Array
 from .screen import effective_dof
 
@@ -30,14 +31,14 @@ def with_scatter(fit: Fit, base: Covariance) -> Covariance:
     places of a joint for a function of its angle, chance would look like a cause. Of all variances those stay
     without which the residual is clearly less likely, however few poses there are. (How many of its own
     standard deviations a variance is says nothing: of N poses none is more than √(N/2).)"""
-    motions = _motions(fit)
+    motions = _motions(fit, base)
     before = np.append(base.joint, base.body) ** 2
-    had = np.append(fit.noise.joint, fit.noise.body) ** 2 - before
+    had = np.maximum(np.append(fit.noise.joint, fit.noise.body) ** 2 - before, 0.0)
     clear = np.append(np.full(len(base.joint), CLEAR), [TOGETHER, TOGETHER])
     kept = motions.shown
-    extra, gained = motions.likeliest(kept, had, had)
+    extra, gained = motions.likeliest(kept, had)
     while kept := [k for k in kept if extra[k] > 0]:
-        less = [motions.likeliest([k for k in kept if k != one], extra, had) for one in kept]
+        less = [motions.likeliest([k for k in kept if k != one], extra) for one in kept]
         missed = (gained - np.array([without for _, without in less])) / clear[kept]
         least = int(np.argmin(missed))
         if missed[least] >= 1:
@@ -67,16 +68,18 @@ class _Motions:
         """Numbers of the variances of which the points show anything."""
         return np.unique(self.of[self.own.mean(axis=0) > SHOWN**-2]).tolist()
 
-    def likeliest(self, among: Sequence[int], near: Array, had: Array) -> tuple[Array, float]:
-        """(P,) variances, none but some, and twice their log likelihood over that of those that the whitening
-        has, had (P,); from variances near (P,) by steps of E[(gᵀr)²] = |g|² + Σₖ (gᵀgₖ)² (σₖ² − cₖ²) for each
-        motion g, where c² are the variances so far (Fisher's scoring)."""
-        at = np.zeros(len(had))
+    def likeliest(self, among: Sequence[int], near: Array) -> tuple[Array, float]:
+        """(P,) variances, none but some, and twice their log likelihood over that of none; from variances
+        near (P,) by steps of E[(gᵀr)²] = |g|² + Σₖ (gᵀgₖ)² (σₖ² − cₖ²) for each motion g, where c² are the
+        variances so far (Fisher's scoring)."""
+        at = np.zeros(len(near))
+        if not len(among):
+            return at, 0.0
         at[among] = near[among]
-        mine = self._some(np.isin(self.of, among) | (had[self.of] != 0))
+        mine = self._some(np.isin(self.of, among))
         each = np.array([mine.of == k for k in among], float)
-        for _ in range(STEPS if len(among) else 0):
-            now = mine.under(at - had)
+        for _ in range(STEPS):
+            now = mine.under(at)
             A = each @ (now.cross**2).sum(axis=0) @ each.T
             scale = 1 / np.sqrt(np.diag(A))
             b = scale * (each @ (now.score**2 - now.own).sum(axis=0))
@@ -85,7 +88,7 @@ class _Motions:
             bounds = least - 1e-9, np.inf
             step = lsq_linear(A * scale[:, None] * scale, b / unit, bounds=bounds, method="bvls").x
             at[among] = np.where(step > least + 1e-9, at[among] + unit * step * scale, 0.0)
-        return at, mine.gained(at - had)
+        return at, mine.gained(at)
 
     def under(self, more: Array) -> _Motions:
         """The same whitened anew, by more of the variances (P,)."""
@@ -107,18 +110,19 @@ class _Motions:
         return _Motions(cross, self.score[:, columns], self.of[columns])
 
 
-def _motions(fit: Fit) -> _Motions:
-    """Of a fit's joints; and shifts and turns of the body that carries a pose's targets, where it has several
-    that are measured by themselves."""
-    problem, g = fit.model.problem, fit.axial
+def _motions(fit: Fit, noise: Covariance) -> _Motions:
+    """Of a fit's joints; and shifts and turns of the body that carries a pose's targets, where these are
+    measured by themselves; whitened by a noise. Of a single target a shift is noise that nobody stated."""
+    problem = fit.model.problem
+    W = whitening(problem, fit.line, noise)[:, :, : 3 * problem.seen.shape[1]]
+    g = W @ fit.line.by_joint
     of = np.arange(g.shape[2])
-    several = problem.seen.sum(axis=1) > 1
-    if several.any() and not problem.campaign.six_dof:
-        body = np.where(several[:, None, None], body_motion(problem), 0.0)
-        g = np.concatenate([g, fit.whitener[:, :, : body.shape[1]] @ body], axis=2)
+    if not problem.campaign.six_dof:
+        g = np.concatenate([g, W @ body_motion(problem)], axis=2)
         of = np.append(of, np.repeat([len(of), len(of) + 1], 3))
+    r = np.einsum("nde,ne->nd", W, np.nan_to_num(fit.residual).reshape(len(W), -1))
     free = fit.point_rows / max(effective_dof(fit), 1.0)
-    return _Motions(g.transpose(0, 2, 1) @ g, np.einsum("ndk,nd->nk", g, fit.r) * np.sqrt(free), of)
+    return _Motions(g.transpose(0, 2, 1) @ g, np.einsum("ndk,nd->nk", g, r) * np.sqrt(free), of)
 
 
 def alike(one: Covariance, other: Covariance) -> bool:
