@@ -73,7 +73,8 @@ def test_joints_that_move_no_point_decide_nothing(rounding):
     moved[:, :, wrist] = 0.0
     fitted = replace(geometry, line=replace(geometry.line, direct=moved))
     without = with_scatter(fitted, geometry.noise)
-    moved[:, :, wrist] = rounding * np.random.default_rng(0).normal(size=(*moved.shape[:2], 4))
+    least = rounding * geometry.noise.usual
+    moved[:, :, wrist] = least * np.random.default_rng(0).normal(size=(*moved.shape[:2], 4))
     noise = with_scatter(fitted, geometry.noise)
     assert noise.joint[1] == pytest.approx(6e-5 / np.sqrt(2), rel=0.15)
     assert noise.joint == pytest.approx(without.joint, rel=1e-9)
