@@ -17,14 +17,14 @@ from workbench.simulation.virtual_campaign import random_geometry
 SIGMA = 3e-5
 
 
-def measured(name, seed, joints, *, play=50e-6, wheel=0.0, poses=40, targets=3):
+def measured(name, seed, joints, *, play=50e-6, wheel=0.0, poses=40, targets=3, recorded=False):
     """`poses` random poses, each come to from some side. joints: numbers of those with a play, not the same
     all around, or with a wheel out of centre, not quite round (`wheel` [rad])."""
     robot = load_robot(name)
     rng = np.random.default_rng(seed)
     q = random_poses(robot, poses, rng)
     side = rng.choice([-1.0, 1.0], size=q.shape)
-    plan = planned(robot, q, targets=TARGETS[:targets])
+    plan = planned(robot, q, targets=TARGETS[:targets], direction=side if recorded else None)
     mine = np.isin(np.arange(q.shape[1]), joints)
     off = -play * side * (1 + 0.2 * np.sin(q + 1.0))
     off = off + wheel * (np.sin(q + 0.4) + 0.15 * np.sin(2 * q + 2.0) + 0.05 * np.sin(3 * q))
@@ -75,6 +75,12 @@ def test_clean_poses_scatter_in_no_joint(seed):
     noise = with_scatter(geometry, geometry.noise)
     assert not noise.joint.any()
     assert noise.body == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("seed", [1, 4, 10])
+def test_play_on_recorded_sides_does_not_hide_in_the_scatter_that_it_makes(seed):
+    found = named(measured("rx170", seed, range(6), poses=30, targets=1, recorded=True))
+    assert sorted(found) == ["backlash(joint_1)", "backlash(joint_2)", "backlash(joint_3)"]
 
 
 @pytest.mark.parametrize("name", ["ur10", "ur5"])
