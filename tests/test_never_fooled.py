@@ -185,7 +185,7 @@ def test_a_fit_that_predicts_badly_is_no_proof_that_nothing_is_missing():
 
 
 def test_a_noise_below_that_of_any_instrument_is_not_believed():
-    fine = replace(measured("ur5", poses=40, loads=()), noise_sigma=2e-8)
+    fine = replace(measured("ur5", poses=40, loads=(), targets=1), noise_sigma=2e-8)
     prepared = prepare(fine)
     assert any("Is it in mm?" in note for note in prepared.notes)
     assert prepared.noise.sigma_mm == pytest.approx(1e-3)

@@ -68,12 +68,14 @@ def test_joints_that_move_no_point_decide_nothing(rounding):
     bent = np.where(np.arange(6) == 1, 6e-5 * np.sin(123.4 * plan.poses.q[:, 1:2]), 0.0)
     truth = Truth(joints=lambda job: bent, sigma=1e-6, repeatability=np.zeros(6))
     geometry = prepare(simulate(plan, truth, seed=1)).geometry
-    moved = geometry.axial.copy()
-    moved[:, :, 2:] = 0.0
-    vars(geometry)["axial"] = moved  # in the place of the cached one
-    without = with_scatter(geometry, geometry.noise)
-    moved[:, :, 2:] = rounding * np.random.default_rng(0).normal(size=(*moved.shape[:2], 4))
-    noise = with_scatter(geometry, geometry.noise)
+    wrist = geometry.model.problem.arm.axial[2:]
+    moved = geometry.line.direct.copy()
+    moved[:, :, wrist] = 0.0
+    fitted = replace(geometry, line=replace(geometry.line, direct=moved))
+    without = with_scatter(fitted, geometry.noise)
+    least = rounding * geometry.noise.usual
+    moved[:, :, wrist] = least * np.random.default_rng(0).normal(size=(*moved.shape[:2], 4))
+    noise = with_scatter(fitted, geometry.noise)
     assert noise.joint[1] == pytest.approx(6e-5 / np.sqrt(2), rel=0.15)
     assert noise.joint == pytest.approx(without.joint, rel=1e-9)
 

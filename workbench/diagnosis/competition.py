@@ -19,9 +19,8 @@ from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
 from .remainder import ordinary_mm, rp_mm
-from .replication import Part, agreed, joined, power, renamed, replicated, searched_in_parts
+from .replication import POSES_PER_JOINT, Part, agreed, joined, power, renamed, replicated, searched_in_parts
 from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted
-from .scatter import POSES_PER_JOINT, positions
 from .stages import Group, rms_mm
 
 UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
@@ -87,14 +86,15 @@ class Selection:
 def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     """The likeliest set of causes, gear lines and free functions."""
     geometry, source = prepared.geometry, prepared.noise.source
-    enough = positions(geometry) >= POSES_PER_JOINT * geometry.model.problem.arm.n
+    problem = prepared.problem
+    enough = len(np.unique(problem.positions)) >= POSES_PER_JOINT * problem.arm.n
 
     def of_part(poses: Index) -> tuple[Sequence[Component], Sequence[Shares]]:
         own, _, found = _likeliest(prepared.some(poses), candidates)
         return own.competition.components, found
 
     with ExitStack() as stack:
-        in_parts = searched_in_parts(prepared.problem, of_part)
+        in_parts = searched_in_parts(problem, of_part)
         told = stack.enter_context(in_parts) if enough and source == "residual" else None
         best, members, shares = _likeliest(prepared, candidates)
         components = best.competition.components

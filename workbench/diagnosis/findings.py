@@ -90,6 +90,7 @@ def assemble(parts: Parts) -> Diagnosis:
             base,
             parts.given,
             repeats_to,
+            left.inflation if left.overstated else None,
         ),
         causes=tuple(findings),
         ceiling_mm=ceiling,
@@ -338,7 +339,7 @@ def _as_one(found: list[Finding], worth_mm: float) -> Finding:
 
 
 def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
-    """The residual is larger than the noise, and nothing that was recorded says where it comes from."""
+    """The residual is larger than the noise, and nothing that competed says where it comes from."""
     problem = selection.fit.model.problem
     where, place = NOWHERE, ""
     if selection.scatter.any():
@@ -346,13 +347,41 @@ def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
         where = Where(joint=problem.arm.names[j])
         place = f", sits in {where.joint} ({selection.scatter[j] * 1e6:.0f} µrad from pose to pose)"
     elif any(selection.fit.noise.body):
-        place = ", moves all targets of a pose together"
+        single = problem.seen.sum(axis=1).max() == 1
+        place = ", as of a noise stated too small" if single else ", moves all targets of a pose together"
+    unseen = [name for name, column in _columns(problem) if column is None]
+    record = f", and record {_listed(unseen)}" if unseen else ""
     structure = (
-        f"the residual is {left.inflation:.2f} times the noise ({rms_mm:.4f} mm RMS){place} but depends on "
-        "no recorded variable: repeat some poses, and record approach, time and temperature"
+        f"the residual is {left.inflation:.2f} times the noise ({rms_mm:.4f} mm RMS){place}, and nothing "
+        f"that was tried of {_tried(selection)} explains it: repeat some poses{record}"
     )
     worth = rms_mm * (1 - 1 / left.inflation)
     return _plain(structure, f"{structure[0].upper()}{structure[1:]}.", where, worth)
+
+
+def _columns(problem: Problem) -> list[tuple[str, Array | None]]:
+    """What may be recorded beside the joints."""
+    side = problem.campaign.poses.side
+    return [("approach", side), ("time", problem.time), ("temperature", problem.warmth)]
+
+
+def _tried(selection: Selection) -> str:
+    """What the components that competed are functions of, in words."""
+    effects = [e for one in selection.components for form in one.forms for e in form.effects]
+    uses = frozenset[str]().union(*(effect.uses for effect in effects))
+    timed = selection.fit.model.problem.time is not None
+    words = {
+        "joints": "the joints",
+        "load": "their loads",
+        "side": "the side of approach",
+        "time": "time" if timed else "the order of measurement",
+        "temperature": "temperature",
+    }
+    return _listed([word for use, word in words.items() if use in uses])
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
 def _plain(structure: str, sentence: str, where: Where, worth_mm: float) -> Finding:

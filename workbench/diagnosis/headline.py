@@ -38,11 +38,12 @@ def headline(
     base: Stage,
     given: Sequence[GivenFact] = (),
     repeatability_mm: float | None = None,
+    overstated: float | None = None,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
     beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; base: the stage
     before any cause, of geometry or of that and of what was given; repeatability_mm: of the robot, where that
-    is all that is left."""
+    is all that is left; overstated: residual over a noise that is stated far too large."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [_words(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
@@ -69,6 +70,10 @@ def headline(
         explain = "geometry and what was given explain" if with_given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
         nothing = f"{said}; beyond that nothing is missing" if said else "Nothing is missing"
+        if overstated is not None:
+            nothing += (
+                f" that shows in the stated noise, {_times(1 / overstated)} times what the data scatter by"
+            )
         if repeatability_mm is None:
             return f"{nothing}: {explain} these data, and {power}. {gain}."
         but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
@@ -81,6 +86,10 @@ def headline(
         said = f"; {said[0].lower()}{said[1:]}" if said else ""
         return f"Something is left that no known cause explains{said}. {gain}"
     return f"{said}. {gain}"
+
+
+def _times(ratio: float) -> str:
+    return f"{ratio:.1f}" if ratio < 10 else f"{ratio:.0f}"
 
 
 def _words(cause: str, where: Where) -> str:
@@ -129,10 +138,16 @@ def remarks(
             "on a real machine, where none has quite the form that it is fitted in."
         )
     elif prepared.noise_known and not structured and left.p < GLOBAL_LEVEL:
-        word = "larger" if left.inflation > 1 else "smaller"
         notes.append(
-            f"The residual is {abs(left.inflation - 1):.0%} {word} than the noise says, without any "
-            "structure: check the stated noise, or repeat ten poses five times."
+            f"The residual is {left.inflation - 1:.0%} larger than the noise says, without any structure: "
+            "check the stated noise, or repeat ten poses five times."
+        )
+    if left.overstated:
+        sigma = prepared.noise.sigma_mm
+        notes.append(
+            f"The stated noise of {sigma:.3g} mm per axis is {_times(1 / left.inflation)} times what the fit "
+            f"leaves ({sigma * left.inflation:.3g} mm): nothing smaller is looked for. State the "
+            "instrument's own, or take sigma_mm out of [noise]."
         )
     if not prepared.noise_known:
         notes.append(prepared.noise.sentence)

@@ -25,6 +25,7 @@ from ..identification.noise import (
 from ..identification.repeats import repeat_groups, within
 from ..identification.variances import cost_of
 from ..robot.kinematics import Array
+from .distances import shown_by_distances
 from .priors import PRIORS
 from .result import Noise
 
@@ -59,6 +60,11 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
         )
         return found, _figures(found, "repeats", axial, measured), notes
     if said is not None:
+        shown = shown_by_distances(problem, said)
+        if shown is not None and shown.more:
+            found = replace(said, sigma=shown.times * said.sigma, dof=shown.dof)
+            notes.append(_shown(said, found))
+            return found, _figures(found, "repeats", axial, None), notes
         return said, _figures(said, "stated", axial, measured), notes
     guess = provisional(problem)
     return guess, Noise(0.1, "residual"), notes
@@ -69,8 +75,17 @@ def _too_fine(problem: Problem) -> list[str]:
     stated = problem.campaign.noise_sigma
     if stated is None or stated >= LEAST:
         return []
-    used = f"{LEAST * 1e3:g} mm is used"
-    return [f"No instrument sees a robot to {stated * 1e3:g} mm, as [noise] says: {used}. Is it in mm?"]
+    taken = f"taken for {LEAST * 1e3:g} mm"
+    return [f"No instrument sees a robot to {stated * 1e3:g} mm, as [noise] says: {taken}. Is it in mm?"]
+
+
+def _shown(said: Covariance, found: Covariance) -> str:
+    """A sentence where distances between targets scatter more than stated."""
+    return (
+        f"Distances between targets, which no robot changes, scatter as by {found.usual * 1e3:.4f} mm per "
+        f"axis, stated is {said.usual * 1e3:.4f} mm: what they show is used. If no target is loose, the "
+        "stated noise is too small."
+    )
 
 
 def without_wild_repeats(problem: Problem) -> Problem:
@@ -110,6 +125,8 @@ def _figures(noise: Covariance, source: str, axial: Array, measured: MeasuredNoi
     sigma = noise.usual
     robot = float(np.sqrt(np.mean(((axial * noise.joint) ** 2).sum(axis=2))))
     words = {"stated": "as stated in the campaign", "repeats": "measured from repeated poses"}[source]
+    if source == "repeats" and measured is None:
+        words = "shown by the distances between targets"
     sentence = f"{sigma * 1e3:.4f} mm per axis, {words}"
     if robot > 0:
         sentence += f"; the robot's own repeatability adds {robot * 1e3:.4f} mm per axis"
@@ -187,9 +204,10 @@ def _likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: 
     return np.exp(found.x), float(found.fun)
 
 
-def rigid_targets(problem: Problem, noise: Noise) -> list[str]:
-    """A remark where targets keep their distances far better than the noise lets measured ones: they are
-    points of one 6-D measurement, which was not said."""
+def rigid_targets(geometry: Fit) -> list[str]:
+    """A remark where targets keep their distances far better than the points their places, as by the noise
+    and by what a fit leaves: they are points of one 6-D measurement, which was not said."""
+    problem = geometry.model.problem
     c = problem.campaign
     on = np.array(problem.on)
     moving = [i for i in range(len(on)) if on[i] == on.max()]
@@ -199,10 +217,12 @@ def rigid_targets(problem: Problem, noise: Noise) -> list[str]:
     points = c.points[whole][:, moving]
     sides = np.linalg.norm(points - np.roll(points, 1, axis=1), axis=2)
     scatter = 1e3 * float(np.max(sides.std(axis=0)))
-    if scatter > RIGID * noise.sigma_mm:
+    left = float(np.sqrt(np.mean(geometry.residual[problem.seen] ** 2)))
+    usual = 1e3 * min(geometry.noise.usual, left)
+    if scatter > RIGID * usual:
         return []
     names = ", ".join(c.targets[i].name for i in moving)
     return [
-        f"The distances between {names} never change ({scatter:.1g} mm, noise {noise.sigma_mm:.1g} mm): they "
+        f"The distances between {names} never change ({scatter:.1g} mm, noise {usual:.1g} mm): they "
         "are points of one 6-D measurement. Say pose = true under [noise]; else one error counts as several."
     ]

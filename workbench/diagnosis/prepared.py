@@ -192,5 +192,5 @@ def _fitted(sound: _Sound) -> Prepared:
     geometry = plausible_geometry(geometry)
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
-    notes = (*sound.notes, *rigid_targets(problem, noise))
+    notes = (*sound.notes, *rigid_targets(geometry))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)

@@ -12,6 +12,7 @@ from scipy.special import chdtr, chdtrc, fdtrc
 from ..effects.base import Effect
 from ..identification.fit import Fit
 from ..identification.noise import Covariance, repeat_chi2
+from ..identification.repeats import scatter_of_repeats
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from .screen import effective_dof, reduce_columns
@@ -27,13 +28,17 @@ DENIED = 0.01  # chance that repeats scatter as little, were it the robot that d
 @dataclass(frozen=True)
 class Remainder:
     """chi2, dof, p of the residual against the noise (p NaN where the noise is the residual's own).
-    inflation: residual over noise; scatter: far more than noise."""
+    inflation: residual over noise; scatter: far more than noise; overstated: far less than the noise."""
 
     chi2: float
     dof: float
     p: float
     inflation: float
     scatter: bool
+
+    @property
+    def overstated(self) -> bool:
+        return bool(1 - self.p < GLOBAL_LEVEL and self.inflation < 1 / INFLATED)
 
     def excess(self, sigma: float) -> float:
         """One sigma per axis of what is left beyond a noise of `sigma`, in its unit."""
@@ -86,7 +91,9 @@ def repeatability_mm(final: Fit, left: Remainder, noise: Covariance) -> float | 
     What nobody measured is no cause: an instrument's data sheet leaves out how the robot repeats, and a
     calibration comes from all sides to its poses, once to each. noise: what was stated."""
     problem = final.model.problem
-    if not left.scatter or noise.joint.any() or np.isfinite(noise.dof):
+    if not left.scatter or noise.joint.any():
+        return None
+    if np.isfinite(noise.dof) and scatter_of_repeats(problem)[2]:
         return None
     found = rp_mm(left.excess(noise.usual))
     if found > ordinary_mm(problem.robot):

@@ -15,10 +15,10 @@ from .chosen import Chosen, Member, Shares
 from .components import Component, Key, bare
 from .priors import PRIORS
 from .reduced import Index, Reduced
-from .scatter import POSES_PER_JOINT
 from .sets import Competition
 from .side_by_side import begun
 
+POSES_PER_JOINT = 10  # different joint positions, per joint, from which parts of the data can show a cause
 LARGE = 1000  # points from which parts are worth processes of their own
 
 Search = Callable[[Index], tuple[Sequence[Component], Sequence[Shares]]]

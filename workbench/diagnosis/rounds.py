@@ -63,7 +63,7 @@ def converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noi
     """
     base, lines, errors = geometry.noise, list[Line](), list[float]()
     stated, labels, before = base, list[str](), set[Effect]()
-    at, best = _fitted(geometry, [], base), None
+    at, best = _begun(geometry, candidates, base), None
     for _ in range(ROUNDS):
         lines = _with_lines(at, lines)
         competition = _competition(at, candidates, lines, base, noise_dof)
@@ -116,6 +116,14 @@ def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:
     if alike(noise, result.noise):
         return result
     return refit(replace(result, noise=noise), result.model.effects, ROUGH)
+
+
+def _begun(geometry: Fit, candidates: Sequence[Effect], base: Covariance) -> Fit:
+    """The fit to begin with, under the scatter that is left of the joints beyond what their sides of approach
+    explain, where these were recorded: a play must not hide in the scatter that it makes."""
+    sided = [effect for effect in candidates if effect.uses == {"side"}]
+    noise = with_scatter(refitted(geometry, sided), base)
+    return geometry if alike(noise, base) else refit(replace(geometry, noise=noise), [], ROUGH)
 
 
 def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:

@@ -3,91 +3,126 @@ variance, not a cause."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import lsq_linear, minimize
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from ..identification.fit import Fit
 from ..identification.noise import Covariance, body_motion
 from ..identification.rows import whitening
-from ..identification.variances import cost_of
 from ..robot.kinematics import Array
 from .screen import effective_dof
 
-CLEAR = 4.0  # standard deviations of its estimate from which a joint's variance counts
-SHOWN = 1e-2  # rad, m: a joint that moves the points by less than the noise on such a way shows no scatter
-TOGETHER = 8.0  # twice the log likelihood from which a pose's targets scatter together
-POSES_PER_JOINT = 10  # different joint positions, per joint, from which a variance can be told from causes
+CLEAR = 16.0  # twice the log likelihood from which a joint scatters: four standard deviations
+TOGETHER = 8.0  # the same of a pose's targets together, which accuses no joint
+SHOWN = 1e-2  # rad, m: what moves the points by less than the noise on such a way shows no scatter
+STEPS = 4  # of scoring to the likeliest variances
 
 
 def with_scatter(fit: Fit, base: Covariance) -> Covariance:
     """The noise `base` with the scatter in a fit's residual, of the joints and of what carries the targets;
-    the fit was made with that or more."""
-    return _of_body(fit, _of_joints(fit, base))
+    the fit was made with that or more.
+
+    What nobody recorded scatters so: the side that a play was left on, how the robot repeats, and every other
+    thing that acts on a whole pose. Were a pose's targets taken for as many independent witnesses, or the two
+    places of a joint for a function of its angle, chance would look like a cause. Of all variances those stay
+    without which the residual is clearly less likely, however few poses there are. (How many of its own
+    standard deviations a variance is says nothing: of N poses none is more than √(N/2).)"""
+    motions = _motions(fit, base)
+    before = np.append(base.joint, base.body) ** 2
+    had = np.maximum(np.append(fit.noise.joint, fit.noise.body) ** 2 - before, 0.0)
+    clear = np.append(np.full(len(base.joint), CLEAR), [TOGETHER, TOGETHER])
+    kept = motions.shown
+    extra, gained = motions.likeliest(kept, had)
+    while kept := [k for k in kept if extra[k] > 0]:
+        less = [motions.likeliest([k for k in kept if k != one], extra) for one in kept]
+        missed = (gained - np.array([without for _, without in less])) / clear[kept]
+        least = int(np.argmin(missed))
+        if missed[least] >= 1:
+            break
+        extra, gained = less[least]
+        del kept[least]
+    *joint, shift, turn = np.sqrt(before + extra).tolist()
+    return replace(base, joint=np.array(joint), body=(shift, turn))
 
 
-def _of_joints(fit: Fit, base: Covariance) -> Covariance:
-    """With the joints' own scatter, by moments: E[(gⱼᵀr)²] = |gⱼ|² + Σₖ (gⱼᵀgₖ)² (σₖ² − cₖ²), summed over the
-    poses, for the whitened motions gⱼ of the points by each joint, and the variances cₖ² that the whitening
-    has already."""
-    arm = fit.model.problem.arm
-    if positions(fit) < POSES_PER_JOINT * arm.n:
-        return base
-    g = fit.axial
-    free = fit.point_rows / max(effective_dof(fit), 1.0)
-    score = np.einsum("ndj,nd->nj", g, fit.r) * np.sqrt(free)
-    cross = np.einsum("ndj,ndk->njk", g, g)
-    own = np.einsum("njj->nj", cross)
-    had = fit.noise.joint**2 - base.joint**2
-    shown = np.flatnonzero(own.mean(axis=0) > SHOWN**-2)
-    if not len(shown):
-        return base
-    weight = 1 / (own[:, shown] ** 2).sum(axis=0)
-    A = (cross**2).sum(axis=0)[np.ix_(shown, shown)] * weight[:, None]
-    b = (score**2 - own).sum(axis=0)[shown] * weight
-    unit = max(float(np.abs(b).max()), 1e-30)  # the tolerance is absolute; an interior method stops short
-    found = unit * lsq_linear(A, b / unit, bounds=(-had[shown] / unit - 1e-9, np.inf), method="bvls").x
-    extra = np.zeros(arm.n)
-    extra[shown] = np.maximum(had[shown] + found, 0.0)
-    extra[shown[extra[shown] < CLEAR * np.sqrt(2 * weight)]] = 0.0
-    return replace(base, joint=np.sqrt(base.joint**2 + extra))
+@dataclass(frozen=True)
+class _Motions:
+    """Whitened motions of a pose's points, each with one of P variances. cross: (N, m, m) products of them;
+    score: (N, m) theirs with the residual; of: (m,) the number of its variance."""
+
+    cross: Array
+    score: Array
+    of: NDArray[np.int64]
+
+    @property
+    def own(self) -> Array:
+        """(N, m) square lengths."""
+        return np.asarray(np.einsum("nkk->nk", self.cross))
+
+    @property
+    def shown(self) -> list[int]:
+        """Numbers of the variances of which the points show anything."""
+        return np.unique(self.of[self.own.mean(axis=0) > SHOWN**-2]).tolist()
+
+    def likeliest(self, among: Sequence[int], near: Array) -> tuple[Array, float]:
+        """(P,) variances, none but some, and twice their log likelihood over that of none; from variances
+        near (P,) by steps of E[(gᵀr)²] = |g|² + Σₖ (gᵀgₖ)² (σₖ² − cₖ²) for each motion g, where c² are the
+        variances so far (Fisher's scoring)."""
+        at = np.zeros(len(near))
+        if not len(among):
+            return at, 0.0
+        at[among] = near[among]
+        mine = self._some(np.isin(self.of, among))
+        each = np.array([mine.of == k for k in among], float)
+        for _ in range(STEPS):
+            now = mine.under(at)
+            A = each @ (now.cross**2).sum(axis=0) @ each.T
+            scale = 1 / np.sqrt(np.diag(A))
+            b = scale * (each @ (now.score**2 - now.own).sum(axis=0))
+            unit = max(float(np.abs(b).max()), 1e-30)  # the tolerance is absolute
+            least = -at[among] / scale / unit
+            bounds = least - 1e-9, np.inf
+            step = lsq_linear(A * scale[:, None] * scale, b / unit, bounds=bounds, method="bvls").x
+            at[among] = np.where(step > least + 1e-9, at[among] + unit * step * scale, 0.0)
+        return at, mine.gained(at)
+
+    def under(self, more: Array) -> _Motions:
+        """The same whitened anew, by more of the variances (P,)."""
+        both = np.concatenate([self.cross, self.score[..., None]], axis=2)
+        solved = np.linalg.solve(self._held(more), both)
+        return replace(self, cross=solved[..., :-1], score=solved[..., -1])
+
+    def gained(self, more: Array) -> float:
+        """Twice the log likelihood with more of the variances (P,) over that without."""
+        held = self._held(more)
+        under = np.linalg.solve(held, self.score[..., None])[..., 0]
+        return float((self.score * more[self.of] * under).sum() - np.linalg.slogdet(held)[1].sum())
+
+    def _held(self, more: Array) -> Array:
+        return np.asarray(np.eye(len(self.of)) + self.cross * more[self.of])
+
+    def _some(self, columns: NDArray[np.bool_]) -> _Motions:
+        cross = self.cross[:, columns][:, :, columns]
+        return _Motions(cross, self.score[:, columns], self.of[columns])
 
 
-def _of_body(fit: Fit, base: Covariance) -> Covariance:
-    """With one variance of shifts and one of turns of a pose's targets together, beside `base`: maximum
-    likelihood in the six motions of the body that carries them, which is all that these variances touch.
-
-    A robot that nobody knows the repeatability of scatters so, and every other thing that acts on a whole
-    pose. Were a pose's targets taken for as many independent witnesses, chance would look like a cause."""
+def _motions(fit: Fit, noise: Covariance) -> _Motions:
+    """Of a fit's joints; and shifts and turns of the body that carries a pose's targets, where these are
+    measured by themselves; whitened by a noise. Of a single target a shift is noise that nobody stated."""
     problem = fit.model.problem
-    several = problem.seen.sum(axis=1) > 1
-    if problem.campaign.six_dof or not several.any():
-        return base
-    W = whitening(problem, fit.line, base)[several][:, :, : 3 * problem.seen.shape[1]]
-    Q, R = np.linalg.qr(W @ body_motion(problem)[several])
-    residual = np.nan_to_num(fit.residual).reshape(len(several), -1)[several]
-    y = np.einsum("ndk,nd->nk", Q, np.einsum("nde,ne->nd", W, residual))
+    W = whitening(problem, fit.line, noise)[:, :, : 3 * problem.seen.shape[1]]
+    g = W @ fit.line.by_joint
+    of = np.arange(g.shape[2])
+    if not problem.campaign.six_dof:
+        g = np.concatenate([g, W @ body_motion(problem)], axis=2)
+        of = np.append(of, np.repeat([len(of), len(of) + 1], 3))
+    r = np.einsum("nde,ne->nd", W, np.nan_to_num(fit.residual).reshape(len(W), -1))
     free = fit.point_rows / max(effective_dof(fit), 1.0)
-    parts = [R[:, :, part] @ R[:, :, part].transpose(0, 2, 1) for part in (slice(0, 3), slice(3, 6))]
-
-    def cost(x: Array) -> tuple[float, Array]:
-        """By the variances, each over its usual one, and its gradient: by the logarithm of a variance that is
-        next to nothing there is no slope."""
-        value, slope = cost_of(x * unit, y, np.eye(6), parts, free)
-        return value, unit * slope
-
-    unit = np.array([1 / max(float(np.trace(p, axis1=1, axis2=2).mean()) / 3, 1e-30) for p in parts])
-    found = minimize(cost, np.ones(2), jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * 2, tol=1e-12)
-    if cost(np.zeros(2))[0] - found.fun < TOGETHER:
-        return base
-    shift, turn = np.sqrt(found.x * unit + np.square(base.body)).tolist()
-    return replace(base, body=(shift, turn))
-
-
-def positions(fit: Fit) -> int:
-    """Number of different joint positions."""
-    return int(fit.model.problem.positions.max(initial=-1)) + 1
+    return _Motions(g.transpose(0, 2, 1) @ g, np.einsum("ndk,nd->nk", g, r) * np.sqrt(free), of)
 
 
 def alike(one: Covariance, other: Covariance) -> bool:

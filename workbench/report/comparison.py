@@ -189,7 +189,7 @@ def _noise(one: Apart) -> str:
     """How much the points scatter, beside what they should where somebody stated or repeats show that."""
     known = {
         "stated": f"stated is {mm(one.sigma_mm)} mm",
-        "repeats": f"repeated poses alone {mm(one.sigma_mm)} mm",
+        "repeats": f"measured alone is {mm(one.sigma_mm)} mm",
         "residual": "nobody stated a noise",
     }
     scatter = with_std(one.scatter.sigma_mm, one.scatter.std_mm)

@@ -53,7 +53,7 @@ LAMBDA = (
 OUTSIDE = "something that no cause of the catalogue explains"
 SOURCES = {
     "stated": "stated in the campaign",
-    "repeats": "from repeated poses",
+    "repeats": "measured",
     "residual": "from the residual",
 }
 
