@@ -292,7 +292,7 @@ def fewest(
     steering = as_found(space, ties)
     count, found, reached = attempts.first, None, 0.0
     for _ in range(attempts.times):
-        chosen, share = _chosen(space, steering, ties, count, search)
+        chosen, share = best_records(space, steering, ties, count, search)
         if found is None or share >= 1 or reached < 1:
             found, reached = chosen, share
         most = min(attempts.most, len(space.rows))
@@ -305,7 +305,7 @@ def fewest(
     return found, reached
 
 
-def _chosen(
+def best_records(
     space: DesignSpace, steering: DesignSpace, ties: Sequence[Tie], count: int, search: Search
 ) -> tuple[Records, float]:
     """`count` records, sorted, and their share of the way: the best of those with the largest λ of the
