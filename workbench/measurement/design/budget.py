@@ -4,8 +4,8 @@ Poses of an exchange lie far from each other, and a large arm spends most of the
 them are chosen, and the arm stops between them as well, where that is worth more per second; a load or a
 session stays away where it is not worth mounting or waiting for, and a target where it is not worth the
 instrument's turning to it. What a plan is worth is 1/e², e the expected error after it (`accuracy`), λ
-(`t_optimal`), or its share of what settles ties (`settle`); what it costs is the time that driving it takes,
-worked out in full for every trial.
+(`t_optimal`), or how much more what is true is believed (`settle`); what it costs is the time that driving it
+takes, worked out in full for every trial.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def tell_space(prior: PriorInformation, text: str, search: Search) -> TellSpace:
     at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
     space = design_space(prior.of_records(offered, at_zero), prior.of_campaign(at_zero))
     everything = space.before + information(space.rows)
-    check_shown(space, causes, prior.problem)
+    check_shown(space, causes, prior)
     unseen = [effect for effect in effects if space.alone(everything, effect) < LEVELS.least]
     pairs = _pairs(causes, unseen)
     asked = tuple(filter(None, (tuple(_pairs(two, unseen)) for two in combinations(causes, 2))))
@@ -210,7 +210,7 @@ def _needed(hardest: Sequence[Discrimination], count: int) -> int | None:
 def advice(pairs: Sequence[Pair], problem: Problem) -> str:
     """What the effects themselves say tells them apart, but for what is known of the problem already."""
     read = {item.effect.key for item in given_facts(problem)}
-    said = list(filter(None, (separation_beside(a.key, b.key, read) for a, b in pairs)))
+    said = list(filter(None, (separation_beside(a.key, b.key, read, problem) for a, b in pairs)))
     return (
         "; ".join(dict.fromkeys(said))
         or "the drives' torques, a target on the link in question, another load"

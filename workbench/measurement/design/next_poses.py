@@ -84,7 +84,7 @@ def plan(
         prior = from_campaign(with_known(source, known), partial(found_by, tell))
     else:
         prior = from_robot(source, known)
-    prior = prior.with_payloads(payloads or {})
+    prior = replace(prior.with_payloads(payloads or {}), torques=torque)
     around = reach_of(prior, seed, cell)
     seconds = None if minutes is None else 60 * minutes
     if seconds is not None:

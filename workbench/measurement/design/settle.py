@@ -32,28 +32,28 @@ from .budget import Question, check_sessions, in_time
 from .candidates import candidates, random_draws, random_rows, take
 from .causes import EXAMPLE, chance_of, has_size, label, named_causes, pairs_of, split_causes, varied
 from .discrimination import advice
-from .discrimination_plan import Discrimination, DiscriminationPlan
+from .discrimination_plan import MOST_MEASURED, Discrimination, DiscriminationPlan
 from .fedorov import Records, Search
 from .prior_information import PriorInformation, ValuedEffects
 from .shown import check_shown, with_shown
 from .t_optimal import DesignSpace, Pair, design_space
 from .ties import (
     Attempts,
+    Settling,
     Tie,
     as_found,
     at_zero,
     best_records,
     fewest,
     least,
-    least_share,
-    records_needed,
     sites_of,
     tie_between,
 )
 
 POSES = Attempts(first=24, fewest=12, most=120, times=5, margin=1.05)
 PLACES = (*PLACE, "order")
-NOTHING = 1e-3  # share of what settles a tie below which a plan brings nothing to it
+HOPELESS = 0.5  # probability below which a tie stays open, mostly, however many poses anyone measures
+NOTHING = 0.01  # probability below which a plan brings nothing to what is true
 
 
 def is_found(text: str) -> bool:
@@ -96,14 +96,14 @@ class SettleSpace(Question):
         return replace(self.space, rows=rows)
 
     def chosen(self, among: Records, count: int) -> Records:
-        """The records (count,) that bring most of what settles the hardest tie."""
+        """The records (count,) after which what is true of the hardest tie is believed most."""
         part = replace(self.space, rows=self.space.rows[among])
-        return among[best_records(part, as_found(part, self.ties), self.ties, count, self.search)[0]]
+        return among[best_records(Settling(part, self.ties), as_found(part, self.ties), count, self.search)]
 
     def worth(self, records: Campaign) -> float:
-        """Of what settles the hardest tie."""
-        space = self.of(records)
-        return least_share(space, space.everything, self.ties)
+        """By how much more what is true of the hardest tie is believed."""
+        settling = Settling(self.space, self.ties)
+        return settling.believed(self.of(records).everything) - settling.believed(self.space.before)
 
 
 def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSpace:
@@ -119,13 +119,16 @@ def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSp
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
     if not text.endswith(".json"):
-        sites = [places for places, _ in _rivals_said(text, ties[0].effect, prior.problem)]
-        check_shown(space, [[ties[0].effect], *sites], prior.problem)
-    asked = tuple(tie for tie in (with_shown(space, tie) for tie in ties) if tie.rivals)
+        # of what a diagnosis says with its probability, some may not show in the poses on offer: no fault
+        said = _rivals_said(text, ties[0].effect, prior.problem)
+        sites = [places for places, chance in said if chance is None]
+        check_shown(space, [[ties[0].effect], *sites], prior)
+    asked = tuple(tie for tie in (with_shown(space, tie, prior.fit) for tie in ties) if tie.rivals)
     if not asked:
-        check_shown(space, [tie.rivals for tie in ties], prior.problem)
+        check_shown(space, [tie.rivals for tie in ties], prior)
     every = np.arange(len(space.rows))
-    some = tuple(tie for tie in asked if records_needed(space, every, [tie]) is not None)
+    most = space.measured(every, MOST_MEASURED)
+    some = tuple(tie for tie in asked if Settling(space, [tie]).power(most) >= HOPELESS)
     lost = tuple((tie.effect, tie.rivals[0]) for tie in asked if tie not in some)
     notes = tuple(filter(None, map(_too_large, asked)))
     return SettleSpace(prior, valued, offered, space, some, asked, lost, notes, search)
@@ -148,7 +151,8 @@ def plan_settling(
 def plan_settling_in_time(
     prior: PriorInformation, text: str, seconds: float, search: Search, ways: Ways, dwell: float
 ) -> DiscriminationPlan:
-    """The records that bring most in a time of what settles the ties of `text`; raises as `settle_space`."""
+    """The records after which what is true of the ties of `text` is believed most, in a time; raises as
+    `settle_space`."""
     space = settle_space(prior, text, search)
     if not space.ties:
         return _plan(space, None)
@@ -170,6 +174,7 @@ def _plan(space: SettleSpace, records: Campaign | None) -> DiscriminationPlan:
     count, some = len(records.poses), space.ties
     order = random_rows(len(space.space.rows), count, space.search.seed)
     told = _Told(space.of(records), space.space.measured(order))
+    all_ties = Settling(told.plan, some)
     return replace(
         made,
         records=records,
@@ -180,7 +185,7 @@ def _plan(space: SettleSpace, records: Campaign | None) -> DiscriminationPlan:
         ),
         needed=told.needed(some),
         random=take(space.offered, order),
-        worth=(told.share(some, told.plan.everything), told.share(some, told.random)),
+        worth=(all_ties.power(told.plan.everything), all_ties.power(told.random)),
     )
 
 
@@ -200,10 +205,7 @@ class _Told:
         return Discrimination(tie.effect, rival, now, random, plan, self.needed([tie]))
 
     def needed(self, ties: Sequence[Tie]) -> int | None:
-        return records_needed(self.plan, np.arange(len(self.plan.rows)), ties)
-
-    def share(self, ties: Sequence[Tie], data: Array) -> float:
-        return least_share(self.plan, data, ties)
+        return Settling(self.plan, ties).needed(np.arange(len(self.plan.rows)))
 
 
 def _first_forms(tie: Tie) -> list[Effect]:
