@@ -23,6 +23,9 @@ from ...diagnosis.weight import SCALES, WEIGHTS
 from ...robot.kinematics import Array
 
 DRAWS = 200  # of what may be true: the probability is good to 0.03
+SPARE = (
+    2.0  # log odds beyond those of a name: a real cause is off its form, and a rival's companions take that
+)
 LARGEST = 500.0  # log odds that floats hold
 
 
@@ -51,8 +54,8 @@ class Hypotheses:
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """named: probability that a diagnosis names what is true, of what has a name; believed: mean probability
-    that it gives to what is true."""
+    """named: probability that a diagnosis names what is true, of what has a name, with `SPARE` log odds to
+    spare; believed: mean probability that it gives to what is true."""
 
     named: float
     believed: float
@@ -151,14 +154,15 @@ class Outlook:
         more = then - self.now
         w, V = np.linalg.eigh(more)
         root = V * np.sqrt(np.maximum(w, 0.0)) @ V.T
+        sure = PRIORS.named / (1 - PRIORS.named) * np.exp(SPARE)
         named, believed = 0.0, 0.0
         for h, beta, noise in self._true:
             standing = after.standing(self.u + beta @ more + noise @ root, len(self._chances))
             gained = _odds(standing, h, told) - _odds(self._standing, h, told)
             odds = np.log(told.chances / told.chances[h])[:, None] + gained / told.slow[h][:, None]
-            true = 1 / np.exp(np.minimum(odds, LARGEST)).sum(axis=0)
-            named += self._chances[h] * float(np.mean(true >= PRIORS.named))
-            believed += self._chances[h] * float(np.mean(true))
+            others = np.exp(np.minimum(np.delete(odds, h, axis=0), LARGEST)).sum(axis=0)
+            named += self._chances[h] * float(np.mean(others * sure <= 1))
+            believed += self._chances[h] * float(np.mean(1 / (1 + others)))
         return Expected(named, believed)
 
 

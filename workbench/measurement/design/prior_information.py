@@ -209,8 +209,10 @@ def _sensitivity_of(result: Fit, effects: ValuedEffects) -> Sensitivity:
 
 
 def parameter_names(effect: Effect) -> list[str]:
-    """Names of an effect's parameters, its form and order included."""
-    return [f"effect/{name}" for name in effect_names(effect)]
+    """Names of an effect's parameters, its form, order and settings included: a map of where a joint was and
+    one of all its range are two."""
+    settings = "".join(f" {name}={getattr(effect, name):.6g}" for name in effect.settings)
+    return [f"effect/{name}{settings}" for name in effect_names(effect)]
 
 
 def prior_precision(names: Sequence[str]) -> Array:

@@ -48,6 +48,7 @@ from .ties import (
     least,
     sites_of,
     tie_between,
+    wherever,
 )
 
 POSES = Attempts(first=24, fewest=12, most=120, times=5, margin=1.05)
@@ -120,7 +121,7 @@ def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSp
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
     if not text.endswith(".json"):
         # of what a diagnosis says with its probability, some may not show in the poses on offer: no fault
-        said = _rivals_said(text, ties[0].effect, prior.problem)
+        said = _rivals_said(text, ties[0].effect, wherever(prior.problem))
         sites = [places for places, chance in said if chance is None]
         check_shown(space, [[ties[0].effect], *sites], prior)
     asked = tuple(tie for tie in (with_shown(space, tie, prior.fit) for tie in ties) if tie.rivals)
@@ -232,7 +233,7 @@ def tie_said(text: str, fit: Fit) -> Tie:
     effect, size = parse_effect(first, problem)
     chances = {} if chance is None else {effect.key: chance}
     rivals: list[Effect] = []
-    for places, chance in _rivals_said(text, effect, problem):
+    for places, chance in _rivals_said(text, effect, wherever(problem)):
         chances |= {} if chance is None else {one.key: chance for one in places}
         known = fit.model.given
         rivals += [e for e in places if e.cause != UNKNOWN and not any(item.is_for(e) for item in known)]

@@ -21,6 +21,8 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...campaign.planned import joint_ranges
+from ...campaign.problem import Problem
 from ...diagnosis.components import Key, with_companions
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome
@@ -134,9 +136,9 @@ def sites_of(keys: Iterable[Key], fit: Fit) -> tuple[Effect, ...]:
     """Every form of the causes of the catalogue with these keys that a campaign may show, in their order; but
     for what is known already."""
     kept, given = tuple(keys), fit.model.given
-    known = catalogue()
+    known, about = catalogue(), wherever(fit.model.problem)
     kinds = [known[cause] for cause in dict.fromkeys(cause for cause, _ in kept) if cause in known]
-    sites = (e for kind in kinds for e in kind.sites(fit.model.problem))
+    sites = (e for kind in kinds for e in kind.sites(about))
     return tuple(e for e in sites if e.key in kept and not any(item.is_for(e) for item in given))
 
 
@@ -146,10 +148,24 @@ def tie_between(
     """The tie of an effect that was found with these values (p,); chances: by key, none: nothing is known.
     The values count as commands say them: a diagnosis, its result.json and a plan speak of one tie."""
     values = np.array([float(f"{value:.{SAID}g}") for value in values])
-    nameless = [e for e in unnamed(fit.model.problem) if e.key in chances]
-    every = (effect, *rivals, *nameless)
-    forms = tuple(tuple(with_companions(fit, (one,), fit.model.problem)) for one in every)
-    return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals, forms, chances)
+    about = wherever(fit.model.problem)
+    other_forms = [e for e in sites_of([effect.key], fit) if e != effect]
+    nameless = [e for e in unnamed(about) if e.key in chances]
+    every = (effect, *other_forms, *rivals, *nameless)
+    forms = [tuple(with_companions(fit, (one,), about)) for one in every]
+    forms += [form[:1] for form in forms if form[0][0].pure and len(form) > 1]
+    return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals, tuple(forms), chances)
+
+
+def wherever(problem: Problem) -> Problem:
+    """The problem as if its poses were all over the joints' ranges: further poses are, so that functions of a
+    joint reach as far."""
+    q, (lower, upper) = problem.q, joint_ranges(problem.robot)
+    low, high = np.minimum(lower, q.min(axis=0)), np.maximum(upper, q.max(axis=0))
+    over = np.ptp(q, axis=0)
+    even = np.linspace(0, 1, len(q))[:, None]
+    share = np.where(over > 0, (q - q.min(axis=0)) / np.where(over > 0, over, 1.0), even)
+    return replace(problem, campaign=problem.campaign.with_poses(q=low + share * (high - low)))
 
 
 def told_apart(outcome: Outcome, tie: Tie, before: Outcome) -> float:
