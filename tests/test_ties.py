@@ -72,7 +72,7 @@ def test_poses_refute_what_contains_the_cause(tied):
     assert powers == sorted(powers)
     assert powers[-1] > 0.4
     sure = replace(tie, chances={sine.key: 0.94, whole.key: 0.06})
-    assert Settling(space, [sure]).power(space.measured(np.arange(10))) > powers[1] + 0.2
+    assert Settling(space, [sure]).power(space.measured(np.arange(40))) > powers[2] + 0.2
 
 
 def test_what_is_promised_is_what_comes_of_it(tied):
@@ -98,7 +98,7 @@ def test_a_map_that_was_found_is_settled_beside_the_sine_in_it(tied):
     search, attempts = Search(POOL, 1, 0), Attempts(24, 6, 60, 4, 1.1)
     with varied(kin=1.0):
         chosen, power = fewest(space, [tie], search, attempts)
-    assert power > 0.6
+    assert power > 0.4
     assert least(space, space.measured(chosen), tie) >= 40
     assert Settling(space, [tie]).power(space.measured(chosen)) < power
 

@@ -23,9 +23,7 @@ from ...diagnosis.weight import SCALES, WEIGHTS
 from ...robot.kinematics import Array
 
 DRAWS = 200  # of what may be true: the probability is good to 0.03
-SPARE = (
-    2.0  # log odds beyond those of a name: a real cause is off its form, and a rival's companions take that
-)
+SPARE = 2.0  # of log evidence beyond what a name takes: a real cause is off its form, and rivals take of that
 LARGEST = 500.0  # log odds that floats hold
 
 
@@ -151,19 +149,25 @@ class Outlook:
     def after(self, then: Array) -> Expected:
         """Where further records make the information `then` (g, g) of it."""
         after, told = Weighed(then, self.hypotheses.patterns), self.hypotheses
-        more = then - self.now
-        w, V = np.linalg.eigh(more)
+        added = then - self.now
+        w, V = np.linalg.eigh(added)
         root = V * np.sqrt(np.maximum(w, 0.0)) @ V.T
-        sure = PRIORS.named / (1 - PRIORS.named) * np.exp(SPARE)
+        sure = PRIORS.named / (1 - PRIORS.named)
         named, believed = 0.0, 0.0
         for h, beta, noise in self._true:
-            standing = after.standing(self.u + beta @ more + noise @ root, len(self._chances))
+            standing = after.standing(self.u + beta @ added + noise @ root, len(self._chances))
             gained = _odds(standing, h, told) - _odds(self._standing, h, told)
             odds = np.log(told.chances / told.chances[h])[:, None] + gained / told.slow[h][:, None]
-            others = np.exp(np.minimum(np.delete(odds, h, axis=0), LARGEST)).sum(axis=0)
-            named += self._chances[h] * float(np.mean(others * sure <= 1))
+            spare = (SPARE / told.slow[h])[:, None]
+            others, nearly = (_sum_but(h, odds + more) for more in (0.0, spare))
+            named += self._chances[h] * float(np.mean(nearly * sure <= 1))
             believed += self._chances[h] * float(np.mean(1 / (1 + others)))
         return Expected(named, believed)
+
+
+def _sum_but(h: int, odds: Array) -> Array:
+    """(D,) odds of all hypotheses but the h-th together, from the log odds (H, D) of each."""
+    return np.asarray(np.exp(np.minimum(np.delete(odds, h, axis=0), LARGEST)).sum(axis=0))
 
 
 def _odds(standing: tuple[Array, Array], h: int, hypotheses: Hypotheses) -> Array:
