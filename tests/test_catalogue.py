@@ -17,7 +17,7 @@ from workbench import diagnose, effects, planned, random_poses, simulate
 from workbench.campaign import Target
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.evidence import evidence
-from workbench.effects import catalogue, rivals, separation
+from workbench.effects import catalogue, rivals, separation, separation_beside
 from workbench.effects.gravity_compensator import GravityCompensator
 from workbench.effects.kinds import (
     DirectEffect,
@@ -28,6 +28,7 @@ from workbench.effects.kinds import (
     YieldEffect,
 )
 from workbench.effects.masses import MassEffect
+from workbench.effects.place import Where
 from workbench.effects.records import parse_effect
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
@@ -281,10 +282,28 @@ def test_what_tells_two_causes_apart_is_said_once_for_both():
 
 
 def test_what_was_read_is_not_asked_for_again():
-    both = separation("gravity_compensator", "link_mass")
-    assert both == "read the pressure gauge, or weigh the link"
-    assert separation("link_mass", "gravity_compensator", ["gravity_compensator"]) == "weigh the link"
-    assert separation("gravity_compensator", "link_mass", ["link_mass", "gravity_compensator"]) is None
+    gas, link = ("gravity_compensator", Where()), ("link_mass", Where(link="link_2"))
+    assert separation("gravity_compensator", "link_mass") == "read the pressure gauge, or weigh the link"
+    assert separation_beside(link, gas, [gas], None) == "weigh the link"
+    assert separation_beside(gas, link, [link, gas], None) is None
+
+
+def test_what_tells_apart_is_said_of_this_robot():
+    """A coil spring has no gauge; a joint is swept where it can go; no payload tells a mass from a gear."""
+    coil = problem_of(planned(load_robot("rx170"), np.zeros((1, 6))))
+    spring, link = ("gravity_compensator", Where()), ("link_mass", Where(link="link_2"))
+    said = separation_beside(spring, link, [], coil)
+    assert said == "measure the rate and the free length of its spring, or weigh the link"
+    assert separation_beside(spring, link, [spring], coil) == "weigh the link"
+    at = Where(joint="joint_2")
+    ratio, gear, map_of = (("gear_ratio", at), ("gear_eccentricity", at), ("joint_map", at))
+    gas = problem_of(planned(load_robot("kr500"), np.zeros((1, 6))))
+    assert separation_beside(gear, ratio, [], gas) == "sweep the joint over its whole range, -130 … 20°"
+    for one in (gear, map_of):
+        words = separation_beside(one, link, [], gas)
+        assert words is not None
+        assert "payload" not in words
+        assert "motor torque" in words
 
 
 def test_no_cause_is_named_outside_effects():

@@ -1,6 +1,7 @@
 """What stays open is settled by the poses that are offered for it: the demo's own tie, and the study."""
 
 import json
+import re
 import shlex
 from dataclasses import replace
 from pathlib import Path
@@ -23,13 +24,26 @@ from workbench import (
 from workbench.campaign.joined import join
 from workbench.campaign.known import with_known
 from workbench.campaign.payloads import with_payloads
+from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis.result import Decision
+from workbench.effects.records import parse_effect
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
+from workbench.measurement.design import decide
 from workbench.measurement.design.decide import command_text
+from workbench.measurement.design.prior_information import from_prepared
 from workbench.measurement.design.settle import tie_said
-from workbench.measurement.design.ties import settled_at, tie_between, tie_of, told_apart
+from workbench.measurement.design.t_optimal import design_space
+from workbench.measurement.design.ties import (
+    at_zero,
+    least,
+    settled_at,
+    sites_of,
+    tie_between,
+    tie_of,
+    told_apart,
+)
 from workbench.report.content import content, decision
 from workbench.studies import demo
 from workbench.studies.followup import case_keys, followup
@@ -110,6 +124,82 @@ def test_a_weight_that_can_be_mounted_is_planned_with(tmp_path):
     assert set(records.poses.payload) == {0, 1}  # one load alone tells a stiffness from no mass
     with pytest.raises(InputError, match="another payload 'load', of 200 kg"):
         with_payloads(records, {"load": (100.0, (0.0, 0.0, 0.15))})
+
+
+@pytest.fixture(scope="module")
+def hosed():
+    """A hose pack on a wrist joint: on poses alone it and a wrong ratio are the same."""
+    robot = load_robot("kr500")
+    bare = planned(robot, random_poses(robot, 24, np.random.default_rng(5)))
+    hose = parse_effect("hose_torque:joint=joint_5,rate=40", problem_of(bare))
+    campaign = replace(simulate(bare, Truth(sigma=3e-5, effects=(hose,)), seed=2), noise_sigma=3e-5)
+    return campaign, diagnose(campaign)
+
+
+def test_torques_are_planned_for_the_tie(hosed):
+    """The command names the tie, and its plan counts on the torques, without which no poses tell."""
+    campaign, outcome = hosed
+    prior = from_prepared(outcome.prepared)
+    hose, values = parse_effect("hose_torque:joint=joint_5,rate=40", prior.problem)
+    (ratio,) = (e for e in sites_of([("gear_ratio", hose.where)], prior.fit))
+    tie = tie_between(prior.fit, hose, values, (ratio,), {hose.key: 0.6, ratio.key: 0.4})
+    valued = at_zero([tie])
+    found = decide._decisions(tie, tie, decide.Offers(prior, valued, prior.of_campaign(valued)))
+    (way,) = (d for d in found if d.kind == "drive_torque")
+    asked = shlex.split(way.command)
+    tell = asked[asked.index("--tell") + 1]
+    assert tell.startswith("hose_torque:joint=joint_5,rate=40")
+    made = follow_up(campaign, way, quick=True)
+    assert made.drive.torque
+    assert made.settles
+    blind = plan(campaign, way.poses, tell=tell, quick=True)
+    assert blind.drive is None
+
+
+def test_what_torques_tell_of_a_tie_that_they_do_not_settle_is_counted(hosed):
+    """Two causes without a torque stay two: the torques tell the hose pack from both, in so many poses."""
+    _, outcome = hosed
+    prior = from_prepared(outcome.prepared)
+    hose, values = parse_effect("hose_torque:joint=joint_5,rate=40", prior.problem)
+    rivals = tuple(
+        parse_effect(f"{cause}:joint=joint_5,{size}", prior.problem)[0]
+        for cause, size in (("gear_ratio", "relative=1e-4"), ("joint_map", "amplitude=1e-4"))
+    )
+    chances = {hose.key: 0.4, **{rival.key: 0.3 for rival in rivals}}
+    tie = tie_between(prior.fit, hose, values, rivals, chances)
+    valued = at_zero([tie])
+    offers = decide.Offers(prior, valued, prior.of_campaign(valued))
+    (words,) = decide._told_by_torque(offers, tie, "tau1_Nm")
+    assert re.search(r"at \d+ more poses: they tell hose_torque\(joint_5\) from gear_ratio\(joint_5\)", words)
+
+
+def test_a_scale_is_asked_for_where_a_mass_is_a_rival(open_tie):
+    """How exactly: a fifth of what would have to be wrong with it; the command says what was read."""
+    _, campaign, outcome = open_tie
+    prior = from_prepared(outcome.prepared)
+    soft, values = parse_effect("joint_compliance:joint=joint_3,relative=0.5", prior.problem)
+    rivals = (
+        parse_effect("link_mass:link=link_3,mass=10", prior.problem)[0],
+        parse_effect("link_bending:link=link_3,compliance=1e-8", prior.problem)[0],
+    )
+    chances = {soft.key: 0.5, **{rival.key: 0.25 for rival in rivals}}
+    tie = tie_between(prior.fit, soft, values, rivals, chances)
+    space = design_space(prior.of_records(campaign, at_zero([tie])), prior.of_campaign(at_zero([tie])))
+    ways = decide._readings(prior.problem, tie, space, least(space, space.before, tie))
+    (scale,) = (way for way in ways if "mass_kg" in way.words)
+    assert scale.words.endswith("kg: whether it is link_mass(link_3)")
+    assert "--known link_mass:link=link_3,mass_kg=VALUE,std=" in scale.command
+
+
+def test_a_command_with_a_rival_that_hardly_shows_is_no_fault(open_tie):
+    """A diagnosis says all that competed; of what a person asks for each has to show."""
+    _, campaign, _ = open_tie
+    tie = "gear_ratio:joint=joint_2,relative=3e-4,probability=0.6"
+    tie += ",joint_compliance:joint=joint_2,probability=0.3"
+    made = plan(campaign, 10, tell=f"{tie},link_mass:link=link_1,probability=0.001", quick=True)
+    assert made.drive is not None
+    with pytest.raises(InputError, match=r"link_1.*cannot show in this model"):
+        plan(campaign, 10, tell=f"{tie},link_mass:link=link_1", quick=True)
 
 
 def test_a_long_question_is_no_file(open_tie, tmp_path, monkeypatch, capsys):

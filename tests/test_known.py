@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from diagnosis_cases import measured, named
 
-from workbench import diagnose, plan, what_decides
+from workbench import diagnose, load_robot, plan, planned, what_decides
 from workbench.campaign import Campaign, load_campaign, write_campaign
 from workbench.campaign.known import KnownData, parse_known, with_known
 from workbench.campaign.problem import problem_of
@@ -93,6 +93,16 @@ def test_whole_quantities_become_differences_from_the_model():
     assert 0 < ratio.std < 1e-9
 
 
+def test_a_springs_free_length_becomes_a_preload():
+    """Longer by 10 mm pulls less, by its rate."""
+    robot = load_robot("rx170")
+    spring = robot.compensator
+    told = f"gravity_compensator:variant=preload,free_length={spring.free_length + 0.01},std=0.002"
+    campaign = with_known(planned(robot, np.zeros((1, 6))), [told])
+    (fact,) = given_facts(problem_of(campaign))
+    assert (fact.value, fact.std) == pytest.approx((-0.01 * spring.rate, 0.002 * spring.rate))
+
+
 def test_a_given_number_is_weighed_against_the_data():
     """Bayes: the fit with a fact is the fit without it and the fact, weighed by their variances."""
     campaign = with_known(weak(), ["gravity_compensator:precharge_bar=93,std=0.6"])
@@ -148,11 +158,11 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
     # and that reading had been asked for
     (open_,) = (one for one in what_decides(before).diagnosis.causes if one.status == "ambiguous")
     offered = {one.kind: one for one in open_.decide}
-    assert "precharge_bar to ± 2 bar" in offered["reading"].words
-    command, verb, path, option, fact = shlex.split(offered["reading"].command)
+    (gauge,) = (one for one in open_.decide if "precharge_bar to ± 2 bar" in one.words)
+    command, verb, path, option, fact = shlex.split(gauge.command)
     assert (command, verb, path, option) == ("workbench", "diagnose", "my dir/campaign.toml", "--known")
     assert fact == "gravity_compensator:precharge_bar=VALUE,std=2"
-    assert offered["reading"].lambda_before < LEVELS.least < LEVELS.mostly <= offered["reading"].lambda_after
+    assert gauge.lambda_before < LEVELS.least < LEVELS.mostly <= gauge.lambda_after
     assert offered["other"].words in open_.separate_by
 
 

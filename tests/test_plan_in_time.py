@@ -204,3 +204,39 @@ def test_every_block_has_a_val3_application_of_its_own(tmp_path):
     still = [int((read_program(application, "val3").dwell > 0).sum()) for application in applications]
     poses = (tmp_path / "poses.csv").read_text().splitlines()[1:]
     assert sorted(still) == sorted([sum("heavy" in p for p in poses), sum("heavy" not in p for p in poses)])
+
+
+def test_what_was_found_is_settled_in_a_time(tmp_path, measured):
+    """A result.json with several ties, as `--poses` takes it; more time settles more."""
+    ratio = json.loads(ambiguous(tmp_path, 5e-5).read_text())["causes"][0]
+    other = ratio | {"joint": "joint_2", "rivals": [{"cause": "tracker_scale", "probability": 0.3}]}
+    told = tmp_path / "two.json"
+    told.write_text(json.dumps({"schema": 1, "causes": [ratio, other]}))
+    short, long = (plan(measured, tell=str(told), minutes=minutes) for minutes in (2, 9))
+    assert 1.5 < short.drive.total_s / 60 < 2.2
+    assert 7.5 < long.drive.total_s / 60 < 9.6
+    assert short.count < long.count
+    assert 0 < short.worth[0] <= long.worth[0]
+    assert long.settles
+    assert "This plan is expected to settle it." in long.text
+
+
+def test_a_cause_with_its_size_is_settled_in_a_time(tmp_path, measured):
+    """As in `--poses`: of as many poses the same λ now, and as many are said to settle it."""
+    said = "gear_ratio:joint=joint_1,relative=5e-5,bearing_tilt:joint=joint_1,probability=0.4"
+    timed = plan(measured, tell=said, minutes=3)
+    same = plan(measured, len(timed.records.poses), tell=said, quick=True)
+    assert timed.found
+    assert timed.drive.total_s / 60 < 3.3
+    assert timed.hardest[0].now == pytest.approx(same.hardest[0].now, rel=1e-6)
+    assert timed.needed == pytest.approx(same.needed, rel=0.5)
+
+
+def test_a_rival_that_nothing_would_show_leaves_no_tie(tmp_path, measured):
+    """A vertical column: no load bends its sliding joint, so that its compliance is no rival of anything."""
+    causes = json.loads(ambiguous(tmp_path, 5e-5).read_text())["causes"]
+    hidden = causes[0] | {"rivals": [{"cause": "link_mass", "link": "link_1", "probability": 0.4}]}
+    told = tmp_path / "hidden.json"
+    told.write_text(json.dumps({"schema": 1, "causes": [hidden]}))
+    with pytest.raises(InputError, match=r"link_mass.*cannot show in this model"):
+        plan(measured, tell=str(told), quick=True)

@@ -14,17 +14,20 @@ from workbench.effects.place import Where
 from workbench.measurement.design import decide
 from workbench.measurement.design.accuracy import DRAWS
 from workbench.measurement.design.candidates import Factors, candidates, random_rows
+from workbench.measurement.design.expected_odds import Outlook
 from workbench.measurement.design.fedorov import Search
 from workbench.measurement.design.prior_information import from_campaign
 from workbench.measurement.design.t_optimal import design_space
 from workbench.measurement.design.ties import (
+    POWER,
     Attempts,
+    Settling,
+    as_found,
     at_zero,
+    best_records,
     contains,
     fewest,
     least,
-    records_needed,
-    share_of,
     tie_between,
 )
 
@@ -42,7 +45,12 @@ def tied():
         "gear_eccentricity:joint=joint_4,variant=2,amplitude=3e-4,phase=1", prior.problem
     )
     whole = next(e for e in JointMap.sites(prior.problem) if e.where == sine.where and e.variant == "smooth")
-    valued = at_zero([tie_between(prior.fit, sine, values, (whole,), {})])
+    size = np.array([p.typical for p in whole.params])
+    both = [
+        tie_between(prior.fit, sine, values, (whole,), {}),
+        tie_between(prior.fit, whole, size, (sine,), {}),
+    ]
+    valued = at_zero(both)
     offered = candidates(prior, POOL, Factors(), np.random.default_rng(0))
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
     return prior.fit, sine, values, whole, space
@@ -56,15 +64,28 @@ def test_a_map_contains_a_sine(tied):
 
 
 def test_poses_refute_what_contains_the_cause(tied):
-    """By what else it would show: all poses make it surest; odds that are known already spare some."""
+    """By what else it would show: more poses make it surer; odds that are known already spare some."""
     fit, sine, values, whole, space = tied
-    tie = tie_between(fit, sine, values, (whole,), {})
-    shares = [share_of(space, space.measured(np.arange(n)), tie) for n in (0, 10, 40, POOL)]
-    assert shares[0] == pytest.approx(0.0, abs=1e-9)
-    assert 0 < min(shares[1:]) <= max(shares) == shares[-1]
-    assert shares[-1] > 0.2
-    sure = replace(tie, chances={sine.key: 0.96, whole.key: 0.04})
-    assert share_of(space, space.everything, sure) > shares[-1]
+    tie = tie_between(fit, sine, values, (whole,), {sine.key: 0.6, whole.key: 0.4})
+    powers = [Settling(space, [tie]).power(space.measured(np.arange(n))) for n in (0, 10, 40, POOL)]
+    assert powers[0] == 0
+    assert powers == sorted(powers)
+    assert powers[-1] > 0.4
+    sure = replace(tie, chances={sine.key: 0.94, whole.key: 0.06})
+    assert Settling(space, [sure]).power(space.measured(np.arange(40))) > powers[2] + 0.2
+
+
+def test_what_is_promised_is_what_comes_of_it(tied):
+    """Of ties whose truth is drawn anew, as many are settled as is said, reckoned with other draws."""
+    fit, sine, values, whole, space = tied
+    tie = tie_between(fit, sine, values, (whole,), {sine.key: 0.85, whole.key: 0.15})
+    now, own = space.left(space.before), space.columns(sine) - space.background
+    outlook = Outlook(now, now[:, own] @ tie.size, tie.hypotheses(space))
+    then = space.left(space.measured(np.arange(40)))
+    promised = outlook.after(then)
+    again = [Outlook(outlook.now, outlook.u, outlook.hypotheses, seed).after(then).named for seed in range(5)]
+    assert promised.named == pytest.approx(np.mean(again), abs=0.05)
+    assert promised.named <= promised.believed
 
 
 def test_a_map_that_was_found_is_settled_beside_the_sine_in_it(tied):
@@ -72,34 +93,38 @@ def test_a_map_that_was_found_is_settled_beside_the_sine_in_it(tied):
     fit, sine, _, whole, space = tied
     size = np.zeros(len(whole.params))
     size[[1, 4]] = 1.5
-    tie = tie_between(fit, whole, size * [p.typical for p in whole.params], (sine,), {})
+    chances = {whole.key: 0.9, sine.key: 0.1}
+    tie = tie_between(fit, whole, size * [p.typical for p in whole.params], (sine,), chances)
     search, attempts = Search(POOL, 1, 0), Attempts(24, 6, 60, 4, 1.1)
     with varied(kin=1.0):
-        chosen, share = fewest(space, [tie], search, attempts)
-    assert share >= 1
+        chosen, power = fewest(space, [tie], search, attempts)
+    assert power > 0.4
     assert least(space, space.measured(chosen), tie) >= 40
-    assert 0 < share_of(space, space.measured(chosen), tie) < share / 2
+    assert Settling(space, [tie]).power(space.measured(chosen)) < power
 
 
-def test_what_is_needed_is_not_drawn_out_in_a_line(tied):
-    """Odds beside a map that contains the sine grow slower than poses: so many of them do settle it."""
+def test_so_many_poses_as_are_needed_settle_it(tied):
+    """In the proportions of these: one less does not."""
     fit, sine, values, whole, space = tied
     tie = tie_between(fit, sine, values, (whole,), {sine.key: 0.94, whole.key: 0.06})
-    few = np.arange(20)
-    share = share_of(space, space.measured(few), tie)
-    needed = records_needed(space, few, [tie])
-    assert share_of(space, space.measured(few, 20 / share), tie) < 1  # in a line it would be settled
-    assert needed is None or needed > 20 / share
-    every = np.arange(POOL)
-    assert records_needed(space, every, [replace(tie, chances={sine.key: 0.97, whole.key: 0.03})]) is not None
+    settling, few = Settling(space, [tie]), np.arange(20)
+    needed = settling.needed(few)
+    assert needed is not None
+    assert (
+        settling.power(space.measured(few, needed)) >= POWER > settling.power(space.measured(few, needed - 1))
+    )
+    twins = replace(tie, chances={sine.key: 0.5, whole.key: 0.5})
+    assert (Settling(space, [twins]).needed(few) or np.inf) > needed
 
 
 def test_no_chosen_records_settle_less_than_random_ones(tied):
     fit, sine, values, whole, space = tied
     tie = tie_between(fit, sine, values, (whole,), {})
-    _, share = fewest(space, [tie], Search(POOL, 1, 0), Attempts(15, 15, 15, 1, 1.0))
+    settling = Settling(space, [tie])
+    chosen = best_records(settling, as_found(space, [tie]), 15, Search(POOL, 1, 0))
     draws = [random_rows(len(space.rows), 15, 0, draw) for draw in range(DRAWS)]
-    assert share >= max(share_of(space, space.measured(draw), tie) for draw in draws) - 1e-9
+    beliefs = [settling.believed(space.measured(rows)) for rows in (chosen, *draws)]
+    assert max(beliefs) == beliefs[0]
 
 
 def test_a_stiffness_of_a_rigid_joint_is_read_near_what_was_found():

@@ -26,8 +26,8 @@ class FactData(BaseModel):
 
     parameter: as `workbench causes` lists it, the difference from the robot's model; or the whole quantity:
     `mass_kg` of a link, payload or tool, `stiffness` (N·m/rad, N/m) and `ratio` of a joint, of the
-    compensator `precharge_bar` (absolute), `gauge_bar` (over the atmosphere), both at its `reference`, or
-    `rate` (N/m).
+    compensator `precharge_bar` (absolute), `gauge_bar` (over the atmosphere), both at its `reference`, `rate`
+    (N/m), or of a spring `free_length` (m, with variant = "preload").
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
@@ -47,7 +47,8 @@ class FactData(BaseModel):
     variant: str = ""
     """its form"""
     parameter: Name
-    """which number: of the cause, or `mass_kg`, `stiffness`, `ratio`, `precharge_bar`, `gauge_bar`, `rate`"""
+    """which number: of the cause, or `mass_kg`, `stiffness`, `ratio`, `precharge_bar`, `gauge_bar`, `rate`,
+    `free_length`"""
     value: FiniteFloat
     """the number"""
     std: Annotated[FiniteFloat, Field(ge=0)]

@@ -22,6 +22,13 @@ TARGETS = (
 )
 
 
+def joint_ranges(robot: Robot) -> tuple[Array, Array]:
+    """Least and largest joints (n,) [rad, m]: the limits, ±π where there are none."""
+    limit = [(j.lower, j.upper) if np.isfinite(j.upper - j.lower) else (-np.pi, np.pi) for j in robot.joints]
+    lower, upper = np.array(limit).T
+    return lower, upper
+
+
 def random_poses(
     robot: Robot,
     count: int,
@@ -43,8 +50,7 @@ def random_poses(
     ((20, 3), True)
     """
     arm = arrays(robot)
-    limit = [(j.lower, j.upper) if np.isfinite(j.upper - j.lower) else (-np.pi, np.pi) for j in robot.joints]
-    lower, upper = np.array(limit).T
+    lower, upper = joint_ranges(robot)
     middle, half = (lower + upper) / 2, share * (upper - lower) / 2
     reach = float(np.linalg.norm(arm.p[2:], axis=1).sum() + upper[arm.prismatic].sum())
     floor = 0.05 * reach if floor is None else floor

@@ -181,7 +181,10 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
     rivals = found.rivals
     named = found.probability >= PRIORS.named and found.by_data >= PRIORS.by_data
     read = {(fact.cause, fact.where) for fact in parts.given if fact.given is not None}
-    advice = list(filter(None, (separation_beside(effect.key, (r.cause, r.where), read) for r in rivals)))
+    problem = final.model.problem
+    advice = list(
+        filter(None, (separation_beside(effect.key, (r.cause, r.where), read, problem) for r in rivals))
+    )
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
     parameters, sentence = _describe(final, own)

@@ -7,8 +7,9 @@ import pkgutil
 from collections.abc import Collection
 from functools import cache
 
+from ..campaign.problem import Problem
 from .base import UNKNOWN, Effect
-from .place import Where
+from .place import NOWHERE, Where
 
 Key = tuple[str, Where]  # cause and place
 
@@ -32,19 +33,23 @@ def line(joint: str, order: float) -> Effect:
     return kind(Where(joint=joint, order=order))
 
 
-def separation(cause: str, rival: str, read: Collection[str] = ()) -> str | None:
-    """The measurement that tells two causes apart, in words, whichever of the two says it; None: unknown.
-    read: causes of which another instrument has read the whole: that is not asked for again."""
+def separation(cause: str, rival: str) -> str | None:
+    """The measurement that tells two causes apart on any robot, in words, whichever of the two says it; None:
+    unknown."""
+    return separation_beside((cause, NOWHERE), (rival, NOWHERE), (), None)
+
+
+def separation_beside(one: Key, rival: Key, read: Collection[Key], problem: Problem | None) -> str | None:
+    """`separation` of two causes at their places of a robot. read: causes and places of which another
+    instrument has read the whole: that is not asked for again."""
     kinds = catalogue()
-    said = [kinds[a].separate.get(b) for a, b in ((cause, rival), (rival, cause)) if a in kinds]
-    done = {kinds[one].reading for one in read}
+    pair = [key for key in (one, rival) if key[0] in kinds]
+    said = [kinds[a[0]].separate.get(b[0]) for a, b in ((one, rival), (rival, one)) if a in pair]
+    done = {kinds[key[0]].reading for key in pair if key in read}
     ways = next(filter(None, said), "").split(", or ")
-    return ", or ".join(way for way in ways if way not in done) or None
-
-
-def separation_beside(one: Key, rival: Key, read: Collection[Key]) -> str | None:
-    """`separation` of two causes at their places. read: causes and places that were read."""
-    return separation(one[0], rival[0], [key[0] for key in (one, rival) if key in read])
+    placed = sorted(pair, key=lambda key: key[1].joint is not None)
+    words = {name: text for key in placed for name, text in kinds[key[0]].words(key[1], problem).items()}
+    return ", or ".join(way for way in ways if way not in done).format_map(words) or None
 
 
 def rivals(cause: str) -> tuple[str, ...]:

@@ -87,8 +87,9 @@ class Effect(ABC):
     """One cause at one place.
 
     cause: id of the cause. title: for people. equation: typst mathematics. separate: rival cause → the
-    measurement that tells it apart (in words; `separation` reads both sides). variant: forms of the same
-    cause share cause and place and differ in this; they are never each other's rivals. settings: names of
+    measurement that tells it apart (in words, with the {fields} of `words`; `separation` reads both sides).
+    variant: forms of the same cause share cause and place and differ in this; they are never each other's
+    rivals. settings: names of
     the fields that are numbers but not fitted (a time constant, say); they are kept with the values in
     model.toml. ordered: `where` needs an order. together: the variants are parts of one law that may be
     off at once. pure: some are quite true to their form, as a wrong number in a controller is: they
@@ -280,6 +281,17 @@ class Effect(ABC):
     def sentence(self, values: Array) -> str:
         """What was found, for a busy engineer."""
         return ""
+
+    @classmethod
+    def words(cls, where: Where, problem: Problem | None) -> Mapping[str, str]:
+        """What the {fields} of `separate` are at a place of a robot (None: of any)."""
+        if problem is None or where.joint is None:
+            return {"range": "its whole range, a full turn where it can"}
+        data = problem.robot.joints[problem.joint(where.joint)]
+        if data.kind == "prismatic" or not np.isfinite(data.upper - data.lower):
+            return {"range": "its whole range"}
+        low, high = np.degrees([data.lower, data.upper])
+        return {"range": f"its whole range, {low:.0f} … {high:.0f}°"}
 
     @property
     def key(self) -> tuple[str, Where]:

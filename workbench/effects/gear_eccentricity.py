@@ -32,10 +32,10 @@ class GearEccentricity(Harmonic):
     pure: ClassVar[bool] = True  # an encoder's is
     equation: ClassVar[str] = "Delta q = A sin(k q + phi), quad k in {1, 2}"
     separate: ClassVar[dict[str, str]] = {
-        "gear_ratio": "sweep the joint over more than half a turn",
+        "gear_ratio": "sweep the joint over {range}",
         "gravity_compensator": "record the motor torque of the joint (3 % is enough), or add loads",
         "joint_compliance": "the same poses with another payload: eccentricity does not change",
-        "link_mass": "the same poses with another payload: eccentricity does not change",
+        "link_mass": "record the motor torque of the joint, or weigh the link",
         "foundation": "targets on the base casting",
     }
 

@@ -33,7 +33,7 @@ class GearRatio(TransmissionEffect):
     equation: ClassVar[str] = "Delta q = epsilon thin q"
     separate: ClassVar[dict[str, str]] = {
         "hose_torque": "repeat some poses with the hose pack taken off: on poses alone the two are the same",
-        "gear_eccentricity": "sweep the joint over its whole range, a full turn where it can",
+        "gear_eccentricity": "sweep the joint over {range}",
         "wrist_coupling": "sweep this joint with the other wrist joints at rest",
         "gravity_compensator": "record the motor torque of the joint",
         "joint_compliance": "the same poses with another payload: a ratio does not change",

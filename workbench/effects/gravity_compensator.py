@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -15,6 +15,7 @@ from ..robot.loads import Loads
 from .base import Depends, Param, Rest
 from .drawn import Drawn
 from .kinds import LoadEffect
+from .place import Where
 
 REFERENCE_KELVIN = 273.15 + REFERENCE_TEMPERATURE
 
@@ -38,8 +39,13 @@ class GravityCompensator(LoadEffect):
         "a LinearSpringDamper between its pivots (coil), or a pair of forces at the plant's port (gas)"
     )
     together: ClassVar[bool] = True
-    wholes: ClassVar[dict[str, str]] = {"precharge_bar": "bar", "gauge_bar": "bar", "rate": "N/m"}
-    reading: ClassVar[str] = "read the pressure gauge"
+    wholes: ClassVar[dict[str, str]] = {
+        "precharge_bar": "bar",
+        "gauge_bar": "bar",
+        "rate": "N/m",
+        "free_length": "m",
+    }
+    reading: ClassVar[str] = "{gauge}"
     depends: ClassVar[Depends] = frozenset({"joints", "temperature"})
     equation: ClassVar[str] = "Delta tau = -Delta F(s) thin (dif s) / (dif q_2)"
     separate: ClassVar[dict[str, str]] = {
@@ -47,10 +53,17 @@ class GravityCompensator(LoadEffect):
         "gear_ratio": "record the motor torque of joint 2 (3 % is enough)",
         "joint_compliance": "record the motor torque of joint 2, or add a load",
         "link_bending": "record the motor torque of joint 2, or a target in the middle of the link",
-        "link_mass": "read the pressure gauge, or weigh the link",
+        "link_mass": "{gauge}, or weigh the link",
         "lost_motion": "a load that reverses the torque of joint 2",
-        "thermal_growth": "read the pressure gauge, cold and warm",
+        "thermal_growth": "{gauge}, cold and warm",
     }
+
+    @classmethod
+    def words(cls, where: Where, problem: Problem | None) -> Mapping[str, str]:
+        law = None if problem is None else problem.compensator
+        coil = law is not None and law.data.kind == "spring"
+        gauge = "measure the rate and the free length of its spring" if coil else "read the pressure gauge"
+        return {**super().words(where, problem), "gauge": gauge}
 
     @property
     def params(self) -> tuple[Param, ...]:
@@ -85,9 +98,13 @@ class GravityCompensator(LoadEffect):
         return [cls(variant=variant, kind=kind) for variant in variants]
 
     def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
-        if self.variant != "charge" or problem.compensator is None:
+        if problem.compensator is None:
             return None
         data = problem.compensator.data
+        if name == "free_length" and self.variant == "preload" and data.rate and data.free_length is not None:
+            return data.rate * (data.free_length - value)
+        if name == "free_length" or self.variant != "charge":
+            return None
         if name == "rate":
             return value / data.rate - 1 if data.rate else None
         if not data.precharge:

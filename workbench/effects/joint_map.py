@@ -43,12 +43,12 @@ class JointMap(TransmissionEffect):
     smooth: ClassVar[bool] = True
     separate: ClassVar[dict[str, str]] = {
         "gear_kinematic_error": "sweep the joint in steps far below its shortest period",
-        "gear_eccentricity": "sweep the joint over its whole range, a full turn where it can",
-        "gear_ratio": "sweep the joint over its whole range",
+        "gear_eccentricity": "sweep the joint over {range}",
+        "gear_ratio": "sweep the joint over {range}",
         "joint_compliance": "the same poses with another payload: a map does not change",
         "gravity_compensator": "record the motor torque of the joint",
-        "link_mass": "the same poses with another payload: a map does not change",
-        "hose_torque": "repeat some poses with the hose pack taken off",
+        "link_mass": "record the motor torque of the joint, or weigh the link",
+        "hose_torque": "repeat some poses with the hose pack taken off, or record the motor torque",
     }
 
     @cached_property

@@ -33,8 +33,8 @@ class LinkMass(MassEffect):
     separate: ClassVar[dict[str, str]] = {
         "joint_compliance": "measure with two payloads: a stiffness acts on both, a link mass on neither",
         "payload": "weigh what the flange carries, or measure without it",
-        "gravity_compensator": "read the pressure gauge, or weigh the link",
-        "gear_eccentricity": "record the motor torque of the joint",
+        "gravity_compensator": "{gauge}, or weigh the link",
+        "gear_eccentricity": "record the motor torque of the joint, or weigh the link",
         "link_mass": "record the motor torques of the joints",
     }
 

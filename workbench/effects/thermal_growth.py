@@ -36,7 +36,7 @@ class ThermalGrowth(DirectEffect):
     separate: ClassVar[dict[str, str]] = {
         "drift": "four fixed targets on the floor, measured every ten minutes; a target on the base",
         "tracker_scale": "a scale bar, or two fixed targets of known distance",
-        "gravity_compensator": "read the pressure gauge, cold and warm",
+        "gravity_compensator": "{gauge}, cold and warm",
     }
 
     @property

@@ -3,8 +3,9 @@
 Poses of an exchange lie far from each other, and a large arm spends most of the time on its way. So fewer of
 them are chosen, and the arm stops between them as well, where that is worth more per second; a load or a
 session stays away where it is not worth mounting or waiting for, and a target where it is not worth the
-instrument's turning to it. What a plan is worth is 1/e², e the expected error after it (`accuracy`), or λ
-(`t_optimal`); what it costs is the time that driving it takes, worked out in full for every trial.
+instrument's turning to it. What a plan is worth is 1/e², e the expected error after it (`accuracy`), λ
+(`t_optimal`), or how much more what is true is believed (`settle`); what it costs is the time that driving it
+takes, worked out in full for every trial.
 """
 
 from __future__ import annotations
@@ -123,6 +124,15 @@ def in_time(question: Question, ways: Ways, dwell: float, seconds: float) -> tup
                 best, better = made, True
                 break
     return best, alone
+
+
+def check_sessions(question: Question, best: Trial, seconds: float, tells: float) -> None:
+    """tells: worth below which a plan tells nothing. Raises InputError where that is for want of time between
+    sessions."""
+    if best.worth < tells and len(best.levels[SESSIONS]) < len(np.unique(question.levels[:, SESSIONS])):
+        what = f"{seconds / 60:g} min are too short for poses warm and cold, or early and late"
+        mend = "give more time: from one to the next it takes warm_up_min of [driving]"
+        raise InputError(Fault("--minutes", f"{what}, and others do not tell these causes apart", mend))
 
 
 def _beside(trial: Trial, every: Levels) -> Iterator[tuple[Question, Levels, int]]:

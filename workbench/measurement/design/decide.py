@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from shlex import quote
@@ -24,34 +24,32 @@ from ..driving.block import torque_columns
 from .candidates import candidates, reach_of
 from .causes import CHANCE, varied
 from .discrimination_plan import MOST_MEASURED
-from .fedorov import Records, Search
+from .fedorov import Search
 from .prior_information import PriorInformation, Sensitivity, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, design_space
 from .ties import (
+    POWER,
     SAID,
     Attempts,
+    Settling,
     Tie,
     at_zero,
     contains,
     fewest,
+    imitation,
     least,
-    least_share,
-    records_needed,
     settled_at,
-    share_of,
     tie_of,
     unexplained,
 )
 
-MOST = 3  # ambiguous findings that are worked out, the strongest
+MOST = 3  # ambiguous findings that are worked out, the strongest, and readings of each
 POOL = 120  # candidate records
-POSES = Attempts(first=24, fewest=18, most=60, times=1, margin=1.4)  # others may turn up as rivals
+POSES = Attempts(first=24, fewest=18, most=60, times=2, margin=1.4)  # others may turn up as rivals
 AMPLE = 5  # times as many poses of all kinds as anyone measures: none are so well chosen that they tell more
 DRAWS = 3  # of random poses with torques
 TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
 READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of the cause
-
-Torques = Callable[[Records], DesignSpace]  # of some of the candidate records
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,17 +73,20 @@ class Offers:
         return design_space(self.prior.of_records(self.records, self.effects), self.measured)
 
     @cached_property
-    def torques(self) -> Torques | None:
-        """The same records with the drives' torques; None where these were recorded, or no load is in it."""
+    def torques(self) -> tuple[tuple[int, tuple[DesignSpace, ...]], ...]:
+        """Some draws of so many random records with the drives' torques, few first: what is common to a
+        joint's torques is taken out of those poses alone. None where these were recorded, or no load is in
+        it."""
         loads = any(effect.acts == "load" for effect, _ in self.effects)
         if not loads or self.prior.problem.drives:
-            return None
-        recorded = self.records.with_poses(torque=np.zeros_like(self.records.poses.q))
+            return ()
+        prior = replace(self.prior, torques=True)
 
-        def space(chosen: Records) -> DesignSpace:
-            return design_space(self.prior.of_records(recorded.some(chosen), self.effects), self.measured)
+        def space(count: int, draw: int) -> DesignSpace:
+            chosen = np.sort(np.random.default_rng([23, draw]).permutation(POOL)[:count])
+            return design_space(prior.of_records(self.records.some(chosen), self.effects), self.measured)
 
-        return space
+        return tuple((count, tuple(space(count, draw) for draw in range(DRAWS))) for count in TORQUES)
 
 
 def what_decides(outcome: Outcome) -> Outcome:
@@ -120,33 +121,35 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         words = f"{'about ' if after is None else ''}{count} more poses, chosen for it"
         command = f"workbench plan {source} --tell {tell} --poses {count} --out follow-up"
         found.append(Decision("poses", words, command, count, now, after))
-    if offers.torques is not None and (torque := _settled_by_torque(offers.torques, tie)) is not None:
+    torque = _settled_by_torque(offers, tie)
+    columns = torque_columns(problem.robot)
+    if torque is not None and (poses is None or torque[0] < poses[0]):
         count, after = torque
-        if poses is None or count < poses[0]:
-            columns = torque_columns(problem.robot)
-            words = f"record the torques of the drives (columns {columns}) at {count} more poses"
-            command = f"workbench plan {source} --poses {count} --torque --out follow-up"
-            found.append(Decision("drive_torque", words, command, count, now, after))
+        words = f"record the torques of the drives (columns {columns}) at {count} more poses"
+        command = f"workbench plan {source} --tell {tell} --poses {count} --torque --out follow-up"
+        found.append(Decision("drive_torque", words, command, count, now, after))
     found += _readings(problem, heard, space, now)
+    others: list[str] = []
+    if poses is None and torque is None:
+        others += _told_by_torque(offers, heard, columns)
     if poses is None:
-        found += [
-            Decision("other", _whole(heard, rival), None, None, now, None) for rival in _wholes(space, heard)
-        ]
+        others += [_whole(heard, rival) for rival in _wholes(space, heard)]
     if poses is None or poses[1] is None:
         read = {item.effect.key for item in given_facts(problem)}
-        said = (separation_beside(tie.effect.key, rival.key, read) for rival in heard.rivals)
-        words_of = dict.fromkeys(filter(None, said))
-        found += [Decision("other", words, None, None, now, None) for words in words_of]
+        said = (separation_beside(tie.effect.key, rival.key, read, problem) for rival in heard.rivals)
+        others += filter(None, said)
+    found += [Decision("other", words, None, None, now, None) for words in dict.fromkeys(others)]
     return tuple(found)
 
 
 def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float | None] | None:
     """Poses that settle it, with the margin, and λ after them: not known where it takes more than
     `POSES.most`; None where it takes more than anyone measures."""
-    if least_share(space, space.measured(np.arange(POOL), AMPLE * MOST_MEASURED), [tie]) < 1:
+    settling = Settling(space, [tie])
+    if settling.power(space.measured(np.arange(POOL), AMPLE * MOST_MEASURED)) < POWER:
         return None  # however they are chosen
     chosen, _ = fewest(space, [tie], Search(POOL, 1, 0), POSES)
-    needed = records_needed(space, chosen, [tie])
+    needed = settling.needed(chosen)
     if needed is None or POSES.margin * needed > MOST_MEASURED:
         return None
     count = max(POSES.fewest, int(np.ceil(POSES.margin * needed)))
@@ -155,18 +158,26 @@ def _settled(space: DesignSpace, tie: Tie) -> tuple[int, float | None] | None:
     return count, least(space, space.measured(chosen, count), tie)
 
 
-def _settled_by_torque(torques: Torques, tie: Tie) -> tuple[int, float] | None:
-    """Random poses with drive torques that settle it, and λ after them, the least of some draws; what is
-    common to a joint's torques is taken out of those poses alone."""
-    for count in TORQUES:
-        reached = []
-        for draw in range(DRAWS):
-            order = np.random.default_rng([23, draw]).permutation(POOL)
-            space = torques(np.sort(order[:count]))
-            reached.append((share_of(space, space.everything, tie), least(space, space.everything, tie)))
-        if min(reached)[0] >= POSES.margin:
-            return count, min(power for _, power in reached)
+def _settled_by_torque(offers: Offers, tie: Tie) -> tuple[int, float] | None:
+    """Random poses with drive torques that settle it, and λ after them, the least of some draws."""
+    for count, spaces in offers.torques:
+        if all(Settling(space, [tie]).power(space.everything) >= POWER for space in spaces):
+            return count, min(least(space, space.everything, tie) for space in spaces)
     return None
+
+
+def _told_by_torque(offers: Offers, tie: Tie, columns: str) -> list[str]:
+    """What drive torques tell of a tie that they do not settle: the cause from some of its rivals."""
+    told = {}
+    keys = dict.fromkeys(rival.key for rival in tie.rivals)
+    for beside in map(tie.beside, keys):
+        if (found := _settled_by_torque(offers, beside)) is not None:
+            told[beside.rivals[0].label] = found[0]
+    if not told:
+        return []
+    words = f"record the torques of the drives (columns {columns}) at {max(told.values())} more poses"
+    rest = "" if len(told) == len(keys) else ", but not from the other rivals"
+    return [f"{words}: they tell {tie.effect.label} from {', '.join(told)}{rest}"]
 
 
 def _wholes(space: DesignSpace, tie: Tie) -> list[Effect]:
@@ -189,9 +200,11 @@ def _whole(tie: Tie, rival: Effect) -> str:
 
 
 def _readings(problem: Problem, tie: Tie, space: DesignSpace, now: float) -> list[Decision]:
-    """Quantities of the cause or its rivals that another instrument reads, and how exactly it has to."""
+    """Quantities of the cause or its likeliest rivals that another instrument reads, and how exactly."""
     found: dict[str, Decision] = {}
-    for effect in (tie.effect, *tie.rivals):
+    likeliest = sorted(tie.rivals, key=lambda rival: -tie.chance(rival.key))
+    only = len({rival.key for rival in tie.rivals}) == 1
+    for effect in (tie.effect, *likeliest):
         spread, after = _spread(tie, effect, space, now)
         for name, unit in effect.wholes.items():
             slope = _slope(problem, effect, name, _about(tie, effect))
@@ -200,26 +213,37 @@ def _readings(problem: Problem, tie: Tie, space: DesignSpace, now: float) -> lis
             std = float(f"{spread * effect.params[0].typical / slope:.1g}")
             where = f" of {effect.where}" if str(effect.where) else ""
             words = f"read {name}{where} to ± {std:.10g} {unit}".removesuffix(" 1")
-            fact = f"{_text(effect)}{',' if ':' in _text(effect) else ':'}{name}=VALUE,std={std:.10g}"
+            words += "" if only or effect is tie.effect else f": whether it is {effect.label}"
+            place = _text(effect, _form_said(effect, problem))
+            fact = f"{place}{',' if ':' in place else ':'}{name}=VALUE,std={std:.10g}"
             command = f"workbench diagnose {problem.campaign.arguments} --known {quote(fact)}"
-            found.setdefault(f"{effect.label}", Decision("reading", words, command, None, now, after))
-    return list(found.values())
+            found.setdefault(effect.label, Decision("reading", words, command, None, now, after))
+    return list(found.values())[:MOST]
 
 
-def _spread(tie: Tie, effect: Effect, space: DesignSpace, now: float) -> tuple[float, float]:
-    """The largest spread of a reading, in usual sizes, that settles all rivals, and λ then; 0: none does.
+def _form_said(effect: Effect, problem: Problem) -> dict[str, str]:
+    """The form of an effect, where a fact of its cause and place alone would be of another."""
+    first = next(one for one in type(effect).places(problem) if one.key == effect.key)
+    return {} if first.variant == effect.variant else {"variant": effect.variant}
 
-    A reading of the cause holds its own size against none; one of the only rival takes it out of the way.
+
+def _spread(tie: Tie, effect: Effect, space: DesignSpace, now: float) -> tuple[float, float | None]:
+    """The largest spread of a reading, in usual sizes, that decides, and λ then; 0: none does.
+
+    A reading of the cause holds its own size against none; one of the only rival takes it out of the way; one
+    of a rival among several says whether it is as large as it would have to be.
     """
+    needed = float(np.sqrt(settled_at(now) - now))
     if effect is tie.effect:
-        return float(np.linalg.norm(tie.size) / np.sqrt(settled_at(now) - now)), settled_at(now)
-    if {rival.key for rival in tie.rivals} == {effect.key}:
-        i, j = (space.columns(e) - space.background for e in (tie.effect, effect))
-        left = space.left(space.before)
-        for spread in READINGS:
-            after = unexplained(left, i, j, tie.size, spread**-2)
-            if after >= settled_at(now):
-                return float(spread), after
+        return float(np.linalg.norm(tie.size)) / needed, settled_at(now)
+    i, j = (space.columns(e) - space.background for e in (tie.effect, effect))
+    left = space.left(space.before)
+    if any(rival != effect for rival in tie.rivals):
+        return float(np.linalg.norm(imitation(left, i, j, tie.size))) / needed, None
+    for spread in READINGS:
+        after = unexplained(left, i, j, tie.size, spread**-2)
+        if after >= settled_at(now):
+            return float(spread), after
     return 0.0, 0.0
 
 
@@ -263,7 +287,7 @@ def _with(text: str, chance: float | None) -> str:
     return f"{text}{',' if ':' in text else ':'}{CHANCE}={chance:.2g}"
 
 
-def _text(effect: Effect) -> str:
-    """The cause with its place, as `--tell` takes it."""
-    where = ",".join(f"{key}={value}" for key, value in effect.where.keys().items())
+def _text(effect: Effect, more: Mapping[str, str] | None = None) -> str:
+    """The cause with its place, as `--tell` takes it, and more of it."""
+    where = ",".join(f"{key}={value}" for key, value in {**effect.where.keys(), **(more or {})}.items())
     return f"{effect.cause}:{where}" if where else effect.cause

@@ -16,7 +16,7 @@ from ...effects.given import given_facts
 from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from ..driving.ways import Ways
-from .budget import SESSIONS, Question, in_time
+from .budget import Question, check_sessions, in_time
 from .candidates import Factors, candidates, random_draws, take
 from .causes import EXAMPLE, factors, named_causes
 from .discrimination_plan import LEVELS, MOST_MEASURED, TELLS, Discrimination, DiscriminationPlan
@@ -75,7 +75,7 @@ def tell_space(prior: PriorInformation, text: str, search: Search) -> TellSpace:
     at_zero = tuple((effect, np.zeros(len(effect.params))) for effect in effects)
     space = design_space(prior.of_records(offered, at_zero), prior.of_campaign(at_zero))
     everything = space.before + information(space.rows)
-    check_shown(space, causes, prior.problem)
+    check_shown(space, causes, prior)
     unseen = [effect for effect in effects if space.alone(everything, effect) < LEVELS.least]
     pairs = _pairs(causes, unseen)
     asked = tuple(filter(None, (tuple(_pairs(two, unseen)) for two in combinations(causes, 2))))
@@ -112,10 +112,7 @@ def plan_discrimination_in_time(
     if not space.pairs:
         return _plan(space, None, 0)
     best, alone = in_time(space, ways, dwell, seconds)
-    if best.worth < TELLS and len(best.levels[SESSIONS]) < len(np.unique(space.levels[:, SESSIONS])):
-        what = f"{seconds / 60:g} min are too short for poses warm and cold, or early and late"
-        mend = "give more time: from one to the next it takes warm_up_min of [driving]"
-        raise InputError(Fault("--minutes", f"{what}, and others do not tell these causes apart", mend))
+    check_sessions(space, best, seconds, TELLS)
     made = _plan(space, best.drive.plan, len(best.drive.plan.poses))
     over = best.rate / alone.rate if alone.worth > TELLS else None
     return replace(made, over_poses=over, stops=best.stops)
@@ -213,7 +210,7 @@ def _needed(hardest: Sequence[Discrimination], count: int) -> int | None:
 def advice(pairs: Sequence[Pair], problem: Problem) -> str:
     """What the effects themselves say tells them apart, but for what is known of the problem already."""
     read = {item.effect.key for item in given_facts(problem)}
-    said = list(filter(None, (separation_beside(a.key, b.key, read) for a, b in pairs)))
+    said = list(filter(None, (separation_beside(a.key, b.key, read, problem) for a, b in pairs)))
     return (
         "; ".join(dict.fromkeys(said))
         or "the drives' torques, a target on the link in question, another load"

@@ -74,8 +74,8 @@ class DiscriminationPlan(DrivenPlan):
     random: as many random records; found: the causes have the size in which they were found, and each stands
     beside its hardest rival. asked: every two causes that were asked for, in their hardest places, with the
     planned poses that tell them; worth: what the plan brings, and random records: of ties that were found
-    how much of what settles them (`share_of`), else λ of what is hardest after each; any_do: no chosen
-    records did better than random ones, which these are; notes: what is odd in what was asked.
+    the probability that they are settled, else λ of what is hardest after each; any_do: no chosen records
+    did better than random ones, which these are; notes: what is odd in what was asked.
     """
 
     records: Campaign | None
@@ -95,11 +95,11 @@ class DiscriminationPlan(DrivenPlan):
 
     @property
     def gain(self) -> float | None:
-        """What it brings per hour over random records."""
+        """What it brings per hour over random records; None where these bring nothing."""
         if self.drive is None or self.random_s is None or self.worth is None:
             return None
         plan, random = self.worth
-        return plan / self.drive.total_s / max(random / self.random_s, 1e-12)
+        return plan / self.drive.total_s / (random / self.random_s) if random > 0 else None
 
     def with_drive(self, drive: Drive, random: Drive) -> DiscriminationPlan:
         """In the order of a drive; random: that of as many random records."""
@@ -163,7 +163,7 @@ class DiscriminationPlan(DrivenPlan):
         if self.drive is not None:
             lines += [self.drive.text, *self.not_measured]
         if self.gain is not None and not self.any_do:
-            of = "what settles it, per hour" if self.found else "λ of the hardest pair, per hour"
+            of = "probability to settle it, per hour" if self.found else "λ of the hardest pair, per hour"
             lines.append(f"In the same time it tells {self.gain:.1f} times as much as random poses ({of}).")
         return "\n".join(lines)
 
@@ -173,8 +173,8 @@ class DiscriminationPlan(DrivenPlan):
             return []
         plan, random = self.worth
         if self.found:
-            words = f"Of what settles it this plan brings {100 * plan:.3g} %"
-            return [f"{words}, as many random poses {100 * random:.3g} %."]
+            words = f"It is settled after this plan with a probability of {plan:.2f}"
+            return [f"{words}, after as many random poses of {random:.2f}."]
         words = f"To the pair that is hardest for them random poses bring a λ of {significant(random)}"
         return [f"{words}, this plan {significant(plan)}."] if len(self.asked) > 1 else []
 
@@ -203,8 +203,8 @@ class DiscriminationPlan(DrivenPlan):
         if self.found:
             return (
                 "λ, how far apart these causes are, of the size that was found and exactly of their form, "
-                f"with {self.noise} (a tie is settled where λ outweighs how far real causes are off their "
-                "forms, and the odds between them so far):"
+                f"with {self.noise} (what settles a tie are also the odds between the causes so far, and how "
+                "far real ones are off their forms):"
             )
         alike, apart = f"below {LEVELS.least:g} alike", f"above {LEVELS.surely:g} apart"
         of = f"if of typical size ({self._sizes()}), with {self.noise}"
@@ -219,7 +219,7 @@ class DiscriminationPlan(DrivenPlan):
         """λ in words; it goes with the square of the causes' size."""
         more = f"about {self.needed} planned poses" if self.needed else "more poses than anyone measures"
         if self.found and self.settles:
-            return f"This plan is expected to settle it. In simulated campaigns {LEVELS.found}."
+            return "This plan is expected to settle it."
         if self.found:
             return f"This plan is not expected to settle it: that takes {more}."
         if self.least >= LEVELS.surely:

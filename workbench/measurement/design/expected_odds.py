@@ -1,10 +1,12 @@
-"""What a diagnosis is expected to say of an effect and its rivals after further records: twice the log Bayes
-factors, weighed as it weighs them (sizes, scales and companions of `diagnosis.components`).
+"""How likely a diagnosis names what is true after further records, as likely as its hypotheses are now.
 
-Were β the truth in the columns t, the information S on all columns makes u = S_t β of the columns i of a
-form; with A = S_i + P⁻² for prior sizes P, the mean over the noise of twice its log evidence is
-uᵀA⁻¹u + tr A⁻¹S_i − log |1 + P S_i P| (Kass & Raftery 1995). A difference of two such that grows by g with
-further records has a standard deviation of 2 √λ, λ what the rival leaves of β more than before.
+What is true is drawn from what is known: a hypothesis by its probability, its numbers β with those of its
+companions from their posterior, so that a map of a joint that looked like a sine so far may turn out as any
+map that looks so. With the information S on all columns of effects, now S₀, the data come down to u = S β +
+noise of covariance S, and further records add to u₀ what has the mean (S − S₀) β and the covariance S − S₀.
+Each drawn u is weighed as a diagnosis does it: forms in their prior sizes P and scales, with A = S_i + P⁻²
+twice the log evidence of a form is u_iᵀA⁻¹u_i − log |1 + P S_i P| (Kass & Raftery 1995), and odds are no
+surer than forms are true (`diagnosis.stand_ins`).
 """
 
 from __future__ import annotations
@@ -20,17 +22,41 @@ from ...diagnosis.priors import PRIORS
 from ...diagnosis.weight import SCALES, WEIGHTS
 from ...robot.kinematics import Array
 
-SURE = 1.28  # standard deviations: nine of ten follow-ups bring it
+DRAWS = 200  # of what may be true: the probability is good to 0.03
+SPARE = 2.0  # of log evidence beyond what a name takes: a real cause is off its form, and rivals take of that
+LARGEST = 500.0  # log odds that floats hold
 
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
     """A form of a hypothesis: its columns (p,) among the effects', their prior sizes (p,), the effect's own
-    numbers first. named: it has a name, so no scale beyond what passes for a cause."""
+    numbers first. of: number of the hypothesis; named: it has a name, so no scale beyond what passes for a
+    cause."""
 
     columns: NDArray[np.int64]
     sizes: Array
+    of: int
     named: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Hypotheses:
+    """What may be true: H hypotheses in their forms. chances: (H,) probabilities now, up to a factor; slow:
+    (H, H) by how much log odds between two are too sure; named: (H,) which have a name."""
+
+    patterns: tuple[Pattern, ...]
+    chances: Array
+    slow: Array
+    named: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Expected:
+    """named: probability that a diagnosis names what is true, of what has a name, with `SPARE` log odds to
+    spare; believed: mean probability that it gives to what is true."""
+
+    named: float
+    believed: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,59 +67,114 @@ class Weighed:
     patterns: Sequence[Pattern]
 
     @cached_property
-    def _spectra(self) -> list[Spectrum]:
-        return [Spectrum.of(self.left[np.ix_(p.columns, p.columns)], p.sizes) for p in self.patterns]
+    def _spectra(self) -> list[tuple[Array, Array]]:
+        """(p, p) P V and (p,) w of each pattern, P S P = V diag(w) Vᵀ: in these directions A is diagonal for
+        every scale of the sizes."""
+        out = []
+        for one in self.patterns:
+            w, V = np.linalg.eigh(
+                self.left[np.ix_(one.columns, one.columns)] * np.outer(one.sizes, one.sizes)
+            )
+            out.append((one.sizes[:, None] * V, np.maximum(w, 0.0)))
+        return out
 
-    def evidence(self, k: int, truth: NDArray[np.int64], beta: Array) -> tuple[float, float]:
-        """Twice the log evidence of the k-th pattern that is expected where the columns `truth` (t,) have the
-        numbers `beta` (t,); and what it leaves of them, λ."""
-        one = self.patterns[k]
-        explained, value = self._spectra[k].of_scales(self.left[np.ix_(one.columns, truth)] @ beta)
-        weights = np.where(one.named & (PRIORS.largest < SCALES), -np.inf, WEIGHTS)
-        logs = 0.5 * value + weights
-        whole = float(beta @ self.left[np.ix_(truth, truth)] @ beta)
-        return 2 * float(np.logaddexp.reduce(logs)), max(whole - float(explained[np.argmax(logs)]), 0.0)
+    def of_scales(self, k: int, u: Array) -> tuple[Array, Array]:
+        """(D, scales) log evidence of the k-th pattern in D data u (D, g), and what it explains of them."""
+        axes, w = self._spectra[k]
+        squares = SCALES[:, None] ** 2
+        explained = (u[:, self.patterns[k].columns] @ axes) ** 2 @ (squares / (1 + squares * w)).T
+        weights = np.where(self.patterns[k].named & (PRIORS.largest < SCALES), -np.inf, WEIGHTS)
+        return 0.5 * (explained - np.log1p(squares * w).sum(axis=1)) + weights, explained
 
-    def imitation(self, k: int, truth: NDArray[np.int64], beta: Array) -> Array:
-        """(p,) numbers of the k-th pattern that imitate `beta` best, in its likeliest scale."""
-        u = self.left[np.ix_(self.patterns[k].columns, truth)] @ beta
-        _, value = self._spectra[k].of_scales(u)
-        return self._spectra[k].imitation(u, float(SCALES[np.argmax(0.5 * value + WEIGHTS)]))
+    def standing(self, u: Array, hypotheses: int) -> tuple[Array, Array]:
+        """(H, D) log evidence of the hypotheses in D data u (D, g); what their likeliest form explains."""
+        evidence, explained = (np.full((hypotheses, len(u)), start) for start in (-np.inf, 0.0))
+        likeliest = np.full((hypotheses, len(u)), -np.inf)
+        for k, one in enumerate(self.patterns):
+            logs, takes = self.of_scales(k, u)
+            best = logs.argmax(axis=1)
+            top, its = logs[np.arange(len(u)), best], takes[np.arange(len(u)), best]
+            better = top > likeliest[one.of]
+            explained[one.of] = np.where(better, its, explained[one.of])
+            likeliest[one.of] = np.maximum(likeliest[one.of], top)
+            evidence[one.of] = np.logaddexp(evidence[one.of], np.logaddexp.reduce(logs, axis=1))
+        return evidence, explained
+
+    def draw(self, h: int, u: Array, count: int, rng: np.random.Generator) -> Array:
+        """(count, g) numbers of a hypothesis from their posterior in data u (g,)."""
+        forms = [k for k, one in enumerate(self.patterns) if one.of == h]
+        logs = np.concatenate([self.of_scales(k, u[None])[0][0] for k in forms])
+        share = np.exp(logs - logs.max())
+        out = np.zeros((count, len(u)))
+        for row, pick in enumerate(rng.choice(len(share), size=count, p=share / share.sum())):
+            k, scale = forms[pick // len(SCALES)], SCALES[pick % len(SCALES)]
+            (axes, w), columns = self._spectra[k], self.patterns[k].columns
+            variance = scale**2 / (1 + scale**2 * w)
+            at = variance * (axes.T @ u[columns]) + np.sqrt(variance) * rng.standard_normal(len(w))
+            out[row, columns] = axes @ at
+        return out
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
-    """P S P = V diag(w) Vᵀ of one pattern: in these directions A is diagonal for every scale of the sizes.
+class Outlook:
+    """What is expected of further records. now: (g, g) information so far on the effects' columns; u: (g,)
+    the data so far; seed: of the draws, the same for every plan, so that plans differ by what they are."""
 
-    axes: (p, p) P V; w: (p,); rest: (scales,) what does not depend on the truth.
-    """
+    now: Array
+    u: Array
+    hypotheses: Hypotheses
+    seed: int = 29
 
-    axes: Array
-    w: Array
-    rest: Array
+    @cached_property
+    def _chances(self) -> Array:
+        """(H,) probability of each that has a name, were it one of these."""
+        chances = np.where(self.hypotheses.named, self.hypotheses.chances, 0.0)
+        return np.asarray(chances / chances.sum())
 
-    @classmethod
-    def of(cls, S: Array, sizes: Array) -> Spectrum:
-        w, V = np.linalg.eigh(S * np.outer(sizes, sizes))
-        w = np.maximum(w, 0.0)
-        seen = np.multiply.outer(SCALES**2, w)
-        return cls(sizes[:, None] * V, w, np.sum(seen / (1 + seen) - np.log1p(seen), axis=1))
+    @cached_property
+    def _true(self) -> list[tuple[int, Array, Array]]:
+        """Hypotheses that may be true: number, drawn numbers (D, g), and as many draws of the noise."""
+        before, rng = Weighed(self.now, self.hypotheses.patterns), np.random.default_rng(self.seed)
+        out = []
+        for h in np.flatnonzero(self._chances):
+            count = int(np.ceil(DRAWS * self._chances[h]))
+            beta = before.draw(int(h), self.u, count, rng)
+            out.append((int(h), beta, rng.standard_normal(beta.shape)))
+        return out
 
-    def of_scales(self, u: Array) -> tuple[Array, Array]:
-        """(scales,) uᵀA⁻¹u, and the same with `rest`."""
-        squares = SCALES[:, None] ** 2
-        explained = (squares / (1 + squares * self.w)) @ (self.axes.T @ u) ** 2
-        return explained, explained + self.rest
+    @cached_property
+    def _standing(self) -> tuple[Array, Array]:
+        return Weighed(self.now, self.hypotheses.patterns).standing(self.u[None], len(self._chances))
 
-    def imitation(self, u: Array, scale: float) -> Array:
-        """(p,) A⁻¹u."""
-        return np.asarray(self.axes @ ((self.axes.T @ u) * scale**2 / (1 + scale**2 * self.w)))
+    def after(self, then: Array) -> Expected:
+        """Where further records make the information `then` (g, g) of it."""
+        after, told = Weighed(then, self.hypotheses.patterns), self.hypotheses
+        added = then - self.now
+        w, V = np.linalg.eigh(added)
+        root = V * np.sqrt(np.maximum(w, 0.0)) @ V.T
+        sure = PRIORS.named / (1 - PRIORS.named)
+        named, believed = 0.0, 0.0
+        for h, beta, noise in self._true:
+            standing = after.standing(self.u + beta @ added + noise @ root, len(self._chances))
+            gained = _odds(standing, h, told) - _odds(self._standing, h, told)
+            odds = np.log(told.chances / told.chances[h])[:, None] + gained / told.slow[h][:, None]
+            spare = (SPARE / told.slow[h])[:, None]
+            others, nearly = (_sum_but(h, odds + more) for more in (0.0, spare))
+            named += self._chances[h] * float(np.mean(nearly * sure <= 1))
+            believed += self._chances[h] * float(np.mean(1 / (1 + others)))
+        return Expected(named, believed)
 
 
-def share_of_way(gain: float, variance: float, needed: float) -> float:
-    """How much of the records it takes these are, which bring this gain with this variance: with more of
-    their kind both grow alike, and `needed` shall be reached but for `SURE` standard deviations."""
-    if gain <= 0:
-        return 0.0
-    doubt = SURE * np.sqrt(max(variance, 0.0))
-    return float((2 * gain / (doubt + np.sqrt(doubt**2 + 4 * gain * needed))) ** 2)
+def _sum_but(h: int, odds: Array) -> Array:
+    """(D,) odds of all hypotheses but the h-th together, from the log odds (H, D) of each."""
+    return np.asarray(np.exp(np.minimum(np.delete(odds, h, axis=0), LARGEST)).sum(axis=0))
+
+
+def _odds(standing: tuple[Array, Array], h: int, hypotheses: Hypotheses) -> Array:
+    """(H, D) log odds of the hypotheses over the h-th as a diagnosis believes them: what one fits better than
+    another counts as far as forms are true; functions without a name, which have no form, may be worse."""
+    evidence, explained = standing
+    better = 0.5 * (explained - explained[h])
+    too_sure = 1 - 1 / (1 + PRIORS.form**2 * explained[h])
+    free = ~hypotheses.named[:, None] & (better < 0)
+    return np.asarray(evidence - evidence[h] - np.where(free, 0.0, better * too_sure))

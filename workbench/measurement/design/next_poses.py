@@ -27,7 +27,7 @@ from .discrimination import plan_discrimination, plan_discrimination_in_time
 from .discrimination_plan import DiscriminationPlan
 from .fedorov import Search
 from .prior_information import PriorInformation, from_campaign, from_robot
-from .settle import found_by, is_found, plan_settling
+from .settle import found_by, is_found, plan_settling, plan_settling_in_time
 
 POSES = 30
 POOL, QUICK_POOL = 1200, 400  # candidate records,
@@ -84,7 +84,7 @@ def plan(
         prior = from_campaign(with_known(source, known), partial(found_by, tell))
     else:
         prior = from_robot(source, known)
-    prior = prior.with_payloads(payloads or {})
+    prior = replace(prior.with_payloads(payloads or {}), torques=torque)
     around = reach_of(prior, seed, cell)
     seconds = None if minutes is None else 60 * minutes
     if seconds is not None:
@@ -103,8 +103,9 @@ def plan(
             else plan_accuracy_in_time(prior, seconds, search, ways, dwell)
         )
     elif seconds is not None:
-        made = plan_discrimination_in_time(prior, tell, seconds, search, ways, dwell)
-    elif is_found(tell):
+        in_time = plan_settling_in_time if found else plan_discrimination_in_time
+        made = in_time(prior, tell, seconds, search, ways, dwell)
+    elif found:
         made = plan_settling(prior, tell, poses, search)
     else:
         made = plan_discrimination(prior, tell, count, search)

@@ -65,8 +65,8 @@ class PriorInformation:
     acting: effects with the values that the robot's own TOML states; sigma: (T,) [m] noise per axis,
     joint: (n,) one sigma of the joints, body: as in `Covariance`; noise: where that comes from; shown: (T,)
     the targets that the campaign shows often, which new records show too; places: (T, 3) [m] where these are
-    behind their slots; faults: of the campaign's data, as a diagnosis finds them; given: numbers known by
-    other means.
+    behind their slots; torques: new records have the drives' torques, though the campaign may have none;
+    faults: of the campaign's data, as a diagnosis finds them; given: numbers known by other means.
     """
 
     problem: Problem
@@ -81,6 +81,7 @@ class PriorInformation:
     faults: tuple[FaultFound, ...] = ()
     given: tuple[Given, ...] = ()
     body: tuple[float, float] = (0.0, 0.0)
+    torques: bool = False
 
     def is_open(self, effect: Effect) -> bool:
         """Whether an effect may be there: it is neither given nor excluded."""
@@ -126,9 +127,9 @@ class PriorInformation:
         return None if self.fit is None else _sensitivity_of(self.fit, effects)
 
     def of_records(self, records: Campaign, effects: ValuedEffects) -> Sensitivity:
-        """Sensitivity of new records, in a set-up of their own; where they have a column of drive torques, or
-        the campaign has (a record of them takes no time), these count as good as motor currents are."""
-        if self.problem.drives and records.poses.torque is None:
+        """Sensitivity of new records, in a set-up of their own; where the campaign has drive torques (to
+        record them takes no time), or these shall be recorded, they count as good as motor currents are."""
+        if self.torques or self.problem.drives:
             records = records.with_poses(torque=np.zeros_like(records.poses.q))
         sigma = np.tile(self.sigma[self._targets(records)], (len(records.poses.q), 1))
         every = np.ones(len(records.poses.q))
@@ -208,8 +209,10 @@ def _sensitivity_of(result: Fit, effects: ValuedEffects) -> Sensitivity:
 
 
 def parameter_names(effect: Effect) -> list[str]:
-    """Names of an effect's parameters, its form and order included."""
-    return [f"effect/{name}" for name in effect_names(effect)]
+    """Names of an effect's parameters, its form, order and settings included: a map of where a joint was and
+    one of all its range are two."""
+    settings = "".join(f" {name}={getattr(effect, name):.6g}" for name in effect.settings)
+    return [f"effect/{name}{settings}" for name in effect_names(effect)]
 
 
 def prior_precision(names: Sequence[str]) -> Array:

@@ -7,7 +7,7 @@ that is said with the size that was found.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ...campaign import Campaign
 from ...campaign.problem import Problem
 from ...diagnosis.priors import PRIORS
 from ...effects import catalogue
@@ -26,28 +27,34 @@ from ...files.faults import Fault, InputError, read_text
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
 from ...robot.schema import EffectRecord
+from ..driving.ways import Ways
+from .budget import Question, check_sessions, in_time
 from .candidates import candidates, random_draws, random_rows, take
 from .causes import EXAMPLE, chance_of, has_size, label, named_causes, pairs_of, split_causes, varied
 from .discrimination import advice
-from .discrimination_plan import Discrimination, DiscriminationPlan
+from .discrimination_plan import MOST_MEASURED, Discrimination, DiscriminationPlan
 from .fedorov import Records, Search
-from .prior_information import PriorInformation
+from .prior_information import PriorInformation, ValuedEffects
 from .shown import check_shown, with_shown
-from .t_optimal import DesignSpace, design_space
+from .t_optimal import DesignSpace, Pair, design_space
 from .ties import (
     Attempts,
+    Settling,
     Tie,
+    as_found,
     at_zero,
+    best_records,
     fewest,
     least,
-    least_share,
-    records_needed,
     sites_of,
     tie_between,
+    wherever,
 )
 
 POSES = Attempts(first=24, fewest=12, most=120, times=5, margin=1.05)
 PLACES = (*PLACE, "order")
+HOPELESS = 0.5  # probability below which a tie stays open, mostly, however many poses anyone measures
+NOTHING = 0.01  # probability below which a plan brings nothing to what is true
 
 
 def is_found(text: str) -> bool:
@@ -65,11 +72,44 @@ def found_by(tell: str | None, problem: Problem) -> list[Effect]:
         return [_effect(one, problem)[0] for one in causes if one["cause"] != UNKNOWN]
 
 
-def plan_settling(
-    prior: PriorInformation, text: str, count: int | None, search: Search
-) -> DiscriminationPlan:
-    """The fewest records after which every tie of a `result.json` is settled, or that of a cause with its
-    size beside others without, or `count`. Raises InputError where there is no tie."""
+@dataclass(frozen=True, eq=False)
+class SettleSpace(Question):
+    """Candidate records and the ties that they may settle; lost: of those that none on offer settle, the
+    cause and a rival; asked: every tie that was said; notes: what is odd in them."""
+
+    prior: PriorInformation
+    effects: ValuedEffects
+    offered: Campaign
+    space: DesignSpace
+    ties: tuple[Tie, ...]
+    asked: tuple[Tie, ...]
+    lost: tuple[Pair, ...]
+    notes: tuple[str, ...]
+    search: Search
+
+    def looking_at(self, names: Collection[str]) -> SettleSpace:
+        offered = self.offered.looking_at(names)
+        return replace(self, offered=offered, space=self.of(offered))
+
+    def of(self, records: Campaign) -> DesignSpace:
+        """The space of some records."""
+        rows = self.prior.of_records(records, self.effects).on(self.space.names)
+        return replace(self.space, rows=rows)
+
+    def chosen(self, among: Records, count: int) -> Records:
+        """The records (count,) after which what is true of the hardest tie is believed most."""
+        part = replace(self.space, rows=self.space.rows[among])
+        return among[best_records(Settling(part, self.ties), as_found(part, self.ties), count, self.search)]
+
+    def worth(self, records: Campaign) -> float:
+        """By how much more what is true of the hardest tie is believed."""
+        settling = Settling(self.space, self.ties)
+        return settling.believed(self.of(records).everything) - settling.believed(self.space.before)
+
+
+def settle_space(prior: PriorInformation, text: str, search: Search) -> SettleSpace:
+    """Candidates that settle every tie of a `result.json`, or that of a cause with its size beside others
+    without. Raises InputError where there is no tie."""
     if prior.fit is None:
         what = "needs the campaign that was diagnosed, not the robot alone"
         raise InputError(Fault(f"--tell {text}", what, "workbench plan campaign.toml --tell result.json"))
@@ -80,58 +120,93 @@ def plan_settling(
     offered = candidates(prior, search.pool, factors, rng, search.draw)
     space = design_space(prior.of_records(offered, valued), prior.of_campaign(valued))
     if not text.endswith(".json"):
-        sites = [places for places, _ in _rivals_said(text, ties[0].effect, prior.problem)]
-        check_shown(space, [[ties[0].effect], *sites], prior.problem)
-    ties = [with_shown(space, tie) for tie in ties]
+        # of what a diagnosis says with its probability, some may not show in the poses on offer: no fault
+        said = _rivals_said(text, ties[0].effect, wherever(prior.problem))
+        sites = [places for places, chance in said if chance is None]
+        check_shown(space, [[ties[0].effect], *sites], prior)
+    asked = tuple(tie for tie in (with_shown(space, tie, prior.fit) for tie in ties) if tie.rivals)
+    if not asked:
+        check_shown(space, [tie.rivals for tie in ties], prior)
     every = np.arange(len(space.rows))
-    some = [tie for tie in ties if records_needed(space, every, [tie]) is not None]
-    lost = tuple((tie.effect, tie.rivals[0]) for tie in ties if tie not in some)
-    words = advice([(tie.effect, rival) for tie in ties for rival in tie.rivals], prior.problem)
-    notes = tuple(filter(None, map(_too_large, ties)))
-    made = DiscriminationPlan(None, 0, prior.noise, (), lost, (), None, words, notes=notes, found=True)
-    if not some:
-        return made
+    most = space.measured(every, MOST_MEASURED)
+    some = tuple(tie for tie in asked if Settling(space, [tie]).power(most) >= HOPELESS)
+    lost = tuple((tie.effect, tie.rivals[0]) for tie in asked if tie not in some)
+    notes = tuple(filter(None, map(_too_large, asked)))
+    return SettleSpace(prior, valued, offered, space, some, asked, lost, notes, search)
+
+
+def plan_settling(
+    prior: PriorInformation, text: str, count: int | None, search: Search
+) -> DiscriminationPlan:
+    """The fewest records after which the ties of `text` are settled, or `count`; raises as `settle_space`."""
+    space = settle_space(prior, text, search)
+    if not space.ties:
+        return _plan(space, None)
     attempts = POSES if count is None else replace(POSES, first=count, times=1)
-    chosen, _ = fewest(space, some, search, attempts)
-    order = random_rows(len(space.rows), len(chosen), search.seed)
-    draws = random_draws(len(space.rows), len(chosen), search.seed)
-    told = _Told(space, chosen, order)
+    chosen, _ = fewest(space.space, space.ties, search, attempts)
+    draws = random_draws(len(space.space.rows), len(chosen), search.seed)
+    made = _plan(space, take(space.offered, chosen))
+    return replace(made, any_do=any(np.array_equal(draw, chosen) for draw in draws))
+
+
+def plan_settling_in_time(
+    prior: PriorInformation, text: str, seconds: float, search: Search, ways: Ways, dwell: float
+) -> DiscriminationPlan:
+    """The records after which what is true of the ties of `text` is believed most, in a time; raises as
+    `settle_space`."""
+    space = settle_space(prior, text, search)
+    if not space.ties:
+        return _plan(space, None)
+    best, alone = in_time(space, ways, dwell, seconds)
+    check_sessions(space, best, seconds, NOTHING)
+    over = best.rate / alone.rate if alone.worth > NOTHING else None
+    return replace(_plan(space, best.drive.plan), over_poses=over, stops=best.stops)
+
+
+def _plan(space: SettleSpace, records: Campaign | None) -> DiscriminationPlan:
+    """The plan of some records, and what random ones do."""
+    pairs = [(tie.effect, rival) for tie in space.asked for rival in tie.rivals]
+    words = advice(pairs, space.prior.problem)
+    made = DiscriminationPlan(
+        None, 0, space.prior.noise, (), space.lost, (), None, words, notes=space.notes, found=True
+    )
+    if records is None:
+        return made
+    count, some = len(records.poses), space.ties
+    order = random_rows(len(space.space.rows), count, space.search.seed)
+    told = _Told(space.of(records), space.space.measured(order))
+    all_ties = Settling(told.plan, some)
     return replace(
         made,
-        records=take(offered, chosen),
-        count=len(chosen),
+        records=records,
+        count=count,
         hardest=tuple(told.of(tie, tie.rivals[0]) for tie in some),
-        asked=tuple(told.of(tie.beside(rival.key), rival) for tie in ties for rival in _first_forms(tie)),
-        needed=records_needed(space, chosen, some),
-        random=take(offered, order),
-        worth=(told.share(some, chosen), told.share(some, order)),
-        any_do=any(np.array_equal(draw, chosen) for draw in draws),
+        asked=tuple(
+            told.of(tie.beside(rival.key), rival) for tie in space.asked for rival in _first_forms(tie)
+        ),
+        needed=told.needed(some),
+        random=take(space.offered, order),
+        worth=(all_ties.power(told.plan.everything), all_ties.power(told.random)),
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Told:
-    """What chosen records and random ones tell."""
+    """What the records of a plan tell, and random ones. plan: the space of these records alone; random: (P,
+    P) information of the campaign and of as many random ones."""
 
-    space: DesignSpace
-    chosen: Records
-    random: Records
+    plan: DesignSpace
+    random: Array
 
     def of(self, tie: Tie, rival: Effect) -> Discrimination:
         """The cause beside its hardest rival, and the planned records that settle it."""
         now, random, plan = (
-            least(self.space, data, tie)
-            for data in (
-                self.space.before,
-                self.space.measured(self.random),
-                self.space.measured(self.chosen),
-            )
+            least(self.plan, data, tie) for data in (self.plan.before, self.random, self.plan.everything)
         )
-        needed = records_needed(self.space, self.chosen, [tie])
-        return Discrimination(tie.effect, rival, now, random, plan, needed)
+        return Discrimination(tie.effect, rival, now, random, plan, self.needed([tie]))
 
-    def share(self, ties: Sequence[Tie], records: Records) -> float:
-        return least_share(self.space, self.space.measured(records), ties)
+    def needed(self, ties: Sequence[Tie]) -> int | None:
+        return Settling(self.plan, ties).needed(np.arange(len(self.plan.rows)))
 
 
 def _first_forms(tie: Tie) -> list[Effect]:
@@ -158,7 +233,7 @@ def tie_said(text: str, fit: Fit) -> Tie:
     effect, size = parse_effect(first, problem)
     chances = {} if chance is None else {effect.key: chance}
     rivals: list[Effect] = []
-    for places, chance in _rivals_said(text, effect, problem):
+    for places, chance in _rivals_said(text, effect, wherever(problem)):
         chances |= {} if chance is None else {one.key: chance for one in places}
         known = fit.model.given
         rivals += [e for e in places if e.cause != UNKNOWN and not any(item.is_for(e) for item in known)]

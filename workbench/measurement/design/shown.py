@@ -8,37 +8,42 @@ from dataclasses import replace
 import numpy as np
 
 from ...campaign.problem import Problem
+from ...diagnosis.components import usual
 from ...effects.base import Effect
 from ...files.faults import Fault, InputError
+from ...identification.fit import Fit
 from .causes import label
 from .discrimination_plan import MOST_MEASURED, TELLS
+from .prior_information import PriorInformation
 from .t_optimal import DesignSpace
 from .ties import Tie
 
 
-def is_shown(space: DesignSpace, effect: Effect) -> bool:
-    """Whether an effect of usual size moves anything: its λ, were nothing else fitted, in what was measured
-    and in as many records as anyone measures."""
+def is_shown(space: DesignSpace, effect: Effect, fit: Fit | None) -> bool:
+    """Whether an effect of usual size, at a campaign's loads where there is one, moves anything: its λ, were
+    nothing else fitted, in what was measured and in as many records as anyone measures."""
     own = space.columns(effect)
-    new = float(np.mean(np.sum(space.rows[:, :, own] ** 2, axis=(1, 2))))
-    return float(np.trace(space.before[np.ix_(own, own)])) + MOST_MEASURED * new > TELLS
+    times = np.ones(len(own)) if fit is None else usual(fit, effect) / [p.typical for p in effect.params]
+    new = float(np.mean(np.sum((space.rows[:, :, own] * times) ** 2, axis=(1, 2))))
+    before = float(np.diag(space.before)[own] @ times**2)
+    return before + MOST_MEASURED * new > TELLS
 
 
-def check_shown(space: DesignSpace, causes: Sequence[Sequence[Effect]], problem: Problem) -> None:
+def check_shown(space: DesignSpace, causes: Sequence[Sequence[Effect]], prior: PriorInformation) -> None:
     """causes: of each the places and forms that it may have. Raises InputError with each that has none which
     moves anything."""
     faults = [
-        Fault(f"--tell {label(one)}", f"cannot show in this model: {_why(one, problem)}", _mend(one))
+        Fault(f"--tell {label(one)}", f"cannot show in this model: {_why(one, prior.problem)}", _mend(one))
         for one, *more in filter(None, causes)
-        if not any(is_shown(space, effect) for effect in (one, *more))
+        if not any(is_shown(space, effect, prior.fit) for effect in (one, *more))
     ]
     if faults:
         raise InputError(faults)
 
 
-def with_shown(space: DesignSpace, tie: Tie) -> Tie:
+def with_shown(space: DesignSpace, tie: Tie, fit: Fit) -> Tie:
     """The tie without rivals that nothing would show."""
-    gone = {rival for rival in tie.rivals if not is_shown(space, rival)}
+    gone = {rival for rival in tie.rivals if not is_shown(space, rival, fit)}
     return replace(
         tie,
         rivals=tuple(rival for rival in tie.rivals if rival not in gone),

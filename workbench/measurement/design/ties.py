@@ -6,8 +6,8 @@ it best in what was measured. A rival may contain the cause, as a map of a joint
 wheel: no pose tells the sine from that, only that nothing else of the map is seen; its λ is that of the rest
 of it, in the size that imitates the cause.
 
-Settled is a tie where a diagnosis is expected to name what is true, be it the cause or one of the rivals, by
-the odds of `expected_odds`: at the share `POWER` of the probability that these have now.
+Settled is a tie where a diagnosis names what is true with a probability of `POWER`, be it the cause or one of
+the rivals, each as likely as it is now (`expected_odds`).
 """
 
 from __future__ import annotations
@@ -15,13 +15,15 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...campaign.planned import joint_ranges
+from ...campaign.problem import Problem
 from ...diagnosis.components import Key, with_companions
-from ...diagnosis.priors import PRIORS
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome
 from ...diagnosis.stand_ins import times_too_sure
@@ -32,7 +34,7 @@ from ...identification.fit import Fit
 from ...robot.kinematics import Array
 from .candidates import random_draws
 from .discrimination_plan import LEVELS, MOST_MEASURED
-from .expected_odds import Pattern, Weighed, share_of_way
+from .expected_odds import Hypotheses, Outlook, Pattern
 from .fedorov import Records, Search, information
 from .prior_information import WIDE, ValuedEffects, from_prepared
 from .t_optimal import DesignSpace, Pair, design_space, t_optimal
@@ -41,10 +43,8 @@ SAID = 3  # digits of a size, as commands say it
 SMALLEST = 0.1  # usual sizes, of a rival that hardly imitates
 INSIDE = 0.2  # share of λ that what contains a cause leaves of it, at most
 IMITATES = 0.5  # share of λ that a rival leaves, at most, to be taken for the cause
-ODDS = 2 * np.log(PRIORS.named / (1 - PRIORS.named))  # twice the log odds from which a cause is named
-SPARE = 2.0  # what is asked of records at least, where the odds are nearly there
 FAINTEST = 1e-6  # probability that is told from none
-POWER = 0.95  # share of the probability that is to be named afterwards
+POWER = 0.8  # probability from which records are said to settle a tie
 
 Columns = NDArray[np.int64]
 SizedEffects = tuple[tuple[Effect, Array], ...]
@@ -84,14 +84,24 @@ class Tie:
             forms=tuple(form for form in self.forms if form[0][0].key in kept),
         )
 
-    def patterns(self, space: DesignSpace) -> list[Pattern]:
-        """The forms in the columns of a space."""
-        out = []
+    def hypotheses(self, space: DesignSpace) -> Hypotheses:
+        """What may be true, in the columns of a space."""
+        firsts = {form[0][0].key: form[0][0] for form in reversed(self.forms)}
+        keys = list(dict.fromkeys(form[0][0].key for form in self.forms))
+        patterns = []
         for form in self.forms:
             columns = np.concatenate([space.columns(effect) for effect, _ in form]) - space.background
             usual = [size / [p.typical for p in effect.params] for effect, size in form]
-            out.append(Pattern(columns, np.concatenate(usual), form[0][0].cause != UNKNOWN))
-        return out
+            key = form[0][0].key
+            patterns.append(Pattern(columns, np.concatenate(usual), keys.index(key), key[0] != UNKNOWN))
+        named = np.array([key[0] != UNKNOWN for key in keys])
+        slow = [
+            [times_too_sure(firsts[a], firsts[b]) if UNKNOWN not in (a[0], b[0]) else 1.0 for b in keys]
+            for a in keys
+        ]
+        return Hypotheses(
+            tuple(patterns), np.array([self.chance(key) for key in keys]), np.array(slow), named
+        )
 
 
 @dataclass(frozen=True)
@@ -126,9 +136,9 @@ def sites_of(keys: Iterable[Key], fit: Fit) -> tuple[Effect, ...]:
     """Every form of the causes of the catalogue with these keys that a campaign may show, in their order; but
     for what is known already."""
     kept, given = tuple(keys), fit.model.given
-    known = catalogue()
+    known, about = catalogue(), wherever(fit.model.problem)
     kinds = [known[cause] for cause in dict.fromkeys(cause for cause, _ in kept) if cause in known]
-    sites = (e for kind in kinds for e in kind.sites(fit.model.problem))
+    sites = (e for kind in kinds for e in kind.sites(about))
     return tuple(e for e in sites if e.key in kept and not any(item.is_for(e) for item in given))
 
 
@@ -138,10 +148,24 @@ def tie_between(
     """The tie of an effect that was found with these values (p,); chances: by key, none: nothing is known.
     The values count as commands say them: a diagnosis, its result.json and a plan speak of one tie."""
     values = np.array([float(f"{value:.{SAID}g}") for value in values])
-    nameless = [e for e in unnamed(fit.model.problem) if e.key in chances]
-    every = (effect, *rivals, *nameless)
-    forms = tuple(tuple(with_companions(fit, (one,), fit.model.problem)) for one in every)
-    return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals, forms, chances)
+    about = wherever(fit.model.problem)
+    other_forms = [e for e in sites_of([effect.key], fit) if e != effect]
+    nameless = [e for e in unnamed(about) if e.key in chances]
+    every = (effect, *other_forms, *rivals, *nameless)
+    forms = [tuple(with_companions(fit, (one,), about)) for one in every]
+    forms += [form[:1] for form in forms if form[0][0].pure and len(form) > 1]
+    return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals, tuple(forms), chances)
+
+
+def wherever(problem: Problem) -> Problem:
+    """The problem as if its poses were all over the joints' ranges: further poses are, so that functions of a
+    joint reach as far."""
+    q, (lower, upper) = problem.q, joint_ranges(problem.robot)
+    low, high = np.minimum(lower, q.min(axis=0)), np.maximum(upper, q.max(axis=0))
+    over = np.ptp(q, axis=0)
+    even = np.linspace(0, 1, len(q))[:, None]
+    share = np.where(over > 0, (q - q.min(axis=0)) / np.where(over > 0, over, 1.0), even)
+    return replace(problem, campaign=problem.campaign.with_poses(q=low + share * (high - low)))
 
 
 def told_apart(outcome: Outcome, tie: Tie, before: Outcome) -> float:
@@ -166,11 +190,11 @@ def as_found(space: DesignSpace, ties: Sequence[Tie]) -> DesignSpace:
     for tie in ties:
         for rival in tie.rivals:
             i, j = (space.columns(effect) for effect in (tie.effect, rival))
-            imitation = _imitation(before, i - space.background, j - space.background, tie.size)
+            like = imitation(before, i - space.background, j - space.background, tie.size)
             scale[i] = np.maximum(np.abs(tie.size) * np.sqrt(len(i)), SMALLEST)
             of_rest = contains(space, rival, tie.effect)
-            scale[j] = np.maximum(np.abs(imitation) * np.sqrt(len(j)), SMALLEST)
-            scale[j] = _size_of(imitation) if of_rest else scale[j]
+            scale[j] = np.maximum(np.abs(like) * np.sqrt(len(j)), SMALLEST)
+            scale[j] = _size_of(like) if of_rest else scale[j]
     return replace(space, rows=space.rows * scale, before=space.before * np.outer(scale, scale))
 
 
@@ -191,65 +215,57 @@ def least(space: DesignSpace, data: Array, tie: Tie) -> float:
     return min(_apart(space, before, after, tie, rival) for rival in tie.rivals)
 
 
-def share_of(space: DesignSpace, data: Array, tie: Tie) -> float:
-    """How much of what settles a tie the information data: (P, P) is worth; from one it is settled:
-    at the share `POWER` of the probability, whichever effect is true is expected to be named."""
-    patterns = tie.patterns(space)
-    before, after = (Weighed(space.left(one), patterns) for one in (space.before, data))
-    keys = [form[0][0].key for form in tie.forms]
-    own = patterns[0].columns[: len(tie.size)]
-    shares = []
-    for key in dict.fromkeys(key for key in keys if key[0] != UNKNOWN):
-        of_key = [k for k, one in enumerate(keys) if one == key]
-        k = max(of_key, key=lambda k: before.evidence(k, own, tie.size)[0])
-        columns = own if k == 0 else patterns[k].columns
-        size = tie.size if k == 0 else before.imitation(k, own, tie.size)
-        shares.append((_named_share(tie, keys, k, (before, after), columns, size), tie.chance(key)))
-    shares.sort(reverse=True, key=lambda one: one[0])
-    reached = np.cumsum([chance for _, chance in shares])
-    return shares[int(np.searchsorted(reached, POWER * reached[-1]))][0]
+@dataclass(frozen=True, eq=False)
+class Settling:
+    """What records of a space are expected to make of some ties."""
 
+    space: DesignSpace
+    ties: Sequence[Tie]
 
-def _named_share(
-    tie: Tie,
-    keys: Sequence[Key],
-    k: int,
-    weighed: tuple[Weighed, Weighed],
-    columns: Columns,
-    size: Array,
-) -> float:
-    """How much of the way it is to the k-th form's name, were it true with this size (t,) in these columns,
-    beside the rival that holds out longest."""
-    before, after = weighed
-    wanted = ODDS + 2 * float(np.log(len({*keys} - {keys[k]})))  # all rivals together keep the rest
-    own = after.evidence(k, columns, size)[0] - before.evidence(k, columns, size)[0]
-    shares = []
-    for other, key in enumerate(keys):
-        if key == keys[k]:
-            continue
-        now, left = before.evidence(other, columns, size)
-        then, more = after.evidence(other, columns, size)
-        odds = 2 * float(np.log(tie.chance(keys[k]) / tie.chance(key)))
-        needed = max(wanted - odds, SPARE)
-        slow = 1.0 if key[0] == UNKNOWN else times_too_sure(tie.forms[k][0][0], tie.forms[other][0][0])
-        gain, variance = own - (then - now), 4 * (more - left)
-        shares.append(share_of_way(gain / slow, variance / slow**2, needed))
-    return min(shares)
+    @cached_property
+    def _outlooks(self) -> list[Outlook]:
+        now = self.space.left(self.space.before)
+        own = [self.space.columns(tie.effect) - self.space.background for tie in self.ties]
+        return [
+            Outlook(now, now[:, i] @ tie.size, tie.hypotheses(self.space))
+            for i, tie in zip(own, self.ties, strict=True)
+        ]
+
+    def power(self, data: Array) -> float:
+        """Probability that the hardest tie is settled with the information data: (P, P)."""
+        left = self.space.left(data)
+        return min(one.after(left).named for one in self._outlooks)
+
+    def believed(self, data: Array) -> float:
+        """Mean probability that a diagnosis gives to what is true of the hardest tie, with the information
+        data: (P, P): what tells of records that settle none yet, or more than one would."""
+        left = self.space.left(data)
+        return min(one.after(left).believed for one in self._outlooks)
+
+    def needed(self, chosen: Records) -> int | None:
+        """How many records in the proportions of these settle all ties; None: more than anyone measures."""
+
+        def settled(count: int) -> bool:
+            return self.power(self.space.measured(chosen, count)) >= POWER
+
+        if not settled(MOST_MEASURED):
+            return None
+        return 1 + bisect_left(range(1, MOST_MEASURED), True, key=settled)
 
 
 def _apart(space: DesignSpace, before: Array, after: Array, tie: Tie, rival: Effect) -> float:
     """λ of the cause beside a rival and, where that imitates it, of the rival beside the cause, the smaller;
     of what contains the other its own alone."""
     i, j = (space.columns(effect) - space.background for effect in (tie.effect, rival))
-    imitation = _imitation(before, i, j, tie.size)
+    like = imitation(before, i, j, tie.size)
     if contains(space, rival, tie.effect):
-        return float(_size_of(imitation) ** 2 * np.trace(_rest(after, i, j)))
+        return float(_size_of(like) ** 2 * np.trace(_rest(after, i, j)))
     own = unexplained(after, i, j, tie.size, WIDE**-2)
     alone = unexplained(before, i, j[:0], tie.size, 0.0)
     imitates = unexplained(before, i, j, tie.size, WIDE**-2) < IMITATES * alone
     if contains(space, tie.effect, rival) or not imitates:
         return own
-    return min(own, unexplained(after, j, i, imitation, WIDE**-2))
+    return min(own, unexplained(after, j, i, like, WIDE**-2))
 
 
 def _size_of(imitation: Array) -> float:
@@ -265,7 +281,7 @@ def _rest(left: Array, i: Columns, j: Columns) -> Array:
     )
 
 
-def _imitation(left: Array, i: Columns, j: Columns, size: Array) -> Array:
+def imitation(left: Array, i: Columns, j: Columns, size: Array) -> Array:
     """The size of columns j that imitates columns i best."""
     S = left[np.ix_(j, j)] + WIDE**-2 * np.eye(len(j))
     return np.asarray(np.linalg.solve(S, left[np.ix_(j, i)] @ size), dtype=np.float64)
@@ -287,53 +303,34 @@ def settled_at(now: float) -> float:
 def fewest(
     space: DesignSpace, ties: Sequence[Tie], search: Search, attempts: Attempts
 ) -> tuple[Records, float]:
-    """The fewest records that settle all ties, and the share of the way that the hardest of them goes
-    (`share_of`); below one: none settle them, and these were tried last."""
-    steering = as_found(space, ties)
+    """The fewest records that settle all ties, and the probability that they do; below `POWER`: none settle
+    them, and these were tried last."""
+    steering, settling = as_found(space, ties), Settling(space, ties)
     count, found, reached = attempts.first, None, 0.0
     for _ in range(attempts.times):
-        chosen, share = _chosen(space, steering, ties, count, search)
-        if found is None or share >= 1 or reached < 1:
-            found, reached = chosen, share
+        chosen = best_records(settling, steering, count, search)
+        now = settling.power(space.measured(chosen))
+        if found is None or now >= POWER or reached < POWER:
+            found, reached = chosen, now
         most = min(attempts.most, len(space.rows))
-        needed = records_needed(space, chosen, ties) or np.inf
+        needed = settling.needed(chosen) or np.inf
         wanted = int(np.clip(np.ceil(attempts.margin * needed), attempts.fewest, most))
-        if wanted == count or (reached >= 1 and wanted >= len(found)):
+        if wanted == count or (reached >= POWER and wanted >= len(found)):
             break
         count = wanted
     assert found is not None
     return found, reached
 
 
-def _chosen(
-    space: DesignSpace, steering: DesignSpace, ties: Sequence[Tie], count: int, search: Search
-) -> tuple[Records, float]:
-    """`count` records, sorted, and their share of the way: the best of those with the largest λ of the
-    causes beside their rivals, of all beside all, and of some random ones, which λ alone may not see."""
+def best_records(settling: Settling, steering: DesignSpace, count: int, search: Search) -> Records:
+    """`count` records, sorted: the best of those with the largest λ of the causes beside their rivals, of all
+    beside all, and of some random ones, which λ alone may not see."""
+    space = settling.space
     causes, every = (
-        tuple(dict.fromkeys(pair for tie in ties for pair in of(tie, space)))
+        tuple(dict.fromkeys(pair for tie in settling.ties for pair in of(tie, space)))
         for of in (Tie.pairs, Tie.all_pairs)
     )
     quick = replace(search, starts=1)
     designs = [t_optimal(steering, pairs, count, quick) for pairs in dict.fromkeys((causes, every))]
     designs += random_draws(len(space.rows), count, search.seed)
-    shares = [least_share(space, space.measured(design), ties) for design in designs]
-    best = int(np.argmax(shares))
-    return designs[best], shares[best]
-
-
-def least_share(space: DesignSpace, data: Array, ties: Sequence[Tie]) -> float:
-    """`share_of` of the hardest of some ties."""
-    return min(share_of(space, data, tie) for tie in ties)
-
-
-def records_needed(space: DesignSpace, chosen: Records, ties: Sequence[Tie]) -> int | None:
-    """How many records in the proportions of these settle all ties; None: more than anyone measures. What
-    tells does not grow as their number: odds beside what contains the cause grow as its logarithm."""
-
-    def settled(count: int) -> bool:
-        return least_share(space, space.measured(chosen, count), ties) >= 1
-
-    if not settled(MOST_MEASURED):
-        return None
-    return 1 + bisect_left(range(1, MOST_MEASURED), True, key=settled)
+    return max(designs, key=lambda design: settling.believed(space.measured(design)))
