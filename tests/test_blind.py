@@ -175,7 +175,7 @@ def test_what_data_allow_at_best_is_what_the_competition_reports_of_a_shape_that
     z = np.sqrt(strength) + np.random.default_rng(3).standard_normal(draws)
     sure = Reduced((), np.zeros((0, 0)), np.zeros(0), 1e6, 1e6, 1e9)
     S, u = np.full((draws, 1, 1), strength), (np.sqrt(strength) * z)[:, None]
-    table = table_of(sure, S, u, np.zeros(draws), np.zeros(draws, bool), np.zeros(draws, int))
+    table = table_of(sure, S, u, np.zeros(draws), np.full(draws, 0.5), np.zeros(draws, int))
     p = PRIORS.cause / places
     odds = np.exp(table).sum(axis=1) * p / (1 - p)
     assert np.mean(1 / (1 + odds) < PRIORS.absent) == pytest.approx(

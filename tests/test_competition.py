@@ -107,7 +107,7 @@ def test_weights_in_batches_are_those_of_each_form_alone(competition, chosen):
     rng = np.random.default_rng(0)
     for k in rng.choice([k for k in weights], 12, replace=False):
         component, table = competition.components[k], []
-        for form, part in zip(component.forms, reduced.parts[k], strict=True):
+        for form, part, share in zip(component.forms, reduced.parts[k], component.log_shares, strict=True):
             S, u = (x[0] for x in chosen.left_of(np.arange(part.start, part.stop)[None]))
             d, V = np.linalg.eigh(S)
             d, y = np.maximum(d, 0), V.T @ u
@@ -116,7 +116,7 @@ def test_weights_in_batches_are_those_of_each_form_alone(competition, chosen):
                     continue
                 held = scale**2 / (1 + scale**2 * d)
                 gain = -0.5 * (reduced.noise_dof + reduced.dof) * np.log(1 - (held * y**2).sum() / before)
-                value = gain - 0.5 * np.log1p(scale**2 * d).sum() + weight
+                value = gain - 0.5 * np.log1p(scale**2 * d).sum() + weight + share
                 main = form.main
                 mean, cov = (V[:main] * held) @ y, (V[:main] * held) @ V[:main].T
                 least = 0.0 if len(d) == main else PRIORS.present * scale
@@ -137,7 +137,7 @@ def test_weights_in_batches_are_those_of_each_form_alone(competition, chosen):
         if not table:
             assert weights[k].log_odds < -1e5
             continue
-        expected = np.logaddexp.reduce(table) - np.log(len(component.forms)) + component.log_odds
+        expected = np.logaddexp.reduce(table) + component.log_odds
         assert weights[k].log_odds == pytest.approx(expected, abs=1e-6 * max(1, abs(expected)))
 
 

@@ -136,7 +136,7 @@ def test_power_is_how_often_an_effect_of_that_size_wins():
     (found,) = power(whole, part, [Member(0, 0, 1.0)], [one])
     beta = float(Chosen(whole, [Member(0, 0, 1.0)]).beta[0])
     u = score * beta + np.sqrt(score) * np.random.default_rng(0).normal(size=200_000)
-    cost = 0.5 * np.log(1 + score) - prior_weight(one, 1.0)
+    cost = 0.5 * np.log(1 + score) - prior_weight(one, 0, 1.0)
     assert found == pytest.approx(np.mean(0.5 * u**2 / (score + 1) > cost), abs=0.005)
     assert 0.3 < found < 0.99
 

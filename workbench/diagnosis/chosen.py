@@ -150,7 +150,7 @@ class Chosen:
         member, own = self.members[i], self.index[self.own[i]]
         S = self.left_of(own[None], i)[0][0]
         freedom = float(np.linalg.slogdet(np.eye(len(S)) + member.scale**2 * S)[1])
-        return S, freedom - 2 * prior_weight(component, member.scale)
+        return S, freedom - 2 * prior_weight(component, member.form, member.scale)
 
     @property
     def log_determinant(self) -> float:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..effects.base import UNKNOWN, Effect
+from ..effects.place import Where
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
@@ -19,7 +20,16 @@ from .prepared import Prepared
 from .priors import PRIORS
 from .reduced import Index, Reduced, reduce
 from .remainder import ordinary_mm, rp_mm
-from .replication import POSES_PER_JOINT, Part, agreed, joined, power, renamed, replicated, searched_in_parts
+from .replication import (
+    Part,
+    agreed,
+    enough_for_halves,
+    joined,
+    power,
+    renamed,
+    replicated,
+    searched_in_parts,
+)
 from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted
 from .stages import Group, rms_mm
 
@@ -87,7 +97,7 @@ def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
     """The likeliest set of causes, gear lines and free functions."""
     geometry, source = prepared.geometry, prepared.noise.source
     problem = prepared.problem
-    enough = len(np.unique(problem.positions)) >= POSES_PER_JOINT * problem.arm.n
+    enough = enough_for_halves(problem)
 
     def of_part(poses: Index) -> tuple[Sequence[Component], Sequence[Shares]]:
         own, _, found = _likeliest(prepared.some(poses), candidates)
@@ -139,15 +149,21 @@ def _selected(
     misfit: bool,
     certain: frozenset[Key] = frozenset(),
 ) -> Selection:
-    """The final fit with all members; those for which something else, or nothing, is there have no name."""
+    """The final fit with all members; those for which something elsewhere, or nothing, is there have no
+    name."""
     competition = best.competition
     final = _sharpened(refitted(best.found, effects_of(competition, members)), candidates)
     if final.model.effects:
         final = refit(final, final.model.effects)  # the rounds' fits are rough
+
+    def place(k: int) -> Where:
+        return competition.components[k].key[1].any_order
+
     named, unrepeated, sure = list[Member](), list[Member](), list[Shares]()
     for member, share in zip(members, shares, strict=True):
-        own = share[member.component]
-        if share[None] < PRIORS.absent and (own >= PRIORS.absent or own == max(share.values())):
+        own, likeliest = member.component, max(share, key=lambda k: share[k])
+        here = likeliest is not None and place(likeliest) == place(own)
+        if share[None] < PRIORS.absent and (here or share[own] >= PRIORS.absent):
             named.append(member)
             sure.append(share)
         else:

@@ -32,12 +32,14 @@ class Form:
     """One form of a component: patterns with g columns together, main columns first, in prior sizes (g,).
 
     effects: what stands for it in the model. wrong_sign: probability that its first number is negative.
+    weight: before the data, over that of other forms.
     """
 
     patterns: tuple[Pattern, ...]
     sizes: Array
     effects: tuple[Effect, ...]
     wrong_sign: float = 0.5
+    weight: float = 1.0
 
     @property
     def main(self) -> int:
@@ -87,6 +89,12 @@ class Component:
     group: Hashable = None
 
     @property
+    def log_shares(self) -> Array:
+        """(F,) log probability of its forms before the data, were it there."""
+        weights = np.array([form.weight for form in self.forms])
+        return np.asarray(np.log(weights / weights.sum()))
+
+    @property
     def nameless(self) -> bool:
         return self.key[0] == UNKNOWN
 
@@ -130,6 +138,7 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
             forms.append(form_of(fit, tuple(effects)))
         if effects[0].pure:
             forms += [form.alone for form in forms]
+        forms += [form_of(fit, (e,), rarer=True) for e in effects if e.rarer(fit.model.problem)]
         forms = [form for form in forms if form.shows]
         if forms:
             out.append(Component(key, tuple(forms), log_odds_of(effects[0], sites[key[0]])))
@@ -162,12 +171,13 @@ def log_odds_of(effect: Effect, sites: int) -> float:
     return float(np.log(p / (1 - p)))
 
 
-def form_of(fit: Fit, effects: tuple[Effect, ...], about: Problem | None = None) -> Form:
+def form_of(fit: Fit, effects: tuple[Effect, ...], about: Problem | None = None, rarer: bool = False) -> Form:
     """Effects together as one form, each parameter in its usual size; with the companions that they have in a
-    problem (default: the fit's own)."""
-    every = with_companions(fit, effects, about or fit.model.problem)
+    problem (default: the fit's own), or with the rarer ones too."""
+    every = with_companions(fit, effects, about or fit.model.problem, rarer)
     patterns = tuple(pattern_of(fit, effect) for effect, _ in every)
-    return Form(patterns, np.concatenate([sizes for _, sizes in every]), effects, _wrong_sign(effects))
+    sizes, weight = np.concatenate([own for _, own in every]), PRIORS.rarer if rarer else 1.0
+    return Form(patterns, sizes, effects, _wrong_sign(effects), weight)
 
 
 def _wrong_sign(effects: Sequence[Effect]) -> float:
@@ -177,10 +187,14 @@ def _wrong_sign(effects: Sequence[Effect]) -> float:
     return PRIORS.pushes_back if first.acts == "yielding" else PRIORS.wrong_sign
 
 
-def with_companions(fit: Fit, effects: Sequence[Effect], about: Problem) -> list[tuple[Effect, Array]]:
-    """Effects and behind them their companions in a problem, each with its prior sizes (p,)."""
+def with_companions(
+    fit: Fit, effects: Sequence[Effect], about: Problem, rarer: bool = False
+) -> list[tuple[Effect, Array]]:
+    """Effects and behind them their companions in a problem, each with its prior sizes (p,); the rarer ones
+    too, if asked for."""
     shares = [(1.0, effect) for effect in effects]
     shares += [pair for effect in effects for pair in effect.companions(about)]
+    shares += [pair for effect in effects if rarer for pair in effect.rarer(about)]
     return [(effect, share * usual(fit, effect)) for share, effect in shares]
 
 
@@ -191,7 +205,7 @@ def beside_forms(
     each function the first, and none that is there already."""
     found, had = dict[Effect, Key](), {(e.variant, e.where) for e in there if e.cause == UNKNOWN}
     for effect, scale in scaled:
-        for share, companion in effect.companions(about):
+        for share, companion in (*effect.companions(about), *effect.rarer(about)):
             place = companion.variant, companion.where
             if companion.cause == UNKNOWN and place not in had:
                 found[companion.sized(scale * share)] = effect.key

@@ -15,6 +15,7 @@ from ..robot.kinematics import Array
 
 FEWEST = 8  # poses that see the same targets, from which their usual distances are known
 SURE = 3.72  # standard deviations: one chance in ten thousand
+SHOWN = 0.03  # of the best shown: a combination of distances that noise moves less, as of targets in a plane
 WILD = 1e-3  # chance from which a pose's distances are no noise
 
 
@@ -76,5 +77,6 @@ def _of(points: Array, sigma: Array) -> tuple[Array, int]:
     slope[rows, pairs[:, 0]], slope[rows, pairs[:, 1]] = way, -way
     slope *= usual[:, None]
     U, s, _ = np.linalg.svd(slope.reshape(len(pairs), -1), full_matrices=False)
-    U, s = U[:, s > 1e-6 * s[0]], s[s > 1e-6 * s[0]]
+    kept = s > SHOWN * s[0]
+    U, s = U[:, kept], s[kept]
     return np.asarray((((off @ U) / s) ** 2).sum(axis=1)), len(s)

@@ -30,6 +30,7 @@ class Forms:
         self._start = np.array([part.start for part in parts], int)
         self._width = np.array([part.stop - part.start for part in parts], int)
         self._wrong_sign = np.array([form.wrong_sign for _, form in forms])
+        self._log_share = np.concatenate([[], *(component.log_shares for component in components)])
         main = np.array([form.main for _, form in forms], int)
         self._own = np.where(main < self._width, main, 0)  # 0: no companions follow
         self._too_large = np.array([not components[k].nameless for k, _ in forms], bool)[:, None] & (
@@ -54,6 +55,7 @@ class Forms:
             S, u = chosen.left_of(block, None if gone is None else gone[here])
             own = self._wrong_sign[rows[here]], self._own[rows[here]]
             table[here] = table_of(self.reduced, S, u, explained[here], *own)
+        table += self._log_share[rows, None]
         table[self._too_large[rows]] = -np.inf
         most = np.maximum.reduceat(table.max(axis=1), first)
         each = np.exp(table - np.repeat(most, counts)[:, None]).sum(axis=1)
@@ -64,7 +66,7 @@ class Forms:
         out = []
         for i, (k, rows_k) in enumerate(zip(numbers, np.split(table, first[1:]), strict=True)):
             form, scale = divmod(int(np.argmax(rows_k)), len(SCALES))
-            odds = float(most[i] + np.log(every[i] / counts[i]) + self.components[k].log_odds)
+            odds = float(most[i] + np.log(every[i]) + self.components[k].log_odds)
             out.append(Weight(odds, form, float(SCALES[scale]), float(more[i])))
         return out
 
@@ -74,7 +76,7 @@ class Forms:
         Without a member the others leave more of everything, u + v and S + H Hᵀ in the place of u and S: with
         S in that of S + H Hᵀ a component takes more off χ², and its freedom costs less.
         """
-        rows, counts, first = self._rows(numbers)
+        rows, _, first = self._rows(numbers)
         rest = np.array([chosen.explained_without(i) for i in members])
         table = np.empty((len(rows), len(members)))
         for here, block in self._alike(rows):
@@ -83,7 +85,8 @@ class Forms:
             most = most_of(self.reduced, S, u, more, rest, self._own[rows[here]])
             most[self._too_large[rows[here]]] = -np.inf
             table[here] = logsumexp(most, axis=1)
-        prior = np.array([self.components[k].log_odds for k in numbers]) - np.log(counts)
+        table += self._log_share[rows, None]
+        prior = np.array([self.components[k].log_odds for k in numbers])
         return np.asarray(np.logaddexp.reduceat(table, first, axis=0) + prior[:, None] + SLACK)
 
     def together(self, chosen: Chosen, others: Sequence[Member]) -> tuple[Array, Array]:

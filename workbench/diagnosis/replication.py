@@ -207,6 +207,11 @@ def _translated(share: Mapping[Key | None, float], known: Mapping[Key, int]) -> 
     return out
 
 
+def enough_for_halves(problem: Problem) -> bool:
+    """Whether there are joint positions enough for parts of them to show a cause."""
+    return len(np.unique(problem.positions)) >= POSES_PER_JOINT * problem.arm.n
+
+
 def parts_of(problem: Problem) -> list[Index]:
     """Poses of each set-up, where two or more have poses enough to show a cause; else the earlier and the
     later half, and two halves drawn at random, of every set-up and payload."""

@@ -20,8 +20,9 @@ from .components import Component, cause_components, line_component, nameless_co
 from .noise_choice import from_residual
 from .reduced import Index, reduce
 from .remainder import GLOBAL_LEVEL, Remainder, remainder
+from .replication import enough_for_halves
 from .scan import HIGHEST, LOWEST, Line, scan
-from .scatter import alike, with_scatter
+from .scatter import CLEAR, alike, with_scatter
 from .sets import Competition
 from .stages import rms_mm
 
@@ -47,14 +48,41 @@ class Round:
         """Whether the set was compared at its own fit, and not under what others left unexplained."""
         return set(self.at.model.effects) == set(self.found.model.effects)
 
+    def evidence(self, stated: Covariance) -> float:
+        """log evidence of the data, up to what is the same for every set and every scatter beyond what was
+        `stated`: the likelihood of its own fit, and what members and scatter cost."""
+        more = np.count_nonzero(self.found.noise.joint > stated.joint)
+        size = np.abs(np.einsum("nkk->nk", self.found.whitener))
+        own = float(np.log(size[size > 0]).sum()) - 0.5 * self.found.chi2
+        return own + self.competition.cost(self.members) - 0.5 * CLEAR * more
+
     def is_of(self, other: Round) -> bool:
         """Whether it found the same set."""
         return set(self.found.model.effects) == set(other.found.model.effects)
 
 
 def converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noise_known: bool) -> Round:
-    """The likeliest set, found again at its own fit until it stays; of sets that do not stay, the one that
-    predicts best what it did not see.
+    """The likeliest set (`_converged`). Under the scatter of a few poses of a joint no gear would show that
+    made it: where these scatter, causes alone are tried as well, and the likelier of both is it."""
+    begun = _begun(geometry, candidates, geometry.noise)
+    found = _converged(geometry, begun, candidates, noise_dof, noise_known)
+    few = not enough_for_halves(geometry.model.problem)
+    if not few or not noise_known or np.array_equal(begun.noise.joint, geometry.noise.joint):
+        return found
+    alone = _converged(geometry, geometry, candidates, noise_dof, noise_known, scatters=False)
+    return max(found, alone, key=lambda one: one.evidence(geometry.noise))
+
+
+def _converged(
+    geometry: Fit,
+    at: Fit,
+    candidates: Sequence[Effect],
+    noise_dof: float,
+    noise_known: bool,
+    scatters: bool = True,
+) -> Round:
+    """The likeliest set, found again at its own fit until it stays, from a fit on; of sets that do not stay,
+    the one that predicts best what it did not see. scatters: joints may.
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
@@ -63,7 +91,7 @@ def converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noi
     """
     base, lines, errors = geometry.noise, list[Line](), list[float]()
     stated, labels, before = base, list[str](), set[Effect]()
-    at, best = _begun(geometry, candidates, base), None
+    best = None
     for _ in range(ROUNDS):
         lines = _with_lines(at, lines)
         competition = _competition(at, candidates, lines, base, noise_dof)
@@ -73,12 +101,14 @@ def converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noi
         if not noise_known:
             at_base = refitted(replace(at, noise=base), effects)
             base = from_residual(at_base)[0]
-        after = found = _fitted(at if noise_known else at_base, effects, base)
+        after = found = _fitted(at if noise_known else at_base, effects, base, scatters)
         errors.append(rms_mm(heldout(found)))
         left = remainder(found, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
-            after = refit(replace(found, noise=with_scatter(found, base)), found.model.effects, ROUGH)
+            after = refit(
+                replace(found, noise=_scattering(found, base, scatters)), found.model.effects, ROUGH
+            )
         now = Round(at, found, competition, members)
         if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
             best = now
@@ -109,10 +139,16 @@ def refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
     return result
 
 
-def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance) -> Fit:
+def _scattering(result: Fit, base: Covariance, scatters: bool) -> Covariance:
+    """A noise with the scatter that a fit leaves; without that of joints, unless these may."""
+    noise = with_scatter(result, base)
+    return noise if scatters else replace(noise, joint=base.joint)
+
+
+def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance, scatters: bool) -> Fit:
     """A fit with these effects, under the noise with the scatter that it leaves."""
     result = refitted(near, effects)
-    noise = with_scatter(result, base)
+    noise = _scattering(result, base, scatters)
     if alike(noise, result.noise):
         return result
     return refit(replace(result, noise=noise), result.model.effects, ROUGH)

@@ -19,6 +19,7 @@ from .screen import effective_dof
 CLEAR = 16.0  # twice the log likelihood from which a joint scatters: four standard deviations
 TOGETHER = 8.0  # the same of a pose's targets together, which accuses no joint
 SHOWN = 1e-2  # rad, m: what moves the points by less than the noise on such a way shows no scatter
+LARGEST = 3e-2  # rad, m: no robot scatters by more
 STEPS = 4  # of scoring to the likeliest variances
 
 
@@ -45,7 +46,7 @@ def with_scatter(fit: Fit, base: Covariance) -> Covariance:
             break
         extra, gained = less[least]
         del kept[least]
-    *joint, shift, turn = np.sqrt(before + extra).tolist()
+    *joint, shift, turn = np.sqrt(before + np.minimum(extra, LARGEST**2)).tolist()
     return replace(base, joint=np.array(joint), body=(shift, turn))
 
 

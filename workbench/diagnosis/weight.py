@@ -38,10 +38,10 @@ def likelihood(left: Reduced, explained: float | Array, more: Array) -> Array:
     return np.asarray(-0.5 * (nu + n) * (np.log(after) - np.log(before)))
 
 
-def prior_weight(component: Component, scale: float) -> float:
+def prior_weight(component: Component, form: int, scale: float) -> float:
     """log prior odds of a component in one of its forms at one of the scales."""
     at = int(np.argmin(np.abs(SCALES - scale)))
-    return float(component.log_odds - np.log(len(component.forms)) + WEIGHTS[at])
+    return float(component.log_odds + component.log_shares[form] + WEIGHTS[at])
 
 
 def table_of(left: Reduced, S: Array, u: Array, explained: Array, wrong_sign: Array, own: Index) -> Array:

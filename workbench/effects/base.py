@@ -181,6 +181,10 @@ class Effect(ABC):
         their own usual size)."""
         return ()
 
+    def rarer(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """The same of what only some machines have besides: a form of its own of the cause."""
+        return ()
+
     def sized(self, scale: float) -> Effect:
         """The same effect, `scale` times as large as usual: matters where weights have a spread."""
         return self

@@ -66,13 +66,19 @@ class JointCompliance(AxialYield, LinearYield):
         ]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A real joint yields more to one side than to the other, and not in proportion."""
+        """A real joint yields more to one side than to the other."""
+        return self._shares(problem, ONE_SIDED, Torque)
+
+    def rarer(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """Of some joints the yield is not in proportion to the torque."""
+        return self._shares(problem, CURVED, CurvedYield)
+
+    def _shares(self, problem: Problem, share: float, kind: type[Torque]) -> list[tuple[float, Effect]]:
+        """A share of the usual yield, as much of a function of this joint's torque."""
         usual = self.nominal * self.params[0].typical  # rad per N·m
-        every = [(ONE_SIDED, one) for one in Torque.sites(problem)]
-        every += [(CURVED, one) for one in CurvedYield.sites(problem)]
         return [
             (share * (usual * one.largest / one.size if self.stated else 2.0), one)
-            for share, one in every
+            for one in kind.sites(problem)
             if one.where == self.where
         ]
 

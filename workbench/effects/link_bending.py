@@ -69,18 +69,18 @@ class LinkBending(LinearYield):
         ]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A real link gives way at its bearings as well, not alike in all directions, under its own weight,
-        wherever that is, and under more or less of the compensator's force."""
+        """A real link gives way at its bearings as well, under its own weight, wherever that is, and under
+        more or less of the compensator's force."""
         slot = self.slot(problem.arm)
         tilts = [one for one in BearingTilt.sites(problem) if one.slot(problem.arm) in (slot - 1, slot)]
         every: list[OwnWeight | PivotForce] = [*OwnWeight.sites(problem), *PivotForce.sites(problem)]
         own = [one for one in every if one.where == self.where]
+        return [*((0.3, one) for one in tilts), *((self._share(problem, one), one) for one in own)]
+
+    def rarer(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """Some links do not bend alike in all directions."""
         uneven = [one for one in UnevenBending.sites(problem) if one.where == self.where]
-        return [
-            *((0.3, one) for one in tilts),
-            *((UNEVEN * self._usual(problem, one), one) for one in uneven),
-            *((self._share(problem, one), one) for one in own),
-        ]
+        return [(UNEVEN * self._usual(problem, one), one) for one in uneven]
 
     def _usual(self, problem: Problem, uneven: UnevenBending) -> float:
         """What a link usually bends by, over the usual size of what is uneven of that."""

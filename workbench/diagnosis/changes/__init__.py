@@ -140,7 +140,9 @@ def _scatters(one: Apart, first: Apart) -> Iterator[str]:
     before = with_std(first.scatter.sigma_mm, first.scatter.std_mm)
     text = f"the points scatter {with_std(now.sigma_mm, now.std_mm)} instead of {before} mm per axis"
     if max(now.times / known, known / now.times) < OTHER_NOISE and one.source != "residual":
-        yield f"{text}, as the instrument's noise says"
+        shown = one.source != first.source
+        says = "repeats or distances between targets show" if shown else "the instrument's noise says"
+        yield f"{text}, as {says}"
     elif now.times > 1:
         yield f"{text}: the robot repeats worse, or the instrument measures worse than its noise says"
     else:

@@ -25,6 +25,7 @@ SIZES = (
     "noise_dof",
     "wrong_sign",
     "pushes_back",
+    "rarer",
     "present",
     "companions",
     "joint_yields",
