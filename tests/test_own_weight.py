@@ -8,7 +8,7 @@ from diagnosis_cases import measured
 
 from workbench.campaign.problem import problem
 from workbench.effects.link_bending import LinkBending
-from workbench.effects.unnamed.loads import OwnWeight, PivotForce
+from workbench.effects.unnamed.link_ends import OwnWeight, PivotForce
 from workbench.robot.beam import bending_compliance
 from workbench.robot.loads import wrenches
 

@@ -12,17 +12,17 @@ from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..effects import separation_beside
 from ..effects.base import UNKNOWN, Effect
-from ..effects.place import NOWHERE, Parameter, Where
-from ..effects.unnamed import Unnamed
+from ..effects.place import Parameter
 from ..identification.fit import Fit, fit
 from ..robot.kinematics import Array
 from .ceiling import ceiling_mm
 from .chosen import Shares
 from .competition import Selection
 from .components import Component, bare, with_companions
-from .evidence import evidence, structure_evidence
+from .evidence import evidence
 from .facts import facts, geometry, unidentifiable
 from .headline import headline, remarks, verdict_of
+from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
 from .prepared import Prepared
@@ -32,7 +32,6 @@ from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .stages import geometry_alone, pose_errors, stages_of
 
-ALSO_TOLD = 2  # parts without a name that are told beside the largest
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
 
 
@@ -65,9 +64,9 @@ def assemble(parts: Parts) -> Diagnosis:
     brought = base.heldout_rms_mm - with_names
     rounded = rounded_joints(final, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
-    nameless = _nameless(selection, with_names - best)
+    nameless = nameless_of(selection, with_names - best)
     if not nameless and beyond.scatter and repeats_to is None:
-        nameless = [_scatter(selection, beyond, best)]
+        nameless = [scattering(selection, beyond, best)]
     verdict = verdict_of(findings, nameless, brought, with_names - ceiling)
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
@@ -289,120 +288,3 @@ def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], st
             mark = f"order {effect.where.order:g}" if effect.where.order is not None else effect.variant
             parameters.append(replace(p, name=f"{p.name} ({mark})") if clash else p)
     return tuple(parameters), " ".join(s for s in sentences if s)
-
-
-def _nameless(selection: Selection, worth_mm: float) -> list[Finding]:
-    """Functions without a name that the likeliest set has, largest first, as one. worth_mm: what all of them
-    together bring on held-out poses."""
-    found = []
-    part = "set-up" if len(selection.fit.model.problem.campaign.setup_names) > 1 else "half of the poses"
-    for member, share in zip(selection.members, selection.shares, strict=True):
-        component = selection.components[member.component]
-        if component.nameless and share[None] < PRIORS.absent:
-            (function,) = component.forms[0].effects
-            assert isinstance(function, Unnamed)
-            worth = selection.worth_mm(member)
-            own = _unknown(selection.fit, function, share[member.component], worth)
-            found.append(replace(own, rivals=_with_names(selection.components, share)))
-    for member in selection.unrepeated:
-        label = selection.components[member.component].label
-        worth = selection.worth_mm(member)
-        structure = f"looks like {label} in one {part} and not in another (it makes {worth:.3f} mm RMS)"
-        found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
-    for effect in {e.key: e for e in selection.fit.model.effects if e.key in selection.against}.values():
-        structure = f"looks like {effect.label}, but with less than no compliance: something else gives way"
-        worth = selection.gains_mm[effect.key]
-        found.append(_plain(structure, f"What is left {structure}.", effect.where, worth))
-    ordered = sorted(found, key=lambda finding: -finding.gain_mm)
-    return [_as_one(ordered, max(worth_mm, 0.0))] if found else []
-
-
-def _with_names(components: Sequence[Component], share: Shares) -> tuple[Rival, ...]:
-    """The causes that could be what has no name, likeliest first."""
-    causes = [
-        (p, components[k].key) for k, p in share.items() if k is not None and not components[k].nameless
-    ]
-    return tuple(
-        Rival(*key, p) for p, key in sorted(causes, key=lambda one: -one[0]) if p >= PRIORS.faintest_rival
-    )
-
-
-def _as_one(found: list[Finding], worth_mm: float) -> Finding:
-    """What has no name is one finding: its largest part, the others told with it, and all causes that could
-    be one of them."""
-    first, *others = found
-    likeliest: dict[tuple[str, Where], Rival] = {}
-    for rival in sorted((r for one in found for r in one.rivals), key=lambda r: -r.probability):
-        likeliest.setdefault((rival.cause, rival.where), rival)
-    also = "; ".join(finding.structure or "" for finding in others[:ALSO_TOLD])
-    structure = f"{first.structure} (besides: {also})" if also else first.structure
-    sentence = f"What is left {structure}."
-    rivals = tuple(likeliest.values())[:ALSO_TOLD]
-    return replace(first, gain_mm=worth_mm, structure=structure, sentence=sentence, rivals=rivals)
-
-
-def _scatter(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
-    """The residual is larger than the noise, and nothing that competed says where it comes from."""
-    problem = selection.fit.model.problem
-    where, place = NOWHERE, ""
-    if selection.scatter.any():
-        j = int(np.argmax(np.where(problem.arm.prismatic, 0.0, selection.scatter)))
-        where = Where(joint=problem.arm.names[j])
-        place = f", sits in {where.joint} ({selection.scatter[j] * 1e6:.0f} µrad from pose to pose)"
-    elif any(selection.fit.noise.body):
-        single = problem.seen.sum(axis=1).max() == 1
-        place = ", as of a noise stated too small" if single else ", moves all targets of a pose together"
-    unseen = [name for name, column in _columns(problem) if column is None]
-    record = f", and record {_listed(unseen)}" if unseen else ""
-    structure = (
-        f"the residual is {left.inflation:.2f} times the noise ({rms_mm:.4f} mm RMS){place}, and nothing "
-        f"that was tried of {_tried(selection)} explains it: repeat some poses{record}"
-    )
-    worth = rms_mm * (1 - 1 / left.inflation)
-    return _plain(structure, f"{structure[0].upper()}{structure[1:]}.", where, worth)
-
-
-def _columns(problem: Problem) -> list[tuple[str, Array | None]]:
-    """What may be recorded beside the joints."""
-    side = problem.campaign.poses.side
-    return [("approach", side), ("time", problem.time), ("temperature", problem.warmth)]
-
-
-def _tried(selection: Selection) -> str:
-    """What the components that competed are functions of, in words."""
-    effects = [e for one in selection.components for form in one.forms for e in form.effects]
-    uses = frozenset[str]().union(*(effect.uses for effect in effects))
-    timed = selection.fit.model.problem.time is not None
-    words = {
-        "joints": "the joints",
-        "load": "their loads",
-        "side": "the side of approach",
-        "time": "time" if timed else "the order of measurement",
-        "temperature": "temperature",
-    }
-    return _listed([word for use, word in words.items() if use in uses])
-
-
-def _listed(words: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
-
-
-def _plain(structure: str, sentence: str, where: Where, worth_mm: float) -> Finding:
-    return Finding(
-        UNKNOWN, Unnamed.title, where, "ambiguous", worth_mm, 1.0, structure=structure, sentence=sentence
-    )
-
-
-def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) -> Finding:
-    structure = f"depends on {function.variable}"
-    return Finding(
-        cause=UNKNOWN,
-        title=Unnamed.title,
-        where=function.where if function.where.other is None else NOWHERE,
-        status="ambiguous",
-        gain_mm=worth,
-        probability=float(np.clip(probability, 0.0, 1.0)),
-        structure=structure,
-        sentence=f"What is left {structure}.",
-        evidence=structure_evidence(final, function),
-    )

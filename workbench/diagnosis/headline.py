@@ -114,6 +114,11 @@ def _some(words: Sequence[str], between: str = ", ") -> str:
     return f"{between.join(words[:MOST_SAID])} and {len(words) - MOST_SAID} more"
 
 
+def listed(names: Sequence[str]) -> str:
+    """a, b and c."""
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+
+
 def remarks(
     prepared: Prepared,
     left: Remainder,

@@ -54,7 +54,8 @@ class Round:
         more = np.count_nonzero(self.found.noise.joint > stated.joint)
         size = np.abs(np.einsum("nkk->nk", self.found.whitener))
         own = float(np.log(size[size > 0]).sum()) - 0.5 * self.found.chi2
-        return own + self.competition.cost(self.members) - 0.5 * CLEAR * more
+        cost = self.competition.cost(Chosen(self.competition.reduced, self.members))
+        return own + cost - 0.5 * CLEAR * more
 
     def is_of(self, other: Round) -> bool:
         """Whether it found the same set."""

@@ -56,13 +56,13 @@ class Competition:
 
     def score(self, members: Sequence[Member]) -> float:
         """log posterior odds of a set against the empty one."""
-        explained = Chosen(self.reduced, members).explained
-        return float(likelihood(self.reduced, 0.0, np.array(explained))) + self.cost(members)
+        chosen = Chosen(self.reduced, members)
+        return float(likelihood(self.reduced, 0.0, np.array(chosen.explained))) + self.cost(chosen)
 
-    def cost(self, members: Sequence[Member]) -> float:
+    def cost(self, chosen: Chosen) -> float:
         """log odds of a set before the data, and what its freedom costs."""
-        prior = sum(prior_weight(self.components[m.component], m.form, m.scale) for m in members)
-        return float(prior - 0.5 * Chosen(self.reduced, members).log_determinant)
+        prior = sum(prior_weight(self.components[m.component], m.form, m.scale) for m in chosen.members)
+        return float(prior - 0.5 * chosen.log_determinant)
 
     def best(self, before: Sequence[str] = ()) -> list[Member]:
         """The better of two searches: everything at once; or causes first, then everything. Where a set was

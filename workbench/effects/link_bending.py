@@ -15,8 +15,7 @@ from .base import Effect, Param
 from .bearing_tilt import BearingTilt
 from .kinds import LinearYield
 from .place import Where
-from .unnamed.loads import OwnWeight, PivotForce
-from .unnamed.uneven_bending import UnevenBending
+from .unnamed.link_ends import OfLink, OwnWeight, PivotForce, UnevenBending
 
 UNEVEN = 0.3  # of the bending: a section that is twice as stiff in one direction
 SHORTEST = 0.05  # m, shorter links are taken as rigid
@@ -73,7 +72,7 @@ class LinkBending(LinearYield):
         more or less of the compensator's force."""
         slot = self.slot(problem.arm)
         tilts = [one for one in BearingTilt.sites(problem) if one.slot(problem.arm) in (slot - 1, slot)]
-        every: list[OwnWeight | PivotForce] = [*OwnWeight.sites(problem), *PivotForce.sites(problem)]
+        every: list[OfLink] = [*OwnWeight.sites(problem), *PivotForce.sites(problem)]
         own = [one for one in every if one.where == self.where]
         return [*((0.3, one) for one in tilts), *((self._share(problem, one), one) for one in own)]
 
@@ -82,13 +81,13 @@ class LinkBending(LinearYield):
         uneven = [one for one in UnevenBending.sites(problem) if one.where == self.where]
         return [(UNEVEN * self._usual(problem, one), one) for one in uneven]
 
-    def _usual(self, problem: Problem, uneven: UnevenBending) -> float:
+    def _usual(self, problem: Problem, uneven: OfLink) -> float:
         """What a link usually bends by, over the usual size of what is uneven of that."""
         if self.stated:
             return self.params[0].typical * uneven.largest / uneven.size
         return self.lever(problem.arm)
 
-    def _share(self, problem: Problem, own: OwnWeight | PivotForce) -> float:
+    def _share(self, problem: Problem, own: OfLink) -> float:
         """What a link's own weight or the compensator bends it by, over the usual size of that, where the
         link is as soft as is usual; no more than what hangs on it does."""
         if self.stated:

@@ -19,7 +19,8 @@ from ..diagnosis.changes.result import (
     Track,
     Unchanged,
 )
-from ..diagnosis.changes.words import hidden_size, listed, with_std
+from ..diagnosis.changes.words import hidden_size, with_std
+from ..diagnosis.headline import listed
 from ..effects.place import Parameter
 from . import charts
 from .drawing import Figure

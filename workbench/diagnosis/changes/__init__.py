@@ -17,6 +17,7 @@ from ...campaign import Campaign, load_campaign
 from ...campaign.known import with_known
 from ...files.faults import Fault, InputError
 from ..candidates import testable
+from ..headline import listed
 from ..prepared import Progress
 from ..priors import PRIORS
 from .decision import Decided, decide
@@ -26,7 +27,7 @@ from .occasions import occasions_of
 from .result import Apart, Comparison, TargetMoved, TargetsMoved
 from .sensitivity import nominal_mm, unchanged, within_mm
 from .system import relinearised
-from .words import headline, listed, with_std
+from .words import headline, with_std
 
 OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
 CHANCE = 1e-4  # probability of as much by chance below which they do

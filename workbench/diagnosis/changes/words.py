@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
+from ..headline import listed
 from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, bounds
 
 MOST_SAID = 3
@@ -57,11 +58,6 @@ def moved_by(change: Change) -> str:
         return f"{change.label} moved more than once, against the first by {of}{listed(each)}"
     verb = "is off" if change.side == "load" else "moved" if one else "changed"
     return f"{change.label} {verb} by {by}"
-
-
-def listed(names: Sequence[str]) -> str:
-    """a, b and c."""
-    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 
 def _from_to(change: Change) -> str:

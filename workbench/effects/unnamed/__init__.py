@@ -13,8 +13,8 @@ from .base import Unnamed
 from .campaign import Attitude, Bearing, Clock, PerPayload, Warmth
 from .curved_yield import CurvedYield
 from .joints import Pair, Product, Side, Tilt
-from .loads import Load, OwnWeight, OwnWeights, PivotForce, Torque, UnevenTilt
-from .uneven_bending import UnevenBending
+from .link_ends import OwnWeight, PivotForce, UnevenBending
+from .loads import Load, OwnWeights, Torque, UnevenTilt
 
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Warmth, PerPayload, Attitude, Bearing, Product,

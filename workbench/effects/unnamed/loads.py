@@ -4,15 +4,13 @@ function of the fitted load, with masses fitted beside it, makes a product of tw
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...robot.beam import bending_compliance
 from ...robot.kinematics import RX, RZ, TX, Arm, Array
-from ...robot.loads import wrenches
 from ..base import Depends
 from ..kinds import DirectEffect
 from ..place import Where
@@ -121,67 +119,6 @@ def _own_load(problem: Problem, j: int) -> Array:
 
 
 @dataclass(frozen=True)
-class OwnWeight(Unnamed, DirectEffect):
-    """A link's end sags under the weight of the link itself, spread evenly along it: by q l⁴/8, turning by
-    q l³/6, over EI, across the link (Euler–Bernoulli). largest [m]: what that is at EI = 1 N·m²."""
-
-    variant: str = "own weight"
-    size: float = 5e-5
-    largest: float = 1.0
-
-    depends: ClassVar[Depends] = frozenset({"joints"})
-    by_loads: ClassVar[bool] = True
-    settings: ClassVar[tuple[str, ...]] = ("size", "largest")
-
-    @property
-    def functions(self) -> int:
-        return 1
-
-    @property
-    def variable(self) -> str:
-        return f"weight of {self.where.link} across it"
-
-    @property
-    def unit(self) -> str:
-        return "N"
-
-    def x(self, problem: Problem) -> Array:
-        return np.asarray(np.linalg.norm(self.across(problem), axis=1))
-
-    def across(self, problem: Problem) -> Array:
-        """(N, 3) [N] the link's weight across it, on the axes of the slot at its end."""
-        arm, slot = problem.arm, self.slot(problem)
-        axes = problem.rigid.R[slot - 1] @ arm.R[slot]
-        weight = arm.mass[slot - 1] * np.einsum("nji,j->ni", axes, arm.gravity)
-        along = arm.span[slot] / np.linalg.norm(arm.span[slot])
-        return np.asarray(weight - np.outer(weight @ along, along))
-
-    def slot(self, problem: Problem) -> int:
-        return problem.arm.slot_of_link(str(self.where.link)) + 1
-
-    def motion(self, problem: Problem) -> Mapping[int, Array]:
-        slot, weight = self.slot(problem), self.across(problem)
-        span = problem.arm.span[slot]
-        length = float(np.linalg.norm(span))
-        shift, turn = weight * length**3 / 8, np.cross(span, weight) * length / 6
-        moved = np.concatenate([shift, turn], axis=1) / self.largest
-        return {6 * slot + k: moved[:, k : k + 1] for k in range(6)}
-
-    @classmethod
-    def sites(cls, problem: Problem) -> Sequence[OwnWeight]:
-        """Moving links of some length and mass that are not upright in every pose."""
-        arm, out = problem.arm, []
-        for k in range(1, arm.n + 1):
-            length = float(np.linalg.norm(arm.span[k + 1]))
-            if length > 1e-3:
-                one = cls(Where(link=arm.links[k]))
-                most = float(one.x(problem).max(initial=0.0)) * length**3 / 8
-                if most > 1e-3:
-                    out.append(replace(one, largest=most))
-        return out
-
-
-@dataclass(frozen=True)
 class OwnWeights(Unnamed, DirectEffect):
     """What a joint gives under the weights beyond it, where the model has none: its torque is linear in the
     links' first moments, whatever these are (Atkeson, An, Hollerbach 1986). links: so many lie beyond."""
@@ -237,59 +174,6 @@ class OwnWeights(Unnamed, DirectEffect):
 def _down(arm: Arm) -> Array:
     """(3,) the direction of gravity."""
     return np.asarray(arm.gravity / np.linalg.norm(arm.gravity))
-
-
-@dataclass(frozen=True)
-class PivotForce(Unnamed, DirectEffect):
-    """A link bends by the compensator's force as well, as far as that passes it: what it adds at the link's
-    end, by the cantilever's F l³/3 + M l²/2 and F l²/2 + M l over EI; how much of that a casting between
-    bracket and bearings bends by nobody knows. largest [m]: what it is at EI = 1 N·m²."""
-
-    variant: str = "pivot force"
-    size: float = 5e-5
-    largest: float = 1.0
-
-    depends: ClassVar[Depends] = frozenset({"joints"})
-    by_loads: ClassVar[bool] = True
-    settings: ClassVar[tuple[str, ...]] = ("size", "largest")
-
-    @property
-    def functions(self) -> int:
-        return 1
-
-    @property
-    def variable(self) -> str:
-        return f"compensator's force on {self.where.link}"
-
-    @property
-    def unit(self) -> str:
-        return "N"
-
-    def x(self, problem: Problem) -> Array:
-        return np.asarray(np.linalg.norm(self.wrench(problem)[:, :RX], axis=1))
-
-    def wrench(self, problem: Problem) -> Array:
-        """(N, 6) [N, N·m] what the stated compensator adds at the link's end."""
-        without = wrenches(problem.arm, problem.rigid, replace(problem.loads, compensator=None))
-        return np.asarray((problem.nominal_load.local - without.local)[:, self.slot(problem)])
-
-    def slot(self, problem: Problem) -> int:
-        return problem.arm.slot_of_link(str(self.where.link)) + 1
-
-    def motion(self, problem: Problem) -> Mapping[int, Array]:
-        slot = self.slot(problem)
-        moved = self.wrench(problem) @ bending_compliance(problem.arm.span[slot]).T / self.largest
-        return {6 * slot + k: moved[:, k : k + 1] for k in range(6)}
-
-    @classmethod
-    def sites(cls, problem: Problem) -> Sequence[PivotForce]:
-        """The link with the compensator's fixed pivot, where it is one that moves and has some length."""
-        arm, law = problem.arm, problem.loads.compensator
-        if law is None or law.body == 0 or np.linalg.norm(arm.span[law.body + 1]) < 1e-3:
-            return []
-        one = cls(Where(link=arm.links[law.body]))
-        bends = one.wrench(problem) @ bending_compliance(arm.span[law.body + 1])[:RX].T
-        return [replace(one, largest=float(np.linalg.norm(bends, axis=1).max(initial=1e-12)))]
 
 
 @dataclass(frozen=True)
