@@ -98,7 +98,12 @@ def test_one_tie_has_one_lambda(open_tie, tmp_path):
     (finding,) = (f for f in outcome.diagnosis.causes if f.decide)
     (way,) = (d for d in finding.decide if d.kind == "poses")
     told = tmp_path / "result.json"
-    told.write_text(json.dumps(outcome.diagnosis.to_json()))
+    written = outcome.diagnosis.to_json()
+    told.write_text(json.dumps(written))
+    (cause,) = (one for one in written["causes"] if one["status"] == "ambiguous")
+    offered = next(one for one in cause["decide"] if one["command"])
+    assert cause["separate_by"] == {**offered, "words": finding.separate_by}
+    assert all(one["separate_by"] is None for one in written["causes"] if one["status"] == "named")
     tell = shlex.split(way.command)[shlex.split(way.command).index("--tell") + 1]
     for text in (tell, str(told)):
         made = plan(campaign, way.poses, tell=text, quick=True)

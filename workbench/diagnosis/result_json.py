@@ -94,7 +94,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "parameters": [_parameter(p) for p in finding.parameters],
         "rivals": [_rival(rival) for rival in finding.rivals],
         **({"faint": [_rival(rival) for rival in finding.faint]} if finding.faint else {}),
-        "separate_by": finding.separate_by,
+        "separate_by": _separate_by(finding),
         **({"decide": [_decision(one) for one in finding.decide]} if finding.decide else {}),
         **({"structure": finding.structure} if finding.structure else {}),
     }
@@ -102,6 +102,15 @@ def _finding(finding: Finding) -> dict[str, Any]:
 
 def _rival(rival: Rival) -> dict[str, Any]:
     return {"cause": rival.cause, **rival.where.keys(), "probability": _number(rival.probability)}
+
+
+def _separate_by(finding: Finding) -> dict[str, Any] | None:
+    """What would decide, in words, and of what can be run the first, ready (the others: `decide`)."""
+    if finding.separate_by is None:
+        return None
+    ready = next((_decision(one) for one in finding.decide if one.command), {})
+    numbers = ("kind", "command", "poses", "lambda_before", "lambda_after")
+    return {"words": finding.separate_by, **{name: ready.get(name) for name in numbers}}
 
 
 def _decision(one: Decision) -> dict[str, Any]:
