@@ -263,6 +263,7 @@ def test_faults_of_the_data_are_found_and_do_no_harm(honest, change, expected):
     diagnosis = sound(found(spoilt(honest, change)))
     assert {(fault.kind, fault.pose_id, fault.target) for fault in diagnosis.faults} == expected
     assert named(diagnosis) == {GEAR_JOINT: "named"}
+    assert ("In these data the instrument's frame steps by" in diagnosis.headline) == (change is moved)
     assert diagnosis.causes[0].parameters[0].value == pytest.approx(2e-4, rel=0.15)
     assert diagnosis.stages[-1].heldout_max_mm < 0.3
 

@@ -85,6 +85,7 @@ def test_scatter_as_small_as_a_robots_is_its_repeatability_and_no_cause():
     assert found.verdict == "nothing_missing"
     assert not found.causes
     (note,) = [note for note in found.notes if "its data sheet says 0.02 mm" in note]
+    assert "Play looks the same where the sides of approach are not recorded." in note
     repeats_to = float(re.search(r"repeats to (\S+) mm", note)[1])
     assert repeats_to == pytest.approx(3.62e3 * 8e-6, rel=0.3)  # ISO 9283 RP of normal deviations
 

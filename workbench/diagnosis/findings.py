@@ -21,7 +21,7 @@ from .competition import Selection
 from .components import Component, bare, with_companions
 from .evidence import evidence
 from .facts import facts, geometry, unidentifiable
-from .headline import headline, remarks, verdict_of
+from .headline import headline, remarks, steps, verdict_of
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
@@ -90,7 +90,8 @@ def assemble(parts: Parts) -> Diagnosis:
             parts.given,
             repeats_to,
             left.inflation if left.overstated else None,
-        ),
+        )
+        + steps(prepared.faults),
         causes=tuple(findings),
         ceiling_mm=ceiling,
         remainder_chi2=left.chi2,

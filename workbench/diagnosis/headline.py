@@ -8,10 +8,11 @@ from ..effects.base import UNKNOWN
 from ..effects.place import Where
 from .prepared import Prepared
 from .remainder import GLOBAL_LEVEL, Remainder
-from .result import Finding, GivenFact, Stage, Verdict
+from .result import FaultFound, Finding, GivenFact, Stage, Verdict
 
 MOST_SAID = 3  # causes that a headline says
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
+STEPS = ("moved_instrument", "changed_setup")  # data faults that a headline says
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
@@ -88,6 +89,12 @@ def headline(
     return f"{said}. {gain}"
 
 
+def steps(faults: Sequence[FaultFound]) -> str:
+    """What moved among the campaign's set-up, as a sentence behind a headline; nothing where nothing did."""
+    moved = [f.what.replace("this pose", f"pose {f.pose_id}") for f in faults if f.kind in STEPS]
+    return f" In these data {listed(moved)}." if moved else ""
+
+
 def _times(ratio: float) -> str:
     return f"{ratio:.1f}" if ratio < 10 else f"{ratio:.0f}"
 
@@ -132,10 +139,12 @@ def remarks(
     if repeatability_mm is not None:
         sheet = prepared.problem.robot.pose_repeatability_mm
         said = "of which nothing is known" if sheet is None else f"its data sheet says {sheet:g} mm"
+        unsaid = prepared.problem.campaign.poses.side is None
+        play = " Play looks the same where the sides of approach are not recorded." if unsaid else ""
         notes.append(
             "Beyond the stated noise the poses scatter, by nothing that was recorded, as those of a robot do "
             f"that repeats to {repeatability_mm:.3f} mm from all sides (ISO 9283 RP; {said}). It was taken "
-            "for that: repeat ten poses five times to know it."
+            f"for that: repeat ten poses five times to know it.{play}"
         )
     elif left.scatter and not beyond.scatter and not structured:
         notes.append(
