@@ -31,6 +31,7 @@ from .replication import (
     searched_in_parts,
 )
 from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted
+from .scatter import beyond_all
 from .stages import Group, rms_mm
 
 UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
@@ -168,7 +169,7 @@ def _selected(
             sure.append(share)
         else:
             unrepeated.append(member)
-    scatter = np.sqrt(np.maximum(best.found.noise.joint**2 - geometry.noise.joint**2, 0.0))
+    scatter = beyond_all(best.found.noise, geometry.noise, ~geometry.model.problem.arm.prismatic)
     light = tuple(component.without_columns() for component in competition.components)
     return Selection(
         final,
