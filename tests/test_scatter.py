@@ -11,7 +11,7 @@ from workbench.campaign import Target
 from workbench.diagnosis.headline import headline
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import Stage
-from workbench.diagnosis.scatter import with_scatter
+from workbench.diagnosis.scatter import beyond_all, with_scatter
 from workbench.effects.base import UNKNOWN
 from workbench.measurement.sweep import sweep
 
@@ -57,6 +57,31 @@ def test_scatter_is_told_and_no_cause_named(seed):
     assert not [f for f in found.causes if f.cause != UNKNOWN and f.status == "named"]
     assert found.verdict == "unknown"
     assert "moves all targets of a pose together" in found.causes[-1].sentence
+
+
+def _repeating(seed, spread, poses=90):
+    """A robot each joint of which repeats to its part of spread (6,) [rad], and how far they do beyond it."""
+    robot = load_robot("irb120")
+    plan = planned(robot, random_poses(robot, poses, np.random.default_rng(seed)))
+    truth = Truth(sigma=1e-5, repeatability=np.asarray(spread))
+    geometry = prepare(replace(simulate(plan, truth, seed=seed), noise_sigma=1e-5)).geometry
+    noise = with_scatter(geometry, replace(geometry.noise, joint=np.zeros(6)))
+    return noise, beyond_all(noise, replace(noise, joint=np.zeros(6)), np.ones(6, bool))
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_a_robot_that_repeats_is_no_joint_that_scatters(seed):
+    """As wrists do by more than the first joints, which have the longer arm."""
+    noise, beyond = _repeating(seed, [9e-6] * 3 + [1.6e-5] * 3)
+    assert not beyond.any()
+    assert noise.joint == pytest.approx(np.full(6, 1e-5), rel=0.35)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_a_joint_that_scatters_more_is_told_from_the_others(seed):
+    _, beyond = _repeating(seed, [8e-6, 8e-6, 6e-5, 8e-6, 8e-6, 8e-6])
+    assert np.flatnonzero(beyond).tolist() == [2]
+    assert beyond[2] == pytest.approx(6e-5, rel=0.25)
 
 
 @pytest.mark.parametrize("rounding", [1e-17, 1e-13, 1e-9, 1e-3])
