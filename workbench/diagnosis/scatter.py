@@ -43,7 +43,7 @@ def with_scatter(fit: Fit, base: Covariance) -> Covariance:
     *single, all_alike = np.arange(n + 3).tolist()
     shown = motions.shown
     options = [_clear(motions, [k for k in shown if k in single], near, clear)]
-    if all_alike in shown:
+    if all_alike in shown and not base.joint.any():  # else the base says how the robot repeats
         with_it = _clear(motions, shown, near, clear, pinned=all_alike)
         options.append(_clear(motions, np.flatnonzero(with_it[0]).tolist(), near, clear))
     extra, _ = max(options, key=lambda one: one[1] - clear[one[0] > 0].sum())
