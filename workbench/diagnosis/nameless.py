@@ -44,7 +44,10 @@ def nameless_of(selection: Selection, worth_mm: float) -> list[Finding]:
         structure = f"looks like {label} in one {part} and not in another (it makes {worth:.3f} mm RMS)"
         found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
     for effect in {e.key: e for e in selection.fit.model.effects if e.key in selection.against}.values():
-        structure = f"looks like {effect.label}, but with less than no compliance: something else gives way"
+        why = "of a size that it has on no machine: something else does this"
+        if effect.acts == "yielding":
+            why = "with less than no compliance: something else gives way"
+        structure = f"looks like {effect.label}, but {why}"
         worth = selection.gains_mm[effect.key]
         found.append(_plain(structure, f"What is left {structure}.", effect.where, worth))
     ordered = sorted(found, key=lambda finding: -finding.gain_mm)

@@ -29,10 +29,11 @@ SURELY = 3.0  # standard deviations
 def with_own_forms(selection: Selection, noise: Covariance, noise_known: bool, seed: int) -> Selection:
     """The selection with what its named causes have beside their forms, as large as these are likeliest,
     where without it more than noise is left, and with it poses held out are predicted better. noise: without
-    the scatter that the search took for noise. What yields against its load is none of the causes, though
-    something is there: it has no name, and goes where they do without it."""
+    the scatter that the search took for noise. What yields against its load, or is of a size that it has
+    on no machine, is none of the causes, though something is there: it has no name, and goes where they do
+    without it."""
     against = frozenset(
-        effect.key for effect, own in selection.groups if _against_its_load(selection.fit, own)
+        effect.key for effect, own in selection.groups if _against_physics(selection.fit, own)
     )
     selection = replace(selection, faint=selection.faint | against, against=against)
     fit, beside = selection.fit, _beside(selection)
@@ -55,15 +56,17 @@ def with_own_forms(selection: Selection, noise: Covariance, noise_known: bool, s
     return replace(found, gains_mm={**selection.gains_mm, **gains_mm})
 
 
-def _against_its_load(fit: Fit, own: Sequence[int]) -> bool:
-    """Whether one of a fit's effects is a spring that gives less than nothing, the model's part too."""
+def _against_physics(fit: Fit, own: Sequence[int]) -> bool:
+    """Whether one of a fit's effects is a spring that gives less than nothing, the model's part too, or has a
+    number surely outside the bounds that hold for it."""
     for i in own:
         effect = fit.model.effects[i]
-        if effect.acts == "yielding":
-            values, covariance = fit.effect_values(i)
-            least = np.array([p.lower for p in effect.params])
-            if (values + SURELY * np.sqrt(np.diag(covariance)) < least).any():
-                return True
+        values, covariance = fit.effect_values(i)
+        doubt = SURELY * np.sqrt(np.diag(covariance))
+        lower, upper = np.array([(p.lower, p.upper) for p in effect.params]).T
+        bounded = effect.bounded or effect.acts == "yielding"
+        if bounded and ((values + doubt < lower) | (values - doubt > upper)).any():
+            return True
     return False
 
 

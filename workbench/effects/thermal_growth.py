@@ -15,6 +15,8 @@ from .coming_to_rest import SHARES, share_gone, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
 
+MOST = 1e-3  # relative growth of aluminium that warms by 40 K: no arm warms up by more
+
 
 @dataclass(frozen=True)
 class ThermalGrowth(DirectEffect):
@@ -31,6 +33,7 @@ class ThermalGrowth(DirectEffect):
     cause: ClassVar[str] = "thermal_growth"
     title: ClassVar[str] = "Links grow with temperature"
     depends: ClassVar[Depends] = frozenset({"temperature", "time"})
+    bounded: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta p = alpha thin (T - T_0) thin p"
     settings: ClassVar[tuple[str, ...]] = ("start", "constant")
     separate: ClassVar[dict[str, str]] = {
@@ -42,7 +45,8 @@ class ThermalGrowth(DirectEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         if self.variant.startswith("warmup"):
-            return (Param("coefficient", "1", 1e-4, "relative growth at the end, inferred from time alone"),)
+            what = "relative growth at the end, inferred from time alone"
+            return (Param("coefficient", "1", 1e-4, what, lower=-MOST, upper=MOST),)
         return (
             Param("coefficient", "1/K", 1e-5, "relative growth of the links per K", lower=0.0, upper=1e-4),
         )
