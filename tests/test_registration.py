@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
+from held_hand import held
 from scipy.spatial.transform import Rotation
 
 from workbench.campaign import Target
@@ -14,7 +14,6 @@ from workbench.files.faults import InputError
 from workbench.identification.plausible import check_plausible
 from workbench.identification.registration import register
 from workbench.robot.description import load_robot
-from workbench.robot.kinematics import frames
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 
@@ -131,29 +130,11 @@ def test_a_hand_that_never_turns_keeps_its_stated_target():
     assert np.linalg.norm(t) < 5
 
 
-def along_a_line(poses=30):
-    """(N, n) [rad] joints of a ur5 whose flange goes half a metre straight on and keeps its orientation, in
-    degrees with six decimals, as files have them."""
-    arm = problem_of(planned(load_robot("ur5"), np.zeros((1, 6)), targets=TARGETS[:1])).arm
-    q = np.array([0.3, -1.2, 1.5, -0.8, 1.2, 0.4])
-    begin = frames(arm, q[None])
-    joints = []
-    for x in np.linspace(0, 0.5, poses):
-
-        def off(q, x=x):
-            now = frames(arm, q[None])
-            turn = Rotation.from_matrix(now.R[-1][0] @ begin.R[-1][0].T).as_rotvec()
-            return np.concatenate([now.p[-1][0] - begin.p[-1][0] - [0, x, 0], turn])
-
-        q = least_squares(off, q, xtol=1e-14, ftol=1e-14, gtol=1e-14).x
-        joints.append(q)
-    return np.radians(np.degrees(joints).round(6))
-
-
 @pytest.mark.parametrize("stated", [None, (0.0, 0.0, 0.1), (0.0, 0.0, 0.0), (0.05, 0.05, 0.15)])
 def test_a_line_with_a_hand_that_never_turns_is_no_mistake(stated):
     """What the turn about the line and the target are, such poses do not say: no reason to go astray."""
-    plan = planned(load_robot("ur5"), along_a_line(), targets=(Target("C", stated),))
+    line = held(np.outer(np.linspace(0, 0.5, 30), [0, 1, 0]), np.zeros((30, 3)))
+    plan = planned(load_robot("ur5"), line, targets=(Target("C", stated),))
     truth = Truth(targets=PLACES[:1], sigma=1e-4)
     job = problem_of(simulate(plan, truth, instrument=(np.eye(3)[None], np.array([[0.3, 4.0, 0.5]]))))
     assert not check_plausible(job)

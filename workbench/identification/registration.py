@@ -70,12 +70,15 @@ def register(problem: Problem) -> tuple[Array, Array, Array]:
 
 def place_stated(problem: Problem, here: NDArray[np.bool_]) -> Placed:
     """The poses `here`, seen by one instrument, with the targets near where they are stated."""
-    stated = problem.stated_targets
-    known = np.asarray(np.isfinite(stated).all(axis=1))
+    where = sight(problem.rigid, problem.campaign.points, problem.on, here)
+    return place(where, problem.stated_targets, stated_within(problem))
+
+
+def stated_within(problem: Problem) -> Array:
+    """(T,) [m] how far each target may be from where it is stated; a fixed one is held tight."""
+    known = np.asarray(np.isfinite(problem.stated_targets).all(axis=1))
     prior = np.where(known, STATED_TARGET, UNKNOWN_TARGET)
-    # a fixed target is held tight
-    prior = np.where([target.fixed for target in problem.campaign.targets], 1e-6, prior)
-    return place(sight(problem.rigid, problem.campaign.points, problem.on, here), stated, prior)
+    return np.where([target.fixed for target in problem.campaign.targets], 1e-6, prior)
 
 
 def sight(where: Frames, points: Array, on: Sequence[int], here: NDArray[np.bool_]) -> Sight:
