@@ -26,6 +26,7 @@ from ..identification.registration import (
 from ..robot.kinematics import Array
 from ..robot.rotations import body_jacobian
 from .result import FaultFound
+from .sag import sag
 from .screen import SURVIVES, effective_dof, quadratic, reduce_columns, still_to_go
 
 LEAST_BEFORE = 8  # poses before and after a jump
@@ -177,12 +178,13 @@ def _scatter(result: Fit, gain: float) -> float:
 
 
 def _beside_joints(result: Fit, step: Array) -> float:
-    """Statistic of a step when smooth functions of every joint, stiffness and payload are taken out first.
+    """Statistic of a step when smooth functions of every joint, stiffness, payload and sag are taken out first.
 
     Poses measured joint by joint, or load by load, would else let their errors look like a step.
     """
     problem = result.model.problem
-    return _beside(result, step, [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem)]])
+    smooth = [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem)]]
+    return _beside(result, step, [*smooth, sag(result)])
 
 
 def _beside(result: Fit, step: Array, smooth: Sequence[Array]) -> float:
