@@ -178,7 +178,7 @@ def _scatter(result: Fit, gain: float) -> float:
 
 
 def _beside_joints(result: Fit, step: Array) -> float:
-    """Statistic of a step when smooth functions of every joint, stiffness, payload and sag are taken out first.
+    """Statistic of a step when smooth functions of joints, stiffness, payload and sag are taken out first.
 
     Poses measured joint by joint, or load by load, would else let their errors look like a step.
     """
