@@ -208,6 +208,32 @@ def test_an_arm_that_bends_under_masses_that_its_model_lacks_is_no_gear_that_err
     assert found.stages[-1].heldout_rms_mm < 1.2 * np.sqrt(3) * 0.03
 
 
+def joint_by_joint(middle=(0.8, -1.2, 1.2, 0.3, 0.6, 0.2)):
+    """(36, 6) [rad] six poses of every joint, the others where they are in the middle."""
+    q = np.tile(middle, (36, 1))
+    for j, width in enumerate((1.0, 0.7, 0.7, 3.0, 1.2, 3.0)):
+        q[6 * j : 6 * j + 6, j] += np.linspace(-width, width, 6)
+    return q
+
+
+def sagging(problem):
+    """(N, n) [rad] joints 2 and 3 give by 3 mrad per metre of lever of a weight at the flange."""
+    error = np.zeros_like(problem.q)
+    for one in OwnWeights.sites(problem)[:2]:
+        error[:, problem.joint(one.where.joint)] = 3e-3 * one.x(problem)
+    return error
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_stretched_arm_that_sags_under_masses_that_its_model_lacks_is_no_outlier(tmp_path, seed):
+    rigid = measured("kr500", q=joint_by_joint(), loads=())
+    light = problem_of(without_masses(rigid, tmp_path))
+    campaign = measured(
+        "kr500", joints=lambda _: sagging(light), q=joint_by_joint(), loads=(), state_sigma=False, seed=seed
+    )
+    assert not prepare(without_masses(campaign, tmp_path)).faults
+
+
 def test_the_torque_of_any_masses_is_a_sum_of_the_functions_for_masses_that_a_model_lacks(tmp_path):
     campaign = measured("kr500", poses=40, loads=())
     heavy, light = problem_of(campaign), problem_of(without_masses(campaign, tmp_path))

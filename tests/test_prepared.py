@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from diagnosis_cases import measured, with_points
+from held_hand import held
 
 from workbench import Truth, load_robot, parse_effect, planned, random_poses, simulate
 from workbench.campaign import write_campaign
@@ -15,10 +16,12 @@ from workbench.campaign.parted import parted
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared
+from workbench.diagnosis.moved_setup import jump
 from workbench.diagnosis.run import diagnose
 from workbench.identification.heldout import heldout
 from workbench.measurement.design import plan
 from workbench.measurement.design.prior_information import from_campaign
+from workbench.simulation.virtual_campaign import random_geometry
 
 LATE = 75  # poses before the instrument was moved
 
@@ -86,6 +89,43 @@ def test_an_error_of_a_joint_by_which_poses_are_ordered_is_no_step(seed):
     campaign = measured(poses=80, targets=2, loads=(), joints=azimuth, seed=seed)
     ordered = campaign.some(np.argsort(campaign.poses.q[:, 0]))
     assert not [f for f in prepared.prepare(ordered).faults if f.kind != "outlier"]
+
+
+def along_a_curve(poses, turn, seed):
+    """Measured on a curve half a metre wide, one target of unknown place, the hand turned by `turn` [rad]."""
+    rng, at = np.random.default_rng(seed), np.linspace(0, 2 * np.pi, poses)
+    shift = np.column_stack([0.15 * (np.cos(at) - 1), 0.25 * np.sin(at), 0.08 * np.sin(2 * at)])
+    q = held(shift, turn * np.sin(np.outer(at, [1, 2, 3])))
+    plan = planned(load_robot("ur5"), q, targets=(Target("C"),))
+    geometry = random_geometry(problem_of(plan).arm, rng, 1e-4, 1e-4)
+    truth = Truth(geometry=geometry, targets=np.array([[0.0, 0.02, 0.1]]), sigma=2e-5)
+    return simulate(plan, truth, seed=seed, state_sigma=False)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_a_hand_that_hardly_turns_does_not_determine_is_no_step(seed):
+    assert not prepared.prepare(along_a_curve(120, 3e-3, seed)).faults
+
+
+def other_way_up(seed):
+    """A hand held upright for 45 poses, then 15 with the tool the other way up: before, a place of the target
+    along its axis is one of the frame."""
+    rng = np.random.default_rng(seed)
+    shift = rng.uniform(-0.25, 0.25, (60, 3))
+    turn = np.zeros((60, 3))
+    turn[:, 2] = rng.uniform(-1.0, 1.0, 60)
+    q = held(shift, turn)
+    q[45:] = random_poses(load_robot("ur5"), 15, rng)
+    plan = planned(load_robot("ur5"), q, targets=(Target("C"),))
+    geometry = random_geometry(problem_of(plan).arm, rng, 2e-3, 2e-3)
+    truth = Truth(geometry=geometry, targets=np.array([[0.0, 0.02, 0.3]]), sigma=2e-4)
+    return simulate(plan, truth, seed=seed, state_sigma=False)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_tool_the_other_way_up_is_no_jump(seed):
+    """What the first poses do not determine, they do not predict."""
+    assert jump(problem_of(other_way_up(seed))) is None
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from held_hand import held
 from scipy.spatial.transform import Rotation
 
 from workbench.campaign import Target
@@ -127,6 +128,20 @@ def test_a_hand_that_never_turns_keeps_its_stated_target():
     _, t, targets = register(one)
     assert np.abs(targets[0, 0] - PLACES[0]).max() < 1e-3
     assert np.linalg.norm(t) < 5
+
+
+@pytest.mark.parametrize("stated", [None, (0.0, 0.0, 0.1), (0.0, 0.0, 0.0), (0.05, 0.05, 0.15)])
+def test_a_line_with_a_hand_that_never_turns_is_no_mistake(stated):
+    """What the turn about the line and the target are, such poses do not say: no reason to go astray."""
+    line = held(np.outer(np.linspace(0, 0.5, 30), [0, 1, 0]), np.zeros((30, 3)))
+    plan = planned(load_robot("ur5"), line, targets=(Target("C", stated),))
+    truth = Truth(targets=PLACES[:1], sigma=1e-4)
+    job = problem_of(simulate(plan, truth, instrument=(np.eye(3)[None], np.array([[0.3, 4.0, 0.5]]))))
+    assert not check_plausible(job)
+    R, t, targets = register(job)
+    seen = job.rigid.points(targets[0], job.on) @ R[0].T + t[0]
+    assert np.median(np.linalg.norm(seen - job.campaign.points, axis=2)) < 3e-4
+    assert np.allclose(targets[0, 0], stated or 0.0, atol=3e-3)
 
 
 @pytest.mark.parametrize(

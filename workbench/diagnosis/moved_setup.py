@@ -14,20 +14,33 @@ from ..effects import catalogue
 from ..effects.base import Effect
 from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
-from ..identification.registration import GOOD, place_stated
+from ..identification.registration import (
+    GOOD,
+    UNKNOWN_TARGET,
+    Placed,
+    place,
+    place_stated,
+    sight,
+    stated_within,
+)
 from ..robot.kinematics import Array
+from ..robot.rotations import body_jacobian
 from .result import FaultFound
-from .screen import SURVIVES, effective_dof, quadratic, reduce_columns
+from .sag import sag
+from .screen import SURVIVES, effective_dof, quadratic, reduce_columns, still_to_go
 
 LEAST_BEFORE = 8  # poses before and after a jump
 JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
 MOST = 0.5  # of what is beyond the noise, which a step explains
+SURE = 3.0  # standard deviations of its size, from which a step's size is determined
+AS_WELL = 2.0  # times what is left of its own fit: one fit for all poses explains a part as well
 WAVES = 3  # cosines in the order of measurement: what a drift may look like
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step in time: kind of data fault, first pose after it, size [m], statistic."""
+    """A step in time: kind of data fault, first pose after it, size [m] that the points move by, rms,
+    statistic."""
 
     kind: str
     first: int
@@ -37,7 +50,7 @@ class Step:
     def fault(self, problem: Problem) -> FaultFound:
         """The step as a data fault of the pose that it comes before."""
         moved = {"moved_instrument": "the instrument's frame", "changed_setup": "the tool with its targets"}
-        what = f"{moved[self.kind]} steps by {self.size * 1e3:.2f} mm before this pose"
+        what = f"{moved[self.kind]} steps by {self.size * 1e3:.2f} mm (at the targets) before this pose"
         name = problem.campaign.poses.ids[self.first]
         return FaultFound(self.kind, name, None, what, "frame and targets fitted anew from here on")
 
@@ -52,7 +65,7 @@ def step_in_time(result: Fit) -> Step | None:
         return None
     flange = result.line.direct[:, :, -6:]
     steps = [
-        _step(result, kind, np.matmul(result.whitener, columns))
+        _step(result, kind, columns)
         for kind, columns in (("moved_instrument", result.line.frame), ("changed_setup", flange))
     ]
     return max((step for step in steps if step), key=lambda step: step.statistic, default=None)
@@ -81,16 +94,47 @@ def jump(problem: Problem) -> Step | None:
     if not LEAST_BEFORE <= k <= n_poses - LEAST_BEFORE or far[:k].mean() > 0.1 or far[k:].mean() < 0.9:
         return None
     after = place_stated(problem, order >= k)
-    if after.middle > GOOD * spread:
+    if after.middle > GOOD * spread or _one_fits(problem, first, after, k):
         return None
-    frame = float(np.linalg.norm(after.t - first.t))
-    target = float(np.max(np.linalg.norm(after.targets - first.targets, axis=1)))
-    kind = "changed_setup" if target > frame else "moved_instrument"
-    return Step(kind, k, max(frame, target), np.inf)
+    size = float(np.sqrt(np.nanmean(off[k:] ** 2)))
+    if size < SURE * _prediction(problem, first, order < k, order >= k):
+        return None
+    held = np.full(len(first.targets), 1e-6)
+    seen_after = sight(problem.rigid, c.points, problem.on, order >= k)
+    same_tool = place(seen_after, first.targets, held, turns=False)
+    kind = "moved_instrument" if same_tool.middle < AS_WELL * after.middle else "changed_setup"
+    return Step(kind, k, size, np.inf)
 
 
-def _step(result: Fit, kind: str, base: Array) -> Step | None:
-    """The best step of the motions base: (N, D, 6), whitened; None when none is clear."""
+def _one_fits(problem: Problem, first: Placed, after: Placed, k: int) -> bool:
+    """Whether one frame and one set of targets for all poses fit both parts about as well as their own do."""
+    every = place_stated(problem, np.ones(len(problem.q), dtype=bool))
+    parts = ((every.length[:k], first.middle), (every.length[k:], after.middle))
+    return all(float(np.nanmedian(length)) < AS_WELL * own for length, own in parts)
+
+
+def _prediction(problem: Problem, first: Placed, here: NDArray[np.bool_], there: NDArray[np.bool_]) -> float:
+    """Standard deviation, rms [m], of the points `there` as a registration of the poses `here` predicts them.
+
+    What is off a rigid robot is alike in neighbouring poses: more of them do not make it better known.
+    """
+    rigid, seen = problem.rigid, problem.seen
+    points = problem.rigid.points(first.targets, problem.on) @ first.R.T
+    targets = [np.einsum("ij,njk->nik", first.R, rigid.R[slot]) for slot in problem.on]
+    J = np.zeros((*points.shape, 6 + 3 * len(targets)))
+    J[..., :6] = body_jacobian(points)
+    for i, column in enumerate(targets):
+        J[:, i, :, 6 + 3 * i : 9 + 3 * i] = column
+    known, new = (J[seen & some[:, None]].reshape(-1, J.shape[-1]) for some in (here, there))
+    prior = np.concatenate([np.full(6, UNKNOWN_TARGET), np.repeat(stated_within(problem), 3)])
+    sigma = first.middle + 1e-9
+    A = known.T @ known / (sigma**2 * here.sum()) + np.diag(prior**-2.0)
+    return float(np.sqrt(np.sum(new.T * np.linalg.solve(A, new.T)) / (len(new) / 3)))
+
+
+def _step(result: Fit, kind: str, columns: Array) -> Step | None:
+    """The best step of the motions columns: (N, R, 6) of the points; None when none is clear."""
+    base = np.matmul(result.whitener, columns)
     n_poses = len(base)
     before = _prefix(result, base)
     gains = []
@@ -107,9 +151,22 @@ def _step(result: Fit, kind: str, base: Array) -> Step | None:
         return None
     if _beside_joints(result, step) < 60 * scatter:
         return None
-    S, u, own = before(first)
-    size = float(np.linalg.norm((np.linalg.pinv(S, hermitian=True) @ u)[:3]))
-    return Step(kind, first, size, gain)
+    size, std = _size(result, columns, *before(first))
+    return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None
+
+
+def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[float, float]:
+    """How far the points move by a step, rms [m], and the standard deviation of that. What the background
+    swallows of the step moves nothing."""
+    length = np.sqrt(np.maximum(own, 1e-300))
+    values, axes = np.linalg.eigh(S / np.outer(length, length))
+    kept = values > SURVIVES
+    half = axes[:, kept] / np.sqrt(values[kept]) / length[:, None]  # (6, r): S⁺ is half @ halfᵀ
+    seen = result.model.problem.seen
+    at_points = np.matmul(columns[:, : 3 * seen.shape[1]], half).reshape(*seen.shape, 3, -1)[seen]
+    moved = at_points @ (half.T @ u)
+    rms, std = (float(np.sqrt((by**2).sum() / len(moved))) for by in (moved, at_points))
+    return rms, std
 
 
 def _scatter(result: Fit, gain: float) -> float:
@@ -121,12 +178,13 @@ def _scatter(result: Fit, gain: float) -> float:
 
 
 def _beside_joints(result: Fit, step: Array) -> float:
-    """Statistic of a step when smooth functions of every joint, stiffness and payload are taken out first.
+    """Statistic of a step when smooth functions of joints, stiffness, payload and sag are taken out first.
 
     Poses measured joint by joint, or load by load, would else let their errors look like a step.
     """
     problem = result.model.problem
-    return _beside(result, step, [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem)]])
+    smooth = [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem)]]
+    return _beside(result, step, [*smooth, sag(result)])
 
 
 def _beside(result: Fit, step: Array, smooth: Sequence[Array]) -> float:
@@ -163,11 +221,12 @@ def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Arr
     """S, u, own of "a step before pose k" for all k, by running sums."""
     gram = np.cumsum(np.einsum("ndi,ndj->nij", base, base), axis=0)
     score = np.cumsum(np.einsum("ndi,nd->ni", base, result.r), axis=0)
+    rest = still_to_go(result)
     back = np.cumsum(np.einsum("ndp,ndi->npi", result.J * result.columns.prior, base), axis=0)
 
     def at(k: int) -> tuple[Array, Array, Array]:
         Z = solve_triangular(result.upper, back[k - 1], trans="T")
-        return gram[k - 1] - Z.T @ Z, score[k - 1], np.diag(gram[k - 1]).copy()
+        return gram[k - 1] - Z.T @ Z, score[k - 1] - Z.T @ rest, np.diag(gram[k - 1]).copy()
 
     return at
 

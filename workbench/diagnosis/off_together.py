@@ -20,6 +20,7 @@ from ..identification.rows import offset_of
 from ..robot.kinematics import Array
 from .candidates import testable
 from .priors import PRIORS
+from .sag import sag
 
 CHANCE = 1e-3  # that some cause explains as much of poses that are off by chance
 EXPLAINED = 0.5  # of a pose's squares: what is no outlier
@@ -39,6 +40,9 @@ def no_outliers(result: Fit, wild: Poses) -> Poses:
         return wild
     candidates = [e for e in testable(result.model.problem)[0] if "time" not in e.uses]
     columns = [result.whitened(e) * [p.typical for p in e.params] for e in candidates]
+    sagging = sag(result)
+    if sagging.shape[2]:
+        columns.append(sagging)
     return _off_together(result, wild, columns) | _foreseen(result, wild, columns)
 
 

@@ -67,7 +67,13 @@ def reduce_columns(fit: Fit, G: Array) -> tuple[Array, Array, Array]:
     J = fit.J.reshape(-1, fit.J.shape[2]) * fit.columns.prior
     Z = solve_triangular(fit.upper, J.T @ flat, trans="T", check_finite=False)
     gram = flat.T @ flat
-    return gram - Z.T @ Z, flat.T @ fit.r.ravel(), np.diag(gram).copy()
+    return gram - Z.T @ Z, flat.T @ fit.r.ravel() - Z.T @ still_to_go(fit), np.diag(gram).copy()
+
+
+def still_to_go(fit: Fit) -> Array:
+    """(P,) what the fit's own numbers would still take of the residual: next to nothing where it has
+    converged. Of a rough fit it is not a candidate's, least of all of one that these numbers nearly are."""
+    return np.asarray(solve_triangular(fit.upper, fit.normal.g, trans="T", check_finite=False))
 
 
 def effective_dof(fit: Fit, drives: bool = False) -> float:

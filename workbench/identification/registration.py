@@ -19,6 +19,7 @@ GOOD = 0.02  # of the spread of the points: with a smaller misfit no other start
 STILL = 1e-5  # m, rad: a step below which a registration, a place to start from, has arrived
 ROUGHLY = 8  # iterations from each of many directions, of which the
 PROMISING = 4  # best are followed to the end
+LEAST_DAMPED, MOST_DAMPED = 1e-8, 1e4  # of the diagonal, what damps a step that would not mend
 FAR = 50.0  # times the usual distance from the middle: farther points are not looked at
 
 
@@ -69,12 +70,15 @@ def register(problem: Problem) -> tuple[Array, Array, Array]:
 
 def place_stated(problem: Problem, here: NDArray[np.bool_]) -> Placed:
     """The poses `here`, seen by one instrument, with the targets near where they are stated."""
-    stated = problem.stated_targets
-    known = np.asarray(np.isfinite(stated).all(axis=1))
+    where = sight(problem.rigid, problem.campaign.points, problem.on, here)
+    return place(where, problem.stated_targets, stated_within(problem))
+
+
+def stated_within(problem: Problem) -> Array:
+    """(T,) [m] how far each target may be from where it is stated; a fixed one is held tight."""
+    known = np.asarray(np.isfinite(problem.stated_targets).all(axis=1))
     prior = np.where(known, STATED_TARGET, UNKNOWN_TARGET)
-    # a fixed target is held tight
-    prior = np.where([target.fixed for target in problem.campaign.targets], 1e-6, prior)
-    return place(sight(problem.rigid, problem.campaign.points, problem.on, here), stated, prior)
+    return np.where([target.fixed for target in problem.campaign.targets], 1e-6, prior)
 
 
 def sight(where: Frames, points: Array, on: Sequence[int], here: NDArray[np.bool_]) -> Sight:
@@ -150,35 +154,72 @@ def _size(seen: Sight) -> float:
 def _refine(
     seen: Sight, start: Array, prior: Array, R: Array, t: Array, free_scale: bool, rounds: int = 40
 ) -> Placed:
-    """Gauss–Newton on frame, targets and scale with weights 1/misfit (robust)."""
+    """Gauss–Newton on frame, targets and scale with weights 1/misfit (robust), damped where a step would not
+    mend: what poses do not determine (all on a line, a hand that never turns) goes nowhere."""
     z, mask, n_targets = np.where(seen.seen[..., None], seen.points, 0.0), seen.seen, seen.p.shape[1]
-    targets, size, misfit = start.copy(), _size(seen) if free_scale else 1.0, np.inf
+    now = _Place(R, t, start.copy(), _size(seen) if free_scale else 1.0)
     hold = np.concatenate([np.full(6, 1e-9), np.repeat(prior, 3) ** -2.0, [0.0 if free_scale else 1e18]])
+    misfit, damping = np.inf, 0.0
+    points = now.points(seen)
     for iteration in range(rounds):
-        local = seen.p + np.einsum("ntij,tj->nti", seen.R, targets)
-        points = size * local @ R.T + t
         residual = np.where(mask[..., None], z - points, 0.0)
         length = np.linalg.norm(residual, axis=2)
         misfit, last = float(np.median(length[mask])) if mask.any() else 0.0, misfit
-        weight = mask / np.sqrt(length**2 + (1.5 * misfit + 1e-9) ** 2)
+        soft, scale = 1.5 * misfit + 1e-9, misfit + 1e-6
+        weight = mask / np.hypot(length, soft)
         J = np.zeros((*z.shape, 7 + 3 * n_targets))
-        J[..., :6] = body_jacobian(points - t)
+        J[..., :6] = body_jacobian(points - now.t)
         for i in range(n_targets):
-            J[:, i, :, 6 + 3 * i : 9 + 3 * i] = size * R @ seen.R[:, i]
-        J[..., -1] = points - t
-        scale = misfit + 1e-6
+            J[:, i, :, 6 + 3 * i : 9 + 3 * i] = now.size * now.R @ seen.R[:, i]
+        J[..., -1] = points - now.t
         flat = J.reshape(-1, J.shape[-1])
         pull = flat.T * np.repeat(weight / scale, 3)
         A, g = pull @ flat, pull @ residual.ravel()
         A[np.diag_indices_from(A)] += hold
-        g[6:-1] -= hold[6:-1] * (targets - start).ravel()
-        step = np.linalg.solve(A, g)
-        R = from_vectors(step[3:6]) @ R
-        t = t + step[:3]
-        targets = targets + step[6:-1].reshape(-1, 3)
-        size = size * float(np.exp(np.clip(step[-1], -1.0, 1.0)))
-        if float(np.abs(step).max()) < STILL or (iteration > 15 and misfit > 0.999 * last):
+        g[6:-1] -= hold[6:-1] * (now.targets - start).ravel()
+
+        def cost(place: _Place, points: Array, soft: float = soft, scale: float = scale) -> float:
+            far = np.hypot(np.linalg.norm(points - z, axis=2), soft)[mask].sum() / scale
+            return float(far + 0.5 * hold[6:-1] @ (place.targets - start).ravel() ** 2)
+
+        least, step = cost(now, points), np.zeros(len(g))
+        while damping <= MOST_DAMPED:
+            step = np.linalg.solve(A + damping * np.diag(np.diag(A)), g)
+            then = now.moved(step)
+            there = then.points(seen)
+            if cost(then, there) <= least:
+                now, points, damping = then, there, 0.1 * damping if damping > LEAST_DAMPED else 0.0
+                break
+            damping = max(LEAST_DAMPED, 10.0 * damping)
+        arrived = damping > MOST_DAMPED or float(np.abs(step).max()) < STILL
+        if arrived or (iteration > 15 and misfit > 0.999 * last):
             break
     every = np.asarray(np.isfinite(seen.points).all(axis=2))
     left = np.clip(np.where(every[..., None], seen.points, np.nan) - points, -1e100, 1e100)
-    return Placed(R, t, targets, size, np.linalg.norm(left, axis=2), misfit)
+    length = np.linalg.norm(left, axis=2)
+    middle = float(np.median(length[mask])) if mask.any() else 0.0
+    return Placed(now.R, now.t, now.targets, now.size, length, middle)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """R: (3, 3), t: (3,) [m] the base in the instrument's frame; targets: (T, 3) [m]; size: of the points."""
+
+    R: Array
+    t: Array
+    targets: Array
+    size: float
+
+    def points(self, seen: Sight) -> Array:
+        """(N, T, 3) [m] where the instrument would see them."""
+        local = seen.p + np.einsum("ntij,tj->nti", seen.R, self.targets)
+        return np.asarray(self.size * local @ self.R.T + self.t)
+
+    def moved(self, step: Array) -> _Place:
+        """After a step (7 + 3 T,): translation [m], rotation [rad], targets [m], logarithm of the size."""
+        return _Place(
+            from_vectors(step[3:6]) @ self.R,
+            self.t + step[:3],
+            self.targets + step[6:-1].reshape(-1, 3),
+            self.size * float(np.exp(np.clip(step[-1], -1.0, 1.0))),
+        )
