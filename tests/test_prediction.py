@@ -294,3 +294,23 @@ def test_a_damaged_factor_is_told(model, tmp_path):
 def test_an_unknown_payload_is_told(model):
     with pytest.raises(InputError, match="payload 'anvil': is not in the model"):
         predict(model, np.array([[0.0, 0.3, 0.3]]), "anvil")
+
+
+def test_a_fit_that_stands_where_it_was_measured_alone_is_kept(tmp_path):
+    """Folded, a soft shoulder bears the arm, stretched it does not: what is known is written all the same."""
+    robot, rng = load_robot("ur5"), np.random.default_rng(2)
+    q = np.array([0.0, -1.2, 2.6, 0.0, 0.0, 0.0]) + rng.uniform(-1, 1, (40, 6)) * [3, 0.2, 0.1, 2, 2, 2]
+    problem = problem_of(planned(robot, q))
+    effect, values = parse_effect("joint_compliance:joint=shoulder_lift_joint,compliance=0.02", problem)
+    model = Model(problem, (effect,))
+    points = model.predict(replace(model.in_base(), values=(values,)))
+    points = points + rng.normal(0, SIGMA, points.shape)
+    campaign = replace(problem.campaign, points=points, shots=np.ones(points.shape[:2], dtype=np.int64))
+    soft = replace(problem, campaign=campaign)
+    noise = Covariance(np.full(soft.seen.shape, SIGMA), np.zeros(6), np.ones(len(q)))
+    found = fit(Model(soft, (effect,)), replace(model.in_base(), values=(values,)), noise)
+    write_fit(tmp_path / "model.toml", found)
+    errors = predict(tmp_path / "model.toml", q)
+    assert errors.measured.all()
+    with pytest.raises(InputError, match="no rest"):
+        predict(tmp_path / "model.toml", random_poses(robot, 100, rng, share=1.0))
