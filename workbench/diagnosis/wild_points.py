@@ -266,7 +266,7 @@ def without_impossible(problem: Problem) -> Mended:
     points, faults = c.points.copy(), []
     for wrong, what in (
         (some & ~whole, "a coordinate is missing"),
-        (np.all(c.points == 0.0, axis=2), "exactly 0 0 0: not seen"),
+        (np.asarray((c.points == 0.0).all(axis=2)), "exactly 0 0 0: not seen"),
         (far, f"farther than {FARTHEST / 1e3:g} km"),
     ):
         for n in np.flatnonzero(wrong.any(axis=1)):
@@ -301,10 +301,10 @@ def _frozen(problem: Problem) -> Mended:
     c = problem.campaign
     wrong = np.zeros(c.points.shape[:2], dtype=bool)
     expected = problem.rigid.points(np.nan_to_num(problem.stated_targets), problem.on)
-    for i in np.flatnonzero(problem.on):
-        still = np.all(np.abs(np.diff(c.points[:, i], axis=0)) < 1e-9, axis=1)
-        moved = np.linalg.norm(np.diff(expected[:, i], axis=0), axis=1) > 1e-3
-        wrong[1:, i] = still & moved
+    for t in np.flatnonzero(problem.on):
+        still = np.all(np.abs(np.diff(c.points[:, t], axis=0)) < 1e-9, axis=1)
+        moved = np.linalg.norm(np.diff(expected[:, t], axis=0), axis=1) > 1e-3
+        wrong[1:, t] = still & moved
     if not wrong.any():
         return Mended(problem, ())
     points, faults = c.points.copy(), []
