@@ -117,6 +117,7 @@ def test_check_draws_what_does_not_fit_and_says_why(measured, monkeypatch, tmp_p
     tables = ["--poses", str(folder / "roboter.csv"), "--points", str(folder / "tracker.txt")]
     assert main(["init", str(urdf), "--name", "turned", *tables]) == 0
     path = Path("turned/campaign.toml")
+    assert capsys.readouterr().out.endswith(f"Next: workbench check {path}\n")
     path.write_text(path.read_text().replace('"Achse 2 [°]"', '"-Achse 2 [°]"'))
     capsys.readouterr()
     assert main(["check", str(path), "--out", "seen"]) == 2
@@ -130,6 +131,7 @@ def test_check_of_a_robot(measured, monkeypatch, tmp_path, capsys):
     _, urdf, _ = measured
     monkeypatch.chdir(tmp_path)
     assert main(["init", str(urdf)]) == 0
+    assert capsys.readouterr().out.endswith(f"Next: workbench check {Path('acme/acme.toml')}\n")
     assert main(["check", "acme/acme.toml"]) == 0
     said = capsys.readouterr().out
     assert "no gear ratio of any joint" in said

@@ -66,7 +66,8 @@ def run(arguments: argparse.Namespace) -> None:
     put_all({folder / path: data for path, data in files.items()})
     for note in made.notes:
         progress(note)
-    print(json.dumps(_facts(made, folder)) if arguments.json else _text(made, folder))
+    measured = arguments.poses is not None and arguments.points is not None
+    print(json.dumps(_facts(made, folder)) if arguments.json else _text(made, folder, measured))
 
 
 def _facts(made: NewRobot, folder: Path) -> dict[str, object]:
@@ -82,14 +83,16 @@ def _facts(made: NewRobot, folder: Path) -> dict[str, object]:
     }
 
 
-def _text(made: NewRobot, folder: Path) -> str:
+def _text(made: NewRobot, folder: Path, measured: bool) -> str:
+    """What was made, and what to do next. measured: both tables were given."""
     guessed = "" if made.flange.why == "as said" else f" (guessed: {made.flange.why}; --flange says another)"
     joints = made.chain.joints
     lines = [f"{made.name}: {len(joints)} joints from {made.chain.base} to {made.flange.flange}{guessed}"]
     lines += [f"  {i}  {joint.name:<28} {_range(joint)}" for i, joint in enumerate(joints, 1)]
+    campaign, next_ = ("campaign", "campaign") if measured else ("campaign template", made.name)
     lines += [
-        f"Written to {folder}: robot, campaign template, README.md with the next steps.",
-        f"Next: workbench check {folder / made.name}.toml",
+        f"Written to {folder}: robot, {campaign}, README.md with the next steps.",
+        f"Next: workbench check {folder / next_}.toml",
     ]
     return "\n".join(lines)
 
