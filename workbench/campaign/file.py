@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError,
 
 from ..files.faults import Fault, InputError
 from ..files.tables import Column, ColumnPlace, Layout, suggest
-from ..files.toml import read_toml
+from ..files.toml import read_toml, toml_key
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
 from .cell import CellData, DrivingData, InstrumentData, ObstacleData
@@ -123,12 +123,12 @@ def read_campaign_file(path: Path) -> CampaignFile:
     except ValidationError as error:
         raise InputError(_faults(path, error)) from None
     faults = [
-        Fault(f"{path}: targets.{name}.fixed", "a fixed target needs its place", "give xyz_mm")
+        Fault(f"{path}: targets.{toml_key(name)}.fixed", "a fixed target needs its place", "give xyz_mm")
         for name, target in file.targets.items()
         if target.fixed and target.xyz_mm is None
     ]
     faults += [
-        Fault(f"{path}: targets.{name}.opens", "is no direction", "give a vector that is not zero")
+        Fault(f"{path}: targets.{toml_key(name)}.opens", "is no direction", "give a vector that is not zero")
         for name, target in file.targets.items()
         if target.opens is not None and not any(target.opens)
     ]

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ..files.toml import toml_key
 from ..robot.new_robot import NewRobot
 from .guess import Guessed, guess_points, guess_poses
 
@@ -57,14 +58,10 @@ def _section(table: Path, folder: Path, guessed: Guessed) -> str:
 def _value(value: Any) -> str:
     """A value as TOML has it, tables in one line."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{toml_key(key)} = {_value(item)}" for key, item in value.items()) + " }"
     if isinstance(value, list):
         return "[" + ", ".join(_value(item) for item in value) + "]"
     return json.dumps(value, ensure_ascii=False)
-
-
-def _key(name: str) -> str:
-    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _value(name)
 
 
 _TOML = """\
