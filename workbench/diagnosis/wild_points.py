@@ -264,11 +264,12 @@ def without_impossible(problem: Problem) -> Mended:
     with np.errstate(invalid="ignore"):
         far = some & (np.abs(c.points) > FARTHEST).any(axis=2)
     points, faults = c.points.copy(), []
-    for wrong, what in (
+    for kind, what in (
         (some & ~whole, "a coordinate is missing"),
-        (np.asarray((c.points == 0.0).all(axis=2)), "exactly 0 0 0: not seen"),
+        ((c.points == 0.0).all(axis=2), "exactly 0 0 0: not seen"),
         (far, f"farther than {FARTHEST / 1e3:g} km"),
     ):
+        wrong = np.asarray(kind)
         for n in np.flatnonzero(wrong.any(axis=1)):
             for i in _told_apart(c, wrong[n], np.ones(len(c.targets))):
                 points[n, _with(c, i)] = np.nan
