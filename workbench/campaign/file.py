@@ -51,7 +51,8 @@ class PosesFile(TableFile):
     """`[poses]`: joints counts the joint columns as the URDF does, or as the robot's controller does."""
 
     joints: Literal["urdf", "controller"] = "urdf"
-    """how the joint columns count: as the URDF does, or as the robot's controller does"""
+    """how the joint columns count: as the URDF does, or as the robot's controller does, whose names of joints
+    are known then, in the header and under `columns`"""
 
 
 class TargetData(_Section):
@@ -71,9 +72,10 @@ class NoiseData(_Section):
     """`[noise]`."""
 
     sigma_mm: Annotated[FiniteFloat, Field(ge=1e-5)] | None = None
-    """of the instrument, one sigma per axis; absent = estimated from repeated poses"""
+    """of the instrument, one sigma per axis; absent = estimated from repeated poses; beside columns sx, sy,
+    sz of the points it holds where these are empty or 0"""
     pose: bool = False
-    """the targets of a pose are points of one 6-D measurement"""
+    """the targets of a pose are points of one 6-D measurement, wild as a whole or not at all"""
 
 
 class CampaignFile(_Section):
