@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, 
 
 from ..files.faults import Fault, InputError
 from ..files.measure import AboveZero
-from ..files.toml import read_toml, toml_key
+from ..files.toml import read_toml
 from .convention import Controller
 from .loop import Loop
 from .uncertainty import Uncertainty
@@ -212,7 +212,7 @@ def toml_faults(path: Path, error: ValidationError) -> list[Fault]:
     """The faults that pydantic found in a TOML file, each with its key and value."""
     faults = []
     for item in error.errors():
-        key = ".".join(toml_key(str(part)) for part in item["loc"]) or "file"
+        key = ".".join(str(part) for part in item["loc"]) or "file"
         value = item.get("input")
         said = f" (is {value!r})" if isinstance(value, str | int | float | bool) else ""
         what = SAID.get(item["type"], item["msg"] + said)
