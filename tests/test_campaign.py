@@ -98,6 +98,31 @@ def test_blank_sigma_falls_back_on_the_noise_stated_for_all(tmp_path: Path) -> N
     assert told[0].startswith("points.csv line 2: sx_mm is empty; give it for every point, or state [noise]")
 
 
+def test_an_uncertainty_of_nothing_is_none(tmp_path: Path) -> None:
+    """As trackers write it of a single shot: one word for all lines, and [noise] mends it."""
+    points = "pose_id,target,x_mm,y_mm,z_mm,sx_mm,sy_mm,sz_mm\na,T1,1,2,3,.5,0,.5\nb,T1,1,2,3,0,0,0\n"
+    (told,) = faults(write_example(tmp_path, points=points))
+    assert told.startswith(
+        "points.csv line 2: sx_mm, sy_mm, sz_mm: an uncertainty of 0 (2 of 2 lines) is none"
+    )
+    campaign = load_campaign(write_example(tmp_path, TOML + "[noise]\nsigma_mm = 0.1\n", points=points))
+    assert campaign.sigma is not None
+    np.testing.assert_allclose(campaign.sigma[:, 0], [[5e-4, 1e-4, 5e-4], [1e-4, 1e-4, 1e-4]])
+
+
+def test_names_are_advised_as_toml_has_them(tmp_path: Path) -> None:
+    name = "TMC 30-B #5320"
+    points = f"pose_id,target,x_mm,y_mm,z_mm\na,{name},1,2,3\nb,{name},1,2,3\n"
+    path = write_example(tmp_path, points=points)
+    (said,) = [line for line in warnings(load_campaign(path)) if "not declared" in line]
+    advice = said.rpartition("declare ")[2]
+    assert advice == f'[targets."{name}"]'
+    path.write_text(TOML + f"{advice}\nxyz_mm = [1, 2, 3]\n")
+    assert Target(name, (1e-3, 2e-3, 3e-3)) in load_campaign(path).targets
+    path.write_text(TOML + f'{advice}\non = "nowhere"\n')
+    assert any(f'targets."{name}".on: ' in told for told in faults(path))
+
+
 def test_what_is_left_out_is_told(tmp_path: Path) -> None:
     points = "pose_id,target,x_mm,y_mm,z_mm\nc,T1,1000,2,3\nz,T1,1,2,3\nz,T1,1,2,3\na,t1,4,5,6\n"
     campaign = load_campaign(write_example(tmp_path, points=points))

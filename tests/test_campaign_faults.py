@@ -135,7 +135,11 @@ def test_faults_of_the_poses(tmp_path: Path, poses: str, told: str) -> None:
         ),
         (
             POINTS.replace("\n", ",1,1,0\n").replace("z_mm,1,1,0", "z_mm,sx_mm,sy_mm,sz_mm"),
-            "points.csv line 2: sz_mm is not above 0; an uncertainty is positive",
+            "points.csv line 2: sx_mm, sy_mm, sz_mm: an uncertainty of 0 (4 of 4 lines) is none",
+        ),
+        (
+            POINTS.replace("\n", ",1,1,-1\n").replace("z_mm,1,1,-1", "z_mm,sx_mm,sy_mm,sz_mm"),
+            "points.csv line 2: sz_mm is below 0; an uncertainty is positive",
         ),
         (
             POINTS.replace("\na", "\n1").replace("\nb", "\n2").replace("\nc", "\n3"),

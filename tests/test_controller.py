@@ -263,6 +263,16 @@ def test_a_campaign_comes_in_as_the_controller_has_it(tmp_path: Path) -> None:
     assert poses.torque[0].tolist() == [0, -1, 1, 0, 0, 0]
 
 
+def test_columns_may_be_mapped_by_the_controllers_names(tmp_path: Path) -> None:
+    q = np.random.default_rng(2).uniform(-1, 1, (8, 6))
+    path = written_by_a_controller(tmp_path, q)
+    (tmp_path / "shown.csv").write_text((tmp_path / "shown.csv").read_text().replace(",J", ",Soll J"))
+    mapped = ", ".join(f"J{k} = {k + 1}" for k in range(1, 6)) + ', J6 = "Soll J6"'
+    keys = f'joints = "controller"\ncolumns = {{ {mapped} }}\nunits = {{ J6 = "deg" }}\n'
+    path.write_text(path.read_text().replace('joints = "controller"\n', keys))
+    assert load_campaign(path).poses.q == pytest.approx(q, abs=1e-10)
+
+
 def test_a_controllers_table_may_have_its_own_encoding(tmp_path: Path) -> None:
     q = np.random.default_rng(2).uniform(-1, 1, (8, 6))
     path = written_by_a_controller(tmp_path, q)

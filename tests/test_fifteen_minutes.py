@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +118,7 @@ def test_check_draws_what_does_not_fit_and_says_why(measured, monkeypatch, tmp_p
     tables = ["--poses", str(folder / "roboter.csv"), "--points", str(folder / "tracker.txt")]
     assert main(["init", str(urdf), "--name", "turned", *tables]) == 0
     path = Path("turned/campaign.toml")
+    assert capsys.readouterr().out.endswith(f"Next: workbench check {path}\n")
     path.write_text(path.read_text().replace('"Achse 2 [°]"', '"-Achse 2 [°]"'))
     capsys.readouterr()
     assert main(["check", str(path), "--out", "seen"]) == 2
@@ -130,6 +132,7 @@ def test_check_of_a_robot(measured, monkeypatch, tmp_path, capsys):
     _, urdf, _ = measured
     monkeypatch.chdir(tmp_path)
     assert main(["init", str(urdf)]) == 0
+    assert capsys.readouterr().out.endswith(f"Next: workbench check {Path('acme/acme.toml')}\n")
     assert main(["check", "acme/acme.toml"]) == 0
     said = capsys.readouterr().out
     assert "no gear ratio of any joint" in said
@@ -247,3 +250,53 @@ def test_what_is_not_found_is_said(measured, monkeypatch, tmp_path, capsys):
     capsys.readouterr()
     assert main(["check", "acme/campaign.toml"]) == 2
     assert "no column" in capsys.readouterr().err
+
+
+def in_one(campaign, *columns):
+    """Rows of one table without a header."""
+    return [[f"{value:.6f}" for value in row] for row in np.concatenate(columns, axis=1)]
+
+
+def guessed_of(name):
+    return tomllib.loads(Path(name, "campaign.toml").read_text())
+
+
+def test_joints_and_points_in_one_table_are_told_apart_by_the_robot(measured, monkeypatch, tmp_path, capsys):
+    """Points in metres might be joints, zeros as well: only the right columns fit the robot."""
+    _, urdf, campaign = measured
+    monkeypatch.chdir(tmp_path)
+    q, points = np.degrees(campaign.poses.q), campaign.points
+    nothing = np.zeros((len(q), 3))
+    table(Path("one.csv"), "", in_one(campaign, q, points[:, 0], nothing))
+    assert main(["init", str(urdf), "--name", "one", "--poses", "one.csv", "--points", "one.csv"]) == 0
+    found = guessed_of("one")
+    assert found["poses"]["columns"] == {f"q{j}_deg": j for j in range(1, 7)}
+    assert found["points"]["columns"] == {"x_m": 7, "y_m": 8, "z_m": 9}
+    assert load_campaign("one/campaign.toml").points == pytest.approx(points[:, :1], abs=1e-6)
+    wide = 1e3 * points[:, :3].reshape(len(q), 9)
+    table(Path("three.csv"), "", in_one(campaign, wide, nothing, nothing, np.radians(q)))
+    assert main(["init", str(urdf), "--name", "three", "--poses", "three.csv", "--points", "three.csv"]) == 0
+    found = guessed_of("three")
+    assert found["poses"]["columns"] == {f"q{j}_rad": 15 + j for j in range(1, 7)}
+    assert found["points"]["wide"] == {"T1": [1, 2, 3], "T2": [4, 5, 6], "T3": [7, 8, 9]}
+    assert load_campaign("three/campaign.toml").points == pytest.approx(points[:, :3], abs=1e-6)
+    capsys.readouterr()
+    table(Path("none.csv"), "", in_one(campaign, q, points[::-1, 0]))
+    assert main(["init", str(urdf), "--name", "none", "--poses", "none.csv", "--points", "none.csv"]) == 0
+    assert "NOT FOUND: x, y, z (joints and points in one table" in capsys.readouterr().err
+    assert "columns" not in guessed_of("none")["poses"]
+
+
+def test_joints_without_names_are_those_that_vary(tmp_path):
+    """External axes stand still, and a program's words stand in the cells beside its numbers."""
+    joints = [MovingJoint(f"joint_{j}", "revolute", "link", -3, 3, 1, 1) for j in range(1, 12)]
+    rows = [[f"P{i}", *a, *["0"] * 6] for i, a in enumerate(ANGLES)]
+    found = guess_poses(table(tmp_path / "t.csv", "", rows), joints[:6])
+    assert found.keys["columns"] == {"pose_id": 1, **{f"q{j}_deg": j + 1 for j in range(1, 7)}}
+    lines = [["VAR jointtarget j1 = j:{" + a[0], *a[1:], "0}{EJ 0", *["0"] * 5] for a in ANGLES]
+    found = guess_poses(table(tmp_path / "t.mod", "", lines), joints[:6])
+    assert found.lacking == [f"joint {j}" for j in range(1, 7)]
+    assert "it takes 6 columns of numbers side by side" in found.why
+    many = [[f"{i}.{j}" for j in range(1, 12)] for i in range(3)]
+    found = guess_poses(table(tmp_path / "t.txt", ",".join(f"q{j}_rad" for j in range(1, 12)), many), joints)
+    assert not found.lacking

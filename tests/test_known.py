@@ -22,14 +22,20 @@ from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.model_file import fit_files
 from workbench.identification.noise import required_noise
+from workbench.measurement.design import decide
 from workbench.measurement.design.discrimination_plan import LEVELS
 from workbench.report.content import _given as content_row
 from workbench.report.content import content
 from workbench.report.terminal import short_verdict
+from workbench.robot.equilibrium import NoRest
 
 CHARGE = "gravity_compensator:variant=charge,relative=-0.07"
 SLACK = "backlash:joint=joint_5,half_width=2.5e-4"
 BAR = 163.0  # of the KR 500's compensator, as its TOML has it
+
+
+def too_soft(*_: object) -> None:
+    raise NoRest
 
 
 @cache
@@ -155,6 +161,13 @@ def test_a_reading_of_the_gauge_decides(tmp_path):
         'cause = "gravity_compensator"'
         in fit_files(tmp_path / "model.toml", outcome.fit)[tmp_path / "model.toml"]
     )
+    # what cannot be worked out does not lose the diagnosis
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(decide, "reach_of", too_soft)
+        kept = what_decides(before)
+    assert kept.diagnosis.causes == before.diagnosis.causes
+    for notes in (kept.diagnosis.notes, kept.prepared.notes):
+        assert "could not be worked out: robot: the loaded arm finds no rest" in notes[-1]
     # and that reading had been asked for
     (open_,) = (one for one in what_decides(before).diagnosis.causes if one.status == "ambiguous")
     offered = {one.kind: one for one in open_.decide}

@@ -8,6 +8,7 @@ import pytest
 from diagnosis_cases import measured
 
 from workbench.campaign import Campaign, Target, write_campaign
+from workbench.campaign.known import with_known
 from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
@@ -317,6 +318,13 @@ def test_a_mend_that_stays_within_the_limits_comes_first():
         check_plausible(problem_of(flip(0)(honest("irb120"))))
     assert "turn the sign of q1" in str(caught.value)
     assert "180°" not in str(caught.value)
+
+
+def test_a_check_refuses_what_a_diagnosis_refuses():
+    wrong = with_known(honest(), ["no nonsense_cause", "nonsense_fact:joint=joint_1,ratio=100,std=1"])
+    said = [str(fault) for fault in first_look(wrong).wrong]
+    assert any("no cause 'nonsense_cause'" in fault for fault in said)
+    assert any("no cause 'nonsense_fact'" in fault for fault in said)
 
 
 def test_a_check_does_not_promise_that_calibration_mends_another_robot():

@@ -4,6 +4,7 @@ import base64
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -178,6 +179,30 @@ def test_command(model, tmp_path, capsys):
     assert table[1].startswith("p1,T1,")
 
 
+def test_a_campaigns_poses_with_their_columns_and_loads(model, tmp_path, capsys):
+    (tmp_path / "read.txt").write_text("A;B;C;load\n0;200;200;\n30;300;100;heavy\n-20;300;100;\n")
+    (tmp_path / "points.csv").write_text("x_mm,y_mm,z_mm\n" + "1,2,3\n" * 3)
+    columns = 'columns = { q1_deg = "A", q2_mm = "B", q3_mm = "-C", payload = "load" }'
+    path = tmp_path / "campaign.toml"
+    path.write_text(
+        f'schema = 1\nrobot = "cylindrical"\n[poses]\nfile = "read.txt"\nseparator = ";"\n{columns}\n'
+        '[points]\nfile = "points.csv"\n[payloads.heavy]\nmass_kg = 20.0\n'
+    )
+    call = ["predict", str(model), "--out", str(tmp_path / "out"), "--json", "--poses"]
+    assert main([*call, str(path)]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert {"campaign.toml", "read.txt"} <= {Path(name).name for name in said["inputs"]}
+    q = np.array([[0.0, 0.2, -0.2], [np.pi / 6, 0.3, -0.1], [-np.pi / 9, 0.3, -0.1]])
+    there = [pose["corrected_bound_mm"] for pose in said["poses"]]
+    assert there == pytest.approx(1e3 * predict(model, q).worst, rel=1e-3)  # no cause of it feels the load
+    assert main([*call, str(path), "--payload", "heavy"]) == 2
+    assert "the campaign says what the arm carries" in capsys.readouterr().err
+    path.write_text(path.read_text().replace("cylindrical", "rx170"))
+    assert main([*call, str(path)]) == 2
+    assert main([*call, str(tmp_path / "read.txt")]) == 2
+    assert "or name the campaign.toml that says its columns" in capsys.readouterr().err
+
+
 def test_volume(model, tmp_path, capsys):
     assert main(["predict", str(model), "--volume", "40", "--out", str(tmp_path), "--tolerance", "10"]) == 0
     said = capsys.readouterr().out
@@ -294,3 +319,23 @@ def test_a_damaged_factor_is_told(model, tmp_path):
 def test_an_unknown_payload_is_told(model):
     with pytest.raises(InputError, match="payload 'anvil': is not in the model"):
         predict(model, np.array([[0.0, 0.3, 0.3]]), "anvil")
+
+
+def test_a_fit_that_stands_where_it_was_measured_alone_is_kept(tmp_path):
+    """Folded, a soft shoulder bears the arm, stretched it does not: what is known is written all the same."""
+    robot, rng = load_robot("ur5"), np.random.default_rng(2)
+    q = np.array([0.0, -1.2, 2.6, 0.0, 0.0, 0.0]) + rng.uniform(-1, 1, (40, 6)) * [3, 0.2, 0.1, 2, 2, 2]
+    problem = problem_of(planned(robot, q))
+    effect, values = parse_effect("joint_compliance:joint=shoulder_lift_joint,compliance=0.02", problem)
+    model = Model(problem, (effect,))
+    points = model.predict(replace(model.in_base(), values=(values,)))
+    points = points + rng.normal(0, SIGMA, points.shape)
+    campaign = replace(problem.campaign, points=points, shots=np.ones(points.shape[:2], dtype=np.int64))
+    soft = replace(problem, campaign=campaign)
+    noise = Covariance(np.full(soft.seen.shape, SIGMA), np.zeros(6), np.ones(len(q)))
+    found = fit(Model(soft, (effect,)), replace(model.in_base(), values=(values,)), noise)
+    write_fit(tmp_path / "model.toml", found)
+    errors = predict(tmp_path / "model.toml", q)
+    assert errors.measured.all()
+    with pytest.raises(InputError, match="no rest"):
+        predict(tmp_path / "model.toml", random_poses(robot, 100, rng, share=1.0))

@@ -269,3 +269,31 @@ def test_a_target_of_three_poses_or_of_known_place_stays():
 
 def rms(residual):
     return float(np.sqrt(np.nanmean(np.sum(residual**2, axis=2))))
+
+
+def nulled(points):
+    points[7] = 0.0
+
+
+def frozen(points):
+    points[7] = points[6]
+
+
+def gross(points):
+    points[7] += [[0.0, 0.0, 0.2], [0.0, 0.0, 0.3], [0.0, 0.0, 0.2]]
+
+
+def slight(points):
+    points[7, 0] += [0.001, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("change", [nulled, frozen, gross, slight])
+def test_a_wild_measurement_in_six_dimensions_is_one(change):
+    """Its targets are computed from one pose: none of them is right where another is wrong."""
+    exact = measured("ur5", poses=40, loads=(), sigma=0.0, state_sigma=False)
+    points = exact.points + np.random.default_rng(3).normal(0, 3e-5, (40, 1, 3))
+    change(points)
+    ready = prepared.prepare(replace(with_points(exact, points), six_dof=True))
+    assert [(fault.pose_id, fault.target) for fault in ready.faults] == [("8", None)]
+    assert ready.problem.seen.all()
+    assert "8" not in ready.problem.campaign.poses.ids

@@ -41,7 +41,8 @@ def campaign_from(
     poses = _poses(q, robot)
     seen = _points(points, file)
     faults = [*check_targets(place, file, robot), *poses.faults, *seen.faults]
-    faults += [] if faults else [*check_poses(poses, file, robot), *check_points(seen)]
+    if not faults:
+        faults = [*check_poses(poses, file, robot), *check_points(seen, file.noise.sigma_mm is not None)]
     if faults:
         raise InputError(faults)
     try:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..files.digest import digests
 from ..files.tables import Table, suggest
+from ..files.toml import toml_key
 from ..robot.description import Robot
 from ..robot.shown import urdf_notes
 from .cell import beside
@@ -115,7 +116,8 @@ def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) 
     if "sx" in points.numbers:
         stated = np.stack([points.numbers[f"s{axis}"] for axis in "xyz"], axis=1)[known]
         if file.noise.sigma_mm is not None:
-            stated = np.where(np.isnan(stated), file.noise.sigma_mm * 1e-3, stated)
+            none = np.isnan(stated) | (stated == 0.0)  # as instruments write that they have none
+            stated = np.where(none, file.noise.sigma_mm * 1e-3, stated)
         with np.errstate(invalid="ignore"):
             sigma = (np.sqrt(_sums(cell, stated**2, len(shots))) / shots[:, None]).reshape(*grid, 3)
     with np.errstate(over="ignore"):  # beyond all measure: left out later
@@ -158,7 +160,7 @@ def _targets(
             close = suggest(name, file.targets)
             warnings.append(
                 f"{points.path} line {line}: target {name!r} is not declared: taken on the flange, its place "
-                f"unknown; {close or f'declare [targets.{name}]'}"
+                f"unknown; {close or f'declare [targets.{toml_key(name)}]'}"
             )
             targets.append(Target(name))
     return tuple(targets), warnings

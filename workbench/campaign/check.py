@@ -9,6 +9,7 @@ import numpy as np
 
 from ..files.faults import Fault
 from ..files.tables import FAULTS_SHOWN, Table, suggest
+from ..files.toml import toml_key
 from ..robot.description import Robot
 from .file import CampaignFile
 
@@ -17,7 +18,7 @@ def check_targets(path: Path, file: CampaignFile, robot: Robot) -> list[Fault]:
     """Targets sit on the flange, the base or a link of the robot."""
     places = list(dict.fromkeys(["flange", "base", robot.flange, robot.base, *robot.links]))
     return [
-        Fault(f"{path}: targets.{name}.on", f"{robot.name} has no link {target.on!r}",
+        Fault(f"{path}: targets.{toml_key(name)}.on", f"{robot.name} has no link {target.on!r}",
               suggest(target.on, places) or f"one of {places}")
         for name, target in file.targets.items()
         if target.on not in places
@@ -86,17 +87,35 @@ def _and(numbers: list[int], shown: int = 5) -> str:
     return ", ".join(texts[:-1]) + " and " + texts[-1]
 
 
-def check_points(points: Table) -> list[Fault]:
-    """Faults of `points.csv` beyond single cells."""
+def check_points(points: Table, stated: bool) -> list[Fault]:
+    """Faults of `points.csv` beyond single cells. stated: so is [noise] sigma_mm, and an uncertainty of 0 is
+    none."""
     table = Table(points.path, points.lines, points.numbers, points.texts, points.labels)
     given = [axis for axis in "xyz" if f"s{axis}" in points.labels]
     if given and len(given) < 3:
         absent = ", ".join(f"s{axis}_mm" for axis in "xyz" if axis not in given)
         table.faults.append(Fault(str(points.path), f"s{given[0]} but no {absent}", "give all three or none"))
     for axis in given:
-        values = points.numbers[f"s{axis}"]
-        table.add_fault_where(values <= 0.0, f"s{axis}", "is not above 0", "an uncertainty is positive")
+        table.add_fault_where(
+            points.numbers[f"s{axis}"] < 0.0, f"s{axis}", "is below 0", "an uncertainty is positive"
+        )
+    if not stated:
+        table.faults += _without_uncertainty(table, [f"s{axis}" for axis in given])
     return table.faults
+
+
+def _without_uncertainty(points: Table, given: list[str]) -> list[Fault]:
+    """A fault where an instrument writes an uncertainty of 0, as it does where it has none: one for all."""
+    if not given:
+        return []
+    none = np.any([points.numbers[name] == 0.0 for name in given], axis=0)
+    if not none.any():
+        return []
+    place = f"{points.path} line {points.lines[int(np.argmax(none))]}"
+    columns = ", ".join(points.labels[name] for name in given)
+    what = f"{columns}: an uncertainty of 0 ({np.count_nonzero(none)} of {len(none)} lines) is none"
+    mend = "state [noise] sigma_mm, which then holds for these, or take the columns out"
+    return [Fault(place, what, mend)]
 
 
 def doubts(poses: Table, points: Table, robot: Robot) -> list[str]:

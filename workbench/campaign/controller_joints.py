@@ -32,15 +32,21 @@ def joints_in_order(robot: Robot, convention: Convention) -> list[Joint]:
 
 
 def by_the_controllers_names(path: Path, layout: Layout, convention: Convention) -> Layout:
-    """The layout, with the columns that are named as the controller names its joints: A1 is q1, and so on."""
+    """The layout, with the columns that are named as the controller names its joints: A1 is q1, and so on; in
+    the file's header, or on the left under `columns` and `units`."""
+    ours = {
+        name: f"q{k}_{unit}"
+        for k, (name, unit) in enumerate(zip(convention.names, convention.units, strict=True), 1)
+    }
+    columns, units = (
+        {key if ours.get(key) in said else ours.get(key, key): value for key, value in said.items()}
+        for said in (layout.columns, layout.units)
+    )
+    layout = layout.model_copy(update={"columns": columns, "units": units})
     rows, _, _ = split(content(read_text(path, layout.encoding), layout), layout.separator, str(path))
     header = [cell.strip() for cell in rows[0]] if layout.header and rows else []
     said = {name.split("_")[0] for name in layout.columns}
-    named = {
-        f"q{k}_{unit}": name
-        for k, (name, unit) in enumerate(zip(convention.names, convention.units, strict=True), 1)
-        if name in header and f"q{k}" not in said
-    }
+    named = {our: name for name, our in ours.items() if name in header and our.split("_")[0] not in said}
     return layout.model_copy(update={"columns": {**layout.columns, **named}})
 
 

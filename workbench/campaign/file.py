@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError,
 
 from ..files.faults import Fault, InputError
 from ..files.tables import Column, ColumnPlace, Layout, suggest
-from ..files.toml import read_toml
+from ..files.toml import read_toml, toml_key
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
 from .cell import CellData, DrivingData, InstrumentData, ObstacleData
@@ -51,7 +51,8 @@ class PosesFile(TableFile):
     """`[poses]`: joints counts the joint columns as the URDF does, or as the robot's controller does."""
 
     joints: Literal["urdf", "controller"] = "urdf"
-    """how the joint columns count: as the URDF does, or as the robot's controller does"""
+    """how the joint columns count: as the URDF does, or as the robot's controller does, whose names of joints
+    are known then, in the header and under `columns`"""
 
 
 class TargetData(_Section):
@@ -71,9 +72,10 @@ class NoiseData(_Section):
     """`[noise]`."""
 
     sigma_mm: Annotated[FiniteFloat, Field(ge=1e-5)] | None = None
-    """of the instrument, one sigma per axis; absent = estimated from repeated poses"""
+    """of the instrument, one sigma per axis; absent = estimated from repeated poses; beside columns sx, sy,
+    sz of the points it holds where these are empty or 0"""
     pose: bool = False
-    """the targets of a pose are points of one 6-D measurement"""
+    """the targets of a pose are points of one 6-D measurement, wild as a whole or not at all"""
 
 
 class CampaignFile(_Section):
@@ -123,12 +125,12 @@ def read_campaign_file(path: Path) -> CampaignFile:
     except ValidationError as error:
         raise InputError(_faults(path, error)) from None
     faults = [
-        Fault(f"{path}: targets.{name}.fixed", "a fixed target needs its place", "give xyz_mm")
+        Fault(f"{path}: targets.{toml_key(name)}.fixed", "a fixed target needs its place", "give xyz_mm")
         for name, target in file.targets.items()
         if target.fixed and target.xyz_mm is None
     ]
     faults += [
-        Fault(f"{path}: targets.{name}.opens", "is no direction", "give a vector that is not zero")
+        Fault(f"{path}: targets.{toml_key(name)}.opens", "is no direction", "give a vector that is not zero")
         for name, target in file.targets.items()
         if target.opens is not None and not any(target.opens)
     ]

@@ -6,20 +6,25 @@ A guess goes into `campaign.toml`, where people read it; `load_campaign` never g
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..files.faults import BYTE_ORDER_MARKS, Fault, InputError, read_text
-from ..files.table_rows import SEPARATORS, cells, content, usual_width
-from ..files.tables import Layout
 from ..robot.chain import MovingJoint
+from .guess_text import Array, Text, angle_unit, counts, is_numbers, length_unit, read, repeats, unit_of
 
-COMMENT = re.compile(r"\s*(//|#|%|!)")
-NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
+Misfit = Callable[[Array, Array], float]  # joints (N, n) [rad, m], points (N, 3) [m] → misfit [m]
+
+ENDLESS = 4 * np.pi  # rad, that a joint without limits turns at most
+BESIDE = 0.02  # of a joint's range: as near to a limit as it is within
+FITS = 0.03  # of the spread of the points: what the right columns are off the robot at most
+CLEARLY = 4.0  # times as far off as the best, or as
+EXACT = 1e-3  # of the spread: other columns than the right ones
+ROWS, FEWEST = 60, 8  # of a table, that are looked at
 POSE = (
     "poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "nummer", "index", "group", "gruppe",
     "name", "point", "punkt", "punktnr", "messpunkt", "stellung",
@@ -28,74 +33,103 @@ TARGET = (
     "target", "smr", "reflector", "reflektor", "marker", "marke", "ziel", "targetname", "pointname",
     "punktname", "point", "punkt", "name",
 )  # fmt: skip
-UNITS = {"mm": "mm", "m": "m", "deg": "deg", "°": "deg", "degree": "deg", "degrees": "deg", "rad": "rad"}
-JOINT = re.compile(r"(?:a|j|q|ax|axis|achse|joint|jt|theta|actualq|targetq)(?:pos|cmd)?0?(\d)(?:pos|cmd)?")
+JOINT = re.compile(r"(?:a|j|q|ax|axis|achse|joint|jt|theta|actualq|targetq)(?:pos|cmd)?0?(\d\d?)(?:pos|cmd)?")
 
 
 @dataclass
 class Guessed:
-    """Keys for `[poses]` or `[points]`; lacking: our columns that were not found, among `header`."""
+    """Keys for `[poses]` or `[points]`; lacking: our columns that were not found, among `header`; why."""
 
     keys: dict[str, Any] = field(default_factory=dict)
     lacking: list[str] = field(default_factory=list)
     header: list[str] = field(default_factory=list)
-
-
-@dataclass(frozen=True)
-class _Text:
-    """A table's cells: header (or none), columns, and the layout's keys."""
-
-    header: list[str]
-    columns: list[tuple[str, ...]]
-    keys: dict[str, Any]
-
-    def name(self, index: int) -> str | int:
-        """How `columns` calls a column."""
-        return self.header[index] if self.header else index + 1
-
-    def largest(self, index: int) -> float:
-        """The largest absolute number in a column."""
-        return max((abs(float(cell.replace(",", "."))) for cell in self.columns[index] if cell), default=0.0)
+    why: str = ""
 
 
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
     """Keys for the table of a robot's joints. Raises `InputError` where the file cannot be read."""
-    text = _read(path)
+    text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
+    numbers = _joint_columns(text, joints)
+    identity = _first(text, POSE, set(numbers.values()))
+    return _of_joints(text, found, joints, numbers, identity)
+
+
+def _of_joints(
+    text: Text,
+    found: Guessed,
+    joints: Sequence[MovingJoint],
+    numbers: Mapping[int, int],
+    identity: int | None,
+) -> Guessed:
+    """With the columns of the joints, numbers: joint (from 1) → column, and of the pose's name."""
     columns: dict[str, str | int] = {}
-    numbers = _joint_columns(text, [joint.name for joint in joints])
+    if not text.header and not numbers:
+        found.why = f"it takes {len(joints)} columns of numbers side by side, and nothing else in their cells"
     for i, joint in enumerate(joints, 1):
         if i not in numbers:
             found.lacking.append(f"joint {i}")
             continue
-        index = numbers[i]
-        slides = joint.kind == "prismatic"
-        usual = ("mm" if text.largest(index) > 5 else "m") if slides else None
-        unit = _unit(text, index) or usual or _angle_unit(text, list(numbers.values()))
-        columns[f"q{i}_{unit}"] = text.name(index)
-    identity = _first(text, POSE, set(numbers.values()))
-    if identity is not None and len(set(text.columns[identity])) == len(text.columns[identity]):
+        unit = _joint_unit(text, joint, numbers[i], list(numbers.values()))
+        columns[f"q{i}_{unit}"] = text.name(numbers[i])
+    if identity is not None and not repeats(text.columns[identity]):
         columns = {"pose_id": text.name(identity), **columns}
     return _mapped(found, columns)
 
 
+def guess_both(path: Path, joints: Sequence[MovingJoint], misfit: Misfit) -> tuple[Guessed, Guessed]:
+    """Keys for the joints and for the points of one table. Without a header they are those columns that fit
+    the robot as its URDF says, by `misfit`. Raises `InputError` where the file cannot be read."""
+    text = read(path)
+    if text.header:
+        return guess_poses(path, joints), guess_points(path)
+    poses, points = Guessed(dict(text.keys)), Guessed(dict(text.keys))
+    best = _fitting(text, joints, misfit)
+    if best is None:
+        poses.lacking, points.lacking = [f"joint {i}" for i in range(1, len(joints) + 1)], ["x", "y", "z"]
+        poses.why = points.why = "joints and points in one table without names, and no columns fit the robot"
+        return poses, points
+    window, places = best
+    taken = {*window, *(index for place in places for index in place)}
+    first = _first(text, POSE, taken)
+    alone = first is not None and text.varies(first) and not repeats(text.columns[first])
+    identity = first if alone else None
+    triples = {f"T{i}" if len(places) > 1 else "": place for i, place in enumerate(places, 1)}
+    return (
+        _of_joints(text, poses, joints, dict(enumerate(window, 1)), identity),
+        _of_places(text, points, triples, identity, {*range(len(text.columns))}),
+    )
+
+
 def guess_points(path: Path) -> Guessed:
     """Keys for the table of the instrument's points. Raises `InputError` where the file cannot be read."""
-    text = _read(path)
+    text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
     places = _triples(text)
     if not places:
         found.lacking += ["x", "y", "z"]
         return found
     taken = {index for triple in places.values() for index in triple}
-    lengths = [text.largest(index) for index in taken]
-    unit = _unit(text, min(taken)) or ("mm" if max(lengths) > 30 else "m")
+    return _of_places(text, found, places, _first(text, POSE, taken), taken)
+
+
+def _of_places(
+    text: Text,
+    found: Guessed,
+    places: Mapping[str, tuple[int, int, int]],
+    identity: int | None,
+    taken: set[int],
+) -> Guessed:
+    """With the columns of x, y and z of each target, and of the pose's name; taken: those that name no
+    target."""
+    own = {index for triple in places.values() for index in triple}
+    unit = unit_of(text, min(own)) or length_unit(text, own)
     columns: dict[str, str | int] = {}
-    if (identity := _first(text, POSE, taken)) is not None:
+    if identity is not None:
         columns["pose_id"] = text.name(identity)
-        taken.add(identity)
+        taken = {*taken, identity}
     if len(places) == 1:
-        if (target := _first(text, TARGET, taken)) is not None and _repeats(text.columns[target]):
+        if (target := _first(text, TARGET, taken)) is not None and repeats(text.columns[target]):
             columns["target"] = text.name(target)
         (triple,) = places.values()
         columns |= {f"{axis}_{unit}": text.name(i) for axis, i in zip("xyz", triple, strict=True)}
@@ -113,47 +147,6 @@ def _mapped(found: Guessed, columns: dict[str, str | int]) -> Guessed:
     return found
 
 
-def _read(path: Path) -> _Text:
-    keys: dict[str, Any] = {}
-    try:
-        text = read_text(path)
-    except InputError:
-        if not path.is_file() or path.read_bytes().startswith(tuple(BYTE_ORDER_MARKS)):
-            raise
-        text = read_text(path, "latin-1")
-        keys["encoding"] = "latin-1"
-    mark = next((m[1] for line in text.splitlines()[:20] if (m := COMMENT.match(line))), "")
-    numbered = content(text, Layout(comment=mark))
-    if not numbered:
-        raise InputError(Fault(str(path), "is empty", "it needs a line per row"))
-    lines = [line for _, line in numbered]
-    separator = max(SEPARATORS, key=lambda one: _columns_of(lines, one))
-    rows = [cells(line, separator) for line in lines]
-    width = usual_width(rows)
-    header = [] if any(NUMBER.fullmatch(cell) for cell in rows[0]) else rows[0]
-    body = [row[:width] for row in rows[bool(header) :] if len(row) >= width]
-    columns = list(zip(*body, strict=True))
-    comma = separator != "," and any(re.fullmatch(r"[+-]?\d+,\d+", cell) for row in body for cell in row)
-    keys |= {"separator": separator} if separator != "," else {}
-    keys |= ({"decimal": ","} if comma else {}) | ({"comment": mark} if mark else {})
-    keys |= {} if header else {"header": False}
-    return _Text(header[:width], columns, keys)
-
-
-def _columns_of(lines: list[str], separator: str) -> tuple[float, int]:
-    """How well a separator divides all lines alike, and into how many; blanks come last."""
-    try:
-        widths = [len(cells(line, separator)) for line in lines[:200]]
-    except ValueError:
-        return 0.0, 0
-    most = max(set(widths), key=widths.count)
-    return (widths.count(most) / len(widths), most) if most > 1 else (0.0, 0)
-
-
-def _is_numbers(column: Sequence[str]) -> bool:
-    return all(NUMBER.fullmatch(cell) for cell in column if cell) and any(column)
-
-
 def _plain(name: str) -> str:
     """Letters and digits of a name without its unit."""
     bare = re.sub(r"[\[(].*?[\])]", "", name.lower())
@@ -161,25 +154,20 @@ def _plain(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", bare)
 
 
-def _unit(text: _Text, index: int) -> str | None:
-    """The unit that a column's name states: [deg], (mm), _rad."""
+def _joint_unit(text: Text, joint: MovingJoint, index: int, all_joints: Sequence[int]) -> str:
+    """The unit of a joint's column, as its name says it or as large as its numbers are."""
+    slides = ("mm" if text.largest(index) > 5 else "m") if joint.kind == "prismatic" else None
+    return unit_of(text, index) or slides or angle_unit(text, all_joints)
+
+
+def _joint_columns(text: Text, joints: Sequence[MovingJoint]) -> dict[int, int]:
+    """Joint (from 1) → column: by the robot's own names, by names with a number; without a header the columns
+    side by side that vary and lie within the limits, the last of them."""
+    numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
+    names = [joint.name for joint in joints]
     if not text.header:
-        return None
-    said = re.search(r"[\[(]\s*(.*?)\s*[\])]|[ _.-](mm|m|deg|rad|°)\s*$", text.header[index].lower())
-    return UNITS.get(said[1] or said[2] or "") if said else None
-
-
-def _angle_unit(text: _Text, indices: Sequence[int]) -> str:
-    """Degrees where some joint has more than a turn in radians."""
-    return "deg" if max(text.largest(i) for i in indices) > 2 * np.pi else "rad"
-
-
-def _joint_columns(text: _Text, names: Sequence[str]) -> dict[int, int]:
-    """Joint (from 1) → column: by the robot's own names, by names with a number, or all columns in order."""
-    numbers = [i for i, column in enumerate(text.columns) if _is_numbers(column)]
-    if not text.header:
-        rest = numbers[-len(names) :]
-        return dict(enumerate(rest, 1)) if len(rest) == len(names) else {}
+        windows = _windows(text, joints)
+        return dict(enumerate(windows[-1], 1)) if windows else {}
     plain = {i: _plain(text.header[i]) for i in numbers}
     own = {_plain(name): j for j, name in enumerate(names, 1)} | {
         _plain(name).removesuffix("joint"): j for j, name in enumerate(names, 1)
@@ -192,9 +180,80 @@ def _joint_columns(text: _Text, names: Sequence[str]) -> dict[int, int]:
     return {number + 1 - first: i for number, i in reversed(counted) if number + 1 - first <= len(names)}
 
 
-def _triples(text: _Text) -> dict[str, tuple[int, int, int]]:
+def _windows(text: Text, joints: Sequence[MovingJoint]) -> list[range]:
+    """Columns side by side that may be the joints of a table without a header: those of which most vary and
+    lie within the limits."""
+    n = len(joints)
+    numbers = {i for i, column in enumerate(text.columns) if is_numbers(column) and not counts(column)}
+    windows = [range(i, i + n) for i in sorted(numbers) if numbers.issuperset(range(i, i + n))]
+    varies = {i: text.varies(i) for i in numbers}
+    worth = [
+        sum(varies[i] and within for i, within in zip(one, _within_limits(text, joints, one), strict=True))
+        for one in windows
+    ]
+    return [one for one, value in zip(windows, worth, strict=True) if value == max(worth)]
+
+
+def _joints_of(text: Text, joints: Sequence[MovingJoint], window: range) -> Array:
+    """(rows, n) [rad, m] of columns that may be the joints."""
+    factor = {"deg": np.pi / 180, "rad": 1.0, "mm": 1e-3, "m": 1.0}
+    return np.stack(
+        [
+            factor[_joint_unit(text, joint, index, window)] * text.numbers(index)
+            for joint, index in zip(joints, window, strict=True)
+        ],
+        axis=1,
+    )
+
+
+def _within_limits(text: Text, joints: Sequence[MovingJoint], window: range) -> NDArray[np.bool_]:
+    """(n,) whether a joint would keep to its limits, or next to them."""
+    q = _joints_of(text, joints, window)
+    lower, upper = (np.array([getattr(joint, name) for joint in joints]) for name in ("lower", "upper"))
+    endless = ~np.isfinite(upper - lower)
+    lower, upper = np.where(endless, -ENDLESS, lower), np.where(endless, ENDLESS, upper)
+    slack = BESIDE * (upper - lower)
+    return np.asarray((np.nanmin(q, axis=0) >= lower - slack) & (np.nanmax(q, axis=0) <= upper + slack))
+
+
+def _fitting(
+    text: Text, joints: Sequence[MovingJoint], misfit: Misfit
+) -> tuple[range, list[tuple[int, int, int]]] | None:
+    """Columns of joints and of the x, y, z of targets that fit each other; None where none does, or where
+    several do."""
+    varying = {i for i, column in enumerate(text.columns) if is_numbers(column) and text.varies(i)}
+    windows = _windows(text, joints)
+    found = list[tuple[float, range, tuple[int, int, int]]]()
+    for window in windows:
+        q = _joints_of(text, joints, window)
+        for i in sorted(varying):
+            place = (i, i + 1, i + 2)
+            if not varying.issuperset(place) or not set(window).isdisjoint(place):
+                continue
+            unit = 1e-3 if length_unit(text, place) == "mm" else 1.0
+            points = unit * np.stack([text.numbers(k) for k in place], axis=1)
+            rows = np.flatnonzero(np.isfinite(q).all(axis=1) & np.isfinite(points).all(axis=1))
+            rows = rows[np.unique(np.linspace(0, len(rows) - 1, ROWS).astype(int))] if len(rows) else rows
+            if len(rows) >= FEWEST:
+                spread = float(np.linalg.norm(points[rows].std(axis=0)))
+                found.append((misfit(q[rows], points[rows]) / spread, window, place))
+    found.sort(key=lambda one: one[0])
+    if not found or found[0][0] > FITS:
+        return None
+    best, window, place = found[0]
+    limit = min(FITS, CLEARLY * max(best, EXACT))
+    if any(value < limit for value, other, _ in found if other != window):
+        return None
+    places = [place]
+    for value, other, place in found:
+        if other == window and value < limit:
+            places += [place] * all(set(place).isdisjoint(one) for one in places)
+    return window, sorted(places)
+
+
+def _triples(text: Text) -> dict[str, tuple[int, int, int]]:
     """Target → columns of x, y, z."""
-    numbers = [i for i, column in enumerate(text.columns) if _is_numbers(column)]
+    numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
     if not text.header:
         return {"": (numbers[-3], numbers[-2], numbers[-1])} if len(numbers) >= 3 else {}
     axes: dict[str, dict[str, int]] = {}
@@ -210,14 +269,10 @@ def _triples(text: _Text) -> dict[str, tuple[int, int, int]]:
     return {f"T{name}" if name.isdigit() else name.upper(): triple for name, triple in whole.items()}
 
 
-def _first(text: _Text, names: Sequence[str], taken: set[int]) -> int | None:
+def _first(text: Text, names: Sequence[str], taken: set[int]) -> int | None:
     """The first column that is called so; without a header, the first one that is left."""
     left = [i for i in range(len(text.columns)) if i not in taken]
     if not text.header:
         return left[0] if left else None
     plain = {_plain(text.header[i]): i for i in reversed(left)}
     return next((plain[name] for name in names if name in plain), None)
-
-
-def _repeats(column: Sequence[str]) -> bool:
-    return len(set(column)) < len(column)

@@ -37,7 +37,7 @@ def load_campaign(path: str | Path) -> Campaign:
     path = Path(path)
     file = read_campaign_file(path)
     points = read_points(path.parent / file.points.file, file, f"{path}: points")
-    faults = [*points.faults, *check_points(points)]
+    faults = [*points.faults, *check_points(points, file.noise.sigma_mm is not None)]
     try:
         robot = _robot(path, file)
     except InputError as error:

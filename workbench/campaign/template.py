@@ -8,20 +8,32 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..robot.new_robot import NewRobot
-from .guess import Guessed, guess_points, guess_poses
+import numpy as np
 
+from ..files.toml import toml_key
+from ..robot.new_robot import NewRobot
+from .guess import Guessed, Misfit, guess_both, guess_points, guess_poses
+
+LACKING = "# NOT FOUND: "
 POINTS = "pose_id,target,x_mm,y_mm,z_mm\n"
 
 
 def template_files(
-    robot: NewRobot, folder: Path, poses: Path | None = None, points: Path | None = None
+    robot: NewRobot,
+    folder: Path,
+    poses: Path | None = None,
+    points: Path | None = None,
+    misfit: Misfit = lambda _, __: np.inf,
 ) -> dict[Path, str]:
     """`campaign.toml` and `README.md` for the new robot's folder, and both tables with their headers alone.
 
     poses, points: tables that there are already; their layout is guessed and written into `campaign.toml`.
+    misfit: [m] of points (N, 3) [m] and the robot at joints (N, n) [rad, m], where both are in one table.
     """
     joints = robot.chain.joints
+    both = None
+    if poses is not None and points is not None and poses.resolve() == points.resolve():
+        both = guess_both(poses, joints, misfit)
     columns = [f"q{i}_{'deg' if joint.kind == 'revolute' else 'mm'}" for i, joint in enumerate(joints, 1)]
     files = {Path("README.md"): _README.format(name=robot.name, flange=robot.flange.flange)}
     if poses is None:
@@ -32,12 +44,12 @@ def template_files(
             other="rad" if joints[0].kind == "revolute" else "m",
         )
     else:
-        told = _section(poses, folder, guess_poses(poses, joints))
+        told = _section(poses, folder, both[0] if both else guess_poses(poses, joints))
     if points is None:
         files[Path("points.csv")] = POINTS
         seen = _POINTS
     else:
-        seen = _section(points, folder, guess_points(points))
+        seen = _section(points, folder, both[1] if both else guess_points(points))
     names = ", ".join(joint.name for joint in joints)
     files[Path("campaign.toml")] = _TOML.format(robot=robot.name, joints=names, poses=told, points=seen)
     return files
@@ -50,21 +62,18 @@ def _section(table: Path, folder: Path, guessed: Guessed) -> str:
     lines += [f"{key} = {_value(value)}" for key, value in guessed.keys.items()]
     if guessed.lacking:
         has = f"; the file has: {', '.join(guessed.header)}" if guessed.header else ""
-        lines.append(f"# NOT FOUND: {', '.join(guessed.lacking)}{has}. Say them under columns.")
+        why = f" ({guessed.why})" if guessed.why else ""
+        lines.append(f"{LACKING}{', '.join(guessed.lacking)}{why}{has}. Say them under columns.")
     return "\n".join(lines)
 
 
 def _value(value: Any) -> str:
     """A value as TOML has it, tables in one line."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{toml_key(key)} = {_value(item)}" for key, item in value.items()) + " }"
     if isinstance(value, list):
         return "[" + ", ".join(_value(item) for item in value) + "]"
     return json.dumps(value, ensure_ascii=False)
-
-
-def _key(name: str) -> str:
-    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _value(name)
 
 
 _TOML = """\

@@ -5,15 +5,19 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import tempfile
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..files.faults import Fault, InputError
 from .arguments import Commands, check_folder, json_option, out_option
-from .status import progress
+from .status import progress, warn
 
 if TYPE_CHECKING:
+    from ..campaign.guess import Misfit
     from ..robot.chain import MovingJoint
+    from ..robot.kinematics import Arm
     from ..robot.new_robot import NewRobot
 
 
@@ -39,7 +43,7 @@ def add(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    from ..campaign.template import template_files
+    from ..campaign.template import LACKING, template_files
     from ..files.whole import put_all
     from ..robot.new_robot import new_robot
     from ..robot.packages import given_packages
@@ -59,14 +63,36 @@ def run(arguments: argparse.Namespace) -> None:
         given_packages(arguments.package),
     )
     folder: Path = arguments.out or Path(made.name)
-    files = {**made.files, **template_files(made, folder, arguments.poses, arguments.points)}
+    template = template_files(made, folder, arguments.poses, arguments.points, _misfit(made))
+    files = {**made.files, **template}
     there = [folder / path for path in files if (folder / path).exists()]
     if there:
         raise InputError(Fault(str(there[0]), "is there already", "name another folder with --out"))
     put_all({folder / path: data for path, data in files.items()})
     for note in made.notes:
         progress(note)
-    print(json.dumps(_facts(made, folder)) if arguments.json else _text(made, folder))
+    for line in template[Path("campaign.toml")].splitlines():
+        if line.startswith(LACKING):
+            warn(f"{folder / 'campaign.toml'}: {line.removeprefix('# ')}")
+    measured = arguments.poses is not None and arguments.points is not None
+    print(json.dumps(_facts(made, folder)) if arguments.json else _text(made, folder, measured))
+
+
+def _misfit(made: NewRobot) -> Misfit:
+    """How far points are off the robot as its URDF says, in the best place of the instrument; the robot is
+    read where it is asked for."""
+    from ..files.whole import put_all
+    from ..identification.registration import off_the_arm
+    from ..robot.description import load_robot
+    from ..robot.rigid_plant import arrays
+
+    @cache
+    def arm() -> Arm:
+        with tempfile.TemporaryDirectory(prefix="workbench-") as scratch:
+            put_all({Path(scratch) / path: data for path, data in made.files.items()})
+            return arrays(load_robot(Path(scratch) / f"{made.name}.toml"))
+
+    return lambda q, points: off_the_arm(arm(), q, points)
 
 
 def _facts(made: NewRobot, folder: Path) -> dict[str, object]:
@@ -82,14 +108,16 @@ def _facts(made: NewRobot, folder: Path) -> dict[str, object]:
     }
 
 
-def _text(made: NewRobot, folder: Path) -> str:
+def _text(made: NewRobot, folder: Path, measured: bool) -> str:
+    """What was made, and what to do next. measured: both tables were given."""
     guessed = "" if made.flange.why == "as said" else f" (guessed: {made.flange.why}; --flange says another)"
     joints = made.chain.joints
     lines = [f"{made.name}: {len(joints)} joints from {made.chain.base} to {made.flange.flange}{guessed}"]
     lines += [f"  {i}  {joint.name:<28} {_range(joint)}" for i, joint in enumerate(joints, 1)]
+    campaign, next_ = ("campaign", "campaign") if measured else ("campaign template", made.name)
     lines += [
-        f"Written to {folder}: robot, campaign template, README.md with the next steps.",
-        f"Next: workbench check {folder / made.name}.toml",
+        f"Written to {folder}: robot, {campaign}, README.md with the next steps.",
+        f"Next: workbench check {folder / next_}.toml",
     ]
     return "\n".join(lines)
 

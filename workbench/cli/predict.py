@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..files.faults import Fault, InputError
-from .arguments import Commands, above_zero, check_folder, json_option, out_option, positive, seed_option
+from .arguments import (
+    Commands,
+    above_zero,
+    check_folder,
+    json_option,
+    load_all,
+    out_option,
+    positive,
+    seed_option,
+)
 from .status import progress, warn
 
 if TYPE_CHECKING:
     from ..campaign import Campaign
+    from ..correction.paths import Path as ToolPath
     from ..robot.description import Robot
 
 POSES = 2000  # drawn in the volume
@@ -23,7 +34,10 @@ def add(commands: Commands) -> None:
     parser.add_argument("model", metavar="MODEL.toml", help="what diagnose wrote")
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument(
-        "--poses", metavar="FILE", help="poses.csv as in a campaign, or a path of joints or tool poses"
+        "--poses",
+        metavar="FILE",
+        help="a campaign.toml, whose poses and loads count; poses.csv in our own layout; or a path of joints "
+        "or tool poses",
     )
     where.add_argument(
         "--volume",
@@ -76,12 +90,13 @@ def run(arguments: argparse.Namespace) -> None:
         q = random_poses(robot, count, rng, share=1.0)
         if arguments.measured:
             q = rng.uniform(told.lower, told.upper, q.shape)
-        errors = predict(robot, q, arguments.payload)
+        errors, files = predict(robot, q, arguments.payload), dict[str, str]()
     else:
-        errors = predict(robot, _told(robot, arguments))
+        campaign = _told(robot, arguments)
+        errors, files = predict(robot, campaign), campaign.files
     tolerance = None if arguments.tolerance is None else 1e-3 * arguments.tolerance
     read = [*robot.files, *([] if arguments.poses is None else [Path(arguments.poses)])]
-    expected = Expected(robot, errors, tolerance, digests(read))
+    expected = Expected(robot, errors, tolerance, files | digests(read))
     progress("writing the page, the table and the scene")
     write_expected(expected, out)
     for words in expected.beyond_limits:
@@ -89,17 +104,47 @@ def run(arguments: argparse.Namespace) -> None:
     print(json.dumps(expected.to_json()) if arguments.json else f"{expected.text}\n\nopen {out}/index.html")
 
 
-def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
-    """The poses of a file: joints as a campaign or a path has them, or tool poses of the flange."""
-    from ..correction import nominal_joints
+def _measured(robot: Robot, arguments: argparse.Namespace) -> Campaign:
+    """The campaign that `--poses` names, under its own loads. Raises InputError for another robot."""
+    if arguments.payload:
+        mend = "leave it out: the campaign says what the arm carries"
+        raise InputError(Fault("--payload", "goes with poses that do not say theirs", mend))
+    (campaign,) = load_all([arguments.poses])
+    if campaign.robot.joint_names != robot.joint_names:
+        what = f"is of {campaign.robot.name}, whose joints are not those of {arguments.model}"
+        raise InputError(Fault(arguments.poses, what, "name a campaign of the model's robot"))
+    return campaign
+
+
+def _path(file: Path, robot: Robot) -> ToolPath:
+    """The path of a file. Raises InputError."""
     from ..correction.paths import load_path
+
+    try:
+        return load_path(file, robot)
+    except InputError as error:
+        other = ", or name the campaign.toml that says its columns"
+        unknown = [one.what.startswith("has neither") for one in error.faults]
+        faults = [
+            replace(one, mend=one.mend + other * lacks)
+            for one, lacks in zip(error.faults, unknown, strict=True)
+        ]
+        raise InputError(faults) from None
+
+
+def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
+    """The poses of a file: a campaign's, joints as a campaign or a path has them, or tool poses of the
+    flange."""
+    from ..correction import nominal_joints
     from ..files.faults import read_text
     from ..identification.prediction import posed
     from . import told
 
     file = Path(arguments.poses)
+    if file.suffix == ".toml":
+        return _measured(robot, arguments)
     if "q1_" not in read_text(file).partition("\n")[0]:
-        path = load_path(file, robot)
+        path = _path(file, robot)
         campaign = posed(robot, nominal_joints(robot, path, seed=arguments.seed), arguments.payload)
         wrench = campaign.poses.wrench if path.wrench is None else path.wrench
         return campaign.with_poses(wrench=wrench, temperature=path.temperature, time=path.time)

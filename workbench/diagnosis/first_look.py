@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..campaign import Campaign
-from ..campaign.problem import problem_of
+from ..campaign.problem import Problem, problem_of
 from ..effects import catalogue
+from ..effects.given import exclusions, given_facts
 from ..files.faults import Fault, InputError
 from ..identification.plausible import believed
 from ..identification.registration import register
@@ -61,6 +62,7 @@ def first_look(campaign: Campaign) -> FirstLook:
         wrong = no_faults
     except InputError as unfit:
         remarks, wrong = [], unfit.faults
+    wrong = (*_known_wrong(problem), *wrong)
     R, t, targets = register(problem)
     setup, on = campaign.poses.setup, problem.on
     nominal = np.empty_like(campaign.points)
@@ -86,3 +88,14 @@ def first_look(campaign: Campaign) -> FirstLook:
         tuple(remarks),
         wrong,
     )
+
+
+def _known_wrong(problem: Problem) -> list[Fault]:
+    """What is wrong with `[known]`: a cause that there is not, a fact that cannot be."""
+    faults = list[Fault]()
+    for reading in (given_facts, exclusions):
+        try:
+            reading(problem)
+        except InputError as error:
+            faults += error.faults
+    return faults

@@ -99,6 +99,8 @@ def without_wild_repeats(problem: Problem) -> Problem:
     wild = repeated & (length > WILD_REPEAT * float(np.median(length[repeated])) + 1e-6)
     if not wild.any():
         return problem
+    if problem.campaign.six_dof:  # it is one measurement
+        wild |= wild.any(axis=1)[:, None]
     points = np.where(wild[..., None], np.nan, problem.campaign.points)
     return replace(problem, campaign=replace(problem.campaign, points=points))
 

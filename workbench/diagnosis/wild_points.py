@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..identification.fit import ROUGH, Fit, fit
@@ -170,12 +171,29 @@ def mended(problem: Problem, predicted: Array, limit: Array) -> Mended:
                 )
             )
             continue
-        for i in np.flatnonzero(wild[n]):
+        for i in _told_apart(c, wild[n], length[n]):
             what = f"{millimetres(length[n, i])} off, others typically {millimetres(usual)}"
-            points[n, i] = np.nan
-            target = c.targets[i].name if len(c.targets) > 1 else None
-            faults.append(FaultFound("outlier", c.poses.ids[n], target, what, "left out"))
+            points[n, _with(c, i)] = np.nan
+            faults.append(FaultFound("outlier", c.poses.ids[n], _name(c, i), what, "left out"))
     return Mended(replace(problem, campaign=replace(c, points=points)), tuple(faults))
+
+
+def _told_apart(c: Campaign, wrong: NDArray[np.bool_], size: Array) -> list[int]:
+    """Which of a pose's wrong points (T,) are told: each; of a 6-D measurement, which is wrong as a whole,
+    that of the largest size (T,)."""
+    if c.six_dof and wrong.any():
+        return [int(np.argmax(np.where(wrong, size, -np.inf)))]
+    return np.flatnonzero(wrong).tolist()
+
+
+def _with(c: Campaign, i: int) -> slice:
+    """The points of a pose that go with its point i: all of a 6-D measurement."""
+    return slice(None) if c.six_dof else slice(i, i + 1)
+
+
+def _name(c: Campaign, i: int) -> str | None:
+    """Whose a wrong point is, where that has to be said."""
+    return None if c.six_dof or len(c.targets) == 1 else c.targets[i].name
 
 
 def millimetres(length: float) -> str:
@@ -246,15 +264,16 @@ def without_impossible(problem: Problem) -> Mended:
     with np.errstate(invalid="ignore"):
         far = some & (np.abs(c.points) > FARTHEST).any(axis=2)
     points, faults = c.points.copy(), []
-    for wrong, what in (
+    for kind, what in (
         (some & ~whole, "a coordinate is missing"),
-        (np.all(c.points == 0.0, axis=2), "exactly 0 0 0: not seen"),
+        ((c.points == 0.0).all(axis=2), "exactly 0 0 0: not seen"),
         (far, f"farther than {FARTHEST / 1e3:g} km"),
     ):
-        points[wrong] = np.nan
-        for n, i in zip(*np.nonzero(wrong), strict=True):
-            target = c.targets[i].name if len(c.targets) > 1 else None
-            faults.append(FaultFound("outlier", c.poses.ids[n], target, what, "left out"))
+        wrong = np.asarray(kind)
+        for n in np.flatnonzero(wrong.any(axis=1)):
+            for i in _told_apart(c, wrong[n], np.ones(len(c.targets))):
+                points[n, _with(c, i)] = np.nan
+                faults.append(FaultFound("outlier", c.poses.ids[n], _name(c, i), what, "left out"))
     possible = np.asarray((np.abs(c.poses.q) <= FARTHEST).all(axis=1))
     for n in np.flatnonzero(~possible):
         faults.append(FaultFound("outlier", c.poses.ids[n], None, "a joint beyond all measure", "left out"))
@@ -281,23 +300,19 @@ def _wild_targets(problem: Problem, length: Array, limit: Array) -> Mended:
 def _frozen(problem: Problem) -> Mended:
     """Points that repeat the pose before to the last digit although the joints have moved."""
     c = problem.campaign
-    points = c.points.copy()
-    faults = []
-    for i, target in enumerate(c.targets):
-        if problem.on[i] == 0:
-            continue
-        expected = problem.rigid.points(np.nan_to_num(problem.stated_targets), problem.on)[:, i]
-        still = np.all(np.abs(np.diff(c.points[:, i], axis=0)) < 1e-9, axis=1)
-        moved = np.linalg.norm(np.diff(expected, axis=0), axis=1) > 1e-3
-        for n in np.flatnonzero(still & moved) + 1:
-            points[n, i] = np.nan
-            faults.append(
-                FaultFound(
-                    "frozen_target",
-                    c.poses.ids[n],
-                    target.name,
-                    "same numbers as the pose before",
-                    "left out",
-                )
-            )
-    return Mended(replace(problem, campaign=replace(c, points=points)) if faults else problem, tuple(faults))
+    wrong = np.zeros(c.points.shape[:2], dtype=bool)
+    expected = problem.rigid.points(np.nan_to_num(problem.stated_targets), problem.on)
+    for t in np.flatnonzero(problem.on):
+        still = np.all(np.abs(np.diff(c.points[:, t], axis=0)) < 1e-9, axis=1)
+        moved = np.linalg.norm(np.diff(expected[:, t], axis=0), axis=1) > 1e-3
+        wrong[1:, t] = still & moved
+    if not wrong.any():
+        return Mended(problem, ())
+    points, faults = c.points.copy(), []
+    for n in np.flatnonzero(wrong.any(axis=1)):
+        for i in _told_apart(c, wrong[n], np.ones(len(c.targets))):
+            points[n, _with(c, i)] = np.nan
+            name = None if c.six_dof else c.targets[i].name
+            what = "same numbers as the pose before"
+            faults.append(FaultFound("frozen_target", c.poses.ids[n], name, what, "left out"))
+    return Mended(replace(problem, campaign=replace(c, points=points)), tuple(faults))

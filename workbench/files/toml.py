@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -14,6 +16,7 @@ from .measure import beyond
 
 LONGEST = 2000  # characters of a name or a text
 SHOWN = 40  # of which a message shows
+BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -71,6 +74,11 @@ def _faults(text: str) -> Iterator[tuple[str, str]]:
         yield f"... has {len(text)} characters", f"{LONGEST} are enough"
     if CONTROL.search(text):
         yield "has control characters", "take them out"
+
+
+def toml_key(name: str) -> str:
+    """A name as TOML has it as a key or in a table's head: in quotes where it needs them."""
+    return name if BARE.fullmatch(name) else json.dumps(name, ensure_ascii=False)
 
 
 def toml_text(table: Mapping[str, Any], comments: Sequence[str] = ()) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..campaign.problem import Problem
-from ..robot.kinematics import Array, Frames
+from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.rotations import body_jacobian, from_vectors
 
 STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists
@@ -79,6 +79,13 @@ def stated_within(problem: Problem) -> Array:
     known = np.asarray(np.isfinite(problem.stated_targets).all(axis=1))
     prior = np.where(known, STATED_TARGET, UNKNOWN_TARGET)
     return np.where([target.fixed for target in problem.campaign.targets], 1e-6, prior)
+
+
+def off_the_arm(arm: Arm, q: Array, points: Array) -> float:
+    """Median distance [m] of points (N, 3) [m] of one target on the flange, its place unknown, from an arm at
+    joints q (N, n) [rad, m]: roughly, and much where they do not belong together."""
+    seen = sight(frames(arm, q), points[:, None], [arm.slots - 1], np.ones(len(q), dtype=bool))
+    return place(seen, np.full((1, 3), np.nan), np.array([UNKNOWN_TARGET]), turns=False).middle
 
 
 def sight(where: Frames, points: Array, on: Sequence[int], here: NDArray[np.bool_]) -> Sight:

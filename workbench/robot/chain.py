@@ -72,7 +72,7 @@ def read_chain(urdf: Urdf, flange: str, base: str | None = None) -> Chain:
         place, kind = f"{urdf.path}: joint {joint.get('name')!r}", urdf.kind(link)
         if (mimic := joint.find("mimic")) is not None and kind in MOVING:
             what = f"follows {mimic.get('joint')!r} (mimic)"
-            faults.append(Fault(place, what, "between base and flange every joint has to be its own"))
+            faults.append(Fault(place, what, _OWN))
         elif kind in MOVING:
             chain.append(_moving_joint(joint, link, place, faults))
         elif kind != "fixed":
@@ -83,6 +83,13 @@ def read_chain(urdf: Urdf, flange: str, base: str | None = None) -> Chain:
     if faults:
         raise InputError(faults)
     return Chain(base, tuple(chain[::-1]), _down(urdf, base))
+
+
+_OWN = (
+    'between base and flange every joint has to be its own: write type="fixed" where it stood still, or take '
+    "<mimic> out and give it a column in the poses; of a telescope, write one joint that moves as far as all "
+    "its stages together, the others fixed"
+)
 
 
 def _natural_base(urdf: Urdf, way: list[str]) -> str:

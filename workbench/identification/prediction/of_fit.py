@@ -10,7 +10,9 @@ from scipy.linalg import solve_triangular
 
 from ...campaign import Target
 from ...campaign.problem import Problem
+from ...effects.acting import Acting
 from ...effects.base import Effect
+from ...robot.equilibrium import NoRest
 from ...robot.kinematics import Array
 from ...robot.rotations import skew, vectors
 from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
@@ -20,7 +22,7 @@ from ..noise import Covariance, stated_noise
 from ..parameters import body_motion
 from .left_out import Leaver, tempered
 from .tempering import temper
-from .tool import tool_motion, tool_problem
+from .tool import ToolMotion, tool_motion, tool_points, tool_problem
 
 SAMPLES = 100  # poses within the limits that say which directions move the tool
 FAINT = 0.01  # of the tool's spread at the measured poses: what leaving directions out may cost
@@ -45,8 +47,7 @@ def uncertainty(result: Fit) -> Uncertainty | None:
     known = stated_noise(problem) is not None or bool(np.isfinite(result.noise.dof))
     on_flange = np.isin(np.arange(problem.seen.shape[1]), gauge.chosen)
     tempering, variance = temper(Leaver(result, on_flange), known)
-    far = tool_motion(_anywhere(told), acting)
-    factor = _reduced(_rows(result, gauge, at.names, variance), at.J, far.J)
+    factor = _reduced(_rows(result, gauge, at.names, variance), at.J, _far(told, acting, at).J)
     fitted = at.J @ factor
     base, nominal = _nominal(problem, told, at.points)
     places = [np.array(target.xyz) for target in gauge.targets]
@@ -159,6 +160,30 @@ def _anywhere(told: Problem) -> Problem:
     some = rng.integers(len(told.q), size=SAMPLES)
     campaign = told.campaign.some(some).with_poses(q=rng.uniform(lower, upper, (SAMPLES, len(joints))))
     return replace(told, campaign=campaign)
+
+
+def _far(told: Problem, acting: Acting, near: ToolMotion) -> ToolMotion:
+    """How the tool moves in poses drawn anywhere. What was found may be so soft that the arm stands in the
+    measured poses (`near`) and not in all others: those are left out."""
+    anywhere = _anywhere(told)
+    try:
+        return tool_motion(anywhere, acting)
+    except NoRest:
+        each = (replace(anywhere, campaign=anywhere.campaign.some(np.array([n]))) for n in range(SAMPLES))
+        standing = np.array([_stands(one, acting) for one in each])
+    if not standing.any():
+        return near
+    some = anywhere.campaign.some(np.flatnonzero(standing))
+    return tool_motion(replace(anywhere, campaign=some), acting)
+
+
+def _stands(told: Problem, acting: Acting) -> bool:
+    """Whether the arm finds a rest in the poses."""
+    try:
+        tool_points(told, acting)
+    except NoRest:
+        return False
+    return True
 
 
 def _reduced(rows: Array, near: Array, far: Array) -> Array:

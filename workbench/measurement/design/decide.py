@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from shlex import quote
@@ -20,6 +20,7 @@ from ...effects import separation_beside
 from ...effects.base import Effect
 from ...effects.given import given_facts
 from ...effects.records import effect_text
+from ...files.faults import InputError
 from ..driving.block import torque_columns
 from .candidates import candidates, reach_of
 from .causes import CHANCE, varied
@@ -90,10 +91,26 @@ class Offers:
 
 
 def what_decides(outcome: Outcome) -> Outcome:
-    """The outcome, its strongest ambiguous findings with what would decide: commands with expected λ."""
+    """The outcome, its strongest ambiguous findings with what would decide: commands with expected λ. Where
+    the robot can hardly be measured further (its cell, a model too soft elsewhere), a note says so."""
     told = [(f, tie) for f in outcome.diagnosis.causes if (tie := tie_of(outcome, f)) is not None][:MOST]
     if not told:
         return outcome
+    try:
+        return _decided(outcome, told)
+    except InputError as error:
+        said = "; ".join(f"{fault.place}: {fault.what}" for fault in error.faults)
+        note = f"What would decide could not be worked out: {said}."
+        prepared, diagnosis = outcome.prepared, outcome.diagnosis
+        return replace(
+            outcome,
+            prepared=replace(prepared, notes=(*prepared.notes, note)),
+            diagnosis=replace(diagnosis, notes=(*diagnosis.notes, note)),
+        )
+
+
+def _decided(outcome: Outcome, told: Sequence[tuple[Finding, Tie]]) -> Outcome:
+    """The outcome, these ambiguous findings with what would decide. Raises InputError."""
     prior = from_prepared(outcome.prepared)
     valued = at_zero([tie for _, tie in told])
     offers = Offers(prior, valued, prior.of_campaign(valued))
