@@ -33,7 +33,9 @@ from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Change, Comparison, Rival
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
 from workbench.diagnosis.changes.words import headline, moved_by
+from workbench.diagnosis.patterns import Products
 from workbench.diagnosis.priors import PRIORS
+from workbench.diagnosis.reduced import without_background
 from workbench.effects.place import Parameter, Where
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
@@ -520,6 +522,24 @@ def test_numbers_without_a_part_are_those_of_a_fit_without_it():
         assert moved[part] == pytest.approx(again - solve(system, [], []).values, rel=1e-4, abs=1e-7)
         assert np.abs(moved[part]).max() > 1e-4
     assert len(moved) == PARTS
+
+
+def test_numbers_that_the_data_do_not_tell_apart_are_no_fault():
+    """The place of an instrument and of a target that goes along with it, in campaigns that hardly turn: of
+    their squares the computer knows no difference."""
+    J = np.tile([[1e9, 1e9]], (20, 1))
+    pose = np.arange(20)
+    system: Any = SimpleNamespace(
+        J=J, e=np.cos(pose), own=pose // 10, pose=pose, count=2, used=np.ones(20, dtype=bool)
+    )
+    solved = solve(system, [], [])
+    moves = moved_without_parts(system, [], [], solved)
+    assert [each.shape for each in moves] == [(PARTS, 2)] * 2
+    assert np.isfinite(moves).all()
+    assert np.abs(moves).max() < 1e-3  # of a prior: what the data do not tell stays there
+    G, offset = np.ones((20, 1)), np.zeros(2)
+    left = without_background(J, offset, system.e, 20, Products.of(J, G, system.e))
+    assert np.isfinite(left[0]).all()
 
 
 @pytest.mark.parametrize(("misfit", "cause", "side", "changed"), [

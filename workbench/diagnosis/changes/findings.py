@@ -163,8 +163,8 @@ def _moves_mm(decided: Decided, levels: Levels) -> float:
         here = system.own == k
         motion = levels.shape.base[here] @ levels.mean[k]
         frames = system.J[here][:, system.frames(k)]
-        held = frames.T @ frames + np.eye(frames.shape[1])
-        lengths.append(system.lengths(k, motion - frames @ np.linalg.solve(held, frames.T @ motion)))
+        left = motion - frames @ np.linalg.lstsq(frames, motion)[0]
+        lengths.append(system.lengths(k, left))
     return 1e3 * float(np.sqrt(np.mean(np.concatenate(lengths) ** 2)))
 
 
