@@ -28,11 +28,14 @@ from workbench import (
 from workbench.campaign import Campaign
 from workbench.cli.main import main
 from workbench.diagnosis.changes.courses import courses
+from workbench.diagnosis.changes.covered import covered
+from workbench.diagnosis.changes.decision import _witnesses
 from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Change, Comparison, Rival
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
 from workbench.diagnosis.changes.words import headline, moved_by
+from workbench.diagnosis.chosen import Member
 from workbench.diagnosis.patterns import Products
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.reduced import without_background
@@ -332,6 +335,59 @@ def test_a_phase_that_turned_is_told_from_what_to_what():
     lines = said_of(comparison)["changes"][0]["lines"]
     assert lines[0].endswith("probability > 99.9 %")
     assert lines[1].startswith("before: amplitude ")
+
+
+def line_at(seed: int, low: float, high: float) -> Campaign:
+    """A line in the gear of joint_4 of an order that nobody states, with the joint from low to high [rad]."""
+    q = random_poses(robot(), 50, np.random.default_rng(seed))
+    q[:, JOINT_4 - 1] = np.random.default_rng(seed).uniform(low, high, len(q))
+    plan = planned(robot(), q)
+    job = problem_of(plan)
+    geometry = random_geometry(job.arm, np.random.default_rng(0))
+    line = parse_effect("gear_kinematic_error:joint=joint_4,order=37.7,amplitude=4e-4,phase=0.6", job)
+    return simulate(plan, Truth(geometry=geometry, effects=(line,), sigma=SIGMA), seed=seed)
+
+
+def test_a_line_of_an_estimated_order_says_nothing_where_its_joint_was_not():
+    """An order that is off by 0.1 turns the phase by a radian where the joint was three others away."""
+    comparison = compare([line_at(1, -2.4, -1.2), line_at(2, 1.2, 2.4)])
+    assert not comparison.changed
+    assert not comparison.changes
+    assert [(one.status) for one in comparison.repeats if "joint_4" in one.label] == ["not decided"]
+
+
+def test_the_poses_that_can_speak_of_a_change_are_those_that_either_side_covered():
+    arm = SimpleNamespace(names=("joint_1", "joint_2"))
+    q = [np.array([[0.0, 0.0], [1.0, 1.0]]), np.array([[0.5, 0.5], [0.5, 3.0]]), np.array([[9.0, 0.1]] * 2)]
+    occasions = [SimpleNamespace(problem=SimpleNamespace(q=each, arm=arm)) for each in q]
+    system: Any = SimpleNamespace(occasions=occasions, pose=np.repeat(np.arange(6), 2))
+    last, middle = np.array([[0.0], [0.0], [1.0]]), np.array([[0.0], [1.0], [0.0]])
+    assert not covered(system, last).any()
+    assert covered(system, last, "joint_2")[::2].tolist() == [False, False, False, False, True, True]
+    assert covered(system, middle)[::2].tolist() == [False, False, True, False, False, False]
+
+
+@pytest.mark.parametrize(("misfit", "local", "rows"), [
+    (False, False, []),
+    (False, True, [[0, 0, 1, 1, 0, 0, 1, 0]]),
+    (True, False, [[1, 0] * 4, [0, 1] * 4, [0, 0, 0, 1, 0, 0, 1, 0]]),
+])  # fmt: skip
+def test_a_change_is_shown_by_poses_of_both_sides(misfit, local, rows):
+    """Where the model does not fit, of postures that the other campaign covered; what is known of a joint's
+    own range alone, of that range."""
+    arm = SimpleNamespace(names=("joint_1", "joint_2"))
+    q = (
+        np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]),
+        np.array([[2.0, 0.1], [2.0, 0.2], [1, 1], [3, 1]]),
+    )
+    occasions = [
+        SimpleNamespace(problem=SimpleNamespace(q=each, arm=arm, positions=np.arange(4))) for each in q
+    ]
+    system: Any = SimpleNamespace(occasions=occasions, pose=np.arange(8), misfit=misfit)
+    shape = SimpleNamespace(effects=(SimpleNamespace(local=local),), pattern=np.array([[0.0], [1.0]]))
+    candidate: Any = SimpleNamespace(change=True, shapes=(shape,), where=Where(joint="joint_1"))
+    found = list(_witnesses(system, [candidate], [Member(0, 0, 1.0)]))
+    assert [mask.astype(int).tolist() for mask, _ in found] == rows
 
 
 def test_a_number_that_adds_up_moved_by_its_difference():

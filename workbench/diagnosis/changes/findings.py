@@ -13,6 +13,7 @@ from ..priors import PRIORS
 from ..rounds import CLEARER, LOOSE, worth_of
 from .before_after import numbers_at
 from .candidates import numbers_of_shape
+from .covered import covered
 from .decision import Decided, Hidden, label_of
 from .levels import Levels, levels_of, together
 from .occasions import Occasion
@@ -237,7 +238,8 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
             if status is not None:
                 status = "not decided" if status == POSSIBLE else "changed"
             else:
-                status = "repeats" if share < REPEATS else "not decided"
+                met = not known[0].local or covered(decided.system, shape.pattern, known[0].where.joint).any()
+                status = "repeats" if share < REPEATS and met else "not decided"
             yield Repeats(label_of(candidate, shape), status, share)
 
 
