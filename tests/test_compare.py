@@ -27,12 +27,13 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.cli.main import main
+from workbench.diagnosis.changes import _apart_in_posture
 from workbench.diagnosis.changes.courses import courses
-from workbench.diagnosis.changes.covered import covered
+from workbench.diagnosis.changes.covered import carried, covered
 from workbench.diagnosis.changes.decision import _witnesses
 from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
-from workbench.diagnosis.changes.result import Change, Comparison, Rival
+from workbench.diagnosis.changes.result import Change, Comparison, Rival, TargetMoved, TargetsMoved
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
 from workbench.diagnosis.changes.words import headline, moved_by
 from workbench.diagnosis.chosen import Member
@@ -42,7 +43,7 @@ from workbench.diagnosis.reduced import without_background
 from workbench.effects.place import Parameter, Where
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
-from workbench.report.comparison import said_of
+from workbench.report.comparison import _places, said_of
 
 DATA = Path(__file__).parents[1].parent / "shared" / "data"
 SIGMA = 3e-5
@@ -614,3 +615,43 @@ def test_what_has_no_name_changes_no_robot_where_the_model_does_not_fit(misfit, 
         system=SimpleNamespace(misfit=misfit, occasions=[SimpleNamespace(problem=problem)] * 2),
     )
     assert of_robot(decided, 0) is changed
+
+
+def postures(misfit: bool, apart: bool) -> Any:
+    """Two campaigns of 100 poses in the same postures, or in others."""
+    q = np.random.default_rng(0).uniform(-1, 1, (100, 3))
+    occasions = [
+        SimpleNamespace(problem=SimpleNamespace(q=x), label=f"c{k}") for k, x in enumerate((q, q + 3 * apart))
+    ]
+    return SimpleNamespace(occasions=occasions, misfit=misfit, count=2)
+
+
+@pytest.mark.parametrize(("misfit", "apart", "factor"), [
+    (False, True, 1.0), (True, False, 1.0), (True, True, 10.0),
+])  # fmt: skip
+def test_poses_that_no_other_campaign_covered_are_one_draw_where_the_model_does_not_fit(
+    misfit, apart, factor
+):
+    assert carried(postures(misfit, apart), 1, [0]) == pytest.approx(factor)
+
+
+def test_campaigns_whose_postures_hardly_overlap_are_told():
+    assert not list(_apart_in_posture(postures(True, apart=False)))
+    notes = list(_apart_in_posture(postures(True, apart=True)))
+    assert [note.split(" lie")[0] for note in notes] == ["c0: 0 of 100 poses", "c1: 0 of 100 poses"]
+
+
+@pytest.mark.parametrize(("mm", "std", "said"), [
+    (1306.0, 949.0, "cannot be told"), (671.4, 20.0, "671 ± 20 mm"), (0.3, 0.4, "0.3 ± 0.4 mm"),
+])  # fmt: skip
+def test_where_an_instrument_stands_is_said_where_that_is_known(mm, std, said):
+    """Not in metres of uncertainty, beside a robot that is off by 10 mm."""
+    moves = TargetsMoved(
+        (TargetMoved("T1", (mm, 0.0, 0.0), (std, 0.0, 0.0), False, None, False, "flange"),), ()
+    )
+    there: Any = SimpleNamespace(
+        frame_mm=mm, frame_std_mm=std, frame_mrad=1.0, frame_std_mrad=0.1, moves=moves
+    )
+    instrument, targets = _places(there, 10.0)
+    assert said in instrument
+    assert ("cannot be told" in targets) == (std > 10.0)

@@ -20,13 +20,14 @@ from ..candidates import testable
 from ..headline import listed
 from ..prepared import Progress
 from ..priors import PRIORS
+from .covered import hardly, inside
 from .decision import Decided, decide
 from .findings import changes_of, hidden_zeros, loads_off, repeats, still_joints, tracks, unseen
 from .frames import apart
 from .occasions import occasions_of
 from .result import Apart, Comparison, TargetMoved, TargetsMoved
 from .sensitivity import nominal_mm, unchanged, within_mm
-from .system import relinearised
+from .system import System, relinearised
 from .words import headline, with_std
 
 OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
@@ -80,7 +81,9 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
         tuple(one.label for one in system.occasions),
         tuple(len(one.problem.q) for one in system.occasions),
         changed,
-        headline(changes, bound, _other(beside), changed, hidden_zeros(decided), nominal, beside[-1].label),
+        headline(
+            changes, bound, _other(system, beside), changed, hidden_zeros(decided), nominal, beside[-1].label
+        ),
         changes,
         bound,
         nominal,
@@ -94,13 +97,15 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
     )
 
 
-def _other(beside: Sequence[Apart]) -> list[str]:
-    """What is not the robot and is not as it was."""
+def _other(system: System, beside: Sequence[Apart]) -> list[str]:
+    """What is not the robot and is not as it was. How closely a model that does not fit goes through postures
+    of one campaign alone is neither."""
     out, first = [], beside[0]
-    for one in beside[1:]:
+    for k, one in enumerate(beside[1:], 1):
         at = f" ({one.label})" if len(beside) > 2 else ""
         out += [f"{text}{at}" for text in _elsewhere(one.moves)]
-        out += [f"{text}{at}" for text in _scatters(one, first)]
+        if not (system.misfit and (hardly(system, 0, [k]) or hardly(system, k, [0]))):
+            out += [f"{text}{at}" for text in _scatters(one, first)]
     return out
 
 
@@ -150,6 +155,19 @@ def _scatters(one: Apart, first: Apart) -> Iterator[str]:
         yield f"{text}: the robot repeats better, or the instrument measures better than its noise says"
 
 
+def _apart_in_posture(system: System) -> Iterator[str]:
+    """Campaigns of which hardly a pose is within what others covered."""
+    for k, one in enumerate(system.occasions):
+        others = [i for i in range(system.count) if i != k]
+        if hardly(system, k, others):
+            here = inside(system, k, others)
+            yield (
+                f"{one.label}: {int(here.sum())} of {len(here)} poses lie within what the other campaigns "
+                "covered. What the model lacks elsewhere cannot be told from a change, nor from a move of "
+                "the instrument or the targets."
+            )
+
+
 def _notes(decided: Decided) -> list[str]:
     out = []
     for one in decided.system.occasions:
@@ -161,8 +179,9 @@ def _notes(decided: Decided) -> list[str]:
     if decided.system.misfit:
         out.append(
             "The noise does not explain what the model leaves: a change counts only where either half of the "
-            "poses shows it."
+            "poses shows it, and those within what the campaigns on its other side covered."
         )
+        out += _apart_in_posture(decided.system)
         out += [
             f"{one.label}: {listed(names)} stood still there: what only a change at these would explain may "
             "as well be what the model lacks in other poses."

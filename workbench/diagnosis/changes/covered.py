@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...identification.prediction.ranges import beyond_range
 from ...robot.kinematics import Array
 from .system import Mask, System
+
+HALF = 0.5
 
 
 def covered(system: System, pattern: Array, joint: str | None = None) -> Mask:
@@ -23,3 +28,28 @@ def covered(system: System, pattern: Array, joint: str | None = None) -> Mask:
                 inside |= ~beyond_range(q, other.min(axis=0), other.max(axis=0))[:, some].any(axis=1)
         here.append(inside)
     return np.asarray(np.concatenate(here)[system.pose])
+
+
+def inside(system: System, k: int, others: Sequence[int]) -> NDArray[np.bool_]:
+    """(N,) poses of occasion k that have every joint within what some of these others covered."""
+    q = system.occasions[k].problem.q
+    theirs = [system.occasions[i].problem.q for i in others]
+    within = [~beyond_range(q, x.min(axis=0), x.max(axis=0)).any(axis=1) for x in theirs]
+    return np.any(within, axis=0)
+
+
+def hardly(system: System, k: int, others: Sequence[int]) -> bool:
+    """Whether fewer than half of the poses of occasion k are inside."""
+    return float(inside(system, k, others).mean()) < HALF
+
+
+def carried(system: System, k: int, others: Sequence[int]) -> float:
+    """Factor on standard deviations of what differs between occasion k and these others, where the model does
+    not fit: poses in which the other side was not share what the model lacks there, and are as few as they
+    are alike (design effect: Kish 1965)."""
+    if not system.misfit:
+        return 1.0
+    sides = [np.concatenate([inside(system, i, [k]) for i in others]), inside(system, k, others)]
+    alike = max(float(np.mean(~here)) for here in sides) ** 2  # share of pairs of poses
+    count = len(sides) / sum(1.0 / len(here) for here in sides)
+    return float(np.sqrt(1.0 + alike * (count - 1.0)))

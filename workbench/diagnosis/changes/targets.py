@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from ...robot.kinematics import Arm, Array
 from ...robot.rotations import body_jacobian
+from .covered import carried
 from .occasions import Occasion
 from .result import TargetMoved, TargetsMoved, Together
 from .system import Solved, System
@@ -125,8 +126,8 @@ def _difference(
     without: Sequence[Array],
 ) -> Array:
     """(3m, ·) half of the covariance of the targets' places at occasion k minus those at the first [m]: by
-    the noise, and where that is too sure by as much as parts of either occasion say (jackknife: Efron & Stein
-    1981)."""
+    the noise, carried to postures that only one of them has, and where that is too sure by as much as parts
+    of either occasion say (jackknife: Efron & Stein 1981)."""
 
     def numbers(x: Array, of: int, part: NDArray[np.int64] | None) -> Array:
         if part is None:
@@ -137,7 +138,7 @@ def _difference(
     def difference(x: Array) -> Array:
         return np.concatenate([numbers(x, k, b.part) - numbers(x, 0, a.part) for a, b in pairs])
 
-    half = solved.factor * difference(solved.half)
+    half = carried(system, k, [0]) * solved.factor * difference(solved.half)
     if not half.any():
         return half
     W = np.linalg.pinv(half)
