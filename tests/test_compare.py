@@ -29,7 +29,7 @@ from workbench.campaign import Campaign
 from workbench.cli.main import main
 from workbench.diagnosis.changes import _apart_in_posture
 from workbench.diagnosis.changes.courses import courses
-from workbench.diagnosis.changes.covered import carried, covered
+from workbench.diagnosis.changes.covered import carried, carried_change, covered
 from workbench.diagnosis.changes.decision import _witnesses
 from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
@@ -363,32 +363,9 @@ def test_the_poses_that_can_speak_of_a_change_are_those_that_either_side_covered
     occasions = [SimpleNamespace(problem=SimpleNamespace(q=each, arm=arm)) for each in q]
     system: Any = SimpleNamespace(occasions=occasions, pose=np.repeat(np.arange(6), 2))
     last, middle = np.array([[0.0], [0.0], [1.0]]), np.array([[0.0], [1.0], [0.0]])
-    assert not covered(system, last).any()
+    assert not covered(system, last, "joint_1").any()
     assert covered(system, last, "joint_2")[::2].tolist() == [False, False, False, False, True, True]
-    assert covered(system, middle)[::2].tolist() == [False, False, True, False, False, False]
-
-
-@pytest.mark.parametrize(("misfit", "local", "rows"), [
-    (False, False, []),
-    (False, True, [[0, 0, 1, 1, 0, 0, 1, 0]]),
-    (True, False, [[1, 0] * 4, [0, 1] * 4, [0, 0, 0, 1, 0, 0, 1, 0]]),
-])  # fmt: skip
-def test_a_change_is_shown_by_poses_of_both_sides(misfit, local, rows):
-    """Where the model does not fit, of postures that the other campaign covered; what is known of a joint's
-    own range alone, of that range."""
-    arm = SimpleNamespace(names=("joint_1", "joint_2"))
-    q = (
-        np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]),
-        np.array([[2.0, 0.1], [2.0, 0.2], [1, 1], [3, 1]]),
-    )
-    occasions = [
-        SimpleNamespace(problem=SimpleNamespace(q=each, arm=arm, positions=np.arange(4))) for each in q
-    ]
-    system: Any = SimpleNamespace(occasions=occasions, pose=np.arange(8), misfit=misfit)
-    shape = SimpleNamespace(effects=(SimpleNamespace(local=local),), pattern=np.array([[0.0], [1.0]]))
-    candidate: Any = SimpleNamespace(change=True, shapes=(shape,), where=Where(joint="joint_1"))
-    found = list(_witnesses(system, [candidate], [Member(0, 0, 1.0)]))
-    assert [mask.astype(int).tolist() for mask, _ in found] == rows
+    assert covered(system, middle, "joint_1")[::2].tolist() == [False, False, True, True, False, False]
 
 
 def test_a_number_that_adds_up_moved_by_its_difference():
@@ -621,9 +598,10 @@ def postures(misfit: bool, apart: bool) -> Any:
     """Two campaigns of 100 poses in the same postures, or in others."""
     q = np.random.default_rng(0).uniform(-1, 1, (100, 3))
     occasions = [
-        SimpleNamespace(problem=SimpleNamespace(q=x), label=f"c{k}") for k, x in enumerate((q, q + 3 * apart))
+        SimpleNamespace(problem=SimpleNamespace(q=x, positions=np.arange(100)), label=f"c{k}")
+        for k, x in enumerate((q, q + 3 * apart))
     ]
-    return SimpleNamespace(occasions=occasions, misfit=misfit, count=2)
+    return SimpleNamespace(occasions=occasions, misfit=misfit, count=2, pose=np.arange(200))
 
 
 @pytest.mark.parametrize(("misfit", "apart", "factor"), [
@@ -632,7 +610,15 @@ def postures(misfit: bool, apart: bool) -> Any:
 def test_poses_that_no_other_campaign_covered_are_one_draw_where_the_model_does_not_fit(
     misfit, apart, factor
 ):
-    assert carried(postures(misfit, apart), 1, [0]) == pytest.approx(factor)
+    system = postures(misfit, apart)
+    assert carried(system, 1, [0]) == pytest.approx(factor)
+    assert carried_change(system, np.array([[0.0], [1.0]])) == pytest.approx(factor)
+    candidate: Any = SimpleNamespace(
+        change=True, shapes=(SimpleNamespace(effects=(), pattern=np.array([[0.0], [1.0]])),), where=Where()
+    )
+    asked = list(_witnesses(system, [candidate], [Member(0, 0, 1.0)]))
+    assert [rows.mean() for rows, _, _ in asked] == [0.5, 0.5][: 2 * misfit] + [1.0] * (factor > 1.0)
+    assert max([1.0, *(each for _, each, _ in asked)]) == pytest.approx(factor)
 
 
 def test_campaigns_whose_postures_hardly_overlap_are_told():

@@ -179,7 +179,7 @@ def _notes(decided: Decided) -> list[str]:
     if decided.system.misfit:
         out.append(
             "The noise does not explain what the model leaves: a change counts only where either half of the "
-            "poses shows it, and those within what the campaigns on its other side covered."
+            "poses shows it."
         )
         out += _apart_in_posture(decided.system)
         out += [

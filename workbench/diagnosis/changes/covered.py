@@ -1,4 +1,5 @@
-"""Which poses can speak of a change: those within what the campaigns on its other side covered."""
+"""Which poses can speak of a change: those within what the campaigns on its other side covered; and how well
+all can where the model does not fit."""
 
 from __future__ import annotations
 
@@ -14,19 +15,18 @@ from .system import Mask, System
 HALF = 0.5
 
 
-def covered(system: System, pattern: Array, joint: str | None = None) -> Mask:
-    """(R,) rows at poses that have every joint, or this one, within what some occasion with another share of
-    the change covered. pattern: (K, c) the occasions' shares."""
+def covered(system: System, pattern: Array, joint: str | None) -> Mask:
+    """(R,) rows at poses that have a joint within what some occasion with another share of the change
+    covered. pattern: (K, c) the occasions' shares."""
     every = [one.problem.q for one in system.occasions]
-    names = system.occasions[0].problem.arm.names
-    some = slice(None) if joint is None else [names.index(joint)]
+    j = system.occasions[0].problem.arm.names.index(str(joint))
     here = []
     for q, share in zip(every, pattern, strict=True):
-        inside = np.zeros(len(q), dtype=bool)
+        met = np.zeros(len(q), dtype=bool)
         for other, theirs in zip(every, pattern, strict=True):
             if not np.array_equal(share, theirs):
-                inside |= ~beyond_range(q, other.min(axis=0), other.max(axis=0))[:, some].any(axis=1)
-        here.append(inside)
+                met |= ~beyond_range(q, other.min(axis=0), other.max(axis=0))[:, j]
+        here.append(met)
     return np.asarray(np.concatenate(here)[system.pose])
 
 
@@ -49,7 +49,22 @@ def carried(system: System, k: int, others: Sequence[int]) -> float:
     are alike (design effect: Kish 1965)."""
     if not system.misfit:
         return 1.0
-    sides = [np.concatenate([inside(system, i, [k]) for i in others]), inside(system, k, others)]
+    return _design([np.concatenate([inside(system, i, [k]) for i in others]), inside(system, k, others)])
+
+
+def carried_change(system: System, pattern: Array) -> float:
+    """The same of a change, between the occasions with the first's share of it and all others. pattern:
+    (K, c) the occasions' shares."""
+    first = np.all(pattern == pattern[0], axis=1)
+    before, after = np.flatnonzero(first).tolist(), np.flatnonzero(~first).tolist()
+    if not system.misfit or not after:
+        return 1.0
+    sides = ((before, after), (after, before))
+    return _design([np.concatenate([inside(system, i, there) for i in here]) for here, there in sides])
+
+
+def _design(sides: Sequence[NDArray[np.bool_]]) -> float:
+    """Of two sides' poses, whether the other covered them."""
     alike = max(float(np.mean(~here)) for here in sides) ** 2  # share of pairs of poses
     count = len(sides) / sum(1.0 / len(here) for here in sides)
     return float(np.sqrt(1.0 + alike * (count - 1.0)))

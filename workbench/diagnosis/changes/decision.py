@@ -16,7 +16,7 @@ from ..priors import PRIORS
 from ..reduced import Reduced
 from ..sets import Competition
 from .candidates import Candidate, Shape, candidates_of
-from .covered import covered
+from .covered import carried_change, covered
 from .occasions import Occasion
 from .search import Search
 from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
@@ -97,13 +97,13 @@ def _shares(
         return [_of_quantities(candidates, member, share) for member, share in found]
 
     out = shares_of(competition)
-    for rows, own in _witnesses(system, candidates, members):
+    for rows, factor, own in _witnesses(system, candidates, members):
         if not rows.any():
             for i in own:
                 out[i] = {None: 1.0}
             continue
         reduced = replace(reduced_of(system, every, noise_dof, rows), parts=competition.reduced.parts)
-        others = shares_of(Competition(reduced, competition.components))
+        others = shares_of(Competition(_carried(reduced, factor), competition.components))
         for i in own:
             k = members[i].component
             if others[i].get(k, 0.0) < out[i].get(k, 0.0):
@@ -111,25 +111,48 @@ def _shares(
     return out
 
 
+def _carried(reduced: Reduced, factor: float) -> Reduced:
+    """What the data say where their noise is larger by a factor, and as many fewer of them show how large it
+    is."""
+    share = factor**-2
+    return replace(
+        reduced,
+        S=share * reduced.S,
+        u=share * reduced.u,
+        chi2=share * reduced.chi2,
+        dof=share * reduced.dof,
+    )
+
+
 def _witnesses(
     system: System, candidates: Sequence[Candidate], members: Sequence[Member]
-) -> Iterator[tuple[Mask, list[int]]]:
-    """Rows that have to show some members (by their numbers) as well. Where the noise does not explain what
-    is left, either half of the poses; and those that either side of a change covered, since in other poses
-    another part shows of what the model lacks. Of what a joint does where it was measured alone
-    (`Effect.local`), those where it was on either side."""
+) -> Iterator[tuple[Mask, float, list[int]]]:
+    """Rows that have to show some members (by their numbers) as well, and a factor on their noise. Where the
+    noise does not explain what is left, either half of the poses; and all of them, their noise with what the
+    model lacks in postures that one side of a change has alone. Of what a joint does where it was measured
+    alone (`Effect.local`), those where it was on either side."""
+    every = np.ones(len(system.pose), dtype=bool)
     if system.misfit and members:
-        yield from ((rows, list(range(len(members)))) for rows in _halves(system))
-    told: dict[bytes, tuple[Mask, list[int]]] = {}
+        yield from ((rows, 1.0, list(range(len(members)))) for rows in _halves(system))
+    told: dict[tuple[bytes, float], tuple[Mask, float, list[int]]] = {}
     for i, member in enumerate(members):
         candidate = candidates[member.component]
         shape = candidate.shapes[member.form]
-        local = any(effect.local for effect in shape.effects)
-        if candidate.change and (local or system.misfit):
-            rows = covered(system, shape.pattern, None if system.misfit else candidate.where.joint)
-            if not rows.all():
-                told.setdefault(rows.tobytes(), (rows, []))[1].append(i)
+        if not candidate.change:
+            continue
+        ways = [(every, carried_change(system, shape.pattern))]
+        if any(effect.local for effect in shape.effects):
+            ways.append((covered(system, shape.pattern, candidate.where.joint), 1.0))
+        for rows, factor in ways:
+            if factor > 1.0 or not rows.all():
+                told.setdefault((rows.tobytes(), factor), (rows, factor, []))[2].append(i)
     yield from told.values()
+
+
+def _halves(system: System) -> tuple[Mask, Mask]:
+    """Every other position of every occasion, in the order of measurement."""
+    number = np.concatenate([one.problem.positions for one in system.occasions])[system.pose]
+    return number % 2 == 0, number % 2 == 1
 
 
 def _of_quantities(candidates: Sequence[Candidate], member: Member, share: Shares) -> Shares:
@@ -141,12 +164,6 @@ def _of_quantities(candidates: Sequence[Candidate], member: Member, share: Share
         of = lead.setdefault(candidates[k].quantity, k)
         out[of] = out.get(of, 0.0) + share[k]
     return out
-
-
-def _halves(system: System) -> tuple[Mask, Mask]:
-    """Every other position of every occasion, in the order of measurement."""
-    number = np.concatenate([one.problem.positions for one in system.occasions])[system.pose]
-    return number % 2 == 0, number % 2 == 1
 
 
 def _distinct(

@@ -17,7 +17,6 @@ from ..reduced import without_background
 from ..rounds import LOOSE
 from ..weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
-from .covered import carried
 from .decision import Decided, form_of
 from .result import Unchanged
 from .system import System, solve
@@ -92,7 +91,6 @@ def within_mm(decided: Decided) -> float:
     before = sum(shape.width for shape in shapes)
     mean, covariance = solved.of(slice(before, before + len(geometry)))
     S = _beside_local(system, every.base, [shape.base for shape in shapes])
-    covariance = carried(system, system.count - 1, range(system.count - 1)) ** 2 * covariance
     draws = np.random.default_rng(0).multivariate_normal(mean, covariance, DRAWS, method="svd")
     square = np.asarray(np.einsum("di,ij,dj->d", draws, S, draws), dtype=np.float64)
     length = np.sqrt(np.maximum(square, 0.0))
