@@ -27,17 +27,23 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.cli.main import main
+from workbench.diagnosis.changes import _apart_in_posture
 from workbench.diagnosis.changes.courses import courses
+from workbench.diagnosis.changes.covered import carried, carried_change, covered
+from workbench.diagnosis.changes.decision import _witnesses
 from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
-from workbench.diagnosis.changes.result import Change, Comparison, Rival
+from workbench.diagnosis.changes.result import Change, Comparison, Rival, TargetMoved, TargetsMoved
 from workbench.diagnosis.changes.system import PARTS, moved_without_parts, solve, system_of
 from workbench.diagnosis.changes.words import headline, moved_by
+from workbench.diagnosis.chosen import Member
+from workbench.diagnosis.patterns import Products
 from workbench.diagnosis.priors import PRIORS
+from workbench.diagnosis.reduced import without_background
 from workbench.effects.place import Parameter, Where
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
-from workbench.report.comparison import said_of
+from workbench.report.comparison import _places, said_of
 
 DATA = Path(__file__).parents[1].parent / "shared" / "data"
 SIGMA = 3e-5
@@ -332,6 +338,36 @@ def test_a_phase_that_turned_is_told_from_what_to_what():
     assert lines[1].startswith("before: amplitude ")
 
 
+def line_at(seed: int, low: float, high: float) -> Campaign:
+    """A line in the gear of joint_4 of an order that nobody states, with the joint from low to high [rad]."""
+    q = random_poses(robot(), 50, np.random.default_rng(seed))
+    q[:, JOINT_4 - 1] = np.random.default_rng(seed).uniform(low, high, len(q))
+    plan = planned(robot(), q)
+    job = problem_of(plan)
+    geometry = random_geometry(job.arm, np.random.default_rng(0))
+    line = parse_effect("gear_kinematic_error:joint=joint_4,order=37.7,amplitude=4e-4,phase=0.6", job)
+    return simulate(plan, Truth(geometry=geometry, effects=(line,), sigma=SIGMA), seed=seed)
+
+
+def test_a_line_of_an_estimated_order_says_nothing_where_its_joint_was_not():
+    """An order that is off by 0.1 turns the phase by a radian where the joint was three others away."""
+    comparison = compare([line_at(1, -2.4, -1.2), line_at(2, 1.2, 2.4)])
+    assert not comparison.changed
+    assert not comparison.changes
+    assert [(one.status) for one in comparison.repeats if "joint_4" in one.label] == ["not decided"]
+
+
+def test_the_poses_that_can_speak_of_a_change_are_those_that_either_side_covered():
+    arm = SimpleNamespace(names=("joint_1", "joint_2"))
+    q = [np.array([[0.0, 0.0], [1.0, 1.0]]), np.array([[0.5, 0.5], [0.5, 3.0]]), np.array([[9.0, 0.1]] * 2)]
+    occasions = [SimpleNamespace(problem=SimpleNamespace(q=each, arm=arm)) for each in q]
+    system: Any = SimpleNamespace(occasions=occasions, pose=np.repeat(np.arange(6), 2))
+    last, middle = np.array([[0.0], [0.0], [1.0]]), np.array([[0.0], [1.0], [0.0]])
+    assert not covered(system, last, "joint_1").any()
+    assert covered(system, last, "joint_2")[::2].tolist() == [False, False, False, False, True, True]
+    assert covered(system, middle, "joint_1")[::2].tolist() == [False, False, True, True, False, False]
+
+
 def test_a_number_that_adds_up_moved_by_its_difference():
     play = "lost_motion:joint=joint_2,variant=play,amplitude=3e-4"
     change = only(compare([before(), measured(2, effects=(play,))]))
@@ -522,6 +558,24 @@ def test_numbers_without_a_part_are_those_of_a_fit_without_it():
     assert len(moved) == PARTS
 
 
+def test_numbers_that_the_data_do_not_tell_apart_are_no_fault():
+    """The place of an instrument and of a target that goes along with it, in campaigns that hardly turn: of
+    their squares the computer knows no difference."""
+    J = np.tile([[1e9, 1e9]], (20, 1))
+    pose = np.arange(20)
+    system: Any = SimpleNamespace(
+        J=J, e=np.cos(pose), own=pose // 10, pose=pose, count=2, used=np.ones(20, dtype=bool)
+    )
+    solved = solve(system, [], [])
+    moves = moved_without_parts(system, [], [], solved)
+    assert [each.shape for each in moves] == [(PARTS, 2)] * 2
+    assert np.isfinite(moves).all()
+    assert np.abs(moves).max() < 1e-3  # of a prior: what the data do not tell stays there
+    G, offset = np.ones((20, 1)), np.zeros(2)
+    left = without_background(J, offset, system.e, 20, Products.of(J, G, system.e))
+    assert np.isfinite(left[0]).all()
+
+
 @pytest.mark.parametrize(("misfit", "cause", "side", "changed"), [
     (False, "unknown", "robot", True),
     (True, "unknown", "robot", False),
@@ -538,3 +592,52 @@ def test_what_has_no_name_changes_no_robot_where_the_model_does_not_fit(misfit, 
         system=SimpleNamespace(misfit=misfit, occasions=[SimpleNamespace(problem=problem)] * 2),
     )
     assert of_robot(decided, 0) is changed
+
+
+def postures(misfit: bool, apart: bool) -> Any:
+    """Two campaigns of 100 poses in the same postures, or in others."""
+    q = np.random.default_rng(0).uniform(-1, 1, (100, 3))
+    occasions = [
+        SimpleNamespace(problem=SimpleNamespace(q=x, positions=np.arange(100)), label=f"c{k}")
+        for k, x in enumerate((q, q + 3 * apart))
+    ]
+    return SimpleNamespace(occasions=occasions, misfit=misfit, count=2, pose=np.arange(200))
+
+
+@pytest.mark.parametrize(("misfit", "apart", "factor"), [
+    (False, True, 1.0), (True, False, 1.0), (True, True, 10.0),
+])  # fmt: skip
+def test_poses_that_no_other_campaign_covered_are_one_draw_where_the_model_does_not_fit(
+    misfit, apart, factor
+):
+    system = postures(misfit, apart)
+    assert carried(system, 1, [0]) == pytest.approx(factor)
+    assert carried_change(system, np.array([[0.0], [1.0]])) == pytest.approx(factor)
+    candidate: Any = SimpleNamespace(
+        change=True, shapes=(SimpleNamespace(effects=(), pattern=np.array([[0.0], [1.0]])),), where=Where()
+    )
+    asked = list(_witnesses(system, [candidate], [Member(0, 0, 1.0)]))
+    assert [rows.mean() for rows, _, _ in asked] == [0.5, 0.5][: 2 * misfit] + [1.0] * (factor > 1.0)
+    assert max([1.0, *(each for _, each, _ in asked)]) == pytest.approx(factor)
+
+
+def test_campaigns_whose_postures_hardly_overlap_are_told():
+    assert not list(_apart_in_posture(postures(True, apart=False)))
+    notes = list(_apart_in_posture(postures(True, apart=True)))
+    assert [note.split(" lie")[0] for note in notes] == ["c0: 0 of 100 poses", "c1: 0 of 100 poses"]
+
+
+@pytest.mark.parametrize(("mm", "std", "said"), [
+    (1306.0, 949.0, "cannot be told"), (671.4, 20.0, "671 ± 20 mm"), (0.3, 0.4, "0.3 ± 0.4 mm"),
+])  # fmt: skip
+def test_where_an_instrument_stands_is_said_where_that_is_known(mm, std, said):
+    """Not in metres of uncertainty, beside a robot that is off by 10 mm."""
+    moves = TargetsMoved(
+        (TargetMoved("T1", (mm, 0.0, 0.0), (std, 0.0, 0.0), False, None, False, "flange"),), ()
+    )
+    there: Any = SimpleNamespace(
+        frame_mm=mm, frame_std_mm=std, frame_mrad=1.0, frame_std_mrad=0.1, moves=moves
+    )
+    instrument, targets = _places(there, 10.0)
+    assert said in instrument
+    assert ("cannot be told" in targets) == (std > 10.0)

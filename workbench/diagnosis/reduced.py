@@ -80,9 +80,19 @@ def without_background(
 
     J: (R, n) the background in its priors, offset: (n,) how far it is from their means; rows: with data."""
     n = J.shape[1]
-    upper = np.linalg.cholesky(J.T @ J + np.eye(n)).T
+    upper = _upper(J)
     Z = solve_triangular(upper, of.JG, trans="T", check_finite=False)
     z = solve_triangular(upper, J.T @ e - offset, trans="T", check_finite=False)
     inverse = solve_triangular(upper, np.eye(n), trans="T", check_finite=False)
     dof = rows - (n - float((inverse**2).sum()))
     return of.GG - Z.T @ Z, of.Ge - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof
+
+
+def _upper(J: Array) -> Array:
+    """(n, n) upper triangular U with UᵀU = JᵀJ + 1. Of columns that the data do not tell apart the squares
+    lose the 1 by rounding: then by the columns themselves, which takes twice as long."""
+    eye = np.eye(J.shape[1])
+    try:
+        return np.asarray(np.linalg.cholesky(J.T @ J + eye).T)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.qr(np.vstack([J, eye]), mode="r"))

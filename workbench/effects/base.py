@@ -131,6 +131,11 @@ class Effect(ABC):
         """The fitted parameters, in the order of `values`."""
 
     @property
+    def local(self) -> bool:
+        """Whether it says nothing of its joint beyond where that was measured: no law carries it there."""
+        return False
+
+    @property
     def uses(self) -> Depends:
         """What this form depends on."""
         return self.depends

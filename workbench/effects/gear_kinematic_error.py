@@ -42,6 +42,12 @@ class GearKinematicError(Harmonic):
         return self.where.order
 
     @property
+    def local(self) -> bool:
+        """An order that no ratio states is found no better than to a fraction of a cycle over the measured
+        range: its phase elsewhere is anybody's guess."""
+        return not self.variant
+
+    @property
     def params(self) -> tuple[Param, ...]:
         return (Param("sin", "rad", 3e-5), Param("cos", "rad", 3e-5))
 

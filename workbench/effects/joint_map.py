@@ -66,6 +66,10 @@ class JointMap(TransmissionEffect):
         )
 
     @property
+    def local(self) -> bool:
+        return True
+
+    @property
     def kin(self) -> Hashable:
         return "own angle", self.where.joint
 

@@ -19,7 +19,7 @@ from ..diagnosis.changes.result import (
     Track,
     Unchanged,
 )
-from ..diagnosis.changes.words import hidden_size, with_std
+from ..diagnosis.changes.words import hidden_size, tells, with_std
 from ..diagnosis.headline import listed
 from ..effects.place import Parameter
 from . import charts
@@ -30,6 +30,7 @@ from .numbers import axis_scale, mm, percent, probability, quantity, size
 
 LISTED = 12  # of what did not change, on the terminal
 TRACKS = 4  # curves of one chart
+UNSURE = "its uncertainty is more than the nominal robot's error"
 NOT_TOLD = "looks exactly like a change of"
 
 
@@ -178,7 +179,7 @@ def _apart(comparison: Comparison) -> list[list[str]]:
     return [
         [
             one.label,
-            *(("", "") if one is comparison.apart[0] else (_instrument(one), _targets(one))),
+            *(("", "") if one is comparison.apart[0] else _places(one, comparison.nominal_mm)),
             _noise(one),
             "" if one.temperature is None else f"{one.temperature:.1f} °C",
         ]
@@ -200,18 +201,29 @@ def _noise(one: Apart) -> str:
     )
 
 
-def _instrument(one: Apart) -> str:
+def _places(one: Apart, nominal_mm: float) -> tuple[str, str]:
+    """Where instrument and targets are against the first campaign. nominal_mm: what the nominal robot is
+    off."""
+    return _instrument(one, nominal_mm), _targets(one, nominal_mm)
+
+
+def _instrument(one: Apart, nominal_mm: float) -> str:
+    if not tells(one.frame_mm, one.frame_std_mm, nominal_mm):
+        return f"instrument from base: cannot be told ({UNSURE})"
     return (
         f"instrument from base: {with_std(one.frame_mm, one.frame_std_mm)} mm and "
         f"{with_std(one.frame_mrad, one.frame_std_mrad)} mrad from the first"
     )
 
 
-def _targets(one: Apart) -> str:
+def _targets(one: Apart, nominal_mm: float) -> str:
     targets = one.moves
     if not targets.each:
         return "no target in common with the first"
     if not targets.moved:
+        widest = max(math.hypot(*t.std_mm) for t in targets.each)
+        if not widest < nominal_mm:
+            return f"whether the targets moved cannot be told ({UNSURE})"
         stated = any(t.stated_mm is not None for t in targets.each)
         return f"targets where they were{', though stated elsewhere' if stated else ''}"
     as_stated = ", as stated" if len(targets.restated) == len(targets.moved) else ""

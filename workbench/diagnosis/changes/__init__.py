@@ -20,13 +20,14 @@ from ..candidates import testable
 from ..headline import listed
 from ..prepared import Progress
 from ..priors import PRIORS
+from .covered import hardly, inside
 from .decision import Decided, decide
 from .findings import changes_of, hidden_zeros, loads_off, repeats, still_joints, tracks, unseen
 from .frames import apart
 from .occasions import occasions_of
 from .result import Apart, Comparison, TargetMoved, TargetsMoved
 from .sensitivity import nominal_mm, unchanged, within_mm
-from .system import relinearised
+from .system import System, relinearised
 from .words import headline, with_std
 
 OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
@@ -74,13 +75,15 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
     beside = tuple(apart(decided, final))
     bound, nominal = within_mm(decided), nominal_mm(decided)
     first = system.occasions[0].problem
+    other, zeros = _other(system, beside), hidden_zeros(decided)
+    said = headline(changes, bound, other, changed, zeros, nominal, beside[-1].label)
     return Comparison(
         first.robot.name,
         first.robot.title,
         tuple(one.label for one in system.occasions),
         tuple(len(one.problem.q) for one in system.occasions),
         changed,
-        headline(changes, bound, _other(beside), changed, hidden_zeros(decided), nominal, beside[-1].label),
+        " ".join([said, *_apart_in_posture(system)]),
         changes,
         bound,
         nominal,
@@ -94,13 +97,15 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
     )
 
 
-def _other(beside: Sequence[Apart]) -> list[str]:
-    """What is not the robot and is not as it was."""
+def _other(system: System, beside: Sequence[Apart]) -> list[str]:
+    """What is not the robot and is not as it was. How closely a model that does not fit goes through postures
+    of one campaign alone is neither."""
     out, first = [], beside[0]
-    for one in beside[1:]:
+    for k, one in enumerate(beside[1:], 1):
         at = f" ({one.label})" if len(beside) > 2 else ""
         out += [f"{text}{at}" for text in _elsewhere(one.moves)]
-        out += [f"{text}{at}" for text in _scatters(one, first)]
+        if not (system.misfit and (hardly(system, 0, [k]) or hardly(system, k, [0]))):
+            out += [f"{text}{at}" for text in _scatters(one, first)]
     return out
 
 
@@ -148,6 +153,20 @@ def _scatters(one: Apart, first: Apart) -> Iterator[str]:
         yield f"{text}: the robot repeats worse, or the instrument measures worse than its noise says"
     else:
         yield f"{text}: the robot repeats better, or the instrument measures better than its noise says"
+
+
+def _apart_in_posture(system: System) -> Iterator[str]:
+    """Campaigns of which hardly a pose is within what others covered, where the model does not fit."""
+    if not system.misfit:
+        return
+    for k, one in enumerate(system.occasions):
+        others = [i for i in range(system.count) if i != k]
+        if hardly(system, k, others):
+            here = inside(system, k, others)
+            yield (
+                f"Only {int(here.sum())} of the {len(here)} poses of {one.label} lie within what the other "
+                "campaigns covered: elsewhere a change cannot be told from what the model lacks there."
+            )
 
 
 def _notes(decided: Decided) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,6 +16,7 @@ from ..priors import PRIORS
 from ..reduced import Reduced
 from ..sets import Competition
 from .candidates import Candidate, Shape, candidates_of
+from .covered import carried_change, covered
 from .occasions import Occasion
 from .search import Search
 from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
@@ -88,25 +89,70 @@ def _shares(
     members: Sequence[Member],
     noise_dof: float,
 ) -> list[Shares]:
-    """The probabilities; where the noise does not explain what is left, those of the half of the poses that
-    says least for each member. every: all candidates, candidates: those that compete."""
+    """The probabilities, by those of the poses that say least for each member (`_witnesses`). every: all
+    candidates, candidates: those that compete."""
 
     def shares_of(some: Competition) -> list[Shares]:
         found = zip(members, some.shares(members), strict=True)
         return [_of_quantities(candidates, member, share) for member, share in found]
 
-    shares = shares_of(competition)
-    if not members or not system.misfit:
-        return shares
-    out = [dict(share) for share in shares]
-    for rows in _halves(system):
+    out = shares_of(competition)
+    for rows, factor, own in _witnesses(system, candidates, members):
+        if not rows.any():
+            for i in own:
+                out[i] = {None: 1.0}
+            continue
         reduced = replace(reduced_of(system, every, noise_dof, rows), parts=competition.reduced.parts)
-        half = Competition(reduced, competition.components)
-        for share, other, member in zip(out, shares_of(half), members, strict=True):
-            if other.get(member.component, 0.0) < share.get(member.component, 0.0):
-                share.clear()
-                share.update(other)
+        others = shares_of(Competition(_carried(reduced, factor), competition.components))
+        for i in own:
+            k = members[i].component
+            if others[i].get(k, 0.0) < out[i].get(k, 0.0):
+                out[i] = others[i]
     return out
+
+
+def _carried(reduced: Reduced, factor: float) -> Reduced:
+    """What the data say where their noise is larger by a factor, and as many fewer of them show how large it
+    is."""
+    share = factor**-2
+    return replace(
+        reduced,
+        S=share * reduced.S,
+        u=share * reduced.u,
+        chi2=share * reduced.chi2,
+        dof=share * reduced.dof,
+    )
+
+
+def _witnesses(
+    system: System, candidates: Sequence[Candidate], members: Sequence[Member]
+) -> Iterator[tuple[Mask, float, list[int]]]:
+    """Rows that have to show some members (by their numbers) as well, and a factor on their noise. Where the
+    noise does not explain what is left, either half of the poses; and all of them, their noise with what the
+    model lacks in postures that one side of a change has alone. Of what a joint does where it was measured
+    alone (`Effect.local`), those where it was on either side."""
+    every = np.ones(len(system.pose), dtype=bool)
+    if system.misfit and members:
+        yield from ((rows, 1.0, list(range(len(members)))) for rows in _halves(system))
+    told: dict[tuple[bytes, float], tuple[Mask, float, list[int]]] = {}
+    for i, member in enumerate(members):
+        candidate = candidates[member.component]
+        shape = candidate.shapes[member.form]
+        if not candidate.change:
+            continue
+        ways = [(every, carried_change(system, shape.pattern))]
+        if any(effect.local for effect in shape.effects):
+            ways.append((covered(system, shape.pattern, candidate.where.joint), 1.0))
+        for rows, factor in ways:
+            if factor > 1.0 or not rows.all():
+                told.setdefault((rows.tobytes(), factor), (rows, factor, []))[2].append(i)
+    yield from told.values()
+
+
+def _halves(system: System) -> tuple[Mask, Mask]:
+    """Every other position of every occasion, in the order of measurement."""
+    number = np.concatenate([one.problem.positions for one in system.occasions])[system.pose]
+    return number % 2 == 0, number % 2 == 1
 
 
 def _of_quantities(candidates: Sequence[Candidate], member: Member, share: Shares) -> Shares:
@@ -118,12 +164,6 @@ def _of_quantities(candidates: Sequence[Candidate], member: Member, share: Share
         of = lead.setdefault(candidates[k].quantity, k)
         out[of] = out.get(of, 0.0) + share[k]
     return out
-
-
-def _halves(system: System) -> tuple[Mask, Mask]:
-    """Every other position of every occasion, in the order of measurement."""
-    number = np.concatenate([one.problem.positions for one in system.occasions])[system.pose]
-    return number % 2 == 0, number % 2 == 1
 
 
 def _distinct(

@@ -13,6 +13,7 @@ from ..priors import PRIORS
 from ..rounds import CLEARER, LOOSE, worth_of
 from .before_after import numbers_at
 from .candidates import numbers_of_shape
+from .covered import covered
 from .decision import Decided, Hidden, label_of
 from .levels import Levels, levels_of, together
 from .occasions import Occasion
@@ -163,8 +164,8 @@ def _moves_mm(decided: Decided, levels: Levels) -> float:
         here = system.own == k
         motion = levels.shape.base[here] @ levels.mean[k]
         frames = system.J[here][:, system.frames(k)]
-        held = frames.T @ frames + np.eye(frames.shape[1])
-        lengths.append(system.lengths(k, motion - frames @ np.linalg.solve(held, frames.T @ motion)))
+        left = motion - frames @ np.linalg.lstsq(frames, motion)[0]
+        lengths.append(system.lengths(k, left))
     return 1e3 * float(np.sqrt(np.mean(np.concatenate(lengths) ** 2)))
 
 
@@ -237,7 +238,8 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
             if status is not None:
                 status = "not decided" if status == POSSIBLE else "changed"
             else:
-                status = "repeats" if share < REPEATS else "not decided"
+                met = not known[0].local or covered(decided.system, shape.pattern, known[0].where.joint).any()
+                status = "repeats" if share < REPEATS and met else "not decided"
             yield Repeats(label_of(candidate, shape), status, share)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...robot.kinematics import Array
+from .covered import carried
 from .decision import Decided
 from .findings import hidden_zeros
 from .occasions import Occasion
@@ -56,7 +57,7 @@ def _frame(
         return 0.0, 0.0, (0.0, 0.0)
     half = _at(system, solved, one, k, middle)
     half = half - np.kron(np.eye(2), turn) @ _at(system, solved, first, 0, middle)
-    std = solved.factor * np.linalg.norm(half, axis=1)
+    std = carried(system, k, [0]) * solved.factor * np.linalg.norm(half, axis=1)
     return (
         float(np.linalg.norm(shift)),
         float(angle),

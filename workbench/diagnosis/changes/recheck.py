@@ -17,6 +17,7 @@ from .system import Solved, System
 
 FIRST = 3  # poses far from each other, before any information can be compared
 MOST = 30
+LEAST = 0.5  # information that every number has, in prior sizes, whichever half of the poses shows it
 TYPICAL_Z = 5.0  # standard deviations near which a change is named
 
 
@@ -48,7 +49,8 @@ def recheck(
     local = system.local[k].stop - system.local[k].start
     half = before.numbers.half[system.common]
     known = np.eye(X.shape[2])
-    known[local:, local:] = np.linalg.inv(half @ half.T) / halves
+    inverse = np.linalg.pinv(half)
+    known[local:, local:] = inverse.T @ inverse / halves
     information = (TYPICAL_Z / max(float(np.linalg.norm(value)), 1e-12)) ** 2
     target = (threshold(candidate, information) + norm.isf(1 - POWER)) * before.factor
     left, found = list(range(len(poses))), list[list[int]]()
@@ -73,16 +75,22 @@ def _enough(
     M, cross, own = known, np.zeros(X.shape[2]), 0.0
     for n in chosen:
         M, cross, own = M + X[n].T @ X[n], cross + X[n].T @ c[n], own + float(c[n] @ c[n])
-    while own - cross @ np.linalg.solve(M, cross) < target**2:
+    while own - cross @ (inverse := _inverse(M)) @ cross < target**2:
         left = [n for n in poses if n not in chosen]
         if not left or len(chosen) >= MOST:
             return None
-        inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
         best = max(left, key=lambda n: _gain(X[n], c[n], inverse, cross))
         chosen.append(best)
         M, cross = M + X[best].T @ X[best], cross + X[best].T @ c[best]
         own += float(c[best] @ c[best])
     return chosen
+
+
+def _inverse(M: Array) -> Array:
+    """Of information (P, P) in prior sizes: at least that of half a prior, which rounding may take from what
+    the poses do not tell apart."""
+    values, vectors = np.linalg.eigh(M)
+    return np.asarray(vectors / np.maximum(values, LEAST) @ vectors.T)
 
 
 def _gain(X: Array, c: Array, inverse: Array, cross: Array) -> float:

@@ -147,10 +147,7 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
     """The common numbers, and the shapes, each held as one that was found at its scale."""
     A, unit = _columns(system, shapes, scales)
     n = A.shape[1]
-    stacked = np.column_stack([np.vstack([A, np.eye(n)]), np.concatenate([system.e, np.zeros(n)])])
-    R = np.asarray(qr(stacked, mode="r", overwrite_a=True, check_finite=False)[0])
-    inverse = solve_triangular(R[:n, :n], np.eye(n), check_finite=False)
-    values = inverse @ R[:n, n]
+    values, inverse = _least_squares(A, system.e)
     left = system.e - A @ values
     dof = float(system.used.sum()) - (n - float((inverse**2).sum()))
     return Solved(
@@ -167,15 +164,26 @@ def moved_without_parts(
 ) -> list[Array]:
     """Of each occasion (`PARTS` or one for each pose, n + g): by how much all numbers move, in prior sizes,
     when one part of it is left out, after the other in the order of measurement."""
-    A = _columns(system, shapes, scales)[0]
-    N = A.T @ A + np.eye(A.shape[1])
+    A, unit = _columns(system, shapes, scales)
+    values = solved.values / unit
     out = []
     for here in (system.own == k for k in range(system.count)):
         poses = np.unique(system.pose[here])
         part = np.where(here, np.searchsorted(poses, system.pose) * PARTS // len(poses), -1)
-        left_out = [(A[rows], solved.left[rows]) for rows in (part == i for i in np.unique(part[here]))]
-        out.append(np.array([-np.linalg.solve(N - own.T @ own, own.T @ left) for own, left in left_out]))
+        kept = [part != i for i in np.unique(part[here])]
+        out.append(np.array([_least_squares(A[rows], system.e[rows])[0] - values for rows in kept]) * unit)
     return out
+
+
+def _least_squares(A: Array, e: Array) -> tuple[Array, Array]:
+    """Values (n,) of numbers with standard normal priors by data e (R,) with columns A (R, n), and (n, n)
+    half of their covariance. Without the normal equations: of columns that the data do not tell apart,
+    squares lose what the priors say."""
+    n = A.shape[1]
+    stacked = np.column_stack([np.vstack([A, np.eye(n)]), np.concatenate([e, np.zeros(n)])])
+    R = np.asarray(qr(stacked, mode="r", overwrite_a=True, check_finite=False)[0])
+    inverse = np.asarray(solve_triangular(R[:n, :n], np.eye(n), check_finite=False))
+    return inverse @ R[:n, n], inverse
 
 
 def _columns(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> tuple[Array, Array]:

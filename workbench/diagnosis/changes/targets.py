@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from ...robot.kinematics import Arm, Array
 from ...robot.rotations import body_jacobian
+from .covered import carried
 from .occasions import Occasion
 from .result import TargetMoved, TargetsMoved, Together
 from .system import Solved, System
@@ -46,16 +47,16 @@ def targets_moved(
     found = list[TargetMoved]()
     arm = final[k].problem.arm
     for a, b in pairs:
-        change, covariance = b.place - a.place, _difference(system, solved, k, [(a, b)], without)
+        change, half = b.place - a.place, _difference(system, solved, k, [(a, b)], without)
         stated = np.nan_to_num(b.stated - a.stated)
         found.append(
             TargetMoved(
                 a.name,
                 _mm(change),
-                _mm(np.sqrt(np.diag(covariance))),
-                _off(change, covariance, len(pairs)),
+                _mm(np.linalg.norm(half, axis=1)),
+                _off(change, half, len(pairs)),
                 _mm(stated) if np.abs(stated).max() > SAME else None,
-                not _off(change - stated, covariance, len(pairs)),
+                not _off(change - stated, half, len(pairs)),
                 _link(arm, a.slot),
             )
         )
@@ -64,26 +65,26 @@ def targets_moved(
         own = [n for n, (a, _) in enumerate(pairs) if a.slot == slot]
         moved = any(found[n].moved and not found[n].as_stated for n in own)
         if moved and len(own) > 1 and all(part is not None for n in own for part in (pairs[n][0].part,)):
-            covariance = _difference(system, solved, k, [pairs[n] for n in own], without)
-            together += _together(arm, [pairs[n] for n in own], covariance, hidden)
+            half = _difference(system, solved, k, [pairs[n] for n in own], without)
+            together += _together(arm, [pairs[n] for n in own], half, hidden)
     return TargetsMoved(tuple(found), tuple(together))
 
 
 def _together(
-    arm: Arm, pairs: Sequence[tuple[_Target, _Target]], covariance: Array, hidden: Sequence[str]
+    arm: Arm, pairs: Sequence[tuple[_Target, _Target]], half: Array, hidden: Sequence[str]
 ) -> Iterator[Together]:
     """The targets of one link, where what they moved by is the motion of one body; with the joint at that
-    link whose zero would move them so, if it is among the `hidden`. covariance: (3m, 3m) of their places."""
+    link whose zero would move them so, if it is among the `hidden`. half: as of `_difference`."""
     places = np.array([a.place for a, _ in pairs])
     change = np.concatenate([b.place - a.place for a, b in pairs])
     body = body_jacobian(places - places.mean(axis=0)).reshape(-1, 6)
     rank = int(np.linalg.matrix_rank(body))
-    if _rest(body, change, covariance)[0] > chi2.isf(LEVEL, len(change) - rank):
+    if _rest(body, change, half)[0] > chi2.isf(LEVEL, len(change) - rank):
         return
     slot = pairs[0][0].slot
     joint, axis, origin = _joint_at(arm, slot)
     turn = np.cross(axis, places - origin).reshape(-1, 1)
-    left, angle, std = _rest(turn, change, covariance)
+    left, angle, std = _rest(turn, change, half)
     about = joint in hidden and left <= chi2.isf(LEVEL, len(change) - 1)
     names = tuple(a.name for a, _ in pairs)
     yield Together(
@@ -91,9 +92,9 @@ def _together(
     )
 
 
-def _rest(A: Array, change: Array, covariance: Array) -> tuple[float, float, float]:
+def _rest(A: Array, change: Array, half: Array) -> tuple[float, float, float]:
     """χ² of a change (m,) that motions A (m, p) leave, and the last of their sizes with its one sigma."""
-    W = np.linalg.inv(np.linalg.cholesky(covariance))
+    W = np.linalg.pinv(half)
     N = np.linalg.pinv((W @ A).T @ (W @ A))
     size = N @ (W @ A).T @ (W @ change)
     return float(((W @ (change - A @ size)) ** 2).sum()), float(size[-1]), float(np.sqrt(N[-1, -1]))
@@ -110,11 +111,11 @@ def _joint_at(arm: Arm, slot: int) -> tuple[str, Array, Array]:
     return arm.names[-1], arm.R[slot].T @ z, -arm.R[slot].T @ arm.p[slot]
 
 
-def _off(change: Array, covariance: Array, tests: int) -> bool:
+def _off(change: Array, half: Array, tests: int) -> bool:
     """Whether a change (3,) is none by chance, in one of so many tests."""
-    if not covariance.any():
+    if not half.any():
         return bool(np.abs(change).max() > SAME)
-    return bool(change @ np.linalg.solve(covariance, change) > chi2.isf(LEVEL / tests, len(change)))
+    return bool(((np.linalg.pinv(half) @ change) ** 2).sum() > chi2.isf(LEVEL / tests, len(change)))
 
 
 def _difference(
@@ -124,8 +125,9 @@ def _difference(
     pairs: Sequence[tuple[_Target, _Target]],
     without: Sequence[Array],
 ) -> Array:
-    """(3m, 3m) covariance of the targets' places at occasion k minus those at the first [m²]: by the noise,
-    and where that is too sure by as much as parts of either occasion say (jackknife: Efron & Stein 1981)."""
+    """(3m, ·) half of the covariance of the targets' places at occasion k minus those at the first [m]: by
+    the noise, carried to postures that only one of them has, and where that is too sure by as much as parts
+    of either occasion say (jackknife: Efron & Stein 1981)."""
 
     def numbers(x: Array, of: int, part: NDArray[np.int64] | None) -> Array:
         if part is None:
@@ -136,14 +138,16 @@ def _difference(
     def difference(x: Array) -> Array:
         return np.concatenate([numbers(x, k, b.part) - numbers(x, 0, a.part) for a, b in pairs])
 
-    half = difference(solved.half)
-    covariance = solved.factor**2 * half @ half.T
-    if not covariance.any():
-        return np.asarray(covariance)
-    each = [difference(one.T) for one in without]
-    shown = sum((d.shape[1] - 1) ** 2 / d.shape[1] * np.atleast_2d(np.cov(d)) for d in each)
-    more = float(np.trace(np.linalg.solve(covariance, shown))) / len(covariance)
-    return np.asarray(covariance * max(1.0, more))
+    half = carried(system, k, [0]) * solved.factor * difference(solved.half)
+    if not half.any():
+        return half
+    W = np.linalg.pinv(half)
+    more = 0.0
+    for each in (difference(one.T) for one in without):
+        parts = each.shape[1]
+        off = each - each.mean(axis=1, keepdims=True)
+        more += (parts - 1) / parts * float(((W @ off) ** 2).sum()) / len(half)
+    return half * np.sqrt(max(1.0, more))
 
 
 def _own(one: Occasion) -> Iterator[_Target]:

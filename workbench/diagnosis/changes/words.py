@@ -39,6 +39,12 @@ def with_std(value: float, std: float) -> str:
     return f"{value:.{decimals}f} ± {std:.{decimals}f}"
 
 
+def tells(size_mm: float, std_mm: float, nominal_mm: float) -> bool:
+    """Whether a length with its one sigma says where something is: to less than what the nominal robot is
+    off, or that it did move."""
+    return std_mm < nominal_mm or size_mm > CLEAR * std_mm
+
+
 def moved_by(change: Change) -> str:
     """joint_4 zero moved by 0.31 ± 0.02 mrad; of one that is back, crept or moved again, where and since
     when."""

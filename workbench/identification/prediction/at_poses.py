@@ -21,11 +21,11 @@ from ...robot.kinematics import Array
 from ...robot.rotations import from_vectors
 from ...robot.schema import stated_load
 from ...robot.uncertainty import Uncertainty
+from .ranges import MARGIN, beyond_range
 from .tempering import Tempering
 from .tool import tool_motion, tool_points, tool_problem
 
 TOGETHER = "combination of joints"  # each of them inside of its range
-MARGIN = 0.02  # of a joint's measured range, or of the largest spread: nearer than this is inside
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,8 +208,7 @@ def _outside(told: Problem, data: Uncertainty, far: Array) -> tuple[str, ...]:
     where the fitted numbers are less sure of the tool, far (N,) [m], than at any measured pose (hidden
     extrapolation: Montgomery et al. 2012)."""
     lower, upper = np.array(data.lower), np.array(data.upper)
-    margin = MARGIN * (upper - lower) + 1e-6
-    off = (told.q < lower - margin) | (told.q > upper + margin)
+    off = beyond_range(told.q, lower, upper)
     names = told.arm.names
     out = []
     for row, spread in zip(off, far, strict=True):
