@@ -595,11 +595,12 @@ def test_what_has_no_name_changes_no_robot_where_the_model_does_not_fit(misfit, 
 
 
 def postures(misfit: bool, apart: bool) -> Any:
-    """Two campaigns of 100 poses in the same postures, or in others."""
-    q = np.random.default_rng(0).uniform(-1, 1, (100, 3))
+    """Two campaigns of 100 poses drawn over one range, or over others."""
+    rng = np.random.default_rng(0)
+    drawn = [rng.uniform(-1, 1, (100, 6)) for _ in range(2)]
     occasions = [
-        SimpleNamespace(problem=SimpleNamespace(q=x, positions=np.arange(100)), label=f"c{k}")
-        for k, x in enumerate((q, q + 3 * apart))
+        SimpleNamespace(problem=SimpleNamespace(q=q, positions=np.arange(100)), label=f"c{k}")
+        for k, q in enumerate((drawn[0], drawn[1] + 3 * apart))
     ]
     return SimpleNamespace(occasions=occasions, misfit=misfit, count=2, pose=np.arange(200))
 
@@ -624,7 +625,9 @@ def test_poses_that_no_other_campaign_covered_are_one_draw_where_the_model_does_
 def test_campaigns_whose_postures_hardly_overlap_are_told():
     assert not list(_apart_in_posture(postures(True, apart=False)))
     notes = list(_apart_in_posture(postures(True, apart=True)))
-    assert [note.split(" lie")[0] for note in notes] == ["c0: 0 of 100 poses", "c1: 0 of 100 poses"]
+    said = ["Only 0 of the 100 poses of c0", "Only 0 of the 100 poses of c1"]
+    assert [note.split(" lie")[0] for note in notes] == said
+    assert not list(_apart_in_posture(postures(False, apart=True)))
 
 
 @pytest.mark.parametrize(("mm", "std", "said"), [
