@@ -20,7 +20,7 @@ from workbench import (
     simulate,
 )
 from workbench.campaign.problem import Problem
-from workbench.diagnosis.off_form import _against_its_load
+from workbench.diagnosis.off_form import _against_physics
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
 
@@ -137,5 +137,5 @@ def test_no_spring_pushes_back(on_a_pedestal):
     )
     fitted = fit(Model(problem, pair))
     assert fitted.state.values[1][0] < 0
-    assert not _against_its_load(fitted, [0])
-    assert _against_its_load(fitted, [0, 1])
+    assert not _against_physics(fitted, [0])
+    assert _against_physics(fitted, [0, 1])
