@@ -91,15 +91,20 @@ def test_an_error_of_a_joint_by_which_poses_are_ordered_is_no_step(seed):
     assert not [f for f in prepared.prepare(ordered).faults if f.kind != "outlier"]
 
 
+def by_a_ur5(q, length, off, sigma, rng, seed):
+    """Joints q of a UR5 that is off by `off` [m, rad], one target of unknown place on a tool's length [m]."""
+    plan = planned(load_robot("ur5"), q, targets=(Target("C"),))
+    geometry = random_geometry(problem_of(plan).arm, rng, off, off)
+    truth = Truth(geometry=geometry, targets=np.array([[0.0, 0.02, length]]), sigma=sigma)
+    return simulate(plan, truth, seed=seed, state_sigma=False)
+
+
 def along_a_curve(poses, turn, seed):
     """Measured on a curve half a metre wide, one target of unknown place, the hand turned by `turn` [rad]."""
     rng, at = np.random.default_rng(seed), np.linspace(0, 2 * np.pi, poses)
     shift = np.column_stack([0.15 * (np.cos(at) - 1), 0.25 * np.sin(at), 0.08 * np.sin(2 * at)])
     q = held(shift, turn * np.sin(np.outer(at, [1, 2, 3])))
-    plan = planned(load_robot("ur5"), q, targets=(Target("C"),))
-    geometry = random_geometry(problem_of(plan).arm, rng, 1e-4, 1e-4)
-    truth = Truth(geometry=geometry, targets=np.array([[0.0, 0.02, 0.1]]), sigma=2e-5)
-    return simulate(plan, truth, seed=seed, state_sigma=False)
+    return by_a_ur5(q, 0.1, 1e-4, 2e-5, rng, seed)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -116,10 +121,7 @@ def other_way_up(seed):
     turn[:, 2] = rng.uniform(-1.0, 1.0, 60)
     q = held(shift, turn)
     q[45:] = random_poses(load_robot("ur5"), 15, rng)
-    plan = planned(load_robot("ur5"), q, targets=(Target("C"),))
-    geometry = random_geometry(problem_of(plan).arm, rng, 2e-3, 2e-3)
-    truth = Truth(geometry=geometry, targets=np.array([[0.0, 0.02, 0.3]]), sigma=2e-4)
-    return simulate(plan, truth, seed=seed, state_sigma=False)
+    return by_a_ur5(q, 0.3, 2e-3, 2e-4, rng, seed)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

@@ -65,8 +65,9 @@ def _repeating(seed, spread, poses=90):
     plan = planned(robot, random_poses(robot, poses, np.random.default_rng(seed)))
     truth = Truth(sigma=1e-5, repeatability=np.asarray(spread))
     geometry = prepare(replace(simulate(plan, truth, seed=seed), noise_sigma=1e-5)).geometry
-    noise = with_scatter(geometry, replace(geometry.noise, joint=np.zeros(6)))
-    return noise, beyond_all(noise, replace(noise, joint=np.zeros(6)), np.ones(6, bool))
+    base = replace(geometry.noise, joint=np.zeros(6))
+    noise = with_scatter(geometry, base)
+    return noise, beyond_all(replace(geometry, noise=noise), base)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])

@@ -169,7 +169,7 @@ def _selected(
             sure.append(share)
         else:
             unrepeated.append(member)
-    scatter = beyond_all(best.found.noise, geometry.noise, ~geometry.model.problem.arm.prismatic)
+    scatter = beyond_all(best.found, geometry.noise)
     light = tuple(component.without_columns() for component in competition.components)
     return Selection(
         final,

@@ -18,13 +18,13 @@ from ..identification.registration import (
     GOOD,
     UNKNOWN_TARGET,
     Placed,
+    frame_and_targets,
     place,
     place_stated,
     sight,
     stated_within,
 )
 from ..robot.kinematics import Array
-from ..robot.rotations import body_jacobian
 from .result import FaultFound
 from .sag import sag
 from .screen import SURVIVES, effective_dof, quadratic, reduce_columns, still_to_go
@@ -119,12 +119,9 @@ def _prediction(problem: Problem, first: Placed, here: NDArray[np.bool_], there:
     What is off a rigid robot is alike in neighbouring poses: more of them do not make it better known.
     """
     rigid, seen = problem.rigid, problem.seen
-    points = problem.rigid.points(first.targets, problem.on) @ first.R.T
-    targets = [np.einsum("ij,njk->nik", first.R, rigid.R[slot]) for slot in problem.on]
-    J = np.zeros((*points.shape, 6 + 3 * len(targets)))
-    J[..., :6] = body_jacobian(points)
-    for i, column in enumerate(targets):
-        J[:, i, :, 6 + 3 * i : 9 + 3 * i] = column
+    points = rigid.points(first.targets, problem.on) @ first.R.T
+    axes = np.stack([first.R @ rigid.R[slot] for slot in problem.on], axis=1)
+    J = frame_and_targets(points, axes)
     known, new = (J[seen & some[:, None]].reshape(-1, J.shape[-1]) for some in (here, there))
     prior = np.concatenate([np.full(6, UNKNOWN_TARGET), np.repeat(stated_within(problem), 3)])
     sigma = first.middle + 1e-9

@@ -51,8 +51,7 @@ class Round:
     def evidence(self, stated: Covariance) -> float:
         """log evidence of the data, up to what is the same for every set and every scatter beyond what was
         `stated`: the likelihood of its own fit, and what members and scatter cost."""
-        arm = self.found.model.problem.arm
-        more = np.count_nonzero(beyond_all(self.found.noise, stated, ~arm.prismatic))
+        more = np.count_nonzero(beyond_all(self.found, stated))
         size = np.abs(np.einsum("nkk->nk", self.found.whitener))
         own = float(np.log(size[size > 0]).sum()) - 0.5 * self.found.chi2
         cost = self.competition.cost(Chosen(self.competition.reduced, self.members))
@@ -69,8 +68,7 @@ def converged(geometry: Fit, candidates: Sequence[Effect], noise_dof: float, noi
     begun = _begun(geometry, candidates, geometry.noise)
     found = _converged(geometry, begun, candidates, noise_dof, noise_known)
     few = not enough_for_halves(geometry.model.problem)
-    scatters = beyond_all(begun.noise, geometry.noise, ~geometry.model.problem.arm.prismatic).any()
-    if not few or not noise_known or not scatters:
+    if not few or not noise_known or not beyond_all(begun, geometry.noise).any():
         return found
     alone = _converged(geometry, geometry, candidates, noise_dof, noise_known, scatters=False)
     return max(found, alone, key=lambda one: one.evidence(geometry.noise))
@@ -167,7 +165,7 @@ def _begun(geometry: Fit, candidates: Sequence[Effect], base: Covariance) -> Fit
 
 def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
     """Functions of two other joints: for the joints that scatter most, and those that have such a one."""
-    extra = beyond_all(at.noise, base, ~at.model.problem.arm.prismatic)
+    extra = beyond_all(at, base)
     most = [int(j) for j in np.argsort(-extra)[:MOST_SCATTERING] if extra[j] > 0]
     found = [at.model.problem.joint(e.where.joint) for e in at.model.effects if isinstance(e, Product)]
     for j in dict.fromkeys([*most, *found]):

@@ -71,9 +71,11 @@ def _clear(
     return extra, gained
 
 
-def beyond_all(noise: Covariance, base: Covariance, turning: NDArray[np.bool_]) -> Array:
-    """(n,) rad, m, what joints scatter by beyond another noise, and beyond what all that turn do alike."""
-    extra = np.maximum(noise.joint**2 - base.joint**2, 0.0)
+def beyond_all(fit: Fit, base: Covariance) -> Array:
+    """(n,) rad, m, what a fit's joints scatter by beyond another noise, and beyond what all that turn do
+    alike."""
+    turning = ~fit.model.problem.arm.prismatic
+    extra = np.maximum(fit.noise.joint**2 - base.joint**2, 0.0)
     return np.asarray(np.sqrt(extra - turning * min(extra[turning].tolist(), default=0.0)))
 
 

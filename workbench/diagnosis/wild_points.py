@@ -171,24 +171,20 @@ def mended(problem: Problem, predicted: Array, limit: Array) -> Mended:
                 )
             )
             continue
-        for i in _told_apart(c, wild[n], length[n]):
+        for i in _leave_out(c, points[n], wild[n], length[n]):
             what = f"{millimetres(length[n, i])} off, others typically {millimetres(usual)}"
-            points[n, _with(c, i)] = np.nan
             faults.append(FaultFound("outlier", c.poses.ids[n], _name(c, i), what, "left out"))
     return Mended(replace(problem, campaign=replace(c, points=points)), tuple(faults))
 
 
-def _told_apart(c: Campaign, wrong: NDArray[np.bool_], size: Array) -> list[int]:
-    """Which of a pose's wrong points (T,) are told: each; of a 6-D measurement, which is wrong as a whole,
-    that of the largest size (T,)."""
-    if c.six_dof and wrong.any():
-        return [int(np.argmax(np.where(wrong, size, -np.inf)))]
-    return np.flatnonzero(wrong).tolist()
-
-
-def _with(c: Campaign, i: int) -> slice:
-    """The points of a pose that go with its point i: all of a 6-D measurement."""
-    return slice(None) if c.six_dof else slice(i, i + 1)
+def _leave_out(c: Campaign, points: Array, wrong: NDArray[np.bool_], size: Array | float = 1.0) -> list[int]:
+    """Takes the wrong ones (T,) out of a pose's points (T, 3), all of a 6-D measurement. Returns which are
+    told: each; of a 6-D measurement that of the largest size (T,)."""
+    if not c.six_dof:
+        points[wrong] = np.nan
+        return np.flatnonzero(wrong).tolist()
+    points[:] = np.nan
+    return [int(np.argmax(np.where(wrong, size, -np.inf)))]
 
 
 def _name(c: Campaign, i: int) -> str | None:
@@ -271,8 +267,7 @@ def without_impossible(problem: Problem) -> Mended:
     ):
         wrong = np.asarray(kind)
         for n in np.flatnonzero(wrong.any(axis=1)):
-            for i in _told_apart(c, wrong[n], np.ones(len(c.targets))):
-                points[n, _with(c, i)] = np.nan
+            for i in _leave_out(c, points[n], wrong[n]):
                 faults.append(FaultFound("outlier", c.poses.ids[n], _name(c, i), what, "left out"))
     possible = np.asarray((np.abs(c.poses.q) <= FARTHEST).all(axis=1))
     for n in np.flatnonzero(~possible):
@@ -310,8 +305,7 @@ def _frozen(problem: Problem) -> Mended:
         return Mended(problem, ())
     points, faults = c.points.copy(), []
     for n in np.flatnonzero(wrong.any(axis=1)):
-        for i in _told_apart(c, wrong[n], np.ones(len(c.targets))):
-            points[n, _with(c, i)] = np.nan
+        for i in _leave_out(c, points[n], wrong[n]):
             name = None if c.six_dof else c.targets[i].name
             what = "same numbers as the pose before"
             faults.append(FaultFound("frozen_target", c.poses.ids[n], name, what, "left out"))

@@ -163,10 +163,15 @@ def _refine(
 ) -> Placed:
     """Gauss–Newton on frame, targets and scale with weights 1/misfit (robust), damped where a step would not
     mend: what poses do not determine (all on a line, a hand that never turns) goes nowhere."""
-    z, mask, n_targets = np.where(seen.seen[..., None], seen.points, 0.0), seen.seen, seen.p.shape[1]
+    z, mask = np.where(seen.seen[..., None], seen.points, 0.0), seen.seen
     now = _Place(R, t, start.copy(), _size(seen) if free_scale else 1.0)
     hold = np.concatenate([np.full(6, 1e-9), np.repeat(prior, 3) ** -2.0, [0.0 if free_scale else 1e18]])
     misfit, damping = np.inf, 0.0
+
+    def cost(place: _Place, points: Array, soft: float, scale: float) -> float:
+        far = np.hypot(np.linalg.norm(points - z, axis=2), soft)[mask].sum() / scale
+        return float(far + 0.5 * hold[6:-1] @ (place.targets - start).ravel() ** 2)
+
     points = now.points(seen)
     for iteration in range(rounds):
         residual = np.where(mask[..., None], z - points, 0.0)
@@ -174,27 +179,19 @@ def _refine(
         misfit, last = float(np.median(length[mask])) if mask.any() else 0.0, misfit
         soft, scale = 1.5 * misfit + 1e-9, misfit + 1e-6
         weight = mask / np.hypot(length, soft)
-        J = np.zeros((*z.shape, 7 + 3 * n_targets))
-        J[..., :6] = body_jacobian(points - now.t)
-        for i in range(n_targets):
-            J[:, i, :, 6 + 3 * i : 9 + 3 * i] = now.size * now.R @ seen.R[:, i]
-        J[..., -1] = points - now.t
-        flat = J.reshape(-1, J.shape[-1])
+        about = points - now.t
+        moved = frame_and_targets(about, now.size * now.R @ seen.R)
+        flat = np.concatenate([moved, about[..., None]], axis=3).reshape(-1, len(hold))
         pull = flat.T * np.repeat(weight / scale, 3)
         A, g = pull @ flat, pull @ residual.ravel()
         A[np.diag_indices_from(A)] += hold
         g[6:-1] -= hold[6:-1] * (now.targets - start).ravel()
-
-        def cost(place: _Place, points: Array, soft: float = soft, scale: float = scale) -> float:
-            far = np.hypot(np.linalg.norm(points - z, axis=2), soft)[mask].sum() / scale
-            return float(far + 0.5 * hold[6:-1] @ (place.targets - start).ravel() ** 2)
-
-        least, step = cost(now, points), np.zeros(len(g))
+        least, step = cost(now, points, soft, scale), np.zeros(len(g))
         while damping <= MOST_DAMPED:
             step = np.linalg.solve(A + damping * np.diag(np.diag(A)), g)
             then = now.moved(step)
             there = then.points(seen)
-            if cost(then, there) <= least:
+            if cost(then, there, soft, scale) <= least:
                 now, points, damping = then, there, 0.1 * damping if damping > LEAST_DAMPED else 0.0
                 break
             damping = max(LEAST_DAMPED, 10.0 * damping)
@@ -206,6 +203,17 @@ def _refine(
     length = np.linalg.norm(left, axis=2)
     middle = float(np.median(length[mask])) if mask.any() else 0.0
     return Placed(now.R, now.t, now.targets, now.size, length, middle)
+
+
+def frame_and_targets(about: Array, axes: Array) -> Array:
+    """(N, T, 3, 6 + 3 T) how points move by a translation [m] and a turn [rad] of the frame, and by the
+    targets' places [m]. about: (N, T, 3) [m] the points, about the frame's origin; axes: (N, T, 3, 3) of the
+    targets' places."""
+    J = np.zeros((*about.shape, 6 + 3 * about.shape[1]))
+    J[..., :6] = body_jacobian(about)
+    for i in range(about.shape[1]):
+        J[:, i, :, 6 + 3 * i : 9 + 3 * i] = axes[:, i]
+    return J
 
 
 @dataclass(frozen=True)
