@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from html import escape
 from pathlib import Path
 
@@ -33,6 +34,7 @@ ORDER = {
 ROW, LEFT, WIDTH, LANE, TOP = 44, 16, 430, 34, 54  # px
 
 
+@cache
 def modules() -> dict[str, tuple[Path, ast.Module]]:
     """Dotted name → file and syntax tree, of every module of the package."""
     found = {}
@@ -56,6 +58,7 @@ def imports(nodes: list[ast.AST], package: list[str], known: set[str]) -> Iterat
                     yield whole if whole in known else module
 
 
+@cache
 def uses(*, at_import: bool = False) -> dict[str, set[str]]:
     """Module → the modules it imports; `at_import`: only those that its own import brings in."""
     everything = modules()

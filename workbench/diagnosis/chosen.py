@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, solve_triangular
 from scipy.linalg.lapack import dpotri
+from scipy.sparse import csc_array
 
 from ..robot.kinematics import Array
 from .components import Component
@@ -89,14 +90,12 @@ class Chosen:
         out.inverse = M
         return out
 
-    def products_of(self, index: Index, v: Array) -> Array:
-        """(m, m) scalar products of what columns (g,) make of what the set leaves, in m combinations
-        v (g, m)."""
-        out = v.T @ self.reduced.S[np.ix_(index, index)] @ v
-        if len(self.index):
-            cross = self.reduced.S[np.ix_(self.index, index)] @ v
-            out = out - cross.T @ self.inverse @ cross
-        return np.asarray(out)
+    def products_of(self, v: csc_array) -> Array:
+        """(m, m) scalar products of what all columns (g,) make of what the set leaves, in m combinations
+        v (g, m) of few each."""
+        half = v.T @ self.reduced.S
+        cross = half[:, self.index]
+        return np.asarray((v.T @ half.T).T - cross @ self.inverse @ cross.T)
 
     def left_of(
         self, index: NDArray[np.int64], without: int | NDArray[np.int64] | None = None

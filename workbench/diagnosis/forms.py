@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
 from scipy.special import logsumexp
 
 from ..robot.kinematics import Array
@@ -92,19 +93,21 @@ class Forms:
     def together(self, chosen: Chosen, others: Sequence[Member]) -> tuple[Array, Array]:
         """(m,) what each of some components takes off χ² beside a set, in its form and scale, and (m, m) what
         each two take together, were each as large as by itself or smaller."""
-        widths = np.array([len(columns_of(self.reduced, other)) for other in others])
-        ends = np.cumsum(widths)
-        v, q = np.zeros((ends[-1], len(others))), np.zeros(len(others))
+        columns = [columns_of(self.reduced, other) for other in others]
+        widths = np.array([len(own) for own in columns])
+        v, q = [np.zeros(0)] * len(others), np.zeros(len(others))
         for width in np.unique(widths).tolist():
             here = np.flatnonzero(widths == width)
-            some = [others[i] for i in here.tolist()]
-            S, u = chosen.left_of(np.stack([columns_of(self.reduced, other) for other in some]))
-            precision = np.array([other.scale**-2 for other in some])
+            S, u = chosen.left_of(np.stack([columns[i] for i in here]))
+            precision = np.array([others[i].scale ** -2 for i in here])
             held = S + precision[:, None, None] * np.eye(width)
             likeliest = np.linalg.solve(held, u[..., None])[..., 0]
-            v[ends[here, None] - width + np.arange(width), here[:, None]] = likeliest
             q[here] = (u * likeliest).sum(axis=1)
-        s = chosen.products_of(np.concatenate([columns_of(self.reduced, other) for other in others]), v)
+            for i, own in zip(here.tolist(), likeliest, strict=True):
+                v[i] = own
+        ends = np.cumsum([0, *widths])
+        shape = len(self.reduced.S), len(others)
+        s = chosen.products_of(csc_array((np.concatenate(v), np.concatenate(columns), ends), shape))
         alone = np.outer(q, q)
         return q, alone * (q[:, None] + q - 2 * s) / np.maximum(alone - s**2, TINY * (1 + alone))
 

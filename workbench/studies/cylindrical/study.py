@@ -68,7 +68,7 @@ from .printed import FORCE, NUMBERS, POSES, SIGMA, TABLE_1, TABLE_2
 
 IN_BASE = np.eye(3)[None], np.zeros((1, 3))  # an instrument that stands in the robot's base
 CENTRE = np.array([LENGTH + STROKE / 2, 0.0, 0.75])
-CIRCLE = path_shapes.circle(CIRCLE_RADIUS, path_shapes.Run(path_shapes.work_frame(CENTRE)))
+CIRCLE = path_shapes.circle(CIRCLE_RADIUS, path_shapes.Run(path_shapes.work_frame(CENTRE), period=0.04))
 ENLARGED = 60.0
 FILES = {
     "Campaign": "full/campaign.toml",
@@ -113,7 +113,7 @@ def study(run: StudyRun) -> Study:
         robot,
         {
             "identification": loaded_poses(robot, run.seed, 1.0).poses.q[:POSES],
-            "circle, evenly": nominal_joints(robot, CIRCLE)[::100],
+            "circle, evenly": nominal_joints(robot, CIRCLE)[::10],
         },
     )
     numbers |= clear_numbers(clear)
@@ -194,7 +194,8 @@ def circle(robot: Robot, beliefs: dict[str, Array], lifted: float) -> tuple[Arra
             believed = restated(believed, [joint], stiffness=float(value))
         done = compensate(believed, CIRCLE, Conditions(wrench=wrench))
         wanted = done.X_desired[:, :3, 3]
-        for which, q in (("uncompensated", done.q_nominal), (name, done.q_command)):
+        own = {} if errors else {"uncompensated": done.q_nominal}  # whatever is believed
+        for which, q in (own | {name: done.q_command}).items():
             plan = planned(robot, q, targets=HAND_TARGETS, wrench=np.tile(wrench, (len(q), 1)))
             errors[which] = simulate(plan, Truth(), instrument=IN_BASE).points[:, 0] - wanted
     return wanted, errors
