@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis.gram import Stored
 from workbench.diagnosis.priors import PRIORS, varied
 from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.result import Rival
@@ -173,7 +174,7 @@ def test_rates_are_counted_with_their_aims(study):
 def test_what_data_allow_at_best_is_what_the_competition_reports_of_a_shape_that_it_knows(strength):
     places, draws = 6, 4000
     z = np.sqrt(strength) + np.random.default_rng(3).standard_normal(draws)
-    sure = Reduced((), np.zeros((0, 0)), np.zeros(0), 1e6, 1e6, 1e9)
+    sure = Reduced((), Stored(np.zeros((0, 0))), np.zeros(0), 1e6, 1e6, 1e9)
     S, u = np.full((draws, 1, 1), strength), (np.sqrt(strength) * z)[:, None]
     table = table_of(sure, S, u, np.zeros(draws), np.full(draws, 0.5), np.zeros(draws, int))
     p = PRIORS.cause / places

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from diagnosis_cases import measured
+from scipy.sparse import csc_array
 from scipy.stats import chi2, norm
 
 from workbench.campaign.problem import problem_of
@@ -14,6 +15,7 @@ from workbench.diagnosis.ceiling import ceiling_mm
 from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.competition import compete
 from workbench.diagnosis.components import Component, Form, cause_components, nameless_components
+from workbench.diagnosis.gram import OfRows, Stored
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.reduced import Reduced, reduce
 from workbench.diagnosis.result import NAMELESS
@@ -60,9 +62,9 @@ def left(reduced, chosen, keep, block):
     """S and u of a block beside some members of a set, solved anew."""
     index = np.concatenate([chosen.index[chosen.own[i]] for i in keep])
     precision = np.concatenate([chosen.precision[chosen.own[i]] for i in keep])
-    M = np.linalg.inv(reduced.S[np.ix_(index, index)] + np.diag(precision))
-    K = reduced.S[np.ix_(block, index)] @ M
-    return reduced.S[np.ix_(block, block)] - K @ reduced.S[np.ix_(index, block)], reduced.u[block] - K @ (
+    M = np.linalg.inv(reduced.S.between(index, index) + np.diag(precision))
+    K = reduced.S.between(block, index) @ M
+    return reduced.S.between(block, block) - K @ reduced.S.between(index, block), reduced.u[block] - K @ (
         reduced.u[index]
     )
 
@@ -74,7 +76,7 @@ def test_what_a_set_leaves_without_a_member_needs_no_new_solution(competition, c
     S, u = chosen.left_of(block[None], without)
     keep = [i for i in range(3) if i != without]
     direct_S, direct_u = left(reduced, chosen, keep, block)
-    size = np.abs(reduced.S[np.ix_(block, block)]).max()
+    size = np.abs(reduced.S.between(block, block)).max()
     assert np.allclose(S[0], direct_S, rtol=0, atol=1e-8 * size)
     assert np.allclose(u[0], direct_u, rtol=0, atol=1e-8 * np.abs(reduced.u[block]).max())
 
@@ -145,7 +147,7 @@ def test_the_score_of_a_set_is_its_log_posterior_odds(competition):
     reduced, members = competition.reduced, [Member(3, 0, 1.0), Member(11, 0, 0.3)]
     chosen = Chosen(reduced, members)
     P = np.sqrt(chosen.precision)
-    S = reduced.S[np.ix_(chosen.index, chosen.index)] / np.outer(P, P)
+    S = reduced.S.between(chosen.index, chosen.index) / np.outer(P, P)
     u = reduced.u[chosen.index] / P
     M = np.eye(len(u)) + S
     share = u @ np.linalg.solve(M, u) / (reduced.noise_dof + reduced.chi2)
@@ -167,7 +169,7 @@ def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
     data = np.array([60.0, 60.0, 0.0]) * 1.2
     left = Reduced(
         tuple((slice(k, k + 1),) for k in range(3)),
-        columns.T @ columns,
+        Stored(columns.T @ columns),
         columns.T @ data,
         float(data @ data) + 300,
         300.0,
@@ -252,3 +254,20 @@ def test_a_set_is_found_again_with_what_needs_one_another(competition):
     assert not {first, last} & set(tied.beside(Chosen(competition.reduced, [])))
     labels = [competition.components[k].label for k in members]
     assert [member.component for member in tied.best(labels)] == members
+
+
+def test_products_that_are_worked_out_from_rows_are_those_that_are_stored():
+    rng = np.random.default_rng(5)
+    widths = [1, 3, 2, 3, 1, 3]
+    W = rng.normal(size=(sum(widths), 7))
+    stored, of_rows = Stored(W @ W.T), OfRows(W, widths)
+    starts = np.cumsum([0, *widths])[[1, 3, 5]]
+    columns, block = np.array([4, 0, 4, 12]), starts[:, None] + np.arange(3)
+    v = csc_array((rng.normal(size=5), ([0, 1, 2, 3, 9], [0, 1, 1, 1, 2])), (len(W), 3))
+    for one, other in ((stored, of_rows), (stored.times(0.3), of_rows.times(0.3))):
+        assert len(one) == len(other) == len(W)
+        for rows in (block, np.arange(len(W)), columns):
+            assert np.allclose(one.between(rows, columns), other.between(rows, columns), rtol=1e-12)
+        assert np.allclose(one.blocks(block), other.blocks(block), rtol=1e-12)
+        for a, b in zip(one.combined(v, columns), other.combined(v, columns), strict=True):
+            assert np.allclose(a, b, rtol=1e-12)

@@ -7,6 +7,7 @@ from diagnosis_cases import found, measured, named, with_points
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.components import Component, Form, bare
+from workbench.diagnosis.gram import Stored
 from workbench.diagnosis.patterns import Pattern
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
@@ -29,7 +30,7 @@ def competition_of(*columns: np.ndarray, data: np.ndarray, keys: list[tuple[str,
     """Components of one column each, nothing fitted before them."""
     G = np.stack(columns, axis=1)
     parts = tuple((slice(i, i + 1),) for i in range(G.shape[1]))
-    reduced = Reduced(parts, G.T @ G, G.T @ data, float(data @ data), float(len(data)), 1e9)
+    reduced = Reduced(parts, Stored(G.T @ G), G.T @ data, float(data @ data), float(len(data)), 1e9)
     form = Form((Pattern.__new__(Pattern),), np.ones(1), ())
     return Competition(reduced, [Component(key, (form,), float(np.log(0.01))) for key in keys])
 
@@ -165,7 +166,7 @@ def kin_odds(logs, by_companions):
     S, u = np.diag([100.0, 100.0]), np.array([50.0, 50.0])
     parts = ((slice(0, 1),), (slice(1, 2),))
     components = [Component((e.cause, e.where), (Form((), np.ones(1), (e,)),), -3.0) for e in effects]
-    reduced = Reduced(parts, S, u, 1000.0, 900.0, 300.0)
+    reduced = Reduced(parts, Stored(S), u, 1000.0, 900.0, 300.0)
     weights = {0: Weight(logs[0], 0, 1.0, by_companions), 1: Weight(logs[1], 0, 1.0)}
     believed = StandIns(reduced, components).believed(Chosen(reduced, [Member(0, 0, 1.0)]), 0, weights, logs)
     return believed[0] - believed[1]

@@ -12,6 +12,7 @@ from workbench.diagnosis.candidates import testable as all_that_may_be
 from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.competition import _likeliest, _renamed_at_no_loss, compete
 from workbench.diagnosis.components import Component, Form, bare, cause_components
+from workbench.diagnosis.gram import Stored
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
 from workbench.diagnosis.reduced import Reduced, reduce
@@ -129,8 +130,8 @@ def test_power_is_how_often_an_effect_of_that_size_wins():
     score, size, odds = 25.0, 1.0, np.log(0.01)
     S, slices = np.array([[score]]), ((slice(0, 1),),)
     whole, part = (
-        Reduced(slices, S, S[0] * size, 900.0, 900.0, 1e9),
-        Reduced(slices, S, 0 * S[0], 1.0, 1.0, 1.0),
+        Reduced(slices, Stored(S), S[0] * size, 900.0, 900.0, 1e9),
+        Reduced(slices, Stored(S), 0 * S[0], 1.0, 1.0, 1.0),
     )
     one = Component(RATIO, (Form((), np.ones(1), ()),), float(odds))
     (found,) = power(whole, part, [Member(0, 0, 1.0)], [one])

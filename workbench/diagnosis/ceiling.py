@@ -20,6 +20,7 @@ from ..identification.fit import Fit
 from ..robot.kinematics import Array
 from .chosen import Chosen
 from .components import Component, Form, cause_components, nameless_components, sized
+from .gram import Stored
 from .patterns import products_of
 from .reduced import Reduced, explained, slices_of
 from .screen import effective_dof
@@ -64,7 +65,7 @@ def _worth_trying(final: Fit, components: Sequence[Component]) -> list[Form]:
     products = products_of(sized(forms), final.J * final.columns.prior, final.r, np.arange(len(final.r)))
     Z = solve_triangular(final.upper, products.JG, trans="T", check_finite=False)
     dof = effective_dof(final)
-    reduced = Reduced(slices_of(components), products.GG - Z.T @ Z, products.Ge, final.chi2, dof, 0.0)
+    reduced = Reduced(slices_of(components), Stored(products.GG - Z.T @ Z), products.Ge, final.chi2, dof, 0.0)
     weights = Competition(reduced, components).beside(Chosen(reduced, []))
     return [
         components[k].forms[weight.form]

@@ -53,7 +53,7 @@ class Chosen:
 
     @cached_property
     def _factor(self) -> tuple[Array, bool]:
-        S = self.reduced.S[np.ix_(self.index, self.index)] + np.diag(self.precision)
+        S = self.reduced.S.between(self.index, self.index) + np.diag(self.precision)
         return cho_factor(S, check_finite=False)
 
     @cached_property
@@ -81,9 +81,9 @@ class Chosen:
         out = Chosen(self.reduced, others if new is None else [*others, new])
         if new is not None:
             own = out.index[out.own[-1]]
-            beside = self.reduced.S[np.ix_(self.index[rest], own)]
+            beside = self.reduced.S.between(self.index[rest], own)
             T = M @ beside
-            left = self.reduced.S[np.ix_(own, own)] + np.diag(out.precision[out.own[-1]]) - beside.T @ T
+            left = self.reduced.S.between(own, own) + np.diag(out.precision[out.own[-1]]) - beside.T @ T
             half = _half_inverse(left)
             T = T @ half
             M = np.block([[M + T @ T.T, -T @ half.T], [-half @ T.T, half @ half.T]])
@@ -93,20 +93,19 @@ class Chosen:
     def products_of(self, v: csc_array) -> Array:
         """(m, m) scalar products of what all columns (g,) make of what the set leaves, in m combinations
         v (g, m) of few each."""
-        half = v.T @ self.reduced.S
-        cross = half[:, self.index]
-        return np.asarray((v.T @ half.T).T - cross @ self.inverse @ cross.T)
+        own, cross = self.reduced.S.combined(v, self.index)
+        return np.asarray(own - cross @ self.inverse @ cross.T) if len(self.index) else own
 
     def left_of(
         self, index: NDArray[np.int64], without: int | NDArray[np.int64] | None = None
     ) -> tuple[Array, Array]:
         """S (F, p, p) and u (F, p) of blocks of columns (F, p) beside the set, or beside all but a member:
         one for all blocks, or one for each (F,)."""
-        S = self.reduced.S[index[:, :, None], index[:, None, :]]
+        S = self.reduced.S.blocks(index)
         u = self.reduced.u[index]
         if not len(self.index):
             return S, u
-        cross = self.reduced.S[index[:, :, None], self.index]
+        cross = self.reduced.S.between(index, self.index)
         flat = cross.reshape(-1, len(self.index))
         u = u - cross @ self.beta
         if without is None:
@@ -128,7 +127,7 @@ class Chosen:
     def given_back(self, index: NDArray[np.int64], members: Sequence[int]) -> Array:
         """(F, p, M) what each member, left out of the set, gives back to u of blocks of columns (F, p)."""
         back = [self.inverse[:, self.own[i]] @ np.matmul(*self._given_back(i)) for i in members]
-        return np.asarray(self.reduced.S[index[:, :, None], self.index] @ np.stack(back, axis=1))
+        return np.asarray(self.reduced.S.between(index, self.index) @ np.stack(back, axis=1))
 
     def _given_back(self, member: int) -> tuple[Array, Array]:
         """Of a member H with H Hᵀ = (M_mm)⁻¹, and Hᵀ beta_m."""

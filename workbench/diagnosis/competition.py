@@ -90,7 +90,7 @@ class Selection:
         chosen = Chosen(self.reduced, self.members if member in self.members else [member])
         own = chosen.own[chosen.members.index(member)]
         index, beta = chosen.index[own], chosen.beta[own]
-        S = self.reduced.S[np.ix_(index, index)]
+        S = self.reduced.S.between(index, index)
         return 1e3 * self.fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / self.reduced.dof))
 
 

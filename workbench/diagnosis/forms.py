@@ -99,7 +99,7 @@ class Forms:
         for width in np.unique(widths).tolist():
             here = np.flatnonzero(widths == width)
             S, u = chosen.left_of(np.stack([columns[i] for i in here]))
-            precision = np.array([others[i].scale ** -2 for i in here])
+            precision = np.array([others[i].scale ** -2 for i in here.tolist()])
             held = S + precision[:, None, None] * np.eye(width)
             likeliest = np.linalg.solve(held, u[..., None])[..., 0]
             q[here] = (u * likeliest).sum(axis=1)

@@ -13,6 +13,7 @@ from ..identification.fit import Fit
 from ..identification.rows import offset_of
 from ..robot.kinematics import Array
 from .components import Component, sized
+from .gram import Gram, Stored
 from .patterns import Index, Products, products_of
 
 
@@ -22,7 +23,7 @@ class Reduced:
     component k in form f; chi2, dof: of the background alone; noise_dof: of the noise."""
 
     parts: tuple[tuple[slice, ...], ...]
-    S: Array
+    S: Gram
     u: Array
     chi2: float
     dof: float
@@ -43,10 +44,10 @@ def reduce(
     J, e = fit.J[some, :, :n] * fit.columns.prior[:n], (fit.r + explained(fit))[some]
     offset = offset_of(fit.model, fit.columns, fit.state)[:n]
     rows = int((np.abs(fit.whitener[some]).sum(axis=2) > 0).sum())
-    left = without_background(
+    S, u, chi2, dof = without_background(
         J.reshape(-1, n), offset, e.ravel(), rows, products_of(sized(forms), J, e, some)
     )
-    return Reduced(slices_of(components), *left, noise_dof)
+    return Reduced(slices_of(components), Stored(S), u, chi2, dof, noise_dof)
 
 
 def slices_of(components: Sequence[Component]) -> tuple[tuple[slice, ...], ...]:

@@ -117,7 +117,7 @@ def _carried(reduced: Reduced, factor: float) -> Reduced:
     share = factor**-2
     return replace(
         reduced,
-        S=share * reduced.S,
+        S=reduced.S.times(share),
         u=share * reduced.u,
         chi2=share * reduced.chi2,
         dof=share * reduced.dof,
@@ -177,12 +177,12 @@ def _distinct(
         for shape, part in zip(candidate.shapes, own, strict=True):
             if len(shape.geometry) == 1:
                 length = float((shape.columns[:, 0] ** 2).sum())
-                left = float(reduced.S[part.start, part.start])
+                left = float(_between(reduced, part.start, part.start))
                 if left < SURVIVES * max(length, 1e-12):
                     hidden.append(Hidden(candidate, shape, None))
                     continue
                 seen = lead.setdefault(shape.pattern.tobytes(), [])
-                twin = next((name for name, c in seen if _alike(reduced.S, part.start, c)), None)
+                twin = next((name for name, c in seen if _alike(reduced, part.start, c)), None)
                 if twin is not None:
                     hidden.append(Hidden(candidate, shape, twin))
                     continue
@@ -195,8 +195,13 @@ def _distinct(
     return kept, replace(reduced, parts=tuple(parts)), hidden
 
 
-def _alike(S: np.ndarray, i: int, j: int) -> bool:
-    return bool(abs(S[i, j]) > SAME * np.sqrt(S[i, i] * S[j, j]))
+def _alike(reduced: Reduced, i: int, j: int) -> bool:
+    lengths = _between(reduced, i, i) * _between(reduced, j, j)
+    return abs(_between(reduced, i, j)) > SAME * np.sqrt(lengths)
+
+
+def _between(reduced: Reduced, i: int, j: int) -> float:
+    return float(reduced.S.between(np.array([i]), np.array([j]))[0, 0])
 
 
 def form_of(candidate: Candidate, shape: Shape) -> str:

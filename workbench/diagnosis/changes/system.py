@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr, solve_triangular
+from scipy.linalg import qr, solve_triangular, svd
 
 from ...identification.fit import fit
 from ...identification.rows import moved
 from ...robot.kinematics import Array
-from ..patterns import Products
-from ..reduced import Reduced, parts_of, without_background
+from ..gram import OfRows
+from ..reduced import Reduced, parts_of
 from .candidates import Candidate, Shape, own_of
 from .occasions import Occasion, numbers_of
 
@@ -113,11 +113,19 @@ def reduced_of(
     """The candidates in small matrices, what all occasions have anyway taken out. rows: only these count."""
     some = np.ones(len(system.e), bool) if rows is None else rows
     parts = parts_of([shape.width for shape in candidate.shapes] for candidate in candidates)
-    G = np.concatenate([shape.columns[some] for c in candidates for shape in c.shapes], axis=1)
-    J, e = system.J[some], system.e[some]
-    products = Products.of(J, G, e)
-    left = without_background(J, np.zeros(J.shape[1]), e, int(system.used[some].sum()), products)
-    return Reduced(parts, *left, noise_dof)
+    shapes = [shape for candidate in candidates for shape in candidate.shapes]
+    lengths, directions = svd(system.J[some].T, full_matrices=False)[1:]
+    kept = (1.0 + lengths**2) ** -0.5  # of its length along the directions (n, R) of what is common
+
+    def left_of(rows: Array) -> Array:
+        """(g, R) of columns, one beside another."""
+        return np.asarray(rows - (rows @ directions.T * (1.0 - kept)) @ directions)
+
+    W = np.concatenate([left_of(shape.columns[some].T) for shape in shapes])
+    e = left_of(system.e[some])
+    dof = float(system.used[some].sum() - (1.0 - kept**2).sum())
+    S = OfRows(W, [shape.width for shape in shapes])
+    return Reduced(parts, S, W @ e, float(e @ e), dof, noise_dof)
 
 
 @dataclass(frozen=True, eq=False)

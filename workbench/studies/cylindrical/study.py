@@ -187,7 +187,7 @@ def circle(robot: Robot, beliefs: dict[str, Array], lifted: float) -> tuple[Arra
     """The circle's points (M, 3) and its errors under load, uncompensated and with each belief's commands.
     lifted: mass [kg] of the links that a force upward takes the weight off."""
     wrench = np.concatenate([FORCE + np.array([0.0, 0.0, lifted * GRAVITY]), np.zeros(3)])
-    errors = {}
+    errors = dict[str, Array]()
     for name, k in beliefs.items():
         believed = robot
         for joint, value in zip(robot.joint_names, k, strict=True):

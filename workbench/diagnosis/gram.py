@@ -1,0 +1,95 @@
+"""Scalar products of columns with each other: of some thousand columns stored, of more worked out from their
+rows where they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from ..robot.kinematics import Array
+from .patterns import Index
+
+
+class Gram(Protocol):
+    """S (g, g)."""
+
+    def __len__(self) -> int: ...
+
+    def between(self, rows: Index, columns: Index) -> Array:
+        """(..., c) of numbers of rows (...) with columns (c,)."""
+
+    def blocks(self, index: Index) -> Array:
+        """(F, p, p) of columns (F, p), each F of one form, among themselves."""
+
+    def combined(self, v: csc_array, columns: Index) -> tuple[Array, Array]:
+        """(m, m) of m combinations v (g, m) of few columns each, and (m, c) with columns (c,)."""
+
+    def times(self, factor: float) -> Gram:
+        """All of them times a factor."""
+
+
+class Stored:
+    """All of them, S (g, g)."""
+
+    def __init__(self, S: Array) -> None:
+        self.S = S
+
+    def __len__(self) -> int:
+        return len(self.S)
+
+    def between(self, rows: Index, columns: Index) -> Array:
+        return np.asarray(self.S[rows[..., None], columns])
+
+    def blocks(self, index: Index) -> Array:
+        return np.asarray(self.S[index[:, :, None], index[:, None, :]])
+
+    def combined(self, v: csc_array, columns: Index) -> tuple[Array, Array]:
+        half = v.T @ self.S
+        return np.asarray((v.T @ half.T).T), half[:, columns]
+
+    def times(self, factor: float) -> Stored:
+        return Stored(factor * self.S)
+
+
+class OfRows:
+    """Of columns with few rows, W (g, R): S = W Wᵀ. widths: of forms whose columns stand side by side; their
+    own products are kept, as are those of every column that was once asked for."""
+
+    def __init__(self, W: Array, widths: Sequence[int]) -> None:
+        self.W, self.widths = W, tuple(widths)
+        self._column = dict[int, Array]()
+        self._beside = np.zeros((len(W), max(self.widths, default=0)))
+        at = 0
+        for width in self.widths:
+            own = W[at : at + width] @ W[at : at + width].T
+            for i in range(width):
+                self._beside[at + i, : width - i] = own[i, i:]
+            at += width
+
+    def __len__(self) -> int:
+        return len(self.W)
+
+    def between(self, rows: Index, columns: Index) -> Array:
+        if rows.size <= len(self.widths):  # few: not worth a column of all
+            return np.asarray((self.W[rows.ravel()] @ self.W[columns].T).reshape(*rows.shape, len(columns)))
+        new = [c for c in columns.tolist() if c not in self._column]
+        if new:
+            self._column.update(zip(new, (self.W @ self.W[new].T).T.copy(), strict=True))
+        out = np.empty((*rows.shape, len(columns)))
+        for i, c in enumerate(columns.tolist()):
+            out[..., i] = self._column[c][rows]
+        return out
+
+    def blocks(self, index: Index) -> Array:
+        first = np.minimum(index[:, :, None], index[:, None, :])
+        return np.asarray(self._beside[first, np.abs(index[:, :, None] - index[:, None, :])])
+
+    def combined(self, v: csc_array, columns: Index) -> tuple[Array, Array]:
+        half = v.T @ self.W
+        return half @ half.T, half @ self.W[columns].T
+
+    def times(self, factor: float) -> OfRows:
+        return OfRows(np.sqrt(factor) * self.W, self.widths)
