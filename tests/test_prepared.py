@@ -299,3 +299,10 @@ def test_a_wild_measurement_in_six_dimensions_is_one(change):
     assert [(fault.pose_id, fault.target) for fault in ready.faults] == [("8", None)]
     assert ready.problem.seen.all()
     assert "8" not in ready.problem.campaign.poses.ids
+
+
+def test_part_of_the_data_may_have_no_pose_of_a_campaign():
+    both = prepared.prepare([measured(poses=24, seed=1), measured(poses=24, seed=2)])
+    part = both.some(np.flatnonzero(both.problem.campaign.poses.setup == 0))
+    assert np.isfinite(part.geometry.state.t).all()
+    assert part.geometry.chi2 < 1.5 * part.geometry.dof

@@ -203,7 +203,9 @@ class Model:
     ) -> tuple[Array, Array, Array]:
         setup = self.problem.campaign.poses.setup
         n_poses, n_targets = prediction.points.shape[:2]
-        centre = np.stack([prediction.true[setup == k].mean(axis=(0, 1)) for k in range(len(state.R))])
+        centre = np.zeros((len(state.R), 3))  # of a set-up without poses, as part of the data may be, anywhere
+        for k in np.unique(setup).tolist():
+            centre[k] = prediction.true[setup == k].mean(axis=(0, 1))
         frame = body_jacobian(prediction.true - centre[setup][:, None])
         target = np.empty((n_poses, n_targets, 3, 3))
         for i, k in enumerate(self.problem.on):
