@@ -203,7 +203,7 @@ class Model:
     ) -> tuple[Array, Array, Array]:
         setup = self.problem.campaign.poses.setup
         n_poses, n_targets = prediction.points.shape[:2]
-        centre = np.zeros((len(state.R), 3))  # of a set-up without poses, as part of the data may be, anywhere
+        centre = np.zeros((len(state.R), 3))  # anywhere, of a set-up without poses: part of the data
         for k in np.unique(setup).tolist():
             centre[k] = prediction.true[setup == k].mean(axis=(0, 1))
         frame = body_jacobian(prediction.true - centre[setup][:, None])

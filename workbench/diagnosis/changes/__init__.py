@@ -165,7 +165,7 @@ def _apart_in_posture(system: System) -> Iterator[str]:
             here = inside(system, k, others)
             yield (
                 f"Only {int(here.sum())} of the {len(here)} poses of {one.label} lie within what the other "
-                "campaigns covered: elsewhere a change cannot be told from what the model lacks there."
+                "campaigns covered: elsewhere only what is larger than what the model lacks there is told."
             )
 
 

@@ -10,27 +10,32 @@ import numpy as np
 from ...effects.base import Effect
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
+from ..rounds import LOOSE
 from .candidates import Shape, numbers_of_shape
 from .decision import Decided
 from .levels import Levels
 from .result import PHASE
 
 Numbers = tuple[Parameter, ...]
+HELD = 0.5  # of the standard deviation that a number has without data
 KNOWN = 0.5  # rad: a phase is known that is surer than this
 STEP = 1e-3  # of a standard deviation: of a derivative
 
 
 def parameters_of(shape: Shape, mean: Array, covariance: Array) -> Numbers:
-    """The main numbers, from those in prior sizes; of an effect as it reports them itself."""
+    """The main numbers, from those in prior sizes; of an effect as it reports them itself, of the geometry
+    those that the data show: not what another number does as well and its prior alone holds."""
     main = shape.main
     value = mean[:main] * shape.sizes[:main]
     C = covariance[:main, :main] * np.outer(shape.sizes[:main], shape.sizes[:main])
     if len(shape.effects) == 1 and not shape.named:
         return shape.effects[0].report(value, C)
     names, std = numbers_of_shape(shape), np.sqrt(np.diag(C))
+    shown = std < max(HELD * LOOSE * float(shape.sizes[0]), 1.001 * float(std.min()))
     return tuple(
         Parameter("zero" if shape.zero else name, float(v), float(s), unit)
-        for (name, unit), v, s in zip(names, value, std, strict=True)
+        for (name, unit), v, s, own in zip(names, value, std, shown, strict=True)
+        if own
     )
 
 

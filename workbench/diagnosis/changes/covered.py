@@ -32,10 +32,7 @@ def covered(system: System, pattern: Array, joint: str | None) -> Mask:
 
 def inside(system: System, k: int, others: Sequence[int]) -> NDArray[np.bool_]:
     """(N,) poses of occasion k that have every joint within what some of these others covered."""
-    q = system.occasions[k].problem.q
-    theirs = [system.occasions[i].problem.q for i in others]
-    within = [~beyond_range(q, x.min(axis=0), x.max(axis=0)).any(axis=1) for x in theirs]
-    return np.any(within, axis=0)
+    return np.any([system.within[k][i] for i in others], axis=0)
 
 
 def hardly(system: System, k: int, others: Sequence[int]) -> bool:
@@ -45,11 +42,10 @@ def hardly(system: System, k: int, others: Sequence[int]) -> bool:
 
 def carried(system: System, k: int, others: Sequence[int]) -> float:
     """Factor on standard deviations of what differs between occasion k and these others, where the model does
-    not fit: poses in which the other side was not share what the model lacks there, and are as few as they
-    are alike (design effect: Kish 1965)."""
-    if not system.misfit:
-        return 1.0
-    return _design([np.concatenate([inside(system, i, [k]) for i in others]), inside(system, k, others)])
+    not fit: poses in which the other side was not share what the model lacks there, as far as that is alike
+    in neighbouring ones (design effect: Kish 1965)."""
+    sides = [np.concatenate([inside(system, i, [k]) for i in others]), inside(system, k, others)]
+    return _design(system, sides) if system.misfit else 1.0
 
 
 def carried_change(system: System, pattern: Array) -> float:
@@ -60,13 +56,17 @@ def carried_change(system: System, pattern: Array) -> float:
     if not system.misfit or not after:
         return 1.0
     sides = ((before, after), (after, before))
-    return _design([np.concatenate([inside(system, i, there) for i in here]) for here, there in sides])
+    return _design(
+        system, [np.concatenate([inside(system, i, there) for i in here]) for here, there in sides]
+    )
 
 
-def _design(sides: Sequence[NDArray[np.bool_]]) -> float:
+def _design(system: System, sides: Sequence[NDArray[np.bool_]]) -> float:
     """Of two sides' poses, whether the other covered them. Of two draws over one range some are always
     outside: what counts is by how much more these are than half."""
     beyond = max(max(float(np.mean(~here)) for here in sides) / HALF - 1.0, 0.0)
-    alike = beyond**2  # share of pairs of poses
+    if beyond == 0.0:
+        return 1.0
+    alike = beyond**2 * max(one.coherence for one in system.occasions)  # beyond²: share of pairs of poses
     count = len(sides) / sum(1.0 / len(here) for here in sides)
     return float(np.sqrt(1.0 + alike * (count - 1.0)))

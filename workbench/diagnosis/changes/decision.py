@@ -10,6 +10,7 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...effects.base import Effect
+from ...robot.kinematics import Array
 from ..chosen import Chosen, Member, Shares
 from ..noise_choice import known_dof
 from ..priors import PRIORS
@@ -54,6 +55,11 @@ class Decided:
     @cached_property
     def chosen(self) -> Chosen:
         return Chosen(self.reduced, self.members)
+
+    def factor(self, pattern: Array) -> float:
+        """On standard deviations of what differs between occasions, (K, c) by their shares of it: from what
+        is left, and where that has a shape, from poses that only one side was in."""
+        return self.solved.factor * carried_change(self.system, pattern)
 
     def part(self, i: int) -> slice:
         """Columns of the i-th member in `solved`."""

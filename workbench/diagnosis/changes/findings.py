@@ -13,7 +13,7 @@ from ..priors import PRIORS
 from ..rounds import CLEARER, LOOSE, worth_of
 from .before_after import numbers_at
 from .candidates import numbers_of_shape
-from .covered import covered
+from .covered import carried_change, covered
 from .decision import Decided, Hidden, label_of
 from .levels import Levels, levels_of, together
 from .occasions import Occasion
@@ -95,7 +95,7 @@ def _change(decided: Decided, levels: Levels, lead: int) -> Change:
     member = decided.members[levels.members[0]]
     candidate, shape = decided.candidates[member.component], levels.shape
     labels = [one.label for one in decided.system.occasions]
-    has = np.flatnonzero(levels.there) if levels.there.any() else np.array([levels.furthest])
+    has = levels.places
     here = levels.furthest
     own = [_changed(decided, decided.shares[i]) for i in levels.members]
     one = len(levels.members) == shape.courses == 1
@@ -160,7 +160,7 @@ def _moves_mm(decided: Decided, levels: Levels) -> float:
     """RMS of what a change makes of the points of the occasions that have it, once the instrument's frames
     are fitted anew: what turns or shifts all of them moves none against another."""
     system, lengths = decided.system, []
-    for k in np.flatnonzero(levels.there).tolist():
+    for k in levels.places.tolist():
         here = system.own == k
         motion = levels.shape.base[here] @ levels.mean[k]
         frames = system.J[here][:, system.frames(k)]
@@ -232,7 +232,7 @@ def repeats(decided: Decided, changes: Sequence[Change]) -> Iterator[Repeats]:
             held = S + np.eye(p)
             change, half = np.linalg.solve(held, u), np.linalg.cholesky(np.linalg.inv(held))
             size = float(np.linalg.norm(shape.columns[:, :p] @ (value / shape.sizes[:p])))
-            spread = 1.96 * decided.solved.factor * float(np.linalg.norm(shape.columns[:, :p] @ half))
+            spread = 1.96 * decided.factor(shape.pattern) * float(np.linalg.norm(shape.columns[:, :p] @ half))
             share = float(np.hypot(np.linalg.norm(shape.columns[:, :p] @ change), spread)) / max(size, 1e-12)
             status = said.get((candidate.cause, candidate.where))
             if status is not None:
@@ -266,6 +266,7 @@ def tracks(decided: Decided) -> Iterator[Track]:
         for j in range(len(own)):
             mean, covariance = solved.of(slice(at + j * p, at + (j + 1) * p))
             values.append(float(mean[0] * shape.sizes[0]))
-            stds.append(float(np.sqrt(covariance[0, 0]) * shape.sizes[0]))
+            carried = carried_change(system, own[j].pattern)
+            stds.append(carried * float(np.sqrt(covariance[0, 0]) * shape.sizes[0]))
         unit = numbers_of_shape(shape)[0][1]
         yield Track(label_of(candidate, shape), unit, tuple(values), tuple(stds), 3 * max(stds))

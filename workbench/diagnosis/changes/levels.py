@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from ...robot.kinematics import Array
@@ -34,6 +35,11 @@ class Levels:
         return int(np.argmax(size > (1 - 1e-9) * size.max()))
 
     @property
+    def places(self) -> NDArray[np.int64]:
+        """Where it is off; where that is nowhere by more than chance, the occasion where it is off most."""
+        return np.flatnonzero(self.there) if self.there.any() else np.array([self.furthest])
+
+    @property
     def course(self) -> str:
         """Stepped once, was off and is back, crept evenly to the last, or what no such word says."""
         if not self.there[-1]:
@@ -54,7 +60,9 @@ def levels_of(decided: Decided, members: Sequence[int]) -> Levels:
     rows = [slice(n + decided.part(i).start, n + decided.part(i).stop) for i in members]
     own = list(zip(shapes, rows, strict=True))
     mean = np.sum([shape.levels(solved.values[at]) for shape, at in own], axis=0)
-    half = np.sum([shape.levels(solved.factor * solved.half[at]) for shape, at in own], axis=0)
+    half = np.sum(
+        [shape.levels(decided.factor(shape.pattern) * solved.half[at]) for shape, at in own], axis=0
+    )
     some = np.any([shape.pattern.any(axis=1) for shape in shapes], axis=0)
     if len(members) > 1 or shapes[0].courses > 1:
         some &= [_off(m, h, shapes[0].main) for m, h in zip(mean, half, strict=True)]

@@ -24,19 +24,21 @@ from ..given import search_with_given
 from ..prepared import Prepared, Progress, prepare
 from ..result import GivenFact
 from ..scatter import alike
+from .coherence import coherence
 from .known import held_against, only, said_of_all
 
 
 @dataclass(frozen=True, eq=False)
 class Occasion:
     """One campaign. fit: of its own frames, targets and geometry and the effects that all occasions share;
-    misfit: the noise does not explain what that leaves, so that the likelihood is too sure; excluded: causes
-    that are known not to be there."""
+    misfit: the noise does not explain what that leaves, so that the likelihood is too sure; coherence: how
+    much alike that is in neighbouring poses; excluded: causes that are known not to be there."""
 
     label: str
     prepared: Prepared
     fit: Fit
     misfit: bool
+    coherence: float
     excluded: tuple[Exclusion, ...] = ()
 
     @property
@@ -85,7 +87,8 @@ def occasions_of(campaigns: Sequence[Campaign], progress: Progress) -> tuple[lis
         model = Model(part, (), one.known_effects, own.given)
         began = fit(model, start_state(part), noise)
         misfit = one.noise.source == "residual" or not alike(noise, one.covariance)
-        out.append(Occasion(label, one, refit(began, shared), misfit, own.excluded))
+        own_fit = refit(began, shared)
+        out.append(Occasion(label, one, own_fit, misfit, coherence(own_fit), own.excluded))
     return out, whole
 
 

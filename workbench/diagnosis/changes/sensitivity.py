@@ -17,6 +17,7 @@ from ..reduced import without_background
 from ..rounds import LOOSE
 from ..weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
+from .covered import carried_change
 from .decision import Decided, form_of
 from .result import Unchanged
 from .system import System, solve
@@ -45,7 +46,7 @@ def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice
     S, u = (x[0] for x in decided.chosen.left_of(index[None]))
     held = S + LOOSE**-2 * np.eye(len(S))
     value, covariance = np.linalg.solve(held, u), np.linalg.inv(held)
-    factor = decided.solved.factor
+    factor = decided.factor(shape.pattern)
     value, std = (
         value * shape.sizes[: shape.main],
         factor * np.sqrt(np.diag(covariance)) * shape.sizes[: shape.main],
@@ -55,7 +56,8 @@ def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice
         return
     z = threshold(candidate, float(values[0])) + float(norm.isf(1 - POWER))
     weakest = factor * z / np.sqrt(values[0]) * vectors[:, 0]
-    mm = seen_mm(decided.system, shape.columns[:, : shape.main], weakest, shape.pattern[:, 0])
+    found = [decided.shape(m).columns for m in decided.members]
+    mm = seen_mm(decided.system, shape.columns[:, : shape.main], weakest, shape.pattern[:, 0], found)
     name, unit = numbers_of_shape(shape)[0]
     size = float(np.linalg.norm(weakest)) * float(shape.sizes[0])
     number = Parameter(name, float(value[0]), float(std[0]), unit)
@@ -72,10 +74,10 @@ def threshold(candidate: Candidate, S: float) -> float:
     return float(GRID[int(np.argmax(enough))]) if enough.any() else float(GRID[-1])
 
 
-def seen_mm(system: System, columns: Array, size: Array, pattern: Array) -> float:
+def seen_mm(system: System, columns: Array, size: Array, pattern: Array, more: Sequence[Array] = ()) -> float:
     """RMS [mm] of what columns (R, p) in a size (p,) make of the points of the occasions that have it, once
-    frames and targets are fitted anew."""
-    S = _beside_local(system, columns)
+    frames and targets are fitted anew, and what else (`more`) was found."""
+    S = _beside_local(system, columns, more)
     return float(np.sqrt(max(float(size @ S @ size), 0.0))) * _per_root(system, pattern)
 
 
@@ -90,6 +92,7 @@ def within_mm(decided: Decided) -> float:
     solved = solve(system, [*shapes, every.at(last)], [*(m.scale for m in decided.members), LOOSE])
     before = sum(shape.width for shape in shapes)
     mean, covariance = solved.of(slice(before, before + len(geometry)))
+    covariance = carried_change(system, last[:, None]) ** 2 * covariance
     S = _beside_local(system, every.base, [shape.base for shape in shapes])
     draws = np.random.default_rng(0).multivariate_normal(mean, covariance, DRAWS, method="svd")
     square = np.asarray(np.einsum("di,ij,dj->d", draws, S, draws), dtype=np.float64)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular, svd
 
 from ...identification.fit import fit
+from ...identification.prediction.ranges import beyond_range
 from ...identification.rows import moved
 from ...robot.kinematics import Array
 from ..gram import OfRows
@@ -66,6 +68,13 @@ class System:
     def misfit(self) -> bool:
         """Whether the noise does not explain what the model leaves of an occasion."""
         return any(one.misfit for one in self.occasions)
+
+    @cached_property
+    def within(self) -> list[list[Mask]]:
+        """[k][i]: (N,) poses of occasion k that have every joint within what occasion i covered."""
+        every = [one.problem.q for one in self.occasions]
+        ranges = [(q.min(axis=0), q.max(axis=0)) for q in every]
+        return [[np.all(~beyond_range(q, *other), axis=1) for other in ranges] for q in every]
 
     @property
     def mm(self) -> float:
