@@ -252,6 +252,14 @@ def test_what_is_not_found_is_said(measured, monkeypatch, tmp_path, capsys):
     assert "no column" in capsys.readouterr().err
 
 
+def test_a_title_over_the_table_is_no_header(tmp_path):
+    """It has fewer cells than the rows below it."""
+    joints = [MovingJoint(f"joint_{j}", "revolute", "link", -3, 3, 1, 1) for j in (1, 2)]
+    found = guess_poses(table(tmp_path / "t.csv", "Export of today", [["P1", "10", "20"]] * 3), joints)
+    assert found.lacking == ["joint 1", "joint 2"]
+    assert guess_points(tmp_path / "t.csv").lacking == ["x", "y", "z"]
+
+
 def in_one(campaign, *columns):
     """Rows of one table without a header."""
     return [[f"{value:.6f}" for value in row] for row in np.concatenate(columns, axis=1)]

@@ -24,7 +24,7 @@ UNITS = {"mm": "mm", "m": "m", "deg": "deg", "°": "deg", "degree": "deg", "degr
 
 @dataclass(frozen=True)
 class Text:
-    """A table's cells: header (or none), columns, and the layout's keys."""
+    """A table's cells: header (or none; "" where a column has no name), columns, and the layout's keys."""
 
     header: list[str]
     columns: list[tuple[str, ...]]
@@ -32,7 +32,7 @@ class Text:
 
     def name(self, index: int) -> str | int:
         """How `columns` calls a column."""
-        return self.header[index] if self.header else index + 1
+        return (self.header[index] if self.header else "") or index + 1
 
     def largest(self, index: int) -> float:
         """The largest absolute number in a column."""
@@ -71,7 +71,8 @@ def read(path: Path) -> Text:
     keys |= {"separator": separator} if separator != "," else {}
     keys |= ({"decimal": ","} if comma else {}) | ({"comment": mark} if mark else {})
     keys |= {} if header else {"header": False}
-    return Text(header[:width], columns, keys)
+    named = [*header, *[""] * (width - len(header))] if header else []  # a title has fewer cells
+    return Text(named[:width], columns, keys)
 
 
 def _columns_of(lines: list[str], separator: str) -> tuple[float, int]:
