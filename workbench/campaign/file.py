@@ -15,7 +15,7 @@ from ..files.toml import read_toml, toml_key
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
 from .cell import CellData, DrivingData, InstrumentData, ObstacleData
-from .exports import EXPORTS
+from .exports import EXPORTS, PROGRAM_EXPORTS
 from .known import FactData, KnownData, Name
 
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
@@ -30,19 +30,20 @@ class TableFile(Layout):
 
     file: Name
     """beside this file"""
-    template: Literal[*EXPORTS] | None = None  # type: ignore[valid-type]
-    """the layout of a program's export; what is said beside it counts"""
 
     @model_validator(mode="before")
     @classmethod
     def _as_exported(cls, data: Any) -> Any:
-        known = EXPORTS.get(data.get("template", "")) if isinstance(data, dict) else None
+        name = data.get("template") if isinstance(data, dict) else None
+        known = {**EXPORTS, **PROGRAM_EXPORTS}.get(name) if isinstance(name, str) else None
         return {**known, **data} if known else data
 
 
 class PointsFile(TableFile):
     """`[points]`; wide: targets side by side, the columns of x, y and z of each."""
 
+    template: Literal[*EXPORTS] | None = None  # type: ignore[valid-type]
+    """the layout of a program's export; what is said beside it counts"""
     wide: dict[Name, tuple[ColumnPlace, ColumnPlace, ColumnPlace]] = Field(default_factory=dict)
     """targets side by side: name → columns of x, y and z"""
 
@@ -50,6 +51,9 @@ class PointsFile(TableFile):
 class PosesFile(TableFile):
     """`[poses]`: joints counts the joint columns as the URDF does, or as the robot's controller does."""
 
+    template: Literal[*PROGRAM_EXPORTS] | None = None  # type: ignore[valid-type]
+    """the file is a robot program: the joint positions in it, a row each, column 1 their name (or number),
+    the axes behind it in degrees; what is said beside it counts"""
     joints: Literal["urdf", "controller"] = "urdf"
     """how the joint columns count: as the URDF does, or as the robot's controller does, whose names of joints
     are known then, in the header and under `columns`"""

@@ -15,7 +15,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.chain import MovingJoint
-from .guess_text import Array, Text, angle_unit, counts, is_numbers, length_unit, read, repeats, unit_of
+from .guess_text import (
+    Array,
+    Text,
+    angle_unit,
+    any_text,
+    counts,
+    is_numbers,
+    length_unit,
+    read,
+    repeats,
+    unit_of,
+)
+from .program_joints import ARM, joint_table, program_of
 
 Misfit = Callable[[Array, Array], float]  # joints (N, n) [rad, m], points (N, 3) [m] → misfit [m]
 
@@ -47,12 +59,26 @@ class Guessed:
 
 
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
-    """Keys for the table of a robot's joints. Raises `InputError` where the file cannot be read."""
+    """Keys for the table of a robot's joints, or for a program with positions of them. Raises `InputError`
+    where the file cannot be read."""
+    if (program := program_of(any_text(path)[0])) is not None:
+        return _of_program(program, path, joints)
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
     numbers = _joint_columns(text, joints)
     identity = _first(text, POSE, set(numbers.values()))
     return _of_joints(text, found, joints, numbers, identity)
+
+
+def _of_program(program: str, path: Path, joints: Sequence[MovingJoint]) -> Guessed:
+    """Keys for a robot program: its template, and the columns where they are not those of six axes."""
+    text, keys = any_text(path)
+    joint_table(text, program, path)
+    found = Guessed({"template": program, **keys})
+    if len(joints) != ARM or any(joint.kind == "prismatic" for joint in joints):
+        units = ["mm" if joint.kind == "prismatic" else "deg" for joint in joints]
+        found.keys["columns"] = {"pose_id": 1, **{f"q{i}_{unit}": i + 1 for i, unit in enumerate(units, 1)}}
+    return found
 
 
 def _of_joints(

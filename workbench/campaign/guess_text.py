@@ -47,15 +47,18 @@ class Text:
         return len(set(self.columns[index])) > 1
 
 
-def read(path: Path) -> Text:
-    keys: dict[str, Any] = {}
+def any_text(path: Path) -> tuple[str, dict[str, Any]]:
+    """The text of a file, and the key that says its encoding where it is not UTF-8."""
     try:
-        text = read_text(path)
+        return read_text(path), {}
     except InputError:
         if not path.is_file() or path.read_bytes().startswith(tuple(BYTE_ORDER_MARKS)):
             raise
-        text = read_text(path, "latin-1")
-        keys["encoding"] = "latin-1"
+        return read_text(path, "latin-1"), {"encoding": "latin-1"}
+
+
+def read(path: Path) -> Text:
+    text, keys = any_text(path)
     mark = next((m[1] for line in text.splitlines()[:20] if (m := COMMENT.match(line))), "")
     numbered = content(text, Layout(comment=mark))
     if not numbered:

@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from ..campaign.exports import EXPORTS
+from ..campaign.exports import EXPORTS, PROGRAM_EXPORTS
 from ..campaign.file import CampaignFile, point_columns, pose_columns
 from ..correction.path_table import path_columns
 from ..files.tables import UNITS, Column
@@ -117,7 +117,7 @@ def _cell(text: str) -> str:
 
 def _exports() -> str:
     lines = ["", "## Templates", "", "| `template` | stands for |", "|---|---|"]
-    for name, keys in EXPORTS.items():
+    for name, keys in {**EXPORTS, **PROGRAM_EXPORTS}.items():
         said = "; ".join(f"{key} = {json.dumps(value)}" for key, value in keys.items())
         lines.append(f"| `{name}` | {_cell(said)} |")
     return "\n".join(lines) + "\n"
