@@ -252,6 +252,24 @@ def test_what_is_not_found_is_said(measured, monkeypatch, tmp_path, capsys):
     assert "no column" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("beside", "wanted"),
+    [
+        (lambda i, a: ["0.7", "0.01", f"0.{i}", f"0.{a}"], (2, 3, 4)),  # a quaternion
+        (lambda i, a: [f"0.0{i}", f"{1000 * i}.5", f"21.{a}"], (2, 3, 4)),  # RMS, time, temperature
+        (lambda i, a: [f"0.{a}", "90.0", f"-{i}.5"], (2, 3, 4)),  # angles
+        (lambda i, a: [f"{100 * i}.7", f"-{50 * a}.2", f"{80 * a}.9"], (5, 6, 7)),  # nominal, then measured
+    ],
+)
+def test_places_without_names_are_those_that_vary(tmp_path, beside, wanted):
+    rows = [
+        [str(i), f"{100 * i}.5", f"-{50 * a}.25", f"{80 * a}.5", *beside(i, a)]
+        for i, a in enumerate((3, 1, 4, 9, 5, 2, 6), 1)
+    ]
+    found = guess_points(table(tmp_path / "t.csv", "", rows))
+    assert found.keys["columns"] == {"pose_id": 1, **dict(zip(("x_mm", "y_mm", "z_mm"), wanted, strict=True))}
+
+
 def test_a_title_over_the_table_is_no_header(tmp_path):
     """It has fewer cells than the rows below it."""
     joints = [MovingJoint(f"joint_{j}", "revolute", "link", -3, 3, 1, 1) for j in (1, 2)]

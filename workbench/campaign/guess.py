@@ -36,6 +36,7 @@ BESIDE = 0.02  # of a joint's range: as near to a limit as it is within
 FITS = 0.03  # of the spread of the points: what the right columns are off the robot at most
 CLEARLY = 4.0  # times as far off as the best, or as
 EXACT = 1e-3  # of the spread: other columns than the right ones
+AS_MUCH = 0.5  # of what the columns vary by that vary most: those of measured beside nominal places do
 ROWS, FEWEST = 60, 8  # of a table, that are looked at
 POSE = (
     "poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "nummer", "index", "group", "gruppe",
@@ -155,7 +156,8 @@ def _of_places(
         columns["pose_id"] = text.name(identity)
         taken = {*taken, identity}
     if len(places) == 1:
-        if (target := _first(text, TARGET, taken)) is not None and repeats(text.columns[target]):
+        target = _first(text, TARGET, taken if text.header else {*taken, *_measured(text)})
+        if target is not None and repeats(text.columns[target]):
             columns["target"] = text.name(target)
         (triple,) = places.values()
         columns |= {f"{axis}_{unit}": text.name(i) for axis, i in zip("xyz", triple, strict=True)}
@@ -281,7 +283,8 @@ def _triples(text: Text) -> dict[str, tuple[int, int, int]]:
     """Target → columns of x, y, z."""
     numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
     if not text.header:
-        return {"": (numbers[-3], numbers[-2], numbers[-1])} if len(numbers) >= 3 else {}
+        places = _side_by_side(text, numbers)
+        return {"": places[-1]} if places else {}
     axes: dict[str, dict[str, int]] = {}
     for i in numbers:
         plain = _plain(text.header[i])
@@ -293,6 +296,27 @@ def _triples(text: Text) -> dict[str, tuple[int, int, int]]:
     if "" in whole or len(whole) == 1:
         return {"": whole.get("", next(iter(whole.values())))}
     return {f"T{name}" if name.isdigit() else name.upper(): triple for name, triple in whole.items()}
+
+
+def _side_by_side(text: Text, numbers: Sequence[int]) -> list[tuple[int, int, int]]:
+    """Columns side by side that may be x, y and z of a table without a header: those of which all three vary,
+    about as much as of any. Uncertainties, quaternions, times beside them do not."""
+    places = [(i, i + 1, i + 2) for i in numbers if {i + 1, i + 2}.issubset(numbers)]
+    worth = [min(_spread(text, i) for i in place) for place in places]
+    return [place for place, least in zip(places, worth, strict=True) if least >= AS_MUCH * max(worth)]
+
+
+def _measured(text: Text) -> set[int]:
+    """Columns of numbers with decimals: they are no names."""
+    return {
+        i for i, column in enumerate(text.columns) if is_numbers(column) and not "".join(column).isdigit()
+    }
+
+
+def _spread(text: Text, index: int) -> float:
+    """The standard deviation of a column; 0 where it numbers the rows."""
+    values = text.numbers(index)
+    return 0.0 if counts(text.columns[index]) else float(np.std(values[np.isfinite(values)]))
 
 
 def _first(text: Text, names: Sequence[str], taken: set[int]) -> int | None:
