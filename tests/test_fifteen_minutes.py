@@ -223,6 +223,7 @@ def test_tables_of_joints_are_guessed(tmp_path, header, rows, separator, wanted)
           "units": {"x_mm": "m", "y_mm": "m", "z_mm": "m"},
           "wide": {"T1": ["T1_x", "T1_y", "T1_z"], "T2": ["T2_x", "T2_y", "T2_z"]}}),
         ("pose_id,x_mm,y_mm,z_mm", [["a", "1", "2", "3"]], ",", {}),
+        ("pose_id,x_mm,y_mm,z_mm,qw,qx,qy,qz", [["a", *"1231000"]], ",", {"turned_mm": 100.0}),
     ],
 )  # fmt: skip
 def test_tables_of_points_are_guessed(tmp_path, header, rows, separator, wanted):

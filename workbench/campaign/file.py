@@ -46,6 +46,9 @@ class PointsFile(TableFile):
     """the layout of a program's export; what is said beside it counts"""
     wide: dict[Name, tuple[ColumnPlace, ColumnPlace, ColumnPlace]] = Field(default_factory=dict)
     """targets side by side: name → columns of x, y and z"""
+    turned_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    """6-D measurement: columns qw, qx, qy, qz say how the target is turned; it is read as three points, NAME,
+    NAME_x and NAME_y, the two so far along its axes: about as far as the targets are from the flange"""
 
 
 class PosesFile(TableFile):
@@ -138,6 +141,9 @@ def read_campaign_file(path: Path) -> CampaignFile:
         for name, target in file.targets.items()
         if target.opens is not None and not any(target.opens)
     ]
+    if file.points.wide and file.points.turned_mm is not None:
+        mend = "give the targets of a 6-D measurement a row each, or take it out"
+        faults.append(Fault(f"{path}: points.turned_mm", "does not go with targets side by side", mend))
     for section in ("poses", "points"):
         layout: TableFile = getattr(file, section)
         if layout.separator == layout.decimal:
@@ -194,6 +200,7 @@ def _keys(place: list[str]) -> list[str]:
     return sorted(field.alias or name for name, field in fields.items())
 
 
+QUATERNION = ("qw", "qx", "qy", "qz")
 WRENCH_COLUMNS = tuple(
     Column(f"{kind}{axis}", (dimension,), mend="write 0 where there is none")
     for kind, dimension in (("f", "force"), ("m", "torque"))
@@ -244,11 +251,12 @@ def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
     """The columns of `points.csv`. With a single target, its column may be left out, and that of the pose
     where the points stand in the order of the poses (unless `named`)."""
     unseen = "leave out the line of a point that was not seen"
-    stated = file.noise.sigma_mm is not None
+    stated, turned = file.noise.sigma_mm is not None, file.points.turned_mm is not None
     sigma = "" if stated else "give it for every point, or state [noise] sigma_mm for the others"
     return [
         Column("pose_id", text=True, required=named, mend="every point belongs to a pose"),
         Column("target", text=True, required=len(file.targets) > 1, mend="name the target of every point"),
         *(Column(axis, ("length",), required=True, wild=True, mend=unseen) for axis in "xyz"),
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
+        *(Column(name, required=turned, blank=not turned, mend=unseen) for name in QUATERNION),
     ]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.chain import MovingJoint
+from .file import QUATERNION
 from .guess_text import (
     Array,
     Text,
@@ -37,6 +38,7 @@ FITS = 0.03  # of the spread of the points: what the right columns are off the r
 CLEARLY = 4.0  # times as far off as the best, or as
 EXACT = 1e-3  # of the spread: other columns than the right ones
 AS_MUCH = 0.5  # of what the columns vary by that vary most: those of measured beside nominal places do
+TURNED = 100.0  # mm along the axes of a 6-D measurement, as far as targets usually are from the flange
 ROWS, FEWEST = 60, 8  # of a table, that are looked at
 POSE = (
     "poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "nummer", "index", "group", "gruppe",
@@ -161,6 +163,9 @@ def _of_places(
             columns["target"] = text.name(target)
         (triple,) = places.values()
         columns |= {f"{axis}_{unit}": text.name(i) for axis, i in zip("xyz", triple, strict=True)}
+        if turned := _quaternion(text):
+            columns |= turned
+            found.keys["turned_mm"] = TURNED
         return _mapped(found, columns)
     found.keys["wide"] = {name: [text.name(i) for i in triple] for name, triple in places.items()}
     if unit != "mm":
@@ -317,6 +322,15 @@ def _spread(text: Text, index: int) -> float:
     """The standard deviation of a column; 0 where it numbers the rows."""
     values = text.numbers(index)
     return 0.0 if counts(text.columns[index]) else float(np.std(values[np.isfinite(values)]))
+
+
+def _quaternion(text: Text) -> dict[str, str | int]:
+    """Columns of a 6-D measurement by their names, which say where the scalar is: qw ... qz, or q0 ... q3."""
+    plain = {_plain(name): i for i, name in enumerate(text.header) if is_numbers(text.columns[i])}
+    for names in (QUATERNION, ("q0", "q1", "q2", "q3")):
+        if set(names) <= plain.keys():
+            return {our: text.name(plain[name]) for our, name in zip(QUATERNION, names, strict=True)}
+    return {}
 
 
 def _first(text: Text, names: Sequence[str], taken: set[int]) -> int | None:
