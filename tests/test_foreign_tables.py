@@ -190,6 +190,7 @@ SIX_D_KEYS = """columns = { pose_id = "id", x_mm = "x", y_mm = "y", z_mm = "z", 
 def test_a_6d_measurement_is_three_points(tmp_path):
     found = campaign(tmp_path, points=SIX_D_KEYS + "turned_mm = 100\n", tables=(POSES, SIX_D))
     assert [target.name for target in found.targets] == ["T1", "T1_x", "T1_y"]
+    assert found.six_dof
     assert 1e3 * found.points[0] == pytest.approx(np.array([[1, 2, 3], [101, 2, 3], [1, 102, 3]]))
     assert 1e3 * found.points[1] == pytest.approx(np.array([[4, 5, 6], [4, 105, 6], [-96, 5, 6]]))
     assert 1e3 * found.points[2] == pytest.approx(np.array([[7, 8, 9], [7, 108, 9], [7, 8, 109]]))

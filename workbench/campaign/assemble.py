@@ -72,7 +72,7 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         sigma=None if seen.sigma is None else seen.sigma[kept][:, measured],
         shot_scatter=seen.scatter,
         noise_sigma=None if file.noise.sigma_mm is None else file.noise.sigma_mm * 1e-3,
-        six_dof=file.noise.pose,
+        six_dof=file.noise.pose or file.points.turned_mm is not None,
         warnings=tuple(warnings),
         cell=beside(file.cell, path),
         known=file.known.model_copy(update={"scale": 1.0}),
