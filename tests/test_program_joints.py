@@ -64,6 +64,16 @@ def test_positions_without_names_are_numbered():
     assert joint_table(moves, "rapid", "t.mod") == "1,1,2,3,4,5,6\n"
 
 
+def test_positions_of_fanuc_and_staubli():
+    text = '/POS\nP[1:"a"]{\n GP1:\n UF : 0, UT : 1,\n J1= 10.000 deg, J2= 20.0 deg, J3= -3 deg,\n'
+    text += " J4= 4 deg, J5= 5 deg, J6= 6 deg,\n E1= 100.0 mm\n};\nP[2]{\n GP1: X = 1 mm, Y = 2 mm\n};\n"
+    assert program_of(text) == "ls"
+    assert joint_table(text, "ls", "t.ls").split() == ["P1,10.000,20.0,-3,4,5,6,100.0"]
+    text = '<Value key="0" j1="-84.1" j2="-55" j3="1" j4="2" j5="3" j6="4" />\n<Value key="1" x="1" y="2" />'
+    assert program_of(text) == "val3"
+    assert joint_table(text, "val3", "t.dtx").split() == ["1,-84.1,-55,1,2,3,4"]
+
+
 def test_a_program_that_does_not_say_the_joints_is_told(tmp_path):
     with pytest.raises(InputError, match="has no joint positions as krl says them"):
         joint_table("PTP {X 1,Y 2,Z 3,A 0,B 0,C 0}\n", "krl", "t.src")
@@ -86,3 +96,7 @@ def test_programs_are_known_by_their_text(tmp_path):
     assert guess_poses(tmp_path / "cal.mod", SIX).keys == {"template": "rapid"}
     rail = [*SIX, MovingJoint("rail", "prismatic", "link", 0, 1, 1, 1)]
     assert guess_poses(tmp_path / "cal.mod", rail).keys["columns"]["q7_mm"] == 8
+    (tmp_path / "tool.mod").write_text("CONST robtarget p1 := [[1,2,3],[1,0,0,0],[0,0,0,0],[9E9]];\n")
+    tool = guess_poses(tmp_path / "tool.mod", SIX)
+    assert tool.lacking == [f"joint {j}" for j in range(1, 7)]
+    assert "its positions are the tool's" in tool.why

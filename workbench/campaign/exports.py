@@ -28,4 +28,6 @@ _PROGRAM = {"header": False, "separator": ",", "columns": {"pose_id": 1, **_SIX_
 PROGRAM_EXPORTS: dict[str, dict[str, Any]] = {  # of what `program_joints` makes of them
     "rapid": _PROGRAM,  # jointtarget NAME := [[a1, ..., a6], [external axes]]
     "krl": _PROGRAM,  # E6AXIS NAME={A1 ..., A2 ..., ...}
+    "ls": _PROGRAM,  # P[1]{ GP1: J1= ... deg, ... }
+    "val3": _PROGRAM,  # <Value key="0" j1="..." ... />
 }

@@ -28,7 +28,7 @@ from .guess_text import (
     repeats,
     unit_of,
 )
-from .program_joints import ARM, joint_table, program_of
+from .program_joints import ARM, joint_table, program_of, says_tool_poses
 
 Misfit = Callable[[Array, Array], float]  # joints (N, n) [rad, m], points (N, 3) [m] → misfit [m]
 
@@ -64,8 +64,12 @@ class Guessed:
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
     """Keys for the table of a robot's joints, or for a program with positions of them. Raises `InputError`
     where the file cannot be read."""
-    if (program := program_of(any_text(path)[0])) is not None:
+    words, _ = any_text(path)
+    if (program := program_of(words)) is not None:
         return _of_program(program, path, joints)
+    if says_tool_poses(words):
+        why = "its positions are the tool's, which say no joints: export jointtargets (RAPID) or axes (KRL)"
+        return Guessed(lacking=[f"joint {i}" for i in range(1, len(joints) + 1)], why=why)
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
     numbers = _joint_columns(text, joints)
