@@ -218,6 +218,8 @@ def test_tables_of_joints_are_guessed(tmp_path, header, rows, separator, wanted)
          {"columns": {"pose_id": "pose", "target": "name", "x_mm": "x", "y_mm": "y", "z_mm": "z"}}),
         ("", [["1", "2296.49", "-2416.25", "-442.56"], ["2", "2296.4", "-241.2", "-44.56"]], ", ",
          {"header": False, "columns": {"pose_id": 1, "x_mm": 2, "y_mm": 3, "z_mm": 4}}),
+        ("", [["a", "A", "99.5", "mm", "-2.2", "mm", "9"], ["b", "A", "6.4", "mm", "2.5", "mm", "4.6"]], ",",
+         {"header": False, "columns": {"pose_id": 1, "target": 2, "x_mm": 3, "y_mm": 5, "z_mm": 7}}),
         ("nr;T1_x;T1_y;T1_z;T2_x;T2_y;T2_z", [["1", *["2,5"] * 6], ["2", *["2,5"] * 6]], ";",
          {"separator": ";", "decimal": ",", "columns": {"pose_id": "nr"},
           "units": {"x_mm": "m", "y_mm": "m", "z_mm": "m"},

@@ -308,9 +308,9 @@ def _triples(text: Text) -> dict[str, tuple[int, int, int]]:
 
 
 def _side_by_side(text: Text, numbers: Sequence[int]) -> list[tuple[int, int, int]]:
-    """Columns side by side that may be x, y and z of a table without a header: those of which all three vary,
-    about as much as of any. Uncertainties, quaternions, times beside them do not."""
-    places = [(i, i + 1, i + 2) for i in numbers if {i + 1, i + 2}.issubset(numbers)]
+    """Columns of numbers, one after the other, that may be x, y and z of a table without a header: those of
+    which all three vary, about as much as of any. Uncertainties, quaternions, times beside them do not."""
+    places = list(zip(numbers, numbers[1:], numbers[2:], strict=False))
     worth = [min(_spread(text, i) for i in place) for place in places]
     return [place for place, least in zip(places, worth, strict=True) if least >= AS_MUCH * max(worth)]
 
