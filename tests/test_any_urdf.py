@@ -54,6 +54,7 @@ def test_a_published_robot_is_read_and_drawn(tmp_path):
     (note,) = urdf_notes(robot)
     assert "stand at 0: finger_1, finger_2" in note
     html = scene_of(robot, nothing(), "acme")
+    assert "Errors of the fitted poses" not in html, "there are none"
     assert len(html) < 5e6
 
 

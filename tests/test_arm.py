@@ -132,3 +132,18 @@ def test_an_arm_that_runs_away_finds_no_rest_and_nothing_overflows(tmp_path):
     loads = some_loads(np.random.default_rng(1), 3, arm.n)
     with pytest.raises(NoRest, match="finds no rest"):
         equilibrium(arm, q, still, loads, lambda wrench: wrench[..., ::-1] ** 2)
+
+
+def test_what_runs_away_is_named_with_its_poses(tmp_path):
+    """Only the second pose bears a load that the soft joint does not."""
+    _, arm = some_arm(tmp_path, "6R")
+    loads = some_loads(np.random.default_rng(1), 3, arm.n)
+    still = np.zeros((3, arm.slots, 6))
+
+    def soft(wrench):
+        motion = np.zeros_like(wrench)
+        motion[1, 2] = 1e3 * wrench[1, 2]
+        return motion
+
+    with pytest.raises(NoRest, match=rf"\({arm.names[1]} yields most; in at least 1 pose\)"):
+        equilibrium(arm, np.zeros((3, arm.n)), still, loads, soft)

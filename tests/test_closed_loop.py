@@ -411,8 +411,8 @@ def test_files_are_whole(files, tmp_path):
     assert "nan" not in page
     assert "PerspectiveCamera" in (tmp_path / "out" / "scene.html").read_text(encoding="utf-8")
     assert "AT" in done.text
-    assert done.text.startswith("truth = model: this shows what the controller adds")
-    assert "<h1>truth = model: this shows what the controller adds" in page
+    assert done.text.startswith("The model ran against itself: this shows what the controller adds")
+    assert "<h1>The model ran against itself: this shows what the controller adds" in page
     assert "times as accurate" not in page
     assert "true robot" not in page
     assert done.to_json()["speeds"][0]["commands"]["corrected"]["rms_mm"] < 0.1

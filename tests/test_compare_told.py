@@ -89,6 +89,7 @@ def test_few_poses_of_a_robot_as_it_was_do_not_say_that_it_is_unchanged():
     assert comparison.headline.startswith("No change of the robot is seen; changes as large as the nominal")
     assert "unchanged within" not in comparison.headline
     assert said_of(comparison)["within"].endswith("could not have been seen.")
+    assert not any(cell.startswith(("=", "seen")) for row in said_of(comparison)["unchanged"] for cell in row)
     assert comparison.apart[1].scatter.p_value > 1e-3
 
 

@@ -15,6 +15,7 @@ from workbench.correction.path_shapes import Run, circle, line, work_frame
 from workbench.correction.paths import Path, write_path
 from workbench.correction.programs import formats, read_program
 from workbench.effects.gear_eccentricity import GearEccentricity
+from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.place import Where
 from workbench.files.faults import InputError
 from workbench.identification.model_file import write_model
@@ -51,6 +52,15 @@ def test_out_of_reach_by_line(kr500: Robot) -> None:
     assert told[-1].startswith(f"line.csv line {len(path) + 1}:")
     listed = replace(path, file="mine.csv", lines=tuple(range(10, 10 + len(path))))
     assert faults_of(kr500, listed)[0].startswith(f"mine.csv line {first + 8}:")
+
+
+def test_an_arm_that_finds_no_rest_is_not_told_to_move_the_path(kr500: Robot) -> None:
+    """Its path is well: a stiffness is not."""
+    weak = JointCompliance(Where(joint="joint_2"), nominal=1e-7)
+    told = faults_of(extended(load_robot("kr500"), [(weak, [1e5])]), CIRCLE)
+    assert "the loaded arm finds no rest" in told[0]
+    assert "check stiffness" in told[0]
+    assert "move the path" not in told[0]
 
 
 def test_out_of_range_names_joint_and_limit(kr500: Robot) -> None:

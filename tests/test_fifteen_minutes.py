@@ -218,11 +218,14 @@ def test_tables_of_joints_are_guessed(tmp_path, header, rows, separator, wanted)
          {"columns": {"pose_id": "pose", "target": "name", "x_mm": "x", "y_mm": "y", "z_mm": "z"}}),
         ("", [["1", "2296.49", "-2416.25", "-442.56"], ["2", "2296.4", "-241.2", "-44.56"]], ", ",
          {"header": False, "columns": {"pose_id": 1, "x_mm": 2, "y_mm": 3, "z_mm": 4}}),
+        ("", [["a", "A", "99.5", "mm", "-2.2", "mm", "9"], ["b", "A", "6.4", "mm", "2.5", "mm", "4.6"]], ",",
+         {"header": False, "columns": {"pose_id": 1, "target": 2, "x_mm": 3, "y_mm": 5, "z_mm": 7}}),
         ("nr;T1_x;T1_y;T1_z;T2_x;T2_y;T2_z", [["1", *["2,5"] * 6], ["2", *["2,5"] * 6]], ";",
          {"separator": ";", "decimal": ",", "columns": {"pose_id": "nr"},
           "units": {"x_mm": "m", "y_mm": "m", "z_mm": "m"},
           "wide": {"T1": ["T1_x", "T1_y", "T1_z"], "T2": ["T2_x", "T2_y", "T2_z"]}}),
         ("pose_id,x_mm,y_mm,z_mm", [["a", "1", "2", "3"]], ",", {}),
+        ("pose_id,x_mm,y_mm,z_mm,qw,qx,qy,qz", [["a", *"1231000"]], ",", {"turned_mm": 100.0}),
     ],
 )  # fmt: skip
 def test_tables_of_points_are_guessed(tmp_path, header, rows, separator, wanted):
@@ -250,6 +253,32 @@ def test_what_is_not_found_is_said(measured, monkeypatch, tmp_path, capsys):
     capsys.readouterr()
     assert main(["check", "acme/campaign.toml"]) == 2
     assert "no column" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("beside", "wanted"),
+    [
+        (lambda i, a: ["0.7", "0.01", f"0.{i}", f"0.{a}"], (2, 3, 4)),  # a quaternion
+        (lambda i, a: [f"0.0{i}", f"{1000 * i}.5", f"21.{a}"], (2, 3, 4)),  # RMS, time, temperature
+        (lambda i, a: [f"0.{a}", "90.0", f"-{i}.5"], (2, 3, 4)),  # angles
+        (lambda i, a: [f"{100 * i}.7", f"-{50 * a}.2", f"{80 * a}.9"], (5, 6, 7)),  # nominal, then measured
+    ],
+)
+def test_places_without_names_are_those_that_vary(tmp_path, beside, wanted):
+    rows = [
+        [str(i), f"{100 * i}.5", f"-{50 * a}.25", f"{80 * a}.5", *beside(i, a)]
+        for i, a in enumerate((3, 1, 4, 9, 5, 2, 6), 1)
+    ]
+    found = guess_points(table(tmp_path / "t.csv", "", rows))
+    assert found.keys["columns"] == {"pose_id": 1, **dict(zip(("x_mm", "y_mm", "z_mm"), wanted, strict=True))}
+
+
+def test_a_title_over_the_table_is_no_header(tmp_path):
+    """It has fewer cells than the rows below it."""
+    joints = [MovingJoint(f"joint_{j}", "revolute", "link", -3, 3, 1, 1) for j in (1, 2)]
+    found = guess_poses(table(tmp_path / "t.csv", "Export of today", [["P1", "10", "20"]] * 3), joints)
+    assert found.lacking == ["joint 1", "joint 2"]
+    assert guess_points(tmp_path / "t.csv").lacking == ["x", "y", "z"]
 
 
 def in_one(campaign, *columns):

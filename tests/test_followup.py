@@ -5,6 +5,7 @@ import re
 import shlex
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ from workbench.campaign.known import with_known
 from workbench.campaign.payloads import with_payloads
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
-from workbench.diagnosis.result import Decision
+from workbench.diagnosis.result import Decision, Finding, Rival
 from workbench.effects.records import parse_effect
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError
@@ -90,6 +91,23 @@ def test_the_demos_tie_is_settled_by_the_poses_that_it_asks_for(open_tie, tmp_pa
     (row,) = (row for row in told.rows if row[0].startswith("joint_3 is softer"))
     assert row[1].startswith("Open: ")
     assert row[2].startswith("joint_3 is softer")
+
+
+def test_a_tie_with_what_is_hidden_is_no_cause_that_is_not_there():
+    """Whichever of its two comes first: the row of what is hidden says it. A wrong name has a row."""
+    _, rig = demo.prepared(0, 30)
+    effect = next(e for e, _ in rig.truth.effects if (e.cause, str(e.where)) == JOINT_3)
+    other = Where(link="link_3")
+    rival = Rival("joint_compliance", effect.where, 0.4)
+    tie = Finding("link_bending", "", other, "ambiguous", 0.0, 0.6, rivals=(rival,))
+    wrong = replace(tie, status="named", rivals=(), sentence="link_3 bends.")
+
+    def rows(*found):
+        diagnosis = SimpleNamespace(causes=found)
+        return demo._revealed(rig.truth, diagnosis, diagnosis, ("", "")).rows
+
+    assert all(hidden != "Nothing of this" for hidden, _, _ in rows(tie))
+    assert ("Nothing of this", "link_3 bends.", "link_3 bends.") in rows(wrong)
 
 
 def test_one_tie_has_one_lambda(open_tie, tmp_path):

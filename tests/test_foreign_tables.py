@@ -180,3 +180,29 @@ def test_wrong_arrays_are_told(tmp_path):
     ]:
         with pytest.raises(InputError, match=match):
             Campaign.from_arrays(robot, **{"q": q, "points": points, **bad})
+
+
+SIX_D = "id,x,y,z,q0,q1,q2,q3\na,1,2,3,1,0,0,0\nb,4,5,6,0.7071,0,0,0.7071\nc,7,8,9,0.5,0.5,0.5,0.5\n"
+SIX_D_KEYS = """columns = { pose_id = "id", x_mm = "x", y_mm = "y", z_mm = "z", qw = "q0", qx = "q1", qy = "q2", qz = "q3" }
+"""  # noqa: E501
+
+
+def test_a_6d_measurement_is_three_points(tmp_path):
+    found = campaign(tmp_path, points=SIX_D_KEYS + "turned_mm = 100\n", tables=(POSES, SIX_D))
+    assert [target.name for target in found.targets] == ["T1", "T1_x", "T1_y"]
+    assert found.six_dof
+    assert 1e3 * found.points[0] == pytest.approx(np.array([[1, 2, 3], [101, 2, 3], [1, 102, 3]]))
+    assert 1e3 * found.points[1] == pytest.approx(np.array([[4, 5, 6], [4, 105, 6], [-96, 5, 6]]))
+    assert 1e3 * found.points[2] == pytest.approx(np.array([[7, 8, 9], [7, 108, 9], [7, 8, 109]]))
+    alone = campaign(tmp_path / "alone", points=SIX_D_KEYS, tables=(POSES, SIX_D))
+    assert alone.points.shape[1] == 1
+    assert any("turned_mm = 100 under [points] makes three points of each" in one for one in alone.warnings)
+
+
+def test_faults_of_a_6d_measurement(tmp_path):
+    toml = BARE.format(poses="", points=SIX_D_KEYS + "turned_mm = 100\n")
+    told = faults(write_example(tmp_path, toml, POSES, SIX_D.replace("0.5,0.5,0.5,0.5", "0,0,0,0")))
+    assert len(told) == 1
+    assert "line 4: qw ('q0') and the three beside it are no quaternion of length 1" in told[0]
+    told = faults(write_example(tmp_path, BARE.format(poses="", points="turned_mm = 100\n"), POSES, POINTS))
+    assert any("no column qw" in one for one in told)

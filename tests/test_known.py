@@ -68,6 +68,7 @@ def test_facts_are_read_from_text_and_toml_alike(tmp_path):
         ("gravity_compensator:rate=3,std=1", "no rate to differ from"),
         ("joint_compliance:joint=joint_2,stiffness=-3,std=1", "-3 is no stiffness"),
         ("no backlsh", "no cause 'backlsh'"),
+        ("no changed_setup", "is a fault of the data, no cause"),
         ("no backlash(joint_9)", "cannot sit there"),
         ("no payload(heavy)", "cannot sit there"),
         ("gear_ratio:joint=joint_4,ratio=120,std=0", "would be -0.166667, since the model has ratio 100"),

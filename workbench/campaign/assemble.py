@@ -72,7 +72,7 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         sigma=None if seen.sigma is None else seen.sigma[kept][:, measured],
         shot_scatter=seen.scatter,
         noise_sigma=None if file.noise.sigma_mm is None else file.noise.sigma_mm * 1e-3,
-        six_dof=file.noise.pose,
+        six_dof=file.noise.pose or file.points.turned_mm is not None,
         warnings=tuple(warnings),
         cell=beside(file.cell, path),
         known=file.known.model_copy(update={"scale": 1.0}),
@@ -95,6 +95,11 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
 def _sort_points(file: CampaignFile, robot: Robot, poses: Table, points: Table) -> _Seen:
     """Means of the shots on the grid (pose, target), their numbers, sigma and pooled scatter."""
     names, warnings = _target_names(file, points)
+    if "qw" in points.numbers:
+        warnings.append(
+            f"{points.path}: qw, qx, qy, qz, how the target is turned, are not used; turned_mm = 100 under "
+            "[points] makes three points of each"
+        )
     targets, more = _targets(file, robot, names, points)
     warnings += more
     rows = {pose_id: row for row, pose_id in enumerate(poses.texts["pose_id"])}

@@ -1,4 +1,4 @@
-"""How programs of instruments export points: layouts by name, for `template` in `[points]`.
+"""How others write points and poses: layouts by name, for `template` in `[points]` and in `[poses]`.
 
 `group` and `point` of SpatialAnalyzer are taken as pose and target, since a group is usually measured per
 pose; the other lists name one point per pose. Whatever differs is said beside the template, and counts.
@@ -20,4 +20,14 @@ EXPORTS: dict[str, dict[str, Any]] = {
     "spatial-analyzer-csv": {**_GROUPS, "separator": ","},
     "leica": {**_NAMED, "separator": ","},  # name, x, y, z
     "polyworks": {**_NAMED, "separator": " ", "comment": "#"},  # name x y z
+}
+
+_SIX_AXES = {f"q{i}_deg": i + 1 for i in range(1, 7)}
+_PROGRAM = {"header": False, "separator": ",", "columns": {"pose_id": 1, **_SIX_AXES}}
+
+PROGRAM_EXPORTS: dict[str, dict[str, Any]] = {  # of what `program_joints` makes of them
+    "rapid": _PROGRAM,  # jointtarget NAME := [[a1, ..., a6], [external axes]]
+    "krl": _PROGRAM,  # E6AXIS NAME={A1 ..., A2 ..., ...}
+    "ls": _PROGRAM,  # P[1]{ GP1: J1= ... deg, ... }
+    "val3": _PROGRAM,  # <Value key="0" j1="..." ... />
 }

@@ -15,7 +15,7 @@ from ..files.toml import read_toml, toml_key
 from ..robot.description import Joint, Robot
 from ..robot.schema import LoadData, toml_faults
 from .cell import CellData, DrivingData, InstrumentData, ObstacleData
-from .exports import EXPORTS
+from .exports import EXPORTS, PROGRAM_EXPORTS
 from .known import FactData, KnownData, Name
 
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
@@ -30,26 +30,33 @@ class TableFile(Layout):
 
     file: Name
     """beside this file"""
-    template: Literal[*EXPORTS] | None = None  # type: ignore[valid-type]
-    """the layout of a program's export; what is said beside it counts"""
 
     @model_validator(mode="before")
     @classmethod
     def _as_exported(cls, data: Any) -> Any:
-        known = EXPORTS.get(data.get("template", "")) if isinstance(data, dict) else None
+        name = data.get("template") if isinstance(data, dict) else None
+        known = {**EXPORTS, **PROGRAM_EXPORTS}.get(name) if isinstance(name, str) else None
         return {**known, **data} if known else data
 
 
 class PointsFile(TableFile):
     """`[points]`; wide: targets side by side, the columns of x, y and z of each."""
 
+    template: Literal[*EXPORTS] | None = None  # type: ignore[valid-type]
+    """the layout of a program's export; what is said beside it counts"""
     wide: dict[Name, tuple[ColumnPlace, ColumnPlace, ColumnPlace]] = Field(default_factory=dict)
     """targets side by side: name → columns of x, y and z"""
+    turned_mm: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    """6-D measurement: columns qw, qx, qy, qz say how the target is turned; it is read as three points, NAME,
+    NAME_x and NAME_y, the two so far along its axes: about as far as the targets are from the flange"""
 
 
 class PosesFile(TableFile):
     """`[poses]`: joints counts the joint columns as the URDF does, or as the robot's controller does."""
 
+    template: Literal[*PROGRAM_EXPORTS] | None = None  # type: ignore[valid-type]
+    """the file is a robot program: the joint positions in it, a row each, column 1 their name (or number),
+    the axes behind it in degrees; what is said beside it counts"""
     joints: Literal["urdf", "controller"] = "urdf"
     """how the joint columns count: as the URDF does, or as the robot's controller does, whose names of joints
     are known then, in the header and under `columns`"""
@@ -134,6 +141,9 @@ def read_campaign_file(path: Path) -> CampaignFile:
         for name, target in file.targets.items()
         if target.opens is not None and not any(target.opens)
     ]
+    if file.points.wide and file.points.turned_mm is not None:
+        mend = "give the targets of a 6-D measurement a row each, or take it out"
+        faults.append(Fault(f"{path}: points.turned_mm", "does not go with targets side by side", mend))
     for section in ("poses", "points"):
         layout: TableFile = getattr(file, section)
         if layout.separator == layout.decimal:
@@ -190,6 +200,7 @@ def _keys(place: list[str]) -> list[str]:
     return sorted(field.alias or name for name, field in fields.items())
 
 
+QUATERNION = ("qw", "qx", "qy", "qz")
 WRENCH_COLUMNS = tuple(
     Column(f"{kind}{axis}", (dimension,), mend="write 0 where there is none")
     for kind, dimension in (("f", "force"), ("m", "torque"))
@@ -240,11 +251,12 @@ def point_columns(file: CampaignFile, named: bool = False) -> list[Column]:
     """The columns of `points.csv`. With a single target, its column may be left out, and that of the pose
     where the points stand in the order of the poses (unless `named`)."""
     unseen = "leave out the line of a point that was not seen"
-    stated = file.noise.sigma_mm is not None
+    stated, turned = file.noise.sigma_mm is not None, file.points.turned_mm is not None
     sigma = "" if stated else "give it for every point, or state [noise] sigma_mm for the others"
     return [
         Column("pose_id", text=True, required=named, mend="every point belongs to a pose"),
         Column("target", text=True, required=len(file.targets) > 1, mend="name the target of every point"),
         *(Column(axis, ("length",), required=True, wild=True, mend=unseen) for axis in "xyz"),
         *(Column(f"s{axis}", ("length",), blank=stated, mend=sigma) for axis in "xyz"),
+        *(Column(name, required=turned, blank=not turned, mend=unseen) for name in QUATERNION),
     ]

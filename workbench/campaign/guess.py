@@ -15,7 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.chain import MovingJoint
-from .guess_text import Array, Text, angle_unit, counts, is_numbers, length_unit, read, repeats, unit_of
+from .file import QUATERNION
+from .guess_text import (
+    Array,
+    Text,
+    angle_unit,
+    any_text,
+    counts,
+    is_numbers,
+    length_unit,
+    read,
+    repeats,
+    unit_of,
+)
+from .program_joints import ARM, joint_table, program_of, says_tool_poses
 
 Misfit = Callable[[Array, Array], float]  # joints (N, n) [rad, m], points (N, 3) [m] → misfit [m]
 
@@ -24,6 +37,8 @@ BESIDE = 0.02  # of a joint's range: as near to a limit as it is within
 FITS = 0.03  # of the spread of the points: what the right columns are off the robot at most
 CLEARLY = 4.0  # times as far off as the best, or as
 EXACT = 1e-3  # of the spread: other columns than the right ones
+AS_MUCH = 0.5  # of what the columns vary by that vary most: those of measured beside nominal places do
+TURNED = 100.0  # mm along the axes of a 6-D measurement, as far as targets usually are from the flange
 ROWS, FEWEST = 60, 8  # of a table, that are looked at
 POSE = (
     "poseid", "pose", "posenr", "poseno", "posename", "id", "nr", "no", "nummer", "index", "group", "gruppe",
@@ -47,12 +62,30 @@ class Guessed:
 
 
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
-    """Keys for the table of a robot's joints. Raises `InputError` where the file cannot be read."""
+    """Keys for the table of a robot's joints, or for a program with positions of them. Raises `InputError`
+    where the file cannot be read."""
+    words, _ = any_text(path)
+    if (program := program_of(words)) is not None:
+        return _of_program(program, path, joints)
+    if says_tool_poses(words):
+        why = "its positions are the tool's, which say no joints: export jointtargets (RAPID) or axes (KRL)"
+        return Guessed(lacking=[f"joint {i}" for i in range(1, len(joints) + 1)], why=why)
     text = read(path)
     found = Guessed(dict(text.keys), header=text.header)
     numbers = _joint_columns(text, joints)
     identity = _first(text, POSE, set(numbers.values()))
     return _of_joints(text, found, joints, numbers, identity)
+
+
+def _of_program(program: str, path: Path, joints: Sequence[MovingJoint]) -> Guessed:
+    """Keys for a robot program: its template, and the columns where they are not those of six axes."""
+    text, keys = any_text(path)
+    joint_table(text, program, path)
+    found = Guessed({"template": program, **keys})
+    if len(joints) != ARM or any(joint.kind == "prismatic" for joint in joints):
+        units = ["mm" if joint.kind == "prismatic" else "deg" for joint in joints]
+        found.keys["columns"] = {"pose_id": 1, **{f"q{i}_{unit}": i + 1 for i, unit in enumerate(units, 1)}}
+    return found
 
 
 def _of_joints(
@@ -129,10 +162,14 @@ def _of_places(
         columns["pose_id"] = text.name(identity)
         taken = {*taken, identity}
     if len(places) == 1:
-        if (target := _first(text, TARGET, taken)) is not None and repeats(text.columns[target]):
+        target = _first(text, TARGET, taken if text.header else {*taken, *_measured(text)})
+        if target is not None and repeats(text.columns[target]):
             columns["target"] = text.name(target)
         (triple,) = places.values()
         columns |= {f"{axis}_{unit}": text.name(i) for axis, i in zip("xyz", triple, strict=True)}
+        if turned := _quaternion(text):
+            columns |= turned
+            found.keys["turned_mm"] = TURNED
         return _mapped(found, columns)
     found.keys["wide"] = {name: [text.name(i) for i in triple] for name, triple in places.items()}
     if unit != "mm":
@@ -255,7 +292,8 @@ def _triples(text: Text) -> dict[str, tuple[int, int, int]]:
     """Target → columns of x, y, z."""
     numbers = [i for i, column in enumerate(text.columns) if is_numbers(column)]
     if not text.header:
-        return {"": (numbers[-3], numbers[-2], numbers[-1])} if len(numbers) >= 3 else {}
+        places = _side_by_side(text, numbers)
+        return {"": places[-1]} if places else {}
     axes: dict[str, dict[str, int]] = {}
     for i in numbers:
         plain = _plain(text.header[i])
@@ -267,6 +305,36 @@ def _triples(text: Text) -> dict[str, tuple[int, int, int]]:
     if "" in whole or len(whole) == 1:
         return {"": whole.get("", next(iter(whole.values())))}
     return {f"T{name}" if name.isdigit() else name.upper(): triple for name, triple in whole.items()}
+
+
+def _side_by_side(text: Text, numbers: Sequence[int]) -> list[tuple[int, int, int]]:
+    """Columns of numbers, one after the other, that may be x, y and z of a table without a header: those of
+    which all three vary, about as much as of any. Uncertainties, quaternions, times beside them do not."""
+    places = list(zip(numbers, numbers[1:], numbers[2:], strict=False))
+    worth = [min(_spread(text, i) for i in place) for place in places]
+    return [place for place, least in zip(places, worth, strict=True) if least >= AS_MUCH * max(worth)]
+
+
+def _measured(text: Text) -> set[int]:
+    """Columns of numbers with decimals: they are no names."""
+    return {
+        i for i, column in enumerate(text.columns) if is_numbers(column) and not "".join(column).isdigit()
+    }
+
+
+def _spread(text: Text, index: int) -> float:
+    """The standard deviation of a column; 0 where it numbers the rows."""
+    values = text.numbers(index)
+    return 0.0 if counts(text.columns[index]) else float(np.std(values[np.isfinite(values)]))
+
+
+def _quaternion(text: Text) -> dict[str, str | int]:
+    """Columns of a 6-D measurement by their names, which say where the scalar is: qw ... qz, or q0 ... q3."""
+    plain = {_plain(name): i for i, name in enumerate(text.header) if is_numbers(text.columns[i])}
+    for names in (QUATERNION, ("q0", "q1", "q2", "q3")):
+        if set(names) <= plain.keys():
+            return {our: text.name(plain[name]) for our, name in zip(QUATERNION, names, strict=True)}
+    return {}
 
 
 def _first(text: Text, names: Sequence[str], taken: set[int]) -> int | None:

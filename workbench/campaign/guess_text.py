@@ -24,7 +24,7 @@ UNITS = {"mm": "mm", "m": "m", "deg": "deg", "°": "deg", "degree": "deg", "degr
 
 @dataclass(frozen=True)
 class Text:
-    """A table's cells: header (or none), columns, and the layout's keys."""
+    """A table's cells: header (or none; "" where a column has no name), columns, and the layout's keys."""
 
     header: list[str]
     columns: list[tuple[str, ...]]
@@ -32,7 +32,7 @@ class Text:
 
     def name(self, index: int) -> str | int:
         """How `columns` calls a column."""
-        return self.header[index] if self.header else index + 1
+        return (self.header[index] if self.header else "") or index + 1
 
     def largest(self, index: int) -> float:
         """The largest absolute number in a column."""
@@ -47,15 +47,18 @@ class Text:
         return len(set(self.columns[index])) > 1
 
 
-def read(path: Path) -> Text:
-    keys: dict[str, Any] = {}
+def any_text(path: Path) -> tuple[str, dict[str, Any]]:
+    """The text of a file, and the key that says its encoding where it is not UTF-8."""
     try:
-        text = read_text(path)
+        return read_text(path), {}
     except InputError:
         if not path.is_file() or path.read_bytes().startswith(tuple(BYTE_ORDER_MARKS)):
             raise
-        text = read_text(path, "latin-1")
-        keys["encoding"] = "latin-1"
+        return read_text(path, "latin-1"), {"encoding": "latin-1"}
+
+
+def read(path: Path) -> Text:
+    text, keys = any_text(path)
     mark = next((m[1] for line in text.splitlines()[:20] if (m := COMMENT.match(line))), "")
     numbered = content(text, Layout(comment=mark))
     if not numbered:
@@ -71,7 +74,8 @@ def read(path: Path) -> Text:
     keys |= {"separator": separator} if separator != "," else {}
     keys |= ({"decimal": ","} if comma else {}) | ({"comment": mark} if mark else {})
     keys |= {} if header else {"header": False}
-    return Text(header[:width], columns, keys)
+    named = [*header, *[""] * (width - len(header))] if header else []  # a title has fewer cells
+    return Text(named[:width], columns, keys)
 
 
 def _columns_of(lines: list[str], separator: str) -> tuple[float, int]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from ..files.faults import Fault, InputError
-from ..files.tables import Table, read_table, suggest
+from ..files.faults import Fault, InputError, read_text
+from ..files.tables import Layout, Table, parse_table, read_table, suggest
 from ..robot.description import Robot, load_robot
 from ..robot.find import find_robot, list_robots
 from .assemble import assemble, some
@@ -15,6 +15,7 @@ from .controller_joints import by_the_controllers_names, joints_in_order, stated
 from .data import Campaign
 from .file import CampaignFile, pose_columns, read_campaign_file
 from .point_table import number_points, number_poses, read_points
+from .program_joints import joint_table
 from .six_dof import with_six_dof
 
 
@@ -78,11 +79,19 @@ def joined(path: Path, file: CampaignFile, robot: Robot, poses: Table, points: T
 def _poses_table(path: Path, file: CampaignFile, robot: Robot) -> Table:
     """The table of poses, its joints as they stand there."""
     table, place = path.parent / file.poses.file, f"{path}: poses"
-    if file.poses.joints == "urdf":
-        return read_table(table, file.poses, pose_columns(robot), place)
-    convention = stated(robot, f"{place}.joints")
-    layout = by_the_controllers_names(table, file.poses, convention)
-    return read_table(table, layout, pose_columns(robot, joints_in_order(robot, convention)), place)
+    layout: Layout = file.poses
+    columns = pose_columns(robot)
+    if file.poses.joints == "controller":
+        convention = stated(robot, f"{place}.joints")
+        layout = by_the_controllers_names(table, file.poses, convention)
+        columns = pose_columns(robot, joints_in_order(robot, convention))
+    if file.poses.template is None:
+        return read_table(table, layout, columns, place)
+    try:
+        text = joint_table(read_text(table, layout.encoding), file.poses.template, table)
+    except InputError as error:
+        return Table(table, faults=list(error.faults))
+    return parse_table(text, table, layout, columns, place)
 
 
 def _robot(path: Path, file: CampaignFile) -> Robot:
@@ -102,4 +111,8 @@ def _no_match(poses: Table, points: Table) -> list[Fault]:
     if set(told) & set(seen):
         return []
     what = f"no pose_id is among those of {poses.path}: here {some(seen)}, there {some(told)}"
-    return [Fault(str(points.path), what, "both tables name a pose by the same pose_id")]
+    mend = (
+        "both tables name a pose by the same pose_id; where `columns` leave it out, poses count from 1, and "
+        "points stand in the order of the poses"
+    )
+    return [Fault(str(points.path), what, mend)]

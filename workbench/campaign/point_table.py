@@ -9,8 +9,11 @@ import numpy as np
 
 from ..files.faults import InputError, read_text
 from ..files.tables import Column, Layout, Table, parse_table, read_table
-from .file import CampaignFile, point_columns
+from ..robot import rotations
+from .assemble import ONLY
+from .file import QUATERNION, CampaignFile, point_columns
 
+ROUNDED = 0.01  # that a quaternion's length is off 1 by its decimals at most
 AXES = ("x_mm", "y_mm", "z_mm")
 
 
@@ -18,7 +21,8 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
     """The points as the campaign's file says; faults are in the table. named: they have to have `pose_id`."""
     layout = file.points
     if not layout.wide:
-        return read_table(path, layout, point_columns(file, named), place)
+        table = read_table(path, layout, point_columns(file, named), place)
+        return table if layout.turned_mm is None else _three_each(table, file, 1e-3 * layout.turned_mm)
     columns = [
         Column("pose_id", text=True, required=named),
         *(Column(axis, ("length",), required=True, blank=True, wild=True) for axis in "xyz"),
@@ -33,6 +37,27 @@ def read_points(path: Path, file: CampaignFile, place: str, named: bool = False)
         own = Layout(**{key: getattr(layout, key) for key in Layout.model_fields} | {"columns": mapping})
         parts.append(_seen(parse_table(text, path, own, columns, f"{place}.wide.{target}"), target))
     return _stacked(path, parts)
+
+
+def _three_each(table: Table, file: CampaignFile, arm: float) -> Table:
+    """A 6-D measurement as three points: the target, and `arm` [m] along its x and y."""
+    if table.faults:
+        return table
+    quaternion = np.stack([table.numbers.pop(name) for name in QUATERNION], axis=1)
+    off = np.abs(np.linalg.norm(quaternion, axis=1) - 1) > ROUNDED
+    if off.any():
+        mend = "give qw, qx, qy and qz, the scalar as qw; leave out the line of a target that was not seen"
+        table.add_fault_where(off, "qw", "and the three beside it are no quaternion of length 1", mend)
+        return table
+    R = rotations.from_quaternions(quaternion)
+    place = np.stack([table.numbers[axis] for axis in "xyz"], axis=1)
+    points = place[:, None] + arm * np.stack([np.zeros_like(place), R[:, :, 0], R[:, :, 1]], axis=1)
+    names = table.texts.get("target", [next(iter(file.targets), ONLY)] * len(table))
+    numbers = {name: np.repeat(values, 3) for name, values in table.numbers.items()}
+    numbers |= {axis: points[:, :, k].ravel() for k, axis in enumerate("xyz")}
+    texts = {name: [cell for cell in cells for _ in range(3)] for name, cells in table.texts.items()}
+    texts["target"] = [name + end for name in names for end in ("", "_x", "_y")]
+    return Table(table.path, np.repeat(table.lines, 3), numbers, texts, table.labels, table.units)
 
 
 def _seen(table: Table, target: str) -> Table:

@@ -61,7 +61,7 @@ def _section(table: Path, folder: Path, guessed: Guessed) -> str:
     lines = [f"file = {_value(file)}", "# Guessed from the file; `workbench check` says whether it fits."]
     lines += [f"{key} = {_value(value)}" for key, value in guessed.keys.items()]
     if guessed.lacking:
-        has = f"; the file has: {', '.join(guessed.header)}" if guessed.header else ""
+        has = f"; the file has: {', '.join(filter(None, guessed.header))}" if guessed.header else ""
         why = f" ({guessed.why})" if guessed.why else ""
         lines.append(f"{LACKING}{', '.join(guessed.lacking)}{why}{has}. Say them under columns.")
     return "\n".join(lines)

@@ -205,7 +205,8 @@ def _troubles(trajectory: Trajectory, before: Rest, rest: Rest) -> tuple[Trouble
             trajectory.nominal, trajectory.tip, trajectory.jacobian(part), part.start
         )
     ]
-    found = unreached(before.there, "the loaded arm finds no rest: a stiffness is far too small for its load")
+    no_rest = "the loaded arm finds no rest: a stiffness is far too small for its load"
+    found = unreached(before.there, no_rest, "rest")
     names = {trouble.index for trouble in singular}
     for trouble in unreached(rest.there & before.there | ~before.there, ""):
         near = " (near-singular)" if trouble.index in names else ""

@@ -23,7 +23,7 @@ SINGULAR = 0.02  # smallest singular value of the Jacobian, turns in rad and shi
 class Trouble:
     """One thing that is not well at one sample.
 
-    kind: "reach", "range", "velocity" or "singular"; the first two make the path impossible.
+    kind: "reach", "rest", "range", "velocity" or "singular"; the first three make the path impossible.
     """
 
     index: int
@@ -36,9 +36,9 @@ def ranges_of(robot: Robot) -> Range:
     return Range(np.array([j.lower for j in robot.joints]), np.array([j.upper for j in robot.joints]))
 
 
-def unreached(reached: NDArray[np.bool_], what: str) -> list[Trouble]:
-    """Samples that no joints were found for."""
-    return [Trouble(int(i), "reach", what) for i in np.flatnonzero(~reached)]
+def unreached(reached: NDArray[np.bool_], what: str, kind: str = "reach") -> list[Trouble]:
+    """Samples that no joints were found for, or no rest of the loaded arm."""
+    return [Trouble(int(i), kind, what) for i in np.flatnonzero(~reached)]
 
 
 def out_of_range(robot: Robot, q: Array, what: str) -> list[Trouble]:
@@ -99,6 +99,7 @@ def impossible(path: Path, troubles: Sequence[Trouble]) -> list[Fault]:
     faults: list[Fault] = []
     mends = {
         "reach": "move the path, or start in another posture",
+        "rest": "check stiffness, masses, wrenches and effects of the model",
         "range": "move the path, or start in another posture (`start`)",
     }
     for kind, mend in mends.items():

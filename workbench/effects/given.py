@@ -18,6 +18,10 @@ from .records import PLACE, from_record, stated_effects
 
 NEAR = 0.1  # of a number: no further from it is the slope taken that makes its spread the parameter's
 CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
+OF_THE_DATA = (  # faults of the data that a diagnosis names, as it names them
+    "changed_setup", "copied_pose", "frozen_target", "moved_instrument", "outlier", "rare_setup",
+    "rare_target", "rounded_joints", "shifted_pose", "swapped_target",
+)  # fmt: skip
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 
 
@@ -161,8 +165,11 @@ def exclusions(problem: Problem) -> tuple[Exclusion, ...]:
     for one in found:
         cause = one.cause
         if cause not in kinds:
-            mend = suggest(cause, kinds) or f"known: {', '.join(kinds)}"
-            faults.append(Fault(f"known: exclude {one.text!r}", f"no cause {cause!r}", mend))
+            what, mend = f"no cause {cause!r}", suggest(cause, kinds) or f"known: {', '.join(kinds)}"
+            if cause in OF_THE_DATA:
+                what = f"{cause!r} is a fault of the data, no cause: they are looked for in any case"
+                mend = "mend it in the tables, or take it out"
+            faults.append(Fault(f"known: exclude {one.text!r}", what, mend))
         elif one.text.strip() != cause and not _sits(one, kinds[cause].places(problem)):
             places = dict.fromkeys(effect.label for effect in kinds[cause].places(problem))
             what, mend = "cannot sit there", f"possible: {', '.join(places)}"

@@ -62,7 +62,8 @@ def short_comparison(comparison: Comparison, folder: Path | None) -> str:
     lines += [f"            {line}" for line in said["apart_lines"]]
     seen = _geometry(comparison)
     lines += ["", "  did not change, and what would have been seen (80 % power):"]
-    lines += [f"            {' '.join(row)}" for row in (_row(u) for u in seen[:LISTED])]
+    rows = (_row(u) for u in seen[:LISTED])
+    lines += [f"            {what} {by} seen from {least} = {moved}" for what, by, least, moved in rows]
     lines += [f"            and {len(seen) - LISTED} more numbers"] if len(seen) > LISTED else []
     lines += [f"  note: {note}" for note in comparison.notes]
     if folder is not None:
@@ -165,12 +166,13 @@ def _numbers(change: Change) -> Iterator[tuple[str, Parameter]]:
 
 
 def _row(item: Unchanged) -> list[str]:
+    """Number, difference, the least that would have been seen, and how far that moves the targets."""
     unit = item.number.unit
     return [
         item.label,
         quantity(item.number).interval,
-        f"seen from {size(item.detectable, unit, item.number.name)}",
-        f"= {mm(item.detectable_mm)} mm",
+        size(item.detectable, unit, item.number.name),
+        f"{mm(item.detectable_mm)} mm",
     ]
 
 

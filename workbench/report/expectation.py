@@ -57,7 +57,7 @@ class Expected:
         within, said = len(e.outside), ""
         if within < count:
             lie = "lies" if within == 1 else "lie"
-            said = f"{within} of {count} poses {lie} within what was measured, of others nothing is said. "
+            said = f"{within} of {count} poses {lie} within what was measured, and what follows is of them. "
         median, most = 1e3 * np.quantile(e.worst, [0.5, 0.95])
         mean = 1e3 * float(e.length.mean())
         said += (
@@ -95,11 +95,12 @@ class Expected:
         found = Counter(said for said in self.errors.outside if said)
         if not found:
             return ["All poses lie inside of what was measured."]
+        out = sum(found.values())
         lines = [
-            f"{sum(found.values())} of {len(self.errors.outside)} poses lie outside of what was measured: "
-            "what the table has of them is extrapolated"
+            f"{out} of {len(self.errors.outside)} poses {'lies' if out == 1 else 'lie'} outside of what was "
+            "measured, by these joints: what the table has of them is extrapolated"
         ]
-        lines += [f"{said}: {count} poses" for said, count in found.most_common(LISTED)]
+        lines += [f"{said}: {count} pose{'s' * (count > 1)}" for said, count in found.most_common(LISTED)]
         return lines + ([f"and {len(found) - LISTED} more combinations"] if len(found) > LISTED else [])
 
     @property

@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from ..campaign.exports import EXPORTS
+from ..campaign.exports import EXPORTS, PROGRAM_EXPORTS
 from ..campaign.file import CampaignFile, point_columns, pose_columns
 from ..correction.path_table import path_columns
 from ..files.tables import UNITS, Column
@@ -117,7 +117,7 @@ def _cell(text: str) -> str:
 
 def _exports() -> str:
     lines = ["", "## Templates", "", "| `template` | stands for |", "|---|---|"]
-    for name, keys in EXPORTS.items():
+    for name, keys in {**EXPORTS, **PROGRAM_EXPORTS}.items():
         said = "; ".join(f"{key} = {json.dumps(value)}" for key, value in keys.items())
         lines.append(f"| `{name}` | {_cell(said)} |")
     return "\n".join(lines) + "\n"
@@ -167,7 +167,7 @@ _MEANINGS = {
     "target": "name of the target",
     **dict.fromkeys("xyz", "place"),
     **dict.fromkeys(("sx", "sy", "sz"), _SIGMA),
-    **dict.fromkeys(("qw", "qx", "qy", "qz"), "orientation as a quaternion"),
+    **dict.fromkeys(("qw", "qx", "qy", "qz"), "orientation as a quaternion, qw its scalar"),
     **dict.fromkeys("abc", "orientation as KUKA's A B C: Rz(A) Ry(B) Rx(C)"),
     "dwell": "rest at this sample",
 }
@@ -189,8 +189,8 @@ are mapped in [campaign.toml](campaign.md).
 _POINTS = """
 A row per shot of a target, in the instrument's frame. Several rows of one pose and target are shots of one
 standstill. With a single target its column may be left out; without `pose_id` the points are joined to the
-poses in order, if there are as many. Targets side by side are read with `wide` in
-[campaign.toml](campaign.md).
+poses in order, if there are as many. Targets side by side are read with `wide`, a 6-D measurement with
+`turned_mm` in [campaign.toml](campaign.md).
 """
 _PATH = """
 A row per sample: time, and either joints, or tool poses in the base frame as quaternion `qw` ... or as KUKA's

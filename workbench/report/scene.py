@@ -27,7 +27,8 @@ class Shown:
     """What a scene shows. q: (n,) joints of the robot; points: (M, 3) [m] in the base frame; stages: name →
     errors (M, 3) [m] at the points, the worst first; pose, target: (M,) the number of each point's pose and
     target; noise: σ per axis [m], 0 where there is none; ghost_q: (n,) joints of a translucent second
-    robot, for loaded against unloaded; `ghost_label` says what it is. suspicious: (M,) points to be red."""
+    robot, for loaded against unloaded; `ghost_label` says what it is. suspicious: (M,) points to be red;
+    which: a sentence on which errors these are. Without points the robot is all there is."""
 
     q: Array
     points: Array
@@ -38,6 +39,7 @@ class Shown:
     ghost_q: Array | None = None
     ghost_label: str = ""
     suspicious: NDArray[np.bool_] | None = None
+    which: str = ""
 
 
 def scene(
@@ -59,7 +61,8 @@ def shown_of(diagnosis: Diagnosis, q: Array) -> Shown:
     stages = {"Nominal model": errors.error_nominal, "Geometry calibrated": errors.error_geometry}
     if len(diagnosis.stages) > 2:
         stages["Causes in the model"] = errors.error_final
-    return Shown(q, errors.points, stages, errors.pose, errors.target, 1e-3 * diagnosis.noise.sigma_mm)
+    noise, which = 1e-3 * diagnosis.noise.sigma_mm, "Errors of the fitted poses."
+    return Shown(q, errors.points, stages, errors.pose, errors.target, noise, which=which)
 
 
 def scene_of(robot: Robot, shown: Shown, title: str) -> str:
@@ -105,6 +108,7 @@ def _data(shown: Shown, links: Array) -> dict[str, Any]:
         "extent": extent,
         "centre": ((low + high) / 2).tolist(),
         "suspicious": [] if shown.suspicious is None else shown.suspicious[::step].tolist(),
+        "which": shown.which if len(points) else "",
         "ghost": shown.ghost_label if shown.ghost_q is not None else "",
     }
 

@@ -16,13 +16,15 @@ from .loads import Loads, Wrenches, wrenches
 Law = Callable[[Array], Array]
 
 RUNAWAY = 100.0  # m or rad in a round: no arm goes so far and comes back
+STILL_MOVES = 1e-3  # m or rad in a round: a pose that has found no rest when another runs away
 
 
 class NoRest(InputError, ArithmeticError):
-    """The arm as stated does not come to rest under its loads as stated."""
+    """The arm as stated does not come to rest under its loads as stated; which: what runs away, and where."""
 
-    def __init__(self) -> None:
+    def __init__(self, which: str = "") -> None:
         what = "the loaded arm finds no rest: a stiffness is far too small for its load"
+        what += f" ({which})" if which else ""
         super().__init__(Fault("robot", what, "check stiffness, masses, wrenches and effects"))
 
 
@@ -56,4 +58,12 @@ def equilibrium(
             break
         last = step
         motion = motion + (change if preconditioner is None else preconditioner(change))
-    raise NoRest
+    raise NoRest(_runs_away(arm, change))
+
+
+def _runs_away(arm: Arm, change: Array) -> str:
+    """What moves most in the last round's change (N, S, 6), and in how many poses something moves still."""
+    moved = np.nan_to_num(np.abs(change), nan=np.inf, posinf=np.inf).max(axis=2)
+    name = arm.slot_names[int(moved.max(axis=0).argmax())]
+    count = int(np.count_nonzero(moved.max(axis=1) > STILL_MOVES))
+    return f"{name} yields most; in at least {count} pose{'s' * (count != 1)}"

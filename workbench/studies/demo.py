@@ -191,10 +191,17 @@ def _revealed(truth: Truth, first: Diagnosis, then: Diagnosis, follow_up: tuple[
     for effect, values in truth.effects:
         hidden.setdefault((effect.cause, effect.where.any_order), []).append(effect.sentence(values))
     rows = [(" ".join(lines), _said(first, key), _said(then, key)) for key, lines in hidden.items()]
-    for key in dict.fromkeys(_key(one) for one in (*first.causes, *then.causes)):
+    said = (one for one in (*first.causes, *then.causes) if not hidden.keys() & _open_between(one))
+    for key in dict.fromkeys(map(_key, said)):
         if key not in hidden:
             rows.append(("Nothing of this", _said(first, key), _said(then, key)))
     return Revealed(*follow_up, "first/index.html", tuple(rows))
+
+
+def _open_between(finding: Finding) -> set[tuple[str, Where]]:
+    """The causes that a finding leaves open; nothing where it names one."""
+    rivals = {(rival.cause, rival.where.any_order) for rival in finding.rivals}
+    return set() if finding.status == "named" else {_key(finding), *rivals}
 
 
 def _said(diagnosis: Diagnosis, key: tuple[str, Where]) -> str:

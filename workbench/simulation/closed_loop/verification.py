@@ -26,7 +26,7 @@ COMMAND_NAMES = {
 }
 
 
-SAME = "truth = model: this shows what the controller adds, not how accurate the robot is"
+SAME = "The model ran against itself: this shows what the controller adds, not how accurate the robot is"
 
 
 @dataclass(frozen=True, eq=False)
