@@ -13,6 +13,7 @@ from workbench.diagnosis.result import Diagnosis
 from workbench.diagnosis.run import diagnose
 from workbench.effects.records import from_record, record
 from workbench.effects.unnamed import BESIDE, KINDS, Product, Warmth, unnamed
+from workbench.effects.unnamed.campaign import Along
 from workbench.effects.unnamed.loads import OwnWeights
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
@@ -188,7 +189,8 @@ def test_what_no_cause_explains_is_unknown(name, load, stated):
 def test_functions_without_a_name_say_what_they_are_about():
     problem = problem_of(measured(time=60.0 * np.arange(120)))
     found = list(unnamed(problem))
-    assert {type(one) for one in found} == {*KINDS} - {OwnWeights, Product, Warmth}  # its arm has masses
+    absent = {Along, OwnWeights, Product, Warmth}  # its arm has masses
+    assert {type(one) for one in found} == {*KINDS} - absent
     result = fit(Model(problem))
     for one in [*found, *(beside for kind in BESIDE for beside in kind.sites(problem))]:
         for name in filter(None, (one.where.joint, one.where.other, one.where.link)):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from diagnosis_cases import found, measured, named, with_points
 
+from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.chosen import Chosen, Member
 from workbench.diagnosis.components import Component, Form, bare
@@ -84,6 +85,20 @@ def test_what_is_beyond_a_share_of_another_effect() -> None:
     expected = max(2.0 - most, 0.0) ** 2 + 5.0**2 + (7.0 - most) ** 2 + 4.0**2
     assert _beyond(its, strong) == pytest.approx(expected)
     assert _beyond(its, 0 * strong) == pytest.approx((its**2).sum())
+
+
+@pytest.mark.parametrize(("by", "said"), [("joint", []), ("time", ["drift"])])
+def test_what_goes_with_a_joint_that_went_along_with_time_is_no_drift(by: str, said: list[str]) -> None:
+    """Poses in the order of joint_1, roughly: correlation 0.98 with time."""
+    robot, rng = load_robot("kr500"), np.random.default_rng(1)
+    q = random_poses(robot, 60, rng)
+    q = q[np.argsort(q[:, 0] + 0.15 * q[:, 0].std() * rng.standard_normal(len(q)))]
+    time = 60.0 * np.arange(len(q))
+    way = (q[:, 0] - q[:, 0].mean()) / np.abs(q[:, 0] - q[:, 0].mean()).max()
+    gone = time / time.max() if by == "time" else 0.7 * way + 0.3 * way**2
+    truth = Truth(sigma=3e-5, motion=lambda _: {0: 2e-4 * gone, 2: 1e-4 * gone})
+    diagnosis = diagnose(simulate(planned(robot, q, time=time), truth, seed=1)).diagnosis
+    assert [one.cause for one in diagnosis.causes if one.status == "named"] == said
 
 
 def test_a_base_that_creeps_to_rest_drifts() -> None:

@@ -46,7 +46,7 @@ def headline(
     before any cause, of geometry or of that and of what was given; repeatability_mm: of the robot, where that
     is all that is left; overstated: residual over a noise that is stated far too large."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
-    sure = [_words(f.cause, f.where) for f in causes if f.status == "named"]
+    sure = [words_of(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
     open_ = [_either(f) for f in causes if f.status != "named"]
     if open_:
@@ -99,17 +99,18 @@ def _times(ratio: float) -> str:
     return f"{ratio:.1f}" if ratio < 10 else f"{ratio:.0f}"
 
 
-def _words(cause: str, where: Where) -> str:
+def words_of(cause: str, where: Where) -> str:
+    """A cause and where it sits, as people say them."""
     name = "something without a name" if cause == UNKNOWN else cause.replace("_", " ")
     return f"{name} in {where}" if str(where) else name
 
 
 def _either(finding: Finding) -> str:
     """A cause that is not decided, with its likeliest rival."""
-    own = _words(finding.cause, finding.where)
+    own = words_of(finding.cause, finding.where)
     if not finding.rivals:
         return own
-    other = _words(finding.rivals[0].cause, finding.rivals[0].where)
+    other = words_of(finding.rivals[0].cause, finding.rivals[0].where)
     if own == other:  # one gear, at one of two orders
         own, other = (f"{own} at order {one.where.order:.4g}" for one in (finding, finding.rivals[0]))
     return f"{own} or {other}"

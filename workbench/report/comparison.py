@@ -121,9 +121,9 @@ def _change(change: Change) -> dict[str, Any]:
             f"{when}: {_each(one)}" for when, one in (("before", change.before), ("after", change.after))
         ]
     ways = [
-        f"{label}{'' if changed else ' in all campaigns'} ({probability(p)})"
-        for label, changed, p in change.ways
-        if not (change.placed and label == change.label)
+        f"{way.label}{'' if way.change else ' in all campaigns'} ({probability(way.probability)})"
+        for way in change.ways
+        if not (change.placed and way is change)
     ]
     if ways:
         lines.append(f"{'or instead' if change.placed else 'it may be'}: {', '.join(ways)}")

@@ -45,8 +45,9 @@ def numbers_at(decided: Decided, levels: Levels, k: int) -> tuple[Numbers, Numbe
     shape, system, solved = levels.shape, decided.system, decided.solved
     result = system.occasions[0].fit
     known = [e for e in shape.effects if e in result.model.effects]
+    own = parameters_of(shape, *levels.at(k))
     if len(shape.effects) > 1 or not known or shape.named:
-        return parameters_of(shape, *levels.at(k)), (), ()
+        return own, (), ()
     part = result.columns.effect[result.model.effects.index(known[0])]
     start = system.common.start - result.columns.geometry_slice.start
     rows = slice(start + part.start, start + part.stop)
@@ -58,9 +59,11 @@ def numbers_at(decided: Decided, levels: Levels, k: int) -> tuple[Numbers, Numbe
     before, after = known[0].report(value, half @ half.T), known[0].report(value + more, last @ last.T)
     add_up = [p.name for p in before] == [p.name for p in known[0].params]
     if add_up or len(before) != main:  # one size of a whole function says nothing of its form
-        return parameters_of(shape, *levels.at(k)), (), ()
+        return own, (), ()
     by = zip(*_difference(known[0], value, more, np.vstack([half, more_half])), strict=True)
     changed = [replace(p, value=v, std=s) for p, (v, s) in zip(before, by, strict=True)]
+    if own[0].std < HELD * changed[0].std:  # what was there before is not known so well
+        return own, (), ()
     said = [
         one
         for one in zip(changed, before, after, strict=True)

@@ -68,12 +68,14 @@ class Change:
         return all(self.probability >= PLACED * rival.probability for rival in self.rivals)
 
     @property
-    def ways(self) -> tuple[tuple[str, bool, float], ...]:
-        """What it may be: label, whether that is a change (else it is in all campaigns) and probability, the
-        likeliest first."""
-        own = (self.label, True, self.probability)
-        every = [own, *((r.label, r.change, r.probability) for r in self.rivals)]
-        return tuple(sorted(every, key=lambda way: -way[2]))
+    def change(self) -> bool:
+        """It is one, as not every rival is."""
+        return True
+
+    @property
+    def ways(self) -> tuple[Change | Rival, ...]:
+        """What it may be, the likeliest first."""
+        return tuple(sorted((self, *self.rivals), key=lambda way: -way.probability))
 
 
 def bounds(within_mm: float, nominal_mm: float, changes: Iterable[Change]) -> bool:

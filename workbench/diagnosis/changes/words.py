@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
-from ..headline import listed
-from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, bounds
+from ..headline import listed, words_of
+from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, Rival, bounds
 
 MOST_SAID = 3
 MOST_WAYS = 4  # that something may be, in one line
@@ -51,19 +51,20 @@ def moved_by(change: Change) -> str:
     largest = _clearest(change.parameters)
     one = len(change.parameters) == 1 and not change.before
     at = f"{change.moves_mm:.2f} mm RMS at the targets"
+    what = name_of(change)
     if change.cause == UNKNOWN:
-        return f"{change.label} changed by {at}"
+        return f"{what} changed by {at}"
     by = said(largest) if one else f"{at} ({_from_to(change) or f'{largest.name} by {said(largest)}'})"
     if change.course == BACK:
-        return f"{change.label} was off by {by} in {listed([label for label, _ in change.levels])}"
+        return f"{what} was off by {by} in {listed([label for label, _ in change.levels])}"
     if change.course == CREEP:
-        return f"{change.label} crept evenly since {change.since}, by {by} up to {change.levels[-1][0]}"
+        return f"{what} crept evenly since {change.since}, by {by} up to {change.levels[-1][0]}"
     if change.course == LEVELS:
         each = [f"{said(_clearest(numbers))} in {label}" for label, numbers in change.levels]
         of = "" if one else f"{at}: {largest.name} "
-        return f"{change.label} moved more than once, against the first by {of}{listed(each)}"
+        return f"{what} moved more than once, against the first by {of}{listed(each)}"
     verb = "is off" if change.side == "load" else "moved" if one else "changed"
-    return f"{change.label} {verb} by {by}"
+    return f"{what} {verb} by {by}"
 
 
 def _from_to(change: Change) -> str:
@@ -125,9 +126,14 @@ def hidden_size(within_mm: float, nominal_mm: float) -> str:
 def _either(change: Change) -> str:
     if change.status == POSSIBLE:
         return _perhaps(change)
-    names = [name if changed else f"{name} (in all campaigns)" for name, changed, _ in change.ways]
+    names = [f"{name_of(way)}{'' if way.change else ' (in all campaigns)'}" for way in change.ways]
     some = " or ".join([*names[:MOST_WAYS], *(["something less likely"] if names[MOST_WAYS:] else [])])
     return f"something changed by {change.moves_mm:.2f} mm RMS at the targets, not decided: {some}"
+
+
+def name_of(one: Change | Rival) -> str:
+    """What changed, as people say it: a cause by its name and place, a number of the geometry by its own."""
+    return words_of(one.cause, one.where) if one.label.startswith(one.cause) else one.label
 
 
 def _perhaps(change: Change) -> str:
@@ -135,7 +141,7 @@ def _perhaps(change: Change) -> str:
     if not change.placed:
         return f"something of {change.moves_mm:.2f} mm RMS at the targets cannot be placed"
     likely = [r for r in change.rivals if r.probability >= WORTH_SAYING][: MOST_WAYS - 1]
-    others = [f"{r.label} {'did' if r.change else 'is in all campaigns'}" for r in likely]
+    others = [f"{name_of(r)} {'did' if r.change else 'is in all campaigns'}" for r in likely]
     others += ["something less likely"] if len(likely) < len(change.rivals) else []
-    ways = [f"{change.label} changed by {change.moves_mm:.2f} mm RMS at the targets", *others]
+    ways = [f"{name_of(change)} changed by {change.moves_mm:.2f} mm RMS at the targets", *others]
     return f"not decided: {', or '.join(ways)}" if others else f"perhaps {ways[0]}"

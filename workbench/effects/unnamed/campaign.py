@@ -12,9 +12,11 @@ from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ..base import Depends, Param
 from ..kinds import DirectEffect, InstrumentEffect
-from .base import MOVES, Unnamed, each, waves
+from ..place import Where
+from .base import MOVES, Unnamed, each, moving, waves
 
 WAVES_IN_TIME = 6
+WITH_TIME = 0.8  # correlation from which a joint goes along with time
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,43 @@ class Clock(Unnamed, DirectEffect):
     def sites(cls, problem: Problem) -> Sequence[Clock]:
         timed = problem.time is not None and np.ptp(problem.time) > 0
         return [cls(variant=f"{which} in {'time' if timed else 'order'}") for which in ("base", "tool")]
+
+
+@dataclass(frozen=True)
+class Along(Unnamed, DirectEffect):
+    """The base moves along with a joint that went one way through the campaign: what looks like a drift in
+    time may be of the joint. motions: 3, it shifts, or 6, and turns."""
+
+    variant: str = "along"
+    size: float = 3e-5
+    motions: float = 6.0
+
+    depends: ClassVar[Depends] = frozenset({"joints"})
+    settings: ClassVar[tuple[str, ...]] = ("size", "motions")
+
+    @property
+    def functions(self) -> int:
+        return int(self.motions)
+
+    @property
+    def variable(self) -> str:
+        return f"{self.where.joint} (the base shifts{' and turns' if self.functions > 3 else ''})"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(problem.q[:, problem.joint(self.where.joint)])
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        x = self.x(problem) - self.x(problem).mean()
+        return each(range(self.functions), x[:, None] / max(float(np.abs(x).max()), 1e-12))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Along]:
+        if problem.time is None or np.ptp(problem.time) == 0:
+            return []
+        alike = [abs(np.corrcoef(problem.time, problem.q[:, j])[0, 1]) for j in moving(problem)]
+        together = [j for j, r in zip(moving(problem), alike, strict=True) if r > WITH_TIME]
+        wheres = [Where(joint=problem.arm.names[j]) for j in together]
+        return [cls(where, motions=motions) for where in wheres for motions in (3.0, 6.0)]
 
 
 @dataclass(frozen=True)
