@@ -97,7 +97,6 @@ class Effect(ABC):
     smooth: a smooth function of its joint's angle, so that several of them can draw any such function.
     always: every machine has it, whether its model states it or not. axial: it moves its joint along the
     joint's own axis, and nothing else. by_loads: it is how an arm bends under its loads, or may be.
-    bounded: a number surely outside its lower and upper is no such cause, whatever it is.
     in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
     whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`); reading:
     how that is done, as `separate` has it, which is not asked for where it was done.
@@ -120,7 +119,6 @@ class Effect(ABC):
     always: ClassVar[bool] = False
     axial: ClassVar[bool] = False
     by_loads: ClassVar[bool] = False
-    bounded: ClassVar[bool] = False
     in_drake: ClassVar[str]
     wholes: ClassVar[Mapping[str, str]] = {}
     reading: ClassVar[str] = ""
@@ -303,6 +301,11 @@ class Effect(ABC):
             return {"range": "its whole range"}
         low, high = np.degrees([data.lower, data.upper])
         return {"range": f"its whole range, {low:.0f} … {high:.0f}°"}
+
+    @property
+    def bounded(self) -> bool:
+        """Whether a number surely outside its lower and upper is no such cause, whatever it is."""
+        return False
 
     @property
     def key(self) -> tuple[str, Where]:

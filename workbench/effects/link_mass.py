@@ -41,7 +41,7 @@ class LinkMass(MassEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         if self.variant == "mass":
-            return (Param("mass", "kg", 0.05 * self.usual, "added to the URDF's mass", lower=-self.mass),)
+            return (self._mass("added to the URDF's mass", self.usual),)
         most = 0.3 * self.usual  # a centre of mass does not leave its link
         return tuple(
             Param(f"moment_{axis}", "kg·m", 0.02 * self.usual, lower=-most, upper=most) for axis in "xyz"
@@ -59,7 +59,7 @@ class LinkMass(MassEffect):
         if not problem.loads.mass.all():
             usual[arm.n] = max(arm.mass[arm.n], usually_mounted(problem))
         return [
-            cls(Where(link=arm.links[k]), variant, float(arm.mass[k]), float(usual[k]))
+            cls(Where(link=arm.links[k]), variant, float(arm.mass[k]), float(usual[k]), float(arm.mass.sum()))
             for k in range(1, arm.n + 1)
             if arm.mass[k] > 0
             for variant in ("mass", "com")

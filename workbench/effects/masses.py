@@ -14,7 +14,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array, Frames
-from .base import Effect
+from .base import Effect, Param
 from .kinds import LoadEffect
 from .place import Parameter
 
@@ -26,16 +26,25 @@ class MassEffect(LoadEffect):
     """Mass (`variant` "mass") or centre of mass ("com") of a body differs from its `mass` [kg] and place.
 
     A centre of mass is fitted as first moment [kg·m], which is linear, and reported as a shift. usual: mass
-    [kg] of which what is off is a usual share. reference: whose numbers they differ from, in words.
+    [kg] of which what is off is a usual share; most: [kg] by which none is off. reference: whose numbers they
+    differ from, in words.
     """
 
     mass: float = 0.0
     usual: float = 0.0
+    most: float = np.inf
 
     reference: ClassVar[str]
     in_drake: ClassVar[str] = "mass and centre of mass of the body, in the Context"
     wholes: ClassVar[dict[str, str]] = {"mass_kg": "kg"}
     together: ClassVar[bool] = True
+
+    def _mass(self, meaning: str, usual: float) -> Param:
+        return Param("mass", "kg", 0.05 * usual, meaning, lower=-self.mass, upper=self.most)
+
+    @property
+    def bounded(self) -> bool:
+        return self.variant == "mass"
 
     @property
     def names(self) -> tuple[str, ...]:

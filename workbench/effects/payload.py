@@ -43,7 +43,7 @@ class Payload(MassEffect):
     def params(self) -> tuple[Param, ...]:
         size = max(self.usual, 1.0)
         if self.variant == "mass":
-            return (Param("mass", "kg", 0.05 * size, "added to the stated mass", lower=-self.mass),)
+            return (self._mass("added to the stated mass", size),)
         return tuple(
             Param(f"moment_{axis}", "kg·m", 0.03 * size, lower=-0.5 * size, upper=0.5 * size)
             for axis in "xyz"
@@ -73,9 +73,11 @@ class Payload(MassEffect):
         with_tool = float(c.load_mass[carried[0]]) if len(carried) == 1 and c.poses.payload.all() else 0.0
         if c.tool_mass > with_tool or (problem.arm.weighed and not with_tool):
             loads.append((c.tool_name, c.tool_mass, usually_mounted(problem), c.tool_com, True))
+        arm = max(float(problem.arm.mass.sum()), c.tool_mass) if problem.arm.weighed else np.inf
         return [
-            cls(Where(payload=name), variant, mass, usual, (float(x), float(y), float(z)), always)
+            cls(Where(payload=name), variant, mass, usual, most, (float(x), float(y), float(z)), always)
             for name, mass, usual, (x, y, z), always in loads
+            for most in [arm if always else np.inf]
             for variant in ("mass", "com")
         ]
 

@@ -33,7 +33,6 @@ class ThermalGrowth(DirectEffect):
     cause: ClassVar[str] = "thermal_growth"
     title: ClassVar[str] = "Links grow with temperature"
     depends: ClassVar[Depends] = frozenset({"temperature", "time"})
-    bounded: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta p = alpha thin (T - T_0) thin p"
     settings: ClassVar[tuple[str, ...]] = ("start", "constant")
     separate: ClassVar[dict[str, str]] = {
@@ -41,6 +40,10 @@ class ThermalGrowth(DirectEffect):
         "tracker_scale": "a scale bar, or two fixed targets of known distance",
         "gravity_compensator": "{gauge}, cold and warm",
     }
+
+    @property
+    def bounded(self) -> bool:
+        return True
 
     @property
     def params(self) -> tuple[Param, ...]:
