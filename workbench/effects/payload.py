@@ -66,18 +66,17 @@ class Payload(MassEffect):
         c = problem.campaign
         carried = [i for i in range(1, len(c.payload_names)) if (c.poses.payload == i).any()]
         loads = [
-            (c.payload_names[i], float(c.load_mass[i]), float(c.load_mass[i]), c.load_com[i], False)
+            (c.payload_names[i], float(c.load_mass[i]), float(c.load_mass[i]), np.inf, c.load_com[i], False)
             for i in carried
             if c.load_mass[i] > 0
         ]
         with_tool = float(c.load_mass[carried[0]]) if len(carried) == 1 and c.poses.payload.all() else 0.0
         if c.tool_mass > with_tool or (problem.arm.weighed and not with_tool):
-            loads.append((c.tool_name, c.tool_mass, usually_mounted(problem), c.tool_com, True))
-        arm = max(float(problem.arm.mass.sum()), c.tool_mass) if problem.arm.weighed else np.inf
+            most = max(float(problem.arm.mass.sum()), c.tool_mass) if problem.arm.weighed else np.inf
+            loads.append((c.tool_name, c.tool_mass, usually_mounted(problem), most, c.tool_com, True))
         return [
             cls(Where(payload=name), variant, mass, usual, most, (float(x), float(y), float(z)), always)
-            for name, mass, usual, (x, y, z), always in loads
-            for most in [arm if always else np.inf]
+            for name, mass, usual, most, (x, y, z), always in loads
             for variant in ("mass", "com")
         ]
 
