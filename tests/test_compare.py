@@ -374,7 +374,7 @@ def test_a_number_that_adds_up_moved_by_its_difference():
     assert change.cause == "lost_motion"
     assert change.before == ()
     assert within(change.parameters[0], 3e-4)
-    assert moved_by(change).startswith("lost_motion(joint_2) moved by ")
+    assert moved_by(change).startswith("lost motion in joint_2 moved by ")
 
 
 def test_forms_of_one_cause_are_told_apart_in_what_did_not_change():
