@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 from scipy.stats import chi2
 
 from ...identification.fit import Fit
@@ -24,14 +25,18 @@ def coherence(fit: Fit) -> float:
     along a number of the geometry that has the variance of all else, or as many times it as the group's
     poses are alike.
     """
-    N, _, n = fit.J.shape
+    n = fit.J.shape[2]
+    groups = list(_neighbours(fit.model.problem.q, np.arange(len(fit.J))))
+    if len(groups) < 2:  # none is predicted by another
+        return 1.0
     J, own = fit.J * fit.columns.prior, fit.columns.geometry_slice
-    inverse = np.linalg.inv(np.einsum("ndi,ndj->ij", J, J) + np.eye(n))
+    upper = np.linalg.qr(np.vstack([J.reshape(-1, n), np.eye(n)]), mode="r")
     along, every, count = 0.0, 0.0, 0.0
-    rows, numbers, groups = 0, 0, 0
-    for group in _neighbours(fit.model.problem.q, np.arange(N)):
+    rows, numbers = 0, 0
+    for group in groups:
         G = J[group].reshape(-1, n)
-        held, axes = np.linalg.eigh(np.eye(len(G)) - G @ inverse @ G.T)
+        half = solve_triangular(upper, G.T, trans="T", check_finite=False)
+        held, axes = np.linalg.eigh(np.eye(len(G)) - half.T @ half)
         left = axes @ ((axes.T @ fit.r[group].ravel()) / np.sqrt(np.maximum(held, 1e-6)))
         lengths = np.linalg.norm(G[:, own], axis=0)
         shown = lengths > 1e-6 * lengths.max()
@@ -39,9 +44,8 @@ def coherence(fit: Fit) -> float:
         every += float(left @ left)
         numbers += int(shown.sum())
         rows += int((np.abs(fit.whitener[group]).sum(axis=2) > 0).sum())
-        groups += 1
         count += len(group) * int(shown.sum())
-    together = (along / numbers) / (every / rows) * groups / float(chi2.isf(SURE, groups))
+    together = (along / numbers) / (every / rows) * len(groups) / float(chi2.isf(SURE, len(groups)))
     return float(np.clip((together - 1) / (count / numbers - 1), 0.0, 1.0))
 
 
