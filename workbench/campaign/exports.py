@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from .program_joints import PROGRAMS
+
 _GROUPS = {
     "header": False,
     "comment": "//",
@@ -25,9 +27,4 @@ EXPORTS: dict[str, dict[str, Any]] = {
 _SIX_AXES = {f"q{i}_deg": i + 1 for i in range(1, 7)}
 _PROGRAM = {"header": False, "separator": ",", "columns": {"pose_id": 1, **_SIX_AXES}}
 
-PROGRAM_EXPORTS: dict[str, dict[str, Any]] = {  # of what `program_joints` makes of them
-    "rapid": _PROGRAM,  # jointtarget NAME := [[a1, ..., a6], [external axes]]
-    "krl": _PROGRAM,  # E6AXIS NAME={A1 ..., A2 ..., ...}
-    "ls": _PROGRAM,  # P[1]{ GP1: J1= ... deg, ... }
-    "val3": _PROGRAM,  # <Value key="0" j1="..." ... />
-}
+PROGRAM_EXPORTS = dict.fromkeys(PROGRAMS, _PROGRAM)  # of what `program_joints` makes of them

@@ -64,9 +64,10 @@ class Guessed:
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
     """Keys for the table of a robot's joints, or for a program with positions of them. Raises `InputError`
     where the file cannot be read."""
-    words, _ = any_text(path)
+    words, keys = any_text(path)
     if (program := program_of(words)) is not None:
-        return _of_program(program, path, joints)
+        joint_table(words, program, path)
+        return _of_program(program, keys, joints)
     if says_tool_poses(words):
         why = "its positions are the tool's, which say no joints: export jointtargets (RAPID) or axes (KRL)"
         return Guessed(lacking=[f"joint {i}" for i in range(1, len(joints) + 1)], why=why)
@@ -77,10 +78,8 @@ def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
     return _of_joints(text, found, joints, numbers, identity)
 
 
-def _of_program(program: str, path: Path, joints: Sequence[MovingJoint]) -> Guessed:
+def _of_program(program: str, keys: Mapping[str, Any], joints: Sequence[MovingJoint]) -> Guessed:
     """Keys for a robot program: its template, and the columns where they are not those of six axes."""
-    text, keys = any_text(path)
-    joint_table(text, program, path)
     found = Guessed({"template": program, **keys})
     if len(joints) != ARM or any(joint.kind == "prismatic" for joint in joints):
         units = ["mm" if joint.kind == "prismatic" else "deg" for joint in joints]

@@ -11,9 +11,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from ..files.faults import Fault, InputError
+from ..files.program_text import NO_AXIS, NUMBER, code_of
 
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-NO_AXIS = 8e9  # from here on RAPID has no external axis
 ARM = 6  # axes that these languages state before the external ones
 
 Position = tuple[int, str, list[str]]  # where it begins in the text, its name or nothing, its axes
@@ -30,15 +29,13 @@ _TOOL_POSES = re.compile(r"\brobtarget\b|\bE[36]?POS\b|\{\s*X\s+[-+\d]", re.I)
 
 
 def _rapid(text: str) -> Iterator[Position]:
-    code = re.sub(r'"[^"\n]*"|![^\n]*', _blank, text)
-    for match in _RAPID.finditer(code):
+    for match in _RAPID.finditer(code_of(text, "!")):
         arm, external = ([cell.strip() for cell in match[i].split(",")] for i in (2, 3))
         yield match.start(), match[1] or "", [*arm, *(cell for cell in external if float(cell) < NO_AXIS)]
 
 
 def _krl(text: str) -> Iterator[Position]:
-    code = re.sub(r'"[^"\n]*"|;[^\n]*', _blank, text)
-    for match in _KRL.finditer(code):
+    for match in _KRL.finditer(code_of(text, ";")):
         said = {key.upper(): value for key, value in _FIELD.findall(match[2])}
         arm = [said.pop(f"A{i}", "") for i in range(1, ARM + 1)]
         yield match.start(), match[1] or "", [*arm, *(said[key] for key in sorted(said) if key[0] == "E")]
@@ -99,7 +96,3 @@ def program_of(text: str) -> str | None:
 def says_tool_poses(text: str) -> bool:
     """Whether it looks like a program whose positions are of the tool."""
     return _TOOL_POSES.search(text) is not None
-
-
-def _blank(match: re.Match[str]) -> str:
-    return " " * len(match[0])

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from ..campaign.file import QUATERNION as QUATERNION_NAMES
 from ..campaign.file import WRENCH_COLUMNS, joint_column
 from ..files.faults import Fault
 from ..files.tables import Column, Table, number_text
@@ -18,7 +19,7 @@ SHORTEST = 1e-9  # s, from line to line
 MOST_JOINTS = 20  # looked for where no robot says how many
 TIME = Column("t", ("time",), required=True, mend="every sample needs its time")
 POSITION = tuple(Column(name, ("length",)) for name in ("x", "y", "z"))
-QUATERNION = tuple(Column(name) for name in ("qw", "qx", "qy", "qz"))
+QUATERNION = tuple(Column(name) for name in QUATERNION_NAMES)
 ABC = tuple(Column(name, ("angle",)) for name in ("a", "b", "c"))
 TEMPERATURE = Column("temp", ("temperature",))
 DWELL = Column("dwell", ("time",), mend="write 0 where the robot does not stop")

@@ -60,7 +60,8 @@ class OfRows:
 
     def __init__(self, W: Array, widths: Sequence[int]) -> None:
         self.W, self.widths = W, tuple(widths)
-        self._column = dict[int, Array]()
+        self._place = dict[int, int]()
+        self._kept = np.empty((len(W), 0))
         self._beside = np.zeros((len(W), max(self.widths, default=0)))
         at = 0
         for width in self.widths:
@@ -75,13 +76,12 @@ class OfRows:
     def between(self, rows: Index, columns: Index) -> Array:
         if rows.size <= len(self.widths):  # few: not worth a column of all
             return np.asarray((self.W[rows.ravel()] @ self.W[columns].T).reshape(*rows.shape, len(columns)))
-        new = [c for c in columns.tolist() if c not in self._column]
+        new = [c for c in dict.fromkeys(columns.tolist()) if c not in self._place]
         if new:
-            self._column.update(zip(new, (self.W @ self.W[new].T).T.copy(), strict=True))
-        out = np.empty((*rows.shape, len(columns)))
-        for i, c in enumerate(columns.tolist()):
-            out[..., i] = self._column[c][rows]
-        return out
+            self._place |= {c: len(self._place) + i for i, c in enumerate(new)}
+            self._kept = np.concatenate([self._kept, self.W @ self.W[new].T], axis=1)
+        places = np.array([self._place[c] for c in columns.tolist()], dtype=np.int64)
+        return np.asarray(self._kept[rows[..., None], places])
 
     def blocks(self, index: Index) -> Array:
         first = np.minimum(index[:, :, None], index[:, None, :])

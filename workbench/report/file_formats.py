@@ -14,7 +14,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from ..campaign.exports import EXPORTS, PROGRAM_EXPORTS
-from ..campaign.file import CampaignFile, point_columns, pose_columns
+from ..campaign.file import QUATERNION, CampaignFile, point_columns, pose_columns
 from ..correction.path_table import path_columns
 from ..files.tables import UNITS, Column
 from ..files.whole import put_all
@@ -167,7 +167,7 @@ _MEANINGS = {
     "target": "name of the target",
     **dict.fromkeys("xyz", "place"),
     **dict.fromkeys(("sx", "sy", "sz"), _SIGMA),
-    **dict.fromkeys(("qw", "qx", "qy", "qz"), "orientation as a quaternion, qw its scalar"),
+    **dict.fromkeys(QUATERNION, "orientation as a quaternion, qw its scalar"),
     **dict.fromkeys("abc", "orientation as KUKA's A B C: Rz(A) Ry(B) Rx(C)"),
     "dwell": "rest at this sample",
 }

@@ -12,12 +12,12 @@ from typing import ClassVar
 import numpy as np
 
 from ...files.faults import Fault, InputError
+from ...files.program_text import NUMBER as NUMBER  # for readers
 from ...robot import rotations
 from .base import FINEST_BLEND, STANDSTILL, Array, Legs, Program, legs_of
 from .motions import Motions
 
 FARTHEST = 100.0  # m: no robot reaches so far; millimetres were given as metres
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"  # as most programs write one
 HALF_MM, HALF_DEG = 0.5e-3, np.radians(0.5)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ...files.program_text import NO_AXIS, code_of
 from ...robot import rotations
 from ...robot.schema import LoadData
 from .base import Array
@@ -15,7 +16,6 @@ from .motions import Motions, Spot
 from .text import arguments
 
 RAPID_FULL_JOINT_SPEED = 1000.0  # mm/s at the tool that counts as full speed of a joint move
-NO_AXIS = 8e9  # from here on an external axis is not there
 MOVE = re.compile(r"\b(MoveL|MoveJ|MoveAbsJ|MoveC)(?:DO|AO|GO|Sync)?\s+", re.I)
 DECLARED = re.compile(
     r"\b(robtarget|jointtarget|tooldata|wobjdata|speeddata|zonedata)\s+(\w+)\s*:=\s*(\[.*\])", re.I | re.S
@@ -27,7 +27,7 @@ Text = tuple[int, str]  # where the text begins in the file, the text
 def scan(files: Mapping[str, str]) -> Motions:
     """The motions of a module, with the places of their numbers."""
     file, text = next(iter(files.items()))
-    code = re.sub(r'"[^"\n]*"|![^\n]*', lambda match: " " * len(match[0]), text)
+    code = code_of(text, "!")
     reader = _Reader(file, Motions(file))
     if match := re.search(r"^\s*MODULE\s+(\w+)", code, re.I | re.M):
         reader.motions.name = match[1]

@@ -43,30 +43,27 @@ def hardly(system: System, k: int, others: Sequence[int]) -> bool:
 def carried(system: System, k: int, others: Sequence[int]) -> float:
     """Factor on standard deviations of what differs between occasion k and these others, where the model does
     not fit: poses in which the other side was not share what the model lacks there, as far as that is alike
-    in neighbouring ones (design effect: Kish 1965)."""
-    sides = [np.concatenate([inside(system, i, [k]) for i in others]), inside(system, k, others)]
-    return _design(system, sides) if system.misfit else 1.0
+    in neighbouring ones (design effect: Kish 1965).
+
+    Of two draws over one range some poses are always outside: what counts is by how much more these are than
+    half.
+    """
+    return _design(system, others, [k])
 
 
 def carried_change(system: System, pattern: Array) -> float:
     """The same of a change, between the occasions with the first's share of it and all others. pattern:
     (K, c) the occasions' shares."""
     first = np.all(pattern == pattern[0], axis=1)
-    before, after = np.flatnonzero(first).tolist(), np.flatnonzero(~first).tolist()
+    return _design(system, np.flatnonzero(first).tolist(), np.flatnonzero(~first).tolist())
+
+
+def _design(system: System, before: Sequence[int], after: Sequence[int]) -> float:
     if not system.misfit or not after:
         return 1.0
-    sides = ((before, after), (after, before))
-    return _design(
-        system, [np.concatenate([inside(system, i, there) for i in here]) for here, there in sides]
-    )
-
-
-def _design(system: System, sides: Sequence[NDArray[np.bool_]]) -> float:
-    """Of two sides' poses, whether the other covered them. Of two draws over one range some are always
-    outside: what counts is by how much more these are than half."""
+    ways = ((before, after), (after, before))
+    sides = [np.concatenate([inside(system, i, there) for i in here]) for here, there in ways]
     beyond = max(max(float(np.mean(~here)) for here in sides) / HALF - 1.0, 0.0)
-    if beyond == 0.0:
-        return 1.0
     alike = beyond**2 * max(one.coherence for one in system.occasions)  # beyond²: share of pairs of poses
     count = len(sides) / sum(1.0 / len(here) for here in sides)
     return float(np.sqrt(1.0 + alike * (count - 1.0)))

@@ -31,15 +31,19 @@ def unchanged(decided: Decided) -> Iterator[Unchanged]:
     """Every number that no member has, at the last campaign against those before."""
     taken = {decided.candidates[m.component].quantity for m in decided.members}
     last = decided.system.last
+    found = [decided.shape(m).columns for m in decided.members]
     for k, candidate in enumerate(decided.candidates):
         if not candidate.change or candidate.quantity in taken:
             continue
         for shape, part in zip(candidate.shapes, decided.reduced.parts[k], strict=True):
             if shape.is_at(last) and (shape.main == 1 or not shape.geometry):
-                yield from _unchanged(decided, candidate, shape, part)
+                yield from _unchanged(decided, candidate, shape, part, found)
 
 
-def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice) -> Iterator[Unchanged]:
+def _unchanged(
+    decided: Decided, candidate: Candidate, shape: Shape, part: slice, found: Sequence[Array]
+) -> Iterator[Unchanged]:
+    """found: columns of the members."""
     if shape.main >= MANY or len(shape.sizes) == 0:
         return
     index = np.arange(part.start, part.start + shape.main)
@@ -56,7 +60,6 @@ def _unchanged(decided: Decided, candidate: Candidate, shape: Shape, part: slice
         return
     z = threshold(candidate, float(values[0])) + float(norm.isf(1 - POWER))
     weakest = factor * z / np.sqrt(values[0]) * vectors[:, 0]
-    found = [decided.shape(m).columns for m in decided.members]
     mm = seen_mm(decided.system, shape.columns[:, : shape.main], weakest, shape.pattern[:, 0], found)
     name, unit = numbers_of_shape(shape)[0]
     size = float(np.linalg.norm(weakest)) * float(shape.sizes[0])

@@ -98,10 +98,12 @@ class Along(Unnamed, DirectEffect):
     def sites(cls, problem: Problem) -> Sequence[Along]:
         if problem.time is None or np.ptp(problem.time) == 0:
             return []
-        alike = [abs(np.corrcoef(problem.time, problem.q[:, j])[0, 1]) for j in moving(problem)]
-        together = [j for j, r in zip(moving(problem), alike, strict=True) if r > WITH_TIME]
-        wheres = [Where(joint=problem.arm.names[j]) for j in together]
-        return [cls(where, motions=motions) for where in wheres for motions in (3.0, 6.0)]
+        return [
+            cls(Where(joint=problem.arm.names[j]), motions=motions)
+            for j in moving(problem)
+            if abs(np.corrcoef(problem.time, problem.q[:, j])[0, 1]) > WITH_TIME
+            for motions in (3.0, 6.0)
+        ]
 
 
 @dataclass(frozen=True)
