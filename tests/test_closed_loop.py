@@ -388,6 +388,15 @@ def test_a_constant_height_is_no_roughness():
     assert found.offset_mm == pytest.approx(0.2)
 
 
+def test_a_wave_along_the_whole_path_has_its_whole_height():
+    """R_z is never below R_a, however long the wave is."""
+    z = 1e-4 * np.sin(np.linspace(0, 2 * np.pi, 1001))
+    error = np.outer(z, [0.0, 0.0, 1.0])
+    found = figures(error, error, z)
+    assert found.rz_mm == pytest.approx(0.2)
+    assert found.ra_mm == pytest.approx(0.2 / np.pi, rel=0.01)
+
+
 def test_a_gear_is_named_by_its_order():
     t = np.linspace(0, 10, 5000)
     q = np.stack([0.05 * t, 0.02 * t + 0.01 * np.sin(t)], axis=1)

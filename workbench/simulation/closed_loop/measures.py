@@ -12,7 +12,6 @@ from ...robot.kinematics import Array
 from .motion import interpolated
 
 LEAST_SHARE = 0.3  # of what is left near a line, that a gear has to explain to be named
-SAMPLING_LENGTHS = 5  # of ISO 4287, in an evaluation length
 LEAST_CYCLES = 3.0  # of a gear along the path
 
 
@@ -20,8 +19,9 @@ LEAST_CYCLES = 3.0  # of a gear along the path
 class Figures:
     """Of one run, in mm. mean … largest: 3-D distance of the tool from where it should be at that instant.
     across_*: its distance from the path, whenever it passes (ISO 9283's AT of a single run is the largest).
-    ra, rz: of the error normal to the path's plane, by ISO 4287: mean of |z − z̄|, and highest peak minus
-    deepest valley, mean of five equal lengths; offset: |z̄|, a height, no roughness."""
+    ra, rz: R_a and R_z of Olabi et al. (2012), of the error normal to the path's plane along the whole of it,
+    nothing filtered (P_a and P_z of ISO 4287): mean of |z − z̄|, and highest peak minus deepest valley;
+    offset: |z̄|, a height, no roughness."""
 
     mean_mm: float
     rms_mm: float
@@ -54,7 +54,7 @@ def figures(error: Array, across: Array, z: Array) -> Figures:
         float(np.sqrt((beside**2).mean())),
         float(beside.max()),
         float(1e3 * np.abs(z - z.mean()).mean()),
-        float(1e3 * np.mean([np.ptp(part) for part in np.array_split(z, SAMPLING_LENGTHS)])),
+        float(1e3 * np.ptp(z)),
         float(1e3 * abs(z.mean())),
     )
 
