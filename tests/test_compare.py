@@ -15,6 +15,7 @@ import pytest
 from workbench import (
     Truth,
     compare,
+    diagnose,
     load_campaign,
     load_robot,
     parse_effect,
@@ -671,3 +672,15 @@ def test_where_an_instrument_stands_is_said_where_that_is_known(mm, std, said):
     instrument, targets = _places(there, 10.0)
     assert said in instrument
     assert ("cannot be told" in targets) == (std > 10.0)
+
+
+def test_a_diagnosis_of_a_robot_that_changed_points_here():
+    """Both campaigns are fitted as one robot, which none of its causes makes of two."""
+
+    def diagnosis(after: Campaign):
+        return diagnose([before(), replace(after, path=Path("after/campaign.toml"))]).diagnosis
+
+    changed = diagnosis(measured(2, {JOINT_3_ZERO: 1.5e-3}))
+    assert changed.verdict == "unknown"
+    assert any("`workbench compare`" in note for note in changed.notes)
+    assert not any("`workbench compare`" in note for note in diagnosis(measured(2)).notes)

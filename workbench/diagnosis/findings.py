@@ -109,6 +109,7 @@ def assemble(parts: Parts) -> Diagnosis:
             *c.warnings,
             *remarks(prepared, left, beyond, bool(nameless), repeats_to),
             *_carried(selection),
+            *(_perhaps_changed(problem) if nameless else []),
         ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
@@ -129,6 +130,16 @@ def _unweighed(problem: Problem) -> list[str]:
     return [
         f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is fitted "
         "without a name, and looks much like what gears do. State the masses before you believe the rest."
+    ]
+
+
+def _perhaps_changed(problem: Problem) -> list[str]:
+    """A remark on what has no name where several set-ups are fitted as one robot."""
+    if len(problem.campaign.setup_names) == 1:
+        return []
+    return [
+        "Several set-ups are fitted as one robot that stays what it is. `workbench compare` of their campaigns "
+        "says whether it changed between them: then what has no name may be no more than that."
     ]
 
 
