@@ -138,8 +138,8 @@ def _perhaps_changed(problem: Problem) -> list[str]:
     if len(problem.campaign.setup_names) == 1:
         return []
     return [
-        "Several set-ups are fitted as one robot that stays what it is. `workbench compare` of their campaigns "
-        "says whether it changed between them: then what has no name may be no more than that."
+        "Several set-ups are fitted as one robot that stays what it is. `workbench compare` of their "
+        "campaigns says whether it changed between them: then what has no name may be no more than that."
     ]
 
 

@@ -12,6 +12,7 @@ from scipy.linalg import solve_triangular
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
+from ..effects.given import DataFault
 from ..effects.unnamed import unnamed
 from ..identification.fit import Fit
 from ..identification.registration import (
@@ -42,7 +43,7 @@ class Step:
     """A step in time: kind of data fault, first pose after it, size [m] that the points move by, rms,
     statistic."""
 
-    kind: str
+    kind: DataFault
     first: int
     size: float
     statistic: float
@@ -65,8 +66,8 @@ def step_in_time(result: Fit) -> Step | None:
         return None
     flange = result.line.direct[:, :, -6:]
     steps = [
-        _step(result, kind, columns)
-        for kind, columns in (("moved_instrument", result.line.frame), ("changed_setup", flange))
+        _step(result, "moved_instrument", result.line.frame),
+        _step(result, "changed_setup", flange),
     ]
     return max((step for step in steps if step), key=lambda step: step.statistic, default=None)
 
@@ -102,7 +103,7 @@ def jump(problem: Problem) -> Step | None:
     held = np.full(len(first.targets), 1e-6)
     seen_after = sight(problem.rigid, c.points, problem.on, order >= k)
     same_tool = place(seen_after, first.targets, held, turns=False)
-    kind = "moved_instrument" if same_tool.middle < AS_WELL * after.middle else "changed_setup"
+    kind: DataFault = "moved_instrument" if same_tool.middle < AS_WELL * after.middle else "changed_setup"
     return Step(kind, k, size, np.inf)
 
 
@@ -129,7 +130,7 @@ def _prediction(problem: Problem, first: Placed, here: NDArray[np.bool_], there:
     return float(np.sqrt(np.sum(new.T * np.linalg.solve(A, new.T)) / (len(new) / 3)))
 
 
-def _step(result: Fit, kind: str, columns: Array) -> Step | None:
+def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
     """The best step of the motions columns: (N, R, 6) of the points; None when none is clear."""
     base = np.matmul(result.whitener, columns)
     n_poses = len(base)

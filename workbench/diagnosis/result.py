@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..effects.given import DataFault
 from ..effects.place import NOWHERE, Parameter, Where
 from .result_json import fault_json, result_json
 
@@ -155,9 +156,9 @@ class Detectable:
 
 @dataclass(frozen=True)
 class FaultFound:
-    """A data fault: kind (outlier, swapped_target, ...), the pose, and what was done about it."""
+    """A data fault: its kind, the pose, and what was done about it."""
 
-    kind: str
+    kind: DataFault
     pose_id: str | None
     target: str | None = None
     what: str = ""

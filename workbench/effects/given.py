@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 from scipy.optimize import brentq
 
@@ -18,10 +19,10 @@ from .records import PLACE, from_record, stated_effects
 
 NEAR = 0.1  # of a number: no further from it is the slope taken that makes its spread the parameter's
 CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
-OF_THE_DATA = (  # faults of the data that a diagnosis names, as it names them
+DataFault = Literal[  # what a diagnosis finds wrong with the data themselves
     "changed_setup", "copied_pose", "frozen_target", "moved_instrument", "outlier", "rare_setup",
     "rare_target", "rounded_joints", "shifted_pose", "swapped_target",
-)  # fmt: skip
+]  # fmt: skip
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 
 
@@ -166,7 +167,7 @@ def exclusions(problem: Problem) -> tuple[Exclusion, ...]:
         cause = one.cause
         if cause not in kinds:
             what, mend = f"no cause {cause!r}", suggest(cause, kinds) or f"known: {', '.join(kinds)}"
-            if cause in OF_THE_DATA:
+            if cause in get_args(DataFault):
                 what = f"{cause!r} is a fault of the data, no cause: they are looked for in any case"
                 mend = "mend it in the tables, or take it out"
             faults.append(Fault(f"known: exclude {one.text!r}", what, mend))
