@@ -13,6 +13,8 @@ from workbench.campaign import Target
 from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.effects import catalogue
+from workbench.effects.lost_motion import LostMotion
+from workbench.effects.place import Where
 from workbench.effects.records import effect_text, from_record, parse_effect, record, stated_effects
 from workbench.effects.unnamed.campaign import Bearing
 from workbench.effects.unnamed.loads import Load
@@ -257,3 +259,11 @@ def test_a_robot_s_own_effects_act_in_its_campaigns():
     with_it = simulate(changed, Truth(repeatability=still)).points
     without = simulate(case.campaign, Truth(repeatability=still)).points
     assert 1e-5 < np.abs(with_it - without).max() < 1e-3
+
+
+def test_a_small_size_is_not_said_to_be_nothing():
+    """A soft zone of half a newton metre on a small joint is not below 0 N·m."""
+    zone = LostMotion(Where(joint="joint_6"), "soft 0.05", 0.4321)
+    assert zone.sentence(np.array([3.21e-7])).endswith(": 0.32 µrad to either side, below about 0.43 N·m.")
+    zone = LostMotion(Where(joint="joint_6"), "soft 0.05", 1234.5)
+    assert zone.sentence(np.array([1e-4])).endswith(": 100 µrad to either side, below about 1234 N·m.")

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Depends, Effect, Param
+from .base import Depends, Effect, Param, short
 from .kinds import TransmissionEffect
 from .place import Where
 from .unnamed.joints import Side
@@ -77,5 +77,5 @@ class Backlash(TransmissionEffect):
         return -direction[:, j : j + 1]
 
     def sentence(self, values: Array) -> str:
-        unit = "µm" if self.sliding else "µrad"
-        return f"{self.where.joint} stops {values[0] * 1e6:.0f} {unit} short on the side that it comes from."
+        size = f"{short(values[0] * 1e6)} {'µm' if self.sliding else 'µrad'}"
+        return f"{self.where.joint} stops {size} short on the side that it comes from."

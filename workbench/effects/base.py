@@ -36,6 +36,11 @@ NOTHING: Depends = frozenset()
 UNKNOWN = "unknown"  # the cause of what has no name
 
 
+def short(size: float) -> str:
+    """A size in a sentence: whole from 10 on, two digits below."""
+    return f"{size:.0f}" if abs(size) >= 9.95 else f"{size:.2g}"
+
+
 @dataclass(frozen=True)
 class Param:
     """A parameter that is fitted. `typical` is its usual size, `lower`, `upper` what physics allows;

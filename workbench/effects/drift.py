@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Depends, Effect, Param, Rest
+from .base import Depends, Effect, Param, Rest, short
 from .coming_to_rest import SHARES, share_gone, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
@@ -117,9 +117,9 @@ class Drift(DirectEffect):
         )
 
     def sentence(self, values: Array) -> str:
-        speed = f"{np.linalg.norm(values[:3]) * 3600e6:.0f} µm/h"
+        speed = f"{short(float(np.linalg.norm(values[:3])) * 3600e6)} µm/h"
         if self.turns:
-            speed += f" and turns by {np.linalg.norm(values[3:]) * 3600e6:.0f} µrad/h"
+            speed += f" and turns by {short(float(np.linalg.norm(values[3:])) * 3600e6)} µrad/h"
         if self.constant:
             speed += f" at first, and comes to rest with a time constant of {self.constant / 60:.0f} min"
         return f"The base (or the instrument) drifts by {speed}."

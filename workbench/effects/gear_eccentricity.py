@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Effect, Param
+from .base import Effect, Param, short
 from .harmonics import Harmonic, amplitude_phase
 from .joint_map import JointMap
 from .place import Parameter, Where
@@ -78,4 +78,4 @@ class GearEccentricity(Harmonic):
     def sentence(self, values: Array) -> str:
         size = np.hypot(*values) * 1e6
         cycles = "once" if self.cycles == 1 else "twice"
-        return f"The gear of {self.where.joint} runs out {cycles} per turn, by {size:.0f} µrad."
+        return f"The gear of {self.where.joint} runs out {cycles} per turn, by {short(size)} µrad."

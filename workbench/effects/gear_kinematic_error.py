@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param
+from .base import Param, short
 from .harmonics import Harmonic, amplitude_phase
 from .place import Parameter, Where
 
@@ -84,4 +84,4 @@ class GearKinematicError(Harmonic):
         size = np.hypot(*values) * 1e6
         turns = {"1": ", once per motor turn", "2": ", twice per motor turn", "4": ", 4 times per motor turn"}
         cycles = f"{self.cycles:g} cycles per joint turn{turns.get(self.variant, '')}"
-        return f"The gear of {self.where.joint} errs by {size:.0f} µrad in {cycles}."
+        return f"The gear of {self.where.joint} errs by {short(size)} µrad in {cycles}."

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Effect, Param
+from .base import Effect, Param, short
 from .joint_map import JointMap
 from .kinds import TransmissionEffect
 from .place import Where
@@ -63,5 +63,5 @@ class GearRatio(TransmissionEffect):
 
     def sentence(self, values: Array) -> str:
         word = "further" if values[0] > 0 else "less"
-        size = f"{abs(values[0]) * 1e6:.0f} ppm {word}"
+        size = f"{short(abs(values[0]) * 1e6)} ppm {word}"
         return f"{self.where.joint} moves {size} than commanded: its ratio is wrong."

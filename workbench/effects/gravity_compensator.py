@@ -12,7 +12,7 @@ from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
 from ..robot.extended_robot.cylinder import ATMOSPHERE
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
-from .base import Depends, Param, Rest
+from .base import Depends, Param, Rest, short
 from .drawn import Drawn
 from .kinds import LoadEffect
 from .place import Where
@@ -150,7 +150,7 @@ class GravityCompensator(LoadEffect):
     def sentence(self, values: Array) -> str:
         if self.variant == "preload":
             word = "more" if values[0] > 0 else "less"
-            return f"The gravity compensator pulls {abs(values[0]):.0f} N {word} than the model says."
+            return f"The gravity compensator pulls {short(abs(values[0]))} N {word} than the model says."
         if self.variant == "temperature":
             return f"The compensator's pressure changes by {values[0]:.2%} per K (sealed gas: 0.34 %)."
         what = "gas charge" if self.kind == "gas" else "spring rate"

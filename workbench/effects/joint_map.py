@@ -11,7 +11,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param
+from .base import Param, short
 from .kinds import TransmissionEffect
 from .place import Parameter, Where
 
@@ -139,6 +139,6 @@ class JointMap(TransmissionEffect):
         rms = np.sqrt((values**2).sum() / 2) * 1e6
         low, high = np.degrees([self.first, self.first + self.span])
         return (
-            f"{self.where.joint} errs by {rms:.0f} µrad RMS as a function of its own angle "
+            f"{self.where.joint} errs by {short(rms)} µrad RMS as a function of its own angle "
             f"({low:.0f} … {high:.0f}°): gear, encoder or bearing."
         )

@@ -11,7 +11,7 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
-from .base import Param
+from .base import Param, short
 from .masses import MassEffect, mass_wrench, usually_mounted
 from .place import Where
 
@@ -94,5 +94,5 @@ class LinkMass(MassEffect):
             return f"{self.where.link} is {abs(values[0]):.1f} kg {word} than its URDF says."
         if not self.mass:
             return f"The first moment of {self.where.link} is off by {np.linalg.norm(values):.3g} kg·m."
-        shift = np.linalg.norm(values) / self.mass * 1e3
-        return f"The centre of mass of {self.where.link} is {shift:.0f} mm off its place in the URDF."
+        shift = float(np.linalg.norm(values)) / self.mass * 1e3
+        return f"The centre of mass of {self.where.link} is {short(shift)} mm off its place in the URDF."

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array
-from .base import Param
+from .base import Param, short
 from .kinds import AxialYield
 from .place import Where
 
@@ -100,8 +100,8 @@ class LostMotion(AxialYield):
         return motion, by_wrench, by_value
 
     def sentence(self, values: Array) -> str:
-        size = f"{abs(values[0]) * 1e6:.0f} {'µm' if self.sliding else 'µrad'}"
-        load = f"{self.torque:.0f} {'N' if self.sliding else 'N·m'}"
+        size = f"{short(abs(values[0]) * 1e6)} {'µm' if self.sliding else 'µrad'}"
+        load = f"{short(self.torque)} {'N' if self.sliding else 'N·m'}"
         if self.variant == "cubic":
             word = "softens" if values[0] > 0 else "hardens"
             return f"{self.where.joint} {word} with load: {size} at {load}."

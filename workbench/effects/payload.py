@@ -11,7 +11,7 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
-from .base import Param
+from .base import Param, short
 from .masses import MassEffect, mass_wrench, usually_mounted
 from .place import Where
 
@@ -115,6 +115,6 @@ class Payload(MassEffect):
             return f"{what[0].upper()}{what[1:]} is {abs(values[0]):.2f} kg {word} than stated."
         if not self.mass:
             return f"The first moment of {what} is off by {np.linalg.norm(values):.3g} kg·m."
-        shift = np.linalg.norm(values) / self.mass * 1e3
+        shift = float(np.linalg.norm(values)) / self.mass * 1e3
         place = "its stated place" if any(self.com) else "the flange's origin"
-        return f"The centre of mass of {what} is {shift:.0f} mm off {place}."
+        return f"The centre of mass of {what} is {short(shift)} mm off {place}."

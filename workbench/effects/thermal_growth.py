@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
 from ..robot.kinematics import Array
-from .base import Depends, Param, Rest
+from .base import Depends, Param, Rest, short
 from .coming_to_rest import SHARES, share_gone, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
@@ -111,7 +111,7 @@ class ThermalGrowth(DirectEffect):
     def sentence(self, values: Array) -> str:
         if self.variant.startswith("warmup"):
             return (
-                f"The arm grows by {values[0] * 1e6:.0f} µm per metre while it warms up, "
+                f"The arm grows by {short(values[0] * 1e6)} µm per metre while it warms up, "
                 f"with a time constant of {self.constant / 60:.0f} min (inferred from time alone)."
             )
         return f"The links grow by {values[0] * 1e6:.1f} µm per metre and kelvin."

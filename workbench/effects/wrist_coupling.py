@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Effect, Param
+from .base import Effect, Param, short
 from .kinds import TransmissionEffect
 from .place import Where
 from .unnamed.joints import Pair
@@ -70,4 +70,4 @@ class WristCoupling(TransmissionEffect):
 
     def sentence(self, values: Array) -> str:
         size = values[0] * 1e6
-        return f"{self.where.joint} moves by {size:.0f} µrad per rad of {self.where.other}."
+        return f"{self.where.joint} moves by {short(size)} µrad per rad of {self.where.other}."
