@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from workbench import load_robot, planned, problem
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.gram import Stored
 from workbench.diagnosis.priors import PRIORS, varied
@@ -15,6 +16,7 @@ from workbench.diagnosis.result import Rival
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.weight import table_of
 from workbench.effects import catalogue
+from workbench.effects.payload import Payload
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.report.reliability import COUNTED
@@ -95,6 +97,18 @@ def test_a_case_is_as_strong_as_it_says(key, tmp_path):
     # and the catalogue's own form takes nearly all of it, but not all
     left = case.products.left([case.products.effects.index(e) for e in right_model(case)])
     assert 0 < left < 0.15 * case.products.S[0, 0]
+
+
+def test_nothing_is_lighter_than_nothing():
+    """A small tool that is lighter than stated by more than it weighs is none that the right one could be."""
+    plan = planned(load_robot("kr500"), np.zeros((2, 6)), tool=(2.0, (0.0, 0.0, 0.1)))
+    job = problem(plan)
+    (tool,) = (e for e in Payload.sites(job) if e.always_there and e.variant == "mass")
+    assert tool.params[0].typical * 6 > tool.mass
+    for seed in range(20):
+        hidden = FORMS["payload"](job, tool, np.random.default_rng(seed))
+        (by_mass, change), _ = hidden.form(hidden.largest).effects
+        assert by_mass.mass + change[0] > 0
 
 
 @pytest.mark.parametrize("name", sorted(UNKNOWNS))

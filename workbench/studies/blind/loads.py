@@ -110,7 +110,10 @@ def _mass_and_place(
     sites = type(effect).sites(problem)
     other = next(e for e in sites if e.key == effect.key and e.variant != effect.variant)
     by_mass, by_place = (effect, other) if effect.variant == "mass" else (other, effect)
-    m = mass * np.array([by_mass.params[0].typical]) * (1.0 if effect is by_mass else 0.15)
+    (param,) = by_mass.params
+    if mass * largest * param.typical < param.lower:  # lighter than nothing is no tool
+        mass = 1.0
+    m = mass * np.array([param.typical]) * (1.0 if effect is by_mass else 0.15)
     d = shift * by_place.params[0].typical * (1.0 if effect is by_place else 0.15)
 
     def form(size: float) -> Truth:
