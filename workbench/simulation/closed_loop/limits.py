@@ -72,8 +72,8 @@ class Limits:
         """What was cut."""
         return tuple(
             f"{self.names[j]}: {_word(self.what, self._unit(j))} saturated for "
-            f"{self.ticks[j] * self.period:.2g} s from {self.first[j]:.3g} s on, {_percent(self.worst[j])} over its limit of "
-            f"{self.limit[j]:.4g} {self._unit(j)} at most"
+            f"{self.ticks[j] * self.period:.2g} s from {self.first[j]:.3g} s on, "
+            f"{_percent(self.worst[j])} over its limit of {self.limit[j]:.4g} {self._unit(j)} at most"
             for j in map(int, np.flatnonzero(self.ticks))
         )
 
