@@ -307,3 +307,49 @@ def test_xacro(tmp_path):
         new_robot(source)
     with pytest.raises(InputError, match="no such file"):
         new_robot(tmp_path / "none.xacro")
+
+
+def test_a_xacro_file_that_asks_for_more_says_what_it_takes(tmp_path):
+    head = '<robot name="acme" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="model"/>'
+    source = tmp_path / "acme.urdf.xacro"
+    rest = '<xacro:arg name="lift" default="0"/><link name="$(arg model)"/>'
+    source.write_text(f"{head}{rest}</robot>")
+    with pytest.raises(InputError, match=r"NAME:=VALUE behind the file; it takes model, lift$"):
+        new_robot(source)
+
+
+def test_a_xacro_file_of_macros_names_the_file_that_calls_them(tmp_path):
+    space = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    macro = tmp_path / "acme_macro.xacro"
+    macro.write_text(
+        f'<robot {space}><xacro:macro name="acme" params="">{example.arm()}</xacro:macro></robot>'
+    )
+    with pytest.raises(InputError, match=r"makes no link by itself; name the file that calls its macros$"):
+        new_robot(macro)
+    call = f'<robot name="acme" {space}><xacro:include filename="acme_macro.xacro"/><link name="world"/>'
+    (tmp_path / "acme.xacro").write_text(f"{call}<xacro:acme/></robot>")
+    with pytest.raises(InputError, match=r"calls its macros: acme\.xacro$"):
+        new_robot(macro)
+    assert len(new_robot(tmp_path / "acme.xacro").chain.joints) == 6
+
+
+def test_what_a_xacro_file_names_counts_from_its_own_folder(tmp_path, monkeypatch):
+    """Files that it includes, from a folder with letters that mean something to xacro, standing elsewhere."""
+    folder = tmp_path / "acme & Co"
+    (folder / "parts").mkdir(parents=True)
+    space = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    (folder / "parts/arm.xacro").write_text(f'<robot {space}><xacro:include filename="limbs.xacro"/></robot>')
+    (folder / "parts/limbs.xacro").write_text(f"<robot {space}>{example.arm()}</robot>")
+    top = f'<robot name="acme" {space}><link name="world"/>'
+    (folder / "acme.xacro").write_text(f'{top}<xacro:include filename="parts/arm.xacro"/></robot>')
+    monkeypatch.chdir(tmp_path)
+    assert len(new_robot(Path("acme & Co/acme.xacro")).chain.joints) == 6
+
+
+def test_a_package_that_is_there_is_not_asked_for(tmp_path):
+    """Some of its meshes lack: no other folder would help."""
+    urdf = example.package(tmp_path / "cloned")
+    (tmp_path / "cloned/meshes/part.dae").unlink()
+    (note,) = new_robot(urdf).notes[:1]
+    assert "meshes are not there" in note
+    assert "--package" not in note

@@ -490,3 +490,36 @@ def test_json_from_a_process_with_a_poor_terminal(folder):
     done = process("diagnose", Path("no such.toml"), "--json", PYTHONIOENCODING="ascii")
     assert done.returncode == 2
     assert done.stderr.startswith("error: no such.toml")
+
+
+@pytest.mark.parametrize(
+    ("effect", "option"),
+    [
+        ("backlash:joint=joint_2", "--approach"),
+        ("drift:rate_x=1e-6", "--hours"),
+        ("thermal_growth:coefficient=1e-5", "--warm-degC"),
+    ],
+)
+def test_an_effect_that_needs_a_column_names_its_option(tmp_path, capsys, effect, option):
+    asked = ["simulate", "kr500", "--random", "3", "--effect", effect, "--out", str(tmp_path / "one")]
+    (fault,) = faults(capsys, *asked)
+    assert fault.endswith(f"({option})")
+
+
+@pytest.mark.parametrize(("more", "what"), [([], "no [controller]"), (["--as-urdf"], "3 turning joints")])
+def test_a_plan_for_no_program_is_refused_before_its_poses_are_chosen(tmp_path, capsys, more, what):
+    toml = tmp_path / "short.toml"
+    joint = (
+        '<joint name="j{0}" type="revolute"><parent link="l{1}"/><child link="l{0}"/><origin xyz="0 0 0.4"/>'
+    )
+    turn = '<axis xyz="{} 0 1"/><limit lower="-2" upper="-1" velocity="1" effort="1"/></joint>'
+    links = "".join(f'<link name="l{i}"/>' for i in range(4))
+    arm = "".join(joint.format(i, i - 1) + turn.format(i % 2) for i in (1, 2, 3))
+    (tmp_path / "short.urdf").write_text(f'<robot name="short">{links}{arm}</robot>')
+    toml.write_text('schema = 1\nname = "short"\nurdf = "short.urdf"\nflange = "l3"\n')
+    status, out, err = call(
+        capsys, "plan", toml, "--poses", "5", "--format", "krl", *more, "--out", tmp_path / "plan"
+    )
+    assert (status, out) == (2, "")
+    assert what in err
+    assert "choosing" not in err

@@ -332,6 +332,53 @@ def test_what_a_format_cannot_hold_is_refused_and_nothing_is_written(tmp_path, n
     assert not (tmp_path / "out").exists()
 
 
+def bare(folder, rename=lambda text: text):
+    """An arm whose URDF ends with its last moving link, as many do: that is the flange."""
+    toml = write_random_robot(folder, 5, "6R")
+    urdf = toml.with_suffix(".urdf")
+    text = urdf.read_text()
+    urdf.write_text(rename(text[: text.index('<joint name="flange_joint"')] + "</robot>"))
+    toml.write_text(rename(toml.read_text()).replace('flange = "flange"', 'flange = "link_6"'))
+    return load_robot(toml)
+
+
+@pytest.mark.parametrize("to", ["urdf", "sdf", "drake", "mjcf"])
+def test_the_last_moving_link_may_be_the_flange(tmp_path, to):
+    robot = bare(tmp_path)
+    files = export(robot, to, tmp_path / "out", conditions=LOAD).files
+    (file,) = (
+        one for one in files if one.suffix in (".urdf", ".sdf") or (to, one.suffix) == ("mjcf", ".xml")
+    )
+    content = content_of(robot, None, LOAD)
+    q = content.problem.q[0]
+    wanted = frames(content.arm, q[None]).p[-1, 0]
+    if to == "mjcf":
+        m = mujoco.MjModel.from_xml_path(str(file))
+        data = mujoco.MjData(m)
+        for joint, angle in zip(robot.joint_names, q, strict=True):
+            data.joint(joint).qpos = angle
+        mujoco.mj_forward(m, data)
+        place, mass = data.body(robot.flange).xpos, m.body_mass.sum()
+    else:
+        plant, context = drakes(file)
+        for joint, angle in zip(robot.joint_names, q, strict=True):
+            plant.GetJointByName(joint).set_angle(context, angle)
+        place = flange_of(robot, plant, context).translation()
+        mass = plant.CalcTotalMass(context)
+    assert np.abs(place - wanted).max() < 1e-9
+    assert mass == pytest.approx(
+        content.arm.mass.sum() + (0.0 if to == "urdf" else content.payload[0]), rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("to", ["sdf", "drake"])
+def test_names_that_sdf_does_not_tell_apart_are_refused(tmp_path, to):
+    robot = bare(tmp_path, lambda text: text.replace("joint_3", "link_3"))
+    with pytest.raises(InputError, match=r"a link and a joint are both called link_3; .* rename one"):
+        export(robot, to, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 def test_the_header_weighs_what_is_left_out(tmp_path):
     """An effect that a format does not know costs what the flange moves without it."""
     ratio = EffectRecord(cause="gear_ratio", joint="joint_1", values={"relative": 1e-3})

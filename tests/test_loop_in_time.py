@@ -1,6 +1,7 @@
 """The sampled controller: margins, limits, steps; and the simulated robot's motion against Drake's
 Simulator."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +35,7 @@ from workbench.simulation.closed_loop.elastic import inertial_wrenches, with_ela
 from workbench.simulation.closed_loop.friction import Rubbing, gone_over, mean_on_the_way
 from workbench.simulation.closed_loop.gains import gains, spectral_radius
 from workbench.simulation.closed_loop.gears import Gears
-from workbench.simulation.closed_loop.limits import OverLimit
+from workbench.simulation.closed_loop.limits import Limits, OverLimit
 from workbench.simulation.closed_loop.machine import machine
 from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.closed_loop.motion import hold, motion
@@ -336,6 +337,16 @@ def test_a_drive_over_its_torque_stops_or_saturates():
     assert any(note.startswith("joint_2: torque saturated for") for note in done.notes)
 
 
+def test_a_sliding_joint_is_over_its_limit_of_force():
+    with pytest.raises(OverLimit, match=r"rail needs a force of 3 N, 50 % over its limit of 2$"):
+        Limits("torque", ("rail",), np.array([True]), np.array([2.0]), "stop", 1e-3).within(
+            np.array([3.0]), 0.1
+        )
+    cut = Limits("torque", ("rail",), np.array([True]), np.array([2.0]), "saturate", 1e-3)
+    assert cut.within(np.array([-3.0]), 0.1) == [-2.0]
+    assert cut.notes()[0].startswith("rail: force saturated for")
+
+
 def test_verify_says_where_a_limit_stops_it():
     robot = load_robot("kr500")
     slow = replace(
@@ -344,6 +355,21 @@ def test_verify_says_where_a_limit_stops_it():
     path = line(0.1, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.1, period=0.02))
     with pytest.raises(InputError, match=r"line, .* s after its start.*joint_1 needs a speed of .* over"):
         verify(path, slow, slow, speeds=None, repeats=0)
+
+
+def test_a_limit_below_the_weight_is_mended_in_the_urdf():
+    """Many URDFs of makers have a limit of 1 N·m: no speed helps there."""
+    robot = load_robot("kr500")
+    joints = tuple(replace(joint, effort=1.0) for joint in robot.joints)
+    weak = replace(robot, joints=joints, path=robot.path)
+    path = line(0.1, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.1, period=0.02))
+    with pytest.raises(InputError) as refused:
+        verify(path, weak, weak, speeds=None, repeats=0)
+    (fault,) = refused.value.faults
+    assert "0 s after its start at rest" in fault.place
+    assert re.search(r"\d{3,} % over its limit of 1$", fault.what)
+    assert "kr500.urdf what its drive bears (effort in N·m; 0: not known)" in fault.mend
+    assert "slower" not in fault.mend
 
 
 def test_a_step_that_is_too_long_is_halved_by_itself():

@@ -92,3 +92,22 @@ def test_poses_on_the_way_are_passed() -> None:
     assert program.dwell.tolist() == [0, 4, 0, 0, 4, 0, 4, 0, 0, 0, 4]
     np.testing.assert_allclose(program.q[[2, 7, 8]], [q[0] / 2, q[1] / 2, q[2] / 2], atol=1e-9)
     np.testing.assert_allclose(measured(program).q, q, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [3, 4, 5])
+def test_an_arm_of_fewer_joints_is_measured_where_its_controller_takes_them(n: int) -> None:
+    """Fanuc has arms of four and five joints."""
+    robot = load_robot("irb120")
+    short = replace(robot, joints=robot.joints[:n])
+    q = np.random.default_rng(n).uniform(-1.0, 1.0, (4, n))
+    ls = find_format("ls")
+    program = measuring_program(short, q, ls, as_urdf=True)
+    if n < 4:
+        (fault,) = ls.check(program)
+        assert fault.what == "3 turning joints, Fanuc LS takes 4 to 6"
+        return
+    assert not ls.check(program)
+    back = measured(ls.read(ls.write(program))).q
+    np.testing.assert_allclose(back, q, atol=1e-5)
+    (fault,) = find_format("krl").check(measuring_program(short, q, find_format("krl"), as_urdf=True))
+    assert fault.what == f"{n} turning joints, KUKA KRL takes 6"

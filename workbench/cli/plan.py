@@ -100,6 +100,8 @@ def run(arguments: argparse.Namespace) -> None:
     from ..campaign import Campaign
     from ..campaign.cell import read_cell
     from ..campaign.payloads import payload
+    from ..correction.programs import find_format
+    from ..correction.programs.measuring import check_format
     from ..measurement.design import plan
 
     poses, program = _places(arguments.out, arguments.format)
@@ -107,6 +109,8 @@ def run(arguments: argparse.Namespace) -> None:
     cell = None if arguments.cell is None else read_cell(arguments.cell)
     source = read_sources(arguments.source)
     robot = source.robot if isinstance(source, Campaign) else source
+    if arguments.format:
+        check_format(robot, find_format(arguments.format), arguments.as_urdf)
     made = plan(
         source,
         arguments.poses,

@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..files.faults import Fault, InputError
 from .arguments import Commands, check_folder, json_option, out_option, positive, seed_option
 
 if TYPE_CHECKING:
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     from ..campaign.payloads import Load
     from ..robot.description import Robot
     from .told import Told
+
+RECORDED = {"dir1": "--approach", "t_s": "--hours", "temp_degC": "--warm-degC"}  # columns and their options
 
 
 def add(commands: Commands) -> None:
@@ -111,7 +115,10 @@ def run(arguments: argparse.Namespace) -> None:
         effects=effects,
         sigma=1e-3 * arguments.sigma_mm,
     )
-    campaign = simulate(plan, truth, seed=arguments.seed, shots=arguments.shots)
+    try:
+        campaign = simulate(plan, truth, seed=arguments.seed, shots=arguments.shots)
+    except InputError as error:
+        raise InputError([_with_option(fault) for fault in error.faults]) from None
     for effect in idle_effects(plan, truth):
         said = "moves no point in these poses: it has nothing to act on (masses, payload, stiffness?)"
         print(f"warning: {effect.label} {said}", file=sys.stderr)
@@ -120,6 +127,12 @@ def run(arguments: argparse.Namespace) -> None:
     facts = {"robot": robot.name, "n_poses": len(campaign.poses.q), "folder": str(arguments.out)}
     said = f"{len(campaign.poses.q)} poses written to {arguments.out}/campaign.toml"
     print(json.dumps(facts) if arguments.json else said)
+
+
+def _with_option(fault: Fault) -> Fault:
+    """The fault, with the option that would record the column that it misses."""
+    option = next((option for column, option in RECORDED.items() if f"no column {column}" in fault.mend), "")
+    return replace(fault, mend=f"{fault.mend} ({option})") if option else fault
 
 
 def _told(

@@ -72,7 +72,9 @@ def mesh_notes(meshes: MeshFiles) -> list[str]:
     missing = [name for (name, _), file in files.items() if file is None]
     if missing:
         packages = sorted({name.split("/")[2] for name in missing if name.startswith("package://")})
-        mend = f"; say --package {packages[0]}=DIR, or set ROS_PACKAGE_PATH" if packages else ""
+        there = {name.split("/")[2] for (name, _), file in files.items() if file is not None and "//" in name}
+        lacking = [name for name in packages if name not in there]
+        mend = f"; say --package {lacking[0]}=DIR, or set ROS_PACKAGE_PATH" if lacking else ""
         what = f"{len(missing)} of {len(files)} meshes are not there ({missing[0]}"
         notes.append(f"{what}{', ...' if len(missing) > 1 else ''}); only pictures need them{mend}")
     kinds = {file.suffix.lower() for file in files.values() if file is not None}

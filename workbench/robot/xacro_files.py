@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import glob
 import importlib.util
 import re
+import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from pathlib import Path
+from xml.sax.saxutils import escape
 
-from ..files.faults import Fault, InputError
+from ..files.faults import Fault, InputError, read_text
 from .meshes import HOW
 from .packages import Given, package_folder
 
@@ -31,16 +34,19 @@ def expanded(path: Path, arguments: Mapping[str, str], given: Given | None = Non
     found: set[str] = set()
     while True:
         try:
-            # compiled where it is: names of files in it count from there
-            document = xacrodoc.XacroDoc.from_file(
-                path.resolve().as_posix(), subargs=dict(arguments), resolve_packages=False
+            # included where it is: names of files in it count from there, wherever one stands
+            document = xacrodoc.XacroDoc.from_includes(
+                [escape(glob.escape(path.resolve().as_posix()))],
+                subargs=dict(arguments),
+                resolve_packages=False,
             )
-            return str(document.to_urdf_string())
+            text = str(document.to_urdf_string())
+            break
         except Exception as error:  # xacro raises what it likes
             message = " ".join(str(error).split()) or type(error).__name__
             lacking = LACKING.search(message)
             if lacking is None:
-                mend = "arguments are given as NAME:=VALUE behind the file"
+                mend = "arguments are given as NAME:=VALUE behind the file" + _own_arguments(path)
                 raise InputError(Fault(str(path), f"xacro says: {message}", mend)) from None
             name = lacking[1]
             folder = package_folder(name, path.resolve().parent, given)
@@ -49,3 +55,18 @@ def expanded(path: Path, arguments: Mapping[str, str], given: Given | None = Non
                 raise InputError(Fault(str(path), f"needs the package {name!r}", mend)) from None
             found.add(name)
             packages.update_package_cache({name: folder})
+    if "<link" not in text:
+        others = (other for other in sorted(path.parent.glob("*.xacro")) if other != path)
+        callers = [other.name for other in others if path.name in read_text(other)]
+        mend = f"name the file that calls its macros{': ' if callers else ''}{', '.join(callers)}"
+        raise InputError(Fault(str(path), "makes no link by itself", mend))
+    return text
+
+
+def _own_arguments(path: Path) -> str:
+    """Which arguments the file itself says that it takes."""
+    try:
+        found = [item.get("name", "") for item in ET.parse(path).iter() if item.tag.endswith("}arg")]
+    except (ET.ParseError, OSError):
+        return ""
+    return f"; it takes {', '.join(found)}" if found else ""

@@ -34,7 +34,8 @@ class Format(ABC):
 
     circles: it has circular moves. own_joints: its joints and frames are the controller's, not the URDF's.
     samples: it is a table of samples, never thinned. own_folder: a program's files have
-    fixed names, and need a folder of their own.
+    fixed names, and need a folder of their own. arm_joints: turning joints that poses are for and programs of
+    joints have at most; fewest_joints: that these have at least.
     """
 
     name: ClassVar[str]
@@ -47,6 +48,7 @@ class Format(ABC):
     upper_case: ClassVar[bool] = False
     reserved: ClassVar[frozenset[str]] = frozenset()
     arm_joints: ClassVar[int | None] = 6
+    fewest_joints: ClassVar[int] = 6
     most_rails: ClassVar[int | None] = 0
     most_points: ClassVar[int | None] = None
     many_lines: ClassVar[int | None] = None
@@ -190,8 +192,10 @@ class Format(ABC):
         if rails > self.most_rails:
             return [Fault(place, f"{rails} rails, {self.title} takes {self.most_rails}", "use csv")]
         arm = program.arm.shape[1]
-        if program.kind == "joints" and arm != self.arm_joints:
-            return [Fault(place, f"{arm} turning joints, {self.title} takes {self.arm_joints}", "use csv")]
+        fewest, most = self.fewest_joints, self.arm_joints
+        if program.kind == "joints" and most is not None and not fewest <= arm <= most:
+            takes = f"{fewest} to {most}" if fewest < most else f"{most}"
+            return [Fault(place, f"{arm} turning joints, {self.title} takes {takes}", "use csv")]
         return []
 
     def _check_limits(self, program: Program) -> list[Fault]:

@@ -41,6 +41,7 @@ class Ls(Format):
     reserved = frozenset(
         {"CON", "PRN", "AUX", "NUL", *(f"{port}{i}" for port in ("COM", "LPT") for i in range(1, 10))}
     )
+    fewest_joints = 4  # palletisers
     most_rails = 3
     most_points = 32766
     fastest = 4.0  # newer controllers; older ones end at 2 m/s

@@ -63,8 +63,9 @@ class _Reader:
             fields[match[1]] = float(match[2])
             spans[match[1]] = (start + match.start(2), start + match.end(2))
         spot = None
-        for keys in (JOINTS, tuple(POSE)):
-            if set(keys) <= spans.keys():
+        joints = tuple(key for key in JOINTS if key in spans)  # of smaller arms fewer
+        for keys in (joints, tuple(POSE)):
+            if keys and set(keys) <= spans.keys():
                 spot = Spot(self.file, tuple(spans[key] for key in keys))
         numbers = [re.search(rf"{name}\s*:\s*(\d+)", block) for name in ("UF", "UT")]
         frame, tool = (int(match[1]) if match else 0 for match in numbers)
@@ -108,7 +109,7 @@ class _Reader:
         value = float(pace) if pace else np.nan
         share, duration = value / 100 if unit == "%" else np.nan, value * SECONDS.get(unit, np.nan)
         if spot is not None and "J1" in fields:
-            arm = tuple(np.radians([fields[key] for key in JOINTS]))
+            arm = tuple(np.radians([fields[key] for key in JOINTS if key in fields]))
             self.motions.joints(arm, rails, share, duration, spot=spot)
         elif spot is not None:
             self._frame("base", "UFRAME", position.frame)

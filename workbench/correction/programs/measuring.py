@@ -66,6 +66,15 @@ def measuring_program(
     return as_shown(program, robot, as_urdf) if format.own_joints else program
 
 
+def check_format(robot: Robot, format: Format, as_urdf: bool = False) -> None:
+    """Raises `InputError` where no program of the format drives this robot: to be asked before poses are
+    chosen."""
+    limits = ranges_of(robot)
+    some = np.clip(0.0, limits.lower, limits.upper)[None]
+    if faults := format.check(measuring_program(robot, some, format, as_urdf=as_urdf)):
+        raise InputError(faults)
+
+
 def approaches(robot: Robot, q: Array, sides: Array) -> Array:
     """(N, n) where the arm comes to before poses q (N, n), of which sides (N, n) say the last motion."""
     before = q - sides * np.where(robot.sliding, APPROACH[1], APPROACH[0])

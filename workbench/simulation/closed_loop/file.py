@@ -41,13 +41,13 @@ class Verified:
         lines += [f"{found.robot.title}, {found.path.title}: {len(found.path)} samples in closed loop"]
         for series in found.series:
             lines.append(
-                f"  {f'at {series.speed:.3g} m/s, mm':<31}"
-                + "".join(f"{name:>8}" for name in ("mean", "RMS", "95 %", "max", "R_a", "R_z"))
+                f"  {f'at {series.speed:.3g} m/s, mm':<30}"
+                + "".join(f"{name:>9}" for name in ("mean", "RMS", "95 %", "max", "R_a", "R_z"))
             )
             for name, trial in series.trials.items():
                 f = trial.figures
                 values = (f.mean_mm, f.rms_mm, f.p95_mm, f.max_mm, f.ra_mm, f.rz_mm)
-                lines.append(f"  {COMMAND_NAMES[name]:<31}" + "".join(f"{mm(value):>8}" for value in values))
+                lines.append(f"  {COMMAND_NAMES[name]:<30}" + "".join(f"{mm(value):>9}" for value in values))
             lines.append(f"  {found.repeatability.short}; {step_said(series)}")
         for r in found.repeats:
             rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"

@@ -24,10 +24,9 @@ class OverLimit(Exception):
         self.value, self.limit, self.unit = value, limit, unit
 
     def __str__(self) -> str:
-        over = 100 * (self.value / self.limit - 1)
         return (
-            f"{self.joint} needs a {self.what} of {self.value:.4g} {self.unit}, {over:.2g} % over its limit "
-            f"of {self.limit:.4g}"
+            f"{self.joint} needs a {_word(self.what, self.unit)} of {self.value:.4g} {self.unit}, "
+            f"{_percent(self.value / self.limit)} over its limit of {self.limit:.4g}"
         )
 
 
@@ -72,8 +71,19 @@ class Limits:
     def notes(self) -> tuple[str, ...]:
         """What was cut."""
         return tuple(
-            f"{self.names[j]}: {self.what} saturated for {self.ticks[j] * self.period:.2g} s from "
-            f"{self.first[j]:.3g} s on, {100 * (self.worst[j] - 1):.2g} % over its limit of "
-            f"{self.limit[j]:.4g} {self._unit(j)} at most"
+            f"{self.names[j]}: {_word(self.what, self._unit(j))} saturated for "
+            f"{self.ticks[j] * self.period:.2g} s from {self.first[j]:.3g} s on, "
+            f"{_percent(self.worst[j])} over its limit of {self.limit[j]:.4g} {self._unit(j)} at most"
             for j in map(int, np.flatnonzero(self.ticks))
         )
+
+
+def _word(what: str, unit: str) -> str:
+    """What a drive gives, as it is called: that of a sliding joint gives no torque."""
+    return "force" if unit == UNITS["torque", True] else what
+
+
+def _percent(ratio: float) -> str:
+    """How far a ratio is over one, without an exponent."""
+    over = 100 * (ratio - 1)
+    return f"{over:.0f} %" if over >= 10 else f"{over:.2g} %"

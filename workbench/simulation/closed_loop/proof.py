@@ -85,7 +85,7 @@ def verify(
         done = simulate_all(world, tasks, workers, progress)
         left = swept(world, plans.desired, path, commands[-1], workers, progress) if sweep else None
     except OverLimit as over:
-        raise InputError(_over(path, over)) from None
+        raise InputError(_over(path, over, truth)) from None
     p = plans.desired[:, :3, 3]
     lines = orders(truth, belief)
     series, place = [], 0
@@ -114,9 +114,14 @@ def verify(
     )
 
 
-def _over(path: Path, over: OverLimit) -> Fault:
-    """Where on the path a drive was asked for too much."""
+def _over(path: Path, over: OverLimit, truth: Robot) -> Fault:
+    """Where on the path a drive was asked for too much; at rest no speed makes it less."""
     mend = "run it slower (--speed), or let the drive saturate (--on-limit saturate)"
+    if over.what == "torque" and over.time <= 0:
+        mend = (
+            f"at rest that is weight alone: state in {truth.urdf} what its drive bears (effort in "
+            f"{over.unit}; 0: not known), or let it carry less"
+        )
     return Fault(
         f"{path.file or path.title or 'path'}, {over.time:.3g} s after its start at rest", str(over), mend
     )

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...files.faults import read_text
+from ...files.faults import Fault, InputError, read_text
 from ...robot.kinematics import Array
 from .content import Content
 from .simulated import elastic_tree
@@ -29,7 +29,12 @@ def write(content: Content, header: list[str]) -> Files:
 
 
 def sdf_of(content: Content, tree: Tree, meshes: Mapping[str, object], at: str = "") -> ET.Element:
-    """The <sdf> element; `at` goes before the meshes' names."""
+    """The <sdf> element; `at` goes before the meshes' names. Raises `InputError` where links and joints share
+    names, which SDF does not know."""
+    twice = {body.name for body in tree.bodies} & {joint.name for joint in tree.joints}
+    if twice:
+        what = f"a link and a joint are both called {', '.join(sorted(twice))}; in SDF no two things are"
+        raise InputError(Fault(str(content.robot.urdf), what, "rename one of them there and in the TOML"))
     root = ET.Element("sdf", {"version": "1.9", "xmlns:drake": DRAKE})
     model = ET.SubElement(root, "model", {"name": tree.name})
     pictures = _pictures(content, meshes, at)

@@ -22,6 +22,7 @@ from ...robot.plants import ArmPlant
 
 Kind = Literal["revolute", "prismatic", "fixed"]
 GROUND = "ground"  # carries a base that yields
+LOAD = "tool_and_payload"  # on a flange that is itself a moving link
 LEAST = 1e-9  # kg, kg·m²: what some programs want at least of a body
 
 
@@ -103,7 +104,8 @@ class _Reading:
 
     def __init__(self, robot: Robot, built: ArmPlant, springs: Mapping[str, float]) -> None:
         self.robot, self.springs = robot, springs
-        names = [*(body.name() for body in built.bodies[:-1]), robot.flange]
+        links = [body.name() for body in built.bodies[:-1]]
+        names = [*links, LOAD if robot.flange in links else robot.flange]
         self.names = dict(zip((body.index() for body in built.bodies), names, strict=True))
         self.carried = {body.index() for body in built.bodies[1:-1]}  # by a joint of the robot, or its spring
         plant = built.plant
