@@ -3,6 +3,7 @@
 import numpy as np
 from diagnosis_cases import found, measured, named
 
+from workbench import Truth, load_robot, planned, random_poses, simulate
 from workbench.campaign.problem import problem
 from workbench.diagnosis.acts_through import needs_of
 from workbench.diagnosis.components import cause_components
@@ -54,6 +55,24 @@ def test_a_tilt_is_not_taken_for_the_load_that_shows_by_it():
     tilt = "bearing_tilt:joint=joint_5,compliance=1.5e-4"
     campaign = measured("irb120", (tilt,), poses=40, loads=(3.0,), sigma=1e-5)
     assert named(found(campaign)) == {("bearing_tilt", "joint_5"): "named"}
+
+
+def test_a_bearing_that_tilts_unevenly_is_no_foundation():
+    """A foundation may be softer about one axis than about the other, and so may a bearing."""
+    robot = load_robot("kr500")
+    plan = planned(robot, random_poses(robot, 80, np.random.default_rng(4)))
+    C = 1e-7 * np.array([[1.2, 0.1], [0.1, 0.8]])
+
+    def stiffens(wrench):
+        moment = wrench[RX : RX + 2]
+        tilt = C @ moment * np.hypot(np.linalg.norm(moment) / 1e4, 0.05) ** -0.1
+        return np.array([0, 0, 0, *tilt, 0])
+
+    told = found(simulate(plan, Truth(yields={1: stiffens}, sigma=3e-5), seed=4))
+    assert ("foundation", "") not in named(told)
+    assert ("bearing_tilt", "joint_1") in {
+        (one.cause, str(one.where)) for finding in told.causes for one in (finding, *finding.rivals)
+    }
 
 
 def test_an_uneven_base_is_a_share_of_its_tilt():

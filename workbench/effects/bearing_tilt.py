@@ -10,9 +10,12 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
-from .base import Param
+from .base import Effect, Param
 from .kinds import LinearYield
 from .place import Where
+from .unnamed.loads import UnevenTilt
+
+UNEVEN = 0.3  # share of the tilt that is not alike in all directions
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,12 @@ class BearingTilt(LinearYield):
             cls(Where(joint=joint.name), nominal=1 / (joint.data.tilt_stiffness or np.inf))
             for joint in problem.robot.joints
         ]
+
+    def rarer(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """Some bearings do not yield alike in all directions, nor under any load."""
+        usual = self.params[0].typical  # rad per N·m
+        uneven = [one for one in UnevenTilt.sites(problem) if one.where == self.where]
+        return [(UNEVEN * usual * one.largest / one.size, one) for one in uneven]
 
     def slot(self, arm: Arm) -> int:
         return arm.names.index(str(self.where.joint)) + 1

@@ -46,7 +46,7 @@ class Foundation(LinearYield):
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """No ground is alike in all directions, nor as stiff under any load."""
-        return [(UNEVEN, one) for one in UnevenTilt.sites(problem)]
+        return [(UNEVEN, one) for one in UnevenTilt.sites(problem) if one.where == self.where]
 
     def slot(self, arm: Arm) -> int:
         return 0

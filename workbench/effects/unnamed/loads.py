@@ -4,7 +4,7 @@ function of the fitted load, with masses fitted beside it, makes a product of tw
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -178,10 +178,10 @@ def _down(arm: Arm) -> Array:
 
 @dataclass(frozen=True)
 class UnevenTilt(Unnamed, DirectEffect):
-    """A base that tilts under moment does not do so alike in all directions, nor evenly, nor about its own
-    origin: softer about one axis of the floor than about the other, whichever these are, softer or stiffer
-    under a large moment, and about the foot of a pedestal. largest [N·m]: overturning moment of the
-    campaign."""
+    """What tilts under moment, a base or a joint's bearing, does not do so alike in all directions, nor
+    evenly: softer about one axis across than about the other, whichever these are, and softer or stiffer
+    under a large moment. A base does not turn about its own origin either, but about the foot of a pedestal.
+    largest [N·m]: overturning moment of the campaign."""
 
     variant: str = "uneven tilt"
     size: float = 5e-5
@@ -192,12 +192,16 @@ class UnevenTilt(Unnamed, DirectEffect):
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
 
     @property
+    def of_base(self) -> bool:
+        return self.where.joint is None
+
+    @property
     def functions(self) -> int:
-        return 4
+        return 4 if self.of_base else 3
 
     @property
     def variable(self) -> str:
-        return "overturning moment"
+        return "overturning moment" if self.of_base else f"overturning moment on {self.where.joint}"
 
     @property
     def unit(self) -> str:
@@ -207,31 +211,42 @@ class UnevenTilt(Unnamed, DirectEffect):
         return np.asarray(np.linalg.norm(self.moment(problem), axis=1))
 
     def moment(self, problem: Problem) -> Array:
-        """(N, 2) [N·m] overturning moment at the base, about both axes of the floor."""
-        return np.asarray(problem.nominal_load.local[:, 0, RX : RX + 2])
+        """(N, 2) [N·m] overturning moment, about both axes across."""
+        return np.asarray(problem.nominal_load.local[:, self.slot(problem), RX : RX + 2])
+
+    def slot(self, problem: Problem) -> int:
+        return 0 if self.where.joint is None else problem.joint(self.where.joint) + 1
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         x, y = self.moment(problem).T / self.largest
         size = np.hypot(x, y)
+        tilts = np.stack([np.stack([x, -y]), np.stack([y, x]), size * np.stack([x, y])], axis=-1)  # (2, N, 3)
+        first = 6 * self.slot(problem)
+        if not self.of_base:
+            return {first + RX: tilts[0], first + RX + 1: tilts[1]}
         none = np.zeros_like(x)
-        return {
-            RX: np.column_stack([x, y, size * x, none]),
-            RX + 1: np.column_stack([-y, x, size * y, none]),
-            TX: np.column_stack([none, none, none, FOOT * y]),
-            TX + 1: np.column_stack([none, none, none, -FOOT * x]),
-        }
+        foot = [np.column_stack([none, none, none, FOOT * way]) for way in (y, -x)]
+        about = [np.column_stack([tilt, none]) for tilt in tilts]
+        return {RX: about[0], RX + 1: about[1], TX: foot[0], TX + 1: foot[1]}
 
     def sentence(self, values: Array) -> str:
-        per_kNm = values[[0, 1, 3]] / self.largest * 1e9  # µrad, µrad, FOOT µm
+        per_kNm = values / self.largest * 1e9  # µrad, µrad, µrad, FOOT µm
         size, softest = np.hypot(*per_kNm[:2]), np.degrees(np.arctan2(per_kNm[1], per_kNm[0])) / 2 % 180
-        return (
+        frame = "the base's" if self.of_base else f"{self.where.joint}'s"
+        said = (
             f"It is not alike in all directions: {size:.2g} µrad per kN·m more about the axis at "
-            f"{softest:.0f}° to the base's x, as much less across it; and the base's origin moves by "
-            f"{abs(per_kNm[2]) * FOOT:.2g} µm per kN·m, as where it turns about a foot."
+            f"{softest:.0f}° to {frame} x, as much less across it"
+        )
+        if not self.of_base:
+            return f"{said}."
+        return (
+            f"{said}; and the base's origin moves by {abs(per_kNm[3]) * FOOT:.2g} µm per kN·m, as where it "
+            "turns about a foot."
         )
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[UnevenTilt]:
-        """The base, where there is a moment on it."""
-        most = float(cls().x(problem).max(initial=0.0))
-        return [cls(largest=most)] if most > 1e-3 else []
+        """The base and the joints, where there is a moment on them."""
+        places = [cls(), *(cls(Where(joint=name)) for name in problem.arm.names)]
+        most = [float(one.x(problem).max(initial=0.0)) for one in places]
+        return [replace(one, largest=m) for one, m in zip(places, most, strict=True) if m > 1e-3]

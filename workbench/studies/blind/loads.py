@@ -145,17 +145,18 @@ def link_bending(problem: Problem, effect: LinkBending, rng: np.random.Generator
     stretch = np.diag(rng.uniform(0.9, 1.1, 6))  # of the axes: stays symmetric and positive
     C = stretch @ C @ stretch
     C[:3, :3] *= rng.uniform(1.0, 1.15)  # shear
-    return _linear("link_bending", effect, C, problem, 100.0)
+    return _yields("link_bending", effect, C, problem, 100.0)
 
 
 def bearing_tilt(problem: Problem, effect: BearingTilt, rng: np.random.Generator) -> Hidden:
-    """Not equally stiff about both axes, and a little of one moment turns the other axis."""
-    return _linear("bearing_tilt", effect, _uneven(rng), problem, 100.0)
+    """Not equally stiff about both axes, a little of one moment turns the other axis, and rolling contacts
+    stiffen as they are pressed (Hertz)."""
+    return _yields("bearing_tilt", effect, _uneven(rng), problem, 100.0, rng.uniform(0.0, 0.15))
 
 
 def foundation(problem: Problem, effect: Foundation, rng: np.random.Generator) -> Hidden:
-    """A floor that is stiffer one way than the other."""
-    return _linear("foundation", effect, _uneven(rng), problem, 100.0)
+    """A floor that is stiffer one way than the other, and under a larger moment."""
+    return _yields("foundation", effect, _uneven(rng), problem, 100.0, rng.uniform(0.0, 0.15))
 
 
 def _uneven(rng: np.random.Generator) -> Array:
@@ -165,7 +166,16 @@ def _uneven(rng: np.random.Generator) -> Array:
     return C
 
 
-def _linear(name: str, effect: LinearYield, C: Array, problem: Problem, largest: float) -> Hidden:
-    unit = effect.params[0].typical
-    form = slot_yield(effect.slot(problem.arm), lambda wrench: unit * C @ wrench)
-    return Hidden(name, effect, np.array([unit]), form, largest)
+def _yields(
+    name: str, effect: LinearYield, C: Array, problem: Problem, largest: float, power: float = 0.0
+) -> Hidden:
+    """Softer by the `power` of how much smaller an overturning moment is than the campaign's largest."""
+    slot, unit = effect.slot(problem.arm), effect.params[0].typical
+    moments = np.linalg.norm(problem.nominal_load.local[:, slot, RX : RX + 2], axis=1)
+    most = max(float(moments.max(initial=0.0)), 1e-6)
+
+    def law(wrench: Array) -> Array:
+        share = np.hypot(np.linalg.norm(wrench[RX : RX + 2]) / most, 0.05)
+        return np.asarray(unit * share**-power * C @ wrench)
+
+    return Hidden(name, effect, np.array([unit]), slot_yield(slot, law), largest)
