@@ -52,6 +52,19 @@ def test_what_is_off_by_chance_or_for_a_while_is_left_out():
         assert {fault.pose_id for fault in faults} == {sound.poses.ids[i] for i in which}
 
 
+def test_a_wild_point_at_the_end_of_a_joint_s_range_is_no_neighbour_of_itself():
+    robot, rng = load_robot("irb120"), np.random.default_rng(6)
+    sound = simulate(planned(robot, random_poses(robot, 80, rng)), Truth(sigma=3e-5), seed=6)
+    q = sound.poses.q
+    for ends in ([q[:, 0].argmin()], [q[:, 3].argmax()], np.unique([q.argmin(axis=0), q.argmax(axis=0)])):
+        points = sound.points.copy()
+        points[ends, 1] += [0.0, 2e-3, 0.0]
+        faults = prepare(replace(sound, points=points)).faults
+        assert {(fault.pose_id, fault.target) for fault in faults} == {
+            (sound.poses.ids[n], "T2") for n in ends
+        }
+
+
 def test_what_the_other_poses_foretell_is_no_outlier():
     """Three poses of 60 under a load, in an arm that bends by its own weight; and one point that is off."""
     robot, rng = load_robot("irb120"), np.random.default_rng(3)

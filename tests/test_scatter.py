@@ -85,6 +85,34 @@ def test_a_joint_that_scatters_more_is_told_from_the_others(seed):
     assert beyond[2] == pytest.approx(6e-5, rel=0.25)
 
 
+def _told_of(points, sigma, plan):
+    """Where the unknown sits that a diagnosis of points (N, T, 3) tells under a stated noise."""
+    (left,) = diagnose(replace(plan, points=points, noise_sigma=sigma)).diagnosis.causes
+    assert left.cause == UNKNOWN
+    return left.where.joint
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_depth_of_a_camera_is_no_joint_that_scatters(seed):
+    """Three times the noise along its sight, and with the square of the distance: what of it looks like the
+    scatter of a joint is clear, but next to nothing of it."""
+    robot, rng = load_robot("kr500"), np.random.default_rng(seed)
+    exact = simulate(planned(robot, random_poses(robot, 80, rng)), Truth(), seed=seed)
+    far = np.linalg.norm(exact.points, axis=2, keepdims=True)
+    sight = exact.points.mean(axis=(0, 1)) / np.linalg.norm(exact.points.mean(axis=(0, 1)))
+    error = SIGMA * rng.normal(size=exact.points.shape) * (far / far.mean()) ** 2
+    error += 2 * (error @ sight)[..., None] * sight
+    assert _told_of(exact.points + error, 1.9 * SIGMA, exact) is None
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_joint_that_most_of_the_scatter_comes_from_is_told(seed):
+    robot, rng = load_robot("kr500"), np.random.default_rng(seed)
+    truth = Truth(sigma=SIGMA, repeatability=np.where(np.arange(6) == 1, 4e-5, robot.repeatability))
+    measured = simulate(planned(robot, random_poses(robot, 80, rng)), truth, seed=seed)
+    assert _told_of(measured.points, SIGMA, measured) == "joint_2"
+
+
 @pytest.mark.parametrize("rounding", [1e-17, 1e-13, 1e-9, 1e-3])
 def test_joints_that_move_no_point_decide_nothing(rounding):
     """A sweep of joint 2, its target on link_2: the wrist moves it by rounding alone, another on every

@@ -66,7 +66,7 @@ def assemble(parts: Parts) -> Diagnosis:
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
     nameless = nameless_of(selection, with_names - best)
     if not nameless and beyond.scatter and repeats_to is None:
-        nameless = [scattering(selection, beyond, best)]
+        nameless = [scattering(selection, beyond, prepared.covariance, best)]
     verdict = verdict_of(findings, nameless, brought, with_names - ceiling)
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(

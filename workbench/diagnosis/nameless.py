@@ -12,6 +12,8 @@ from ..effects.base import UNKNOWN
 from ..effects.place import NOWHERE, Where
 from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit
+from ..identification.noise import Covariance
+from ..identification.rows import whitening
 from ..robot.kinematics import Array
 from .chosen import Shares
 from .competition import Selection
@@ -23,6 +25,7 @@ from .remainder import Remainder
 from .result import Finding, Rival
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest
+MOST = 0.5  # of what is beyond the noise: a joint whose scatter makes more of it is where it sits
 
 
 def nameless_of(selection: Selection, worth_mm: float) -> list[Finding]:
@@ -78,14 +81,17 @@ def _as_one(found: list[Finding], worth_mm: float) -> Finding:
     return replace(first, gain_mm=worth_mm, structure=structure, sentence=sentence, rivals=rivals)
 
 
-def scattering(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
-    """The residual is larger than the noise, and nothing that competed says where it comes from."""
+def scattering(selection: Selection, left: Remainder, noise: Covariance, rms_mm: float) -> Finding:
+    """The residual is larger than the noise, and nothing that competed says where it comes from: in a joint
+    where its scatter makes most of what is beyond the noise."""
     problem = selection.fit.model.problem
     where, place = NOWHERE, ""
-    if selection.scatter.any():
-        j = int(np.argmax(np.where(problem.arm.prismatic, 0.0, selection.scatter)))
+    scattered = _chi2_of_scatter(selection, noise)
+    j = int(np.argmax(scattered))
+    if scattered[j] > MOST * (left.chi2 - left.dof):
         where = Where(joint=problem.arm.names[j])
-        place = f", sits in {where.joint} ({selection.scatter[j] * 1e6:.0f} µrad from pose to pose)"
+        size, unit = selection.scatter[j] * 1e6, "µm" if problem.arm.prismatic[j] else "µrad"
+        place = f", sits in {where.joint} ({size:.0f} {unit} from pose to pose)"
     elif any(selection.fit.noise.body):
         single = problem.seen.sum(axis=1).max() == 1
         place = ", as of a noise stated too small" if single else ", moves all targets of a pose together"
@@ -97,6 +103,14 @@ def scattering(selection: Selection, left: Remainder, rms_mm: float) -> Finding:
     )
     worth = rms_mm * (1 - 1 / left.inflation)
     return _plain(structure, f"{structure[0].upper()}{structure[1:]}.", where, worth)
+
+
+def _chi2_of_scatter(selection: Selection, noise: Covariance) -> Array:
+    """(n,) what each joint's scatter adds to χ² against a noise: E |W J δ|² = σ² |W J|²."""
+    line = selection.fit.line
+    W = whitening(selection.fit.model.problem, line, noise)[:, :, : line.by_joint.shape[1]]
+    moved = W @ line.by_joint
+    return np.asarray((moved**2).sum(axis=(0, 1)) * selection.scatter**2)
 
 
 def _columns(problem: Problem) -> list[tuple[str, Array | None]]:

@@ -108,8 +108,9 @@ def wild_limit(problem: Problem, length: Array, least: Array) -> Array:
 
 def _where_many_are_off(problem: Problem, length: Array) -> Array:
     """(N, T) median distance [m] of a point's neighbours in the angle of one joint, or of the points with its
-    load, where these are off as well: what clusters there comes of the robot. 0 where they are not. The order
-    in time counts for nothing here: an instrument that is disturbed for a while is no robot."""
+    load, where these are off as well: what clusters there comes of the robot. 0 where they are not. Where a
+    joint's range ends the neighbours are on one side, and the point counts once. The order in time counts for
+    nothing here: an instrument that is disturbed for a while is no robot."""
     out, q = np.zeros(length.shape), problem.q
     chance = np.random.default_rng(len(q)).permutation(len(q))  # decides among equal angles
     for i, column in enumerate(length.T):
@@ -120,7 +121,7 @@ def _where_many_are_off(problem: Problem, length: Array) -> Array:
         near = np.zeros(len(q))
         for angle in q.T:
             order = seen[np.argsort(angle[seen], kind="stable")]
-            near[order] = np.maximum(near[order], median_filter(column[order], NEIGHBOURS, mode="nearest"))
+            near[order] = np.maximum(near[order], median_filter(column[order], NEIGHBOURS, mode="mirror"))
         for load in np.unique(problem.campaign.poses.payload[seen]):
             same = seen[problem.campaign.poses.payload[seen] == load]
             if len(same) >= NEIGHBOURS:
