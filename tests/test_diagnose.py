@@ -364,3 +364,18 @@ def test_rounded_joints_are_suspected_of_the_scatter_they_make():
     campaign = measured(seed=4)
     diagnosis = found(campaign.with_poses(q=np.radians(np.round(np.degrees(campaign.poses.q), 2))))
     assert [fault.kind for fault in diagnosis.faults] == ["rounded_joints"]
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_drives_that_warm_up_are_no_drift_of_the_base(seed):
+    """Each joint's zero creeps to rest by its own way, by another law than any that is tried."""
+    way = 6e-5 * np.random.default_rng(seed).normal(size=6)
+
+    def warms_up(problem):
+        share = (problem.time - problem.time.min()) / np.ptp(problem.time)
+        return np.outer(1 - (1 + share / 0.1) ** -1.5, way)
+
+    diagnosis = sound(found(measured("kr500", joints=warms_up, time=60.0 * np.arange(120))))
+    assert "drift" not in {cause for cause, _ in named(diagnosis)}
+    (unknown,) = (finding for finding in diagnosis.causes if finding.cause == "unknown")
+    assert unknown.structure.startswith("depends on time (the joints' zeros move)")

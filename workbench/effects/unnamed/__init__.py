@@ -10,14 +10,15 @@ from collections.abc import Iterator
 
 from ...campaign.problem import Problem
 from .base import Unnamed
-from .campaign import Along, Attitude, Bearing, Clock, PerPayload, Warmth
+from .campaign import Along, Attitude, Bearing, Clock, PerPayload, Warmth, Zeros
 from .curved_yield import CurvedYield
 from .joints import Pair, Product, Side, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
 from .loads import Load, OwnWeights, Torque, UnevenTilt
 
 KINDS: tuple[type[Unnamed], ...] = (
-    Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Along, Warmth, PerPayload, Attitude, Bearing, Product,
+    Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Along, Zeros, Warmth, PerPayload, Attitude, Bearing,
+    Product,
 )  # fmt: skip
 # what causes have beside their forms, and that stands for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (CurvedYield, OwnWeight, PivotForce, UnevenBending, UnevenTilt)

@@ -11,6 +11,7 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ..base import Depends, Param
+from ..coming_to_rest import SHARES, share_gone, start_and_span
 from ..kinds import DirectEffect, InstrumentEffect
 from ..place import Where
 from .base import MOVES, Unnamed, each, moving, waves
@@ -104,6 +105,51 @@ class Along(Unnamed, DirectEffect):
             if abs(np.corrcoef(problem.time, problem.q[:, j])[0, 1]) > WITH_TIME
             for motions in (3.0, 6.0)
         ]
+
+
+@dataclass(frozen=True)
+class Zeros(Unnamed, DirectEffect):
+    """The zeros of all turning joints move with time, evenly (`constant` 0) or creeping to rest with a time
+    constant [s], as drives do that warm up: what looks much like a base that drifts. start: the campaign's
+    first instant [s], motions: so many joints."""
+
+    variant: str = "zeros"
+    size: float = 5e-5
+    start: float = 0.0
+    constant: float = 0.0
+    motions: float = 6.0
+
+    depends: ClassVar[Depends] = frozenset({"time"})
+    settings: ClassVar[tuple[str, ...]] = ("size", "start", "constant", "motions")
+
+    @property
+    def functions(self) -> int:
+        return int(self.motions)
+
+    @property
+    def variable(self) -> str:
+        return "time (the joints' zeros move)"
+
+    @property
+    def unit(self) -> str:
+        return "s"
+
+    def x(self, problem: Problem) -> Array:
+        return np.zeros(len(problem.q)) if problem.time is None else problem.time - self.start
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        since = self.x(problem)
+        gone = share_gone(since, self.constant) if self.constant else since
+        return each(_turning(problem), gone[:, None] / max(float(gone.max()), 1e-12))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Zeros]:
+        turning = float(len(_turning(problem)))
+        if problem.time is None or np.ptp(problem.time) == 0 or not turning:
+            return []
+        start, span = start_and_span(problem)
+        constants = (0.0, *(share * span for share in SHARES))
+        return [cls(start=start, constant=constant, motions=turning) for constant in constants]
 
 
 @dataclass(frozen=True)
@@ -235,6 +281,11 @@ class Bearing(Unnamed, InstrumentEffect):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
         return [cls()] if np.ptp(_bearing(problem.campaign.points)) > MOVES else []
+
+
+def _turning(problem: Problem) -> list[int]:
+    """Columns of the joints that turn."""
+    return [int(column) for column in problem.arm.axial[~problem.arm.prismatic]]
 
 
 def _flange(problem: Problem) -> range:
