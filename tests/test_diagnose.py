@@ -9,8 +9,10 @@ from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
 
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.result import Diagnosis
+from workbench.diagnosis.headline import headline
+from workbench.diagnosis.result import Diagnosis, Finding, Stage
 from workbench.diagnosis.run import diagnose
+from workbench.effects.place import Where
 from workbench.effects.records import from_record, record
 from workbench.effects.unnamed import BESIDE, KINDS, Product, Warmth, unnamed
 from workbench.effects.unnamed.campaign import Along
@@ -379,3 +381,18 @@ def test_drives_that_warm_up_are_no_drift_of_the_base(seed):
     assert "drift" not in {cause for cause, _ in named(diagnosis)}
     (unknown,) = (finding for finding in diagnosis.causes if finding.cause == "unknown")
     assert unknown.structure.startswith("depends on time (the joints' zeros move)")
+
+
+@pytest.mark.parametrize(
+    ("brought", "first"), [(0.05, "Found: gear ratio in joint_1; something"), (0.02, "Some")]
+)
+def test_a_headline_begins_with_what_is_most_of_it(brought, first):
+    stages = [
+        Stage(name, 0, rms, rms, rms, rms)
+        for name, rms in (("nominal", 0.7), ("geometry", 0.11), ("all", 0.05))
+    ]
+    cause = Finding("gear_ratio", "Ratio", Where(joint="joint_1"), "named", brought, 1.0)
+    said = headline("unknown", [cause], stages, brought, 0.05, 0.01, 0.05, stages[1])
+    assert said.startswith(first)
+    assert "no known cause explains" in said
+    assert f"the causes bring {brought:.3f} of the 0.060 mm" in said

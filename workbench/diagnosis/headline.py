@@ -84,8 +84,9 @@ def headline(
     best = max(base.heldout_rms_mm - ceiling_mm, 0.0)
     gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
     if verdict == "unknown":
-        said = f"; {said[0].lower()}{said[1:]}" if said else ""
-        return f"Something is left that no known cause explains{said}. {gain}"
+        left = "Something is left that no known cause explains"
+        first, then = (said, left) if brought_mm > best / 2 else (left, said)  # what is most of it leads
+        return f"{first}{f'; {then[0].lower()}{then[1:]}' if then else ''}. {gain}"
     return f"{said}. {gain}"
 
 
