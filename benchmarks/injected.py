@@ -48,13 +48,15 @@ def gravity(campaign: Campaign) -> Array:
     plant.Finalize()
     context = plant.CreateDefaultContext()
     joints = [plant.GetJointByName(name) for name in campaign.robot.joint_names]
-    out = []
-    for pose in campaign.poses.q:
-        for joint, at in zip(joints, pose, strict=True):
-            joint.SetPositions(context, [at])
-        force = plant.CalcGravityGeneralizedForces(context)
-        out.append([force[joint.velocity_start()] for joint in joints])
-    return np.array(out)
+    place = [joint.position_start() for joint in joints]
+    velocity = [joint.velocity_start() for joint in joints]
+    out = np.zeros_like(campaign.poses.q)
+    for torque, pose in zip(out, campaign.poses.q, strict=True):
+        q = np.zeros(plant.num_positions())
+        q[place] = pose
+        plant.SetPositions(context, q)
+        torque[:] = plant.CalcGravityGeneralizedForces(context)[velocity]
+    return out
 
 
 def fault(kind: str, campaign: Campaign, rng: np.random.Generator) -> tuple[Array, int, str]:
