@@ -5,8 +5,8 @@ diagnosed as they are, and with one fault more: a joint that went elsewhere than
 ratio, a run-out, a gear's line, a bump, a coupling of the wrist or a yield under Drake's gravity makes it, or
 by a function of another joint, which has no name. Noise, structure and all else are as measured; what was put
 in is known, each in a form that the program does not have.
-Writes `benchmarks/results/injected.json`: of faults that show (beyond the model that is found without them, its
-numbers fitted anew, by half of what that leaves or more) whether they are named, among the causes, or
+Writes `benchmarks/results/injected.json`: of faults that show (beyond the model that is found without them,
+its numbers fitted anew, by half of what that leaves or more) whether they are named, among the causes, or
 neither; and what is named that is neither among the causes as it is nor was put in.
 """
 
