@@ -11,6 +11,7 @@ from ..identification.fit import Fit
 from ..robot.kinematics import Array
 
 LOWEST, HIGHEST, FINENESS = 3.0, 700.0, 0.25  # cycles per joint turn
+LEAST_CYCLES = 3.0  # over a joint's travel: of fewer nothing shows that they repeat, and any map has them
 
 
 @dataclass(frozen=True)
@@ -36,11 +37,12 @@ def scan(fit: Fit, per_joint: int = 2) -> list[Line]:
     """The highest peaks of each revolute joint, highest first."""
     problem = fit.model.problem
     lines = []
-    orders = np.arange(LOWEST, HIGHEST, FINENESS)
     for j in range(problem.arm.n):
         q = problem.q[:, j]
         if problem.arm.prismatic[j] or np.ptp(q) <= 0.1:
             continue
+        lowest = max(LOWEST, LEAST_CYCLES * 2 * np.pi / float(np.ptp(q)))
+        orders = np.arange(lowest, HIGHEST, FINENESS)
         behind = _behind(fit, j)
         statistic = _statistic(q, orders, behind)
         before, here, after = statistic[:-2], statistic[1:-1], statistic[2:]
