@@ -16,7 +16,7 @@ from workbench.identification.registration import register
 def off_by(campaign, target, shift):
     """The campaign with a target of the flange off by shift (N, 3) [m] on the flange's axes."""
     problem = problem_of(campaign)
-    axes = register(problem)[0][0] @ problem.rigid.R[-1]
+    axes = register(problem)[0][campaign.poses.setup] @ problem.rigid.R[-1]
     points = campaign.points.copy()
     points[:, target] += np.einsum("nij,nj->ni", axes, shift)
     return with_points(campaign, points)
@@ -135,3 +135,10 @@ def test_points_that_are_missing_do_no_harm():
     assert [(kind, target) for kind, _, target, _ in said(replace(campaign, points=points))] == [
         ("changed_setup", "T2")
     ]
+
+
+def test_a_target_that_only_one_set_up_has_does_no_harm():
+    half = ["a"] * 40 + ["b"] * 40
+    campaign = seated_anew(measured(poses=80, loads=(), seed=12, setup=half), slice(55, 80))
+    campaign.points[:40, 2] = np.nan
+    assert said(campaign) == [("changed_setup", "56", "T2", "its 15 points before left out")]

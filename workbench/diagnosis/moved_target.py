@@ -76,7 +76,8 @@ def reseated(result: Fit) -> Reseated | None:
         for k in np.unique(setup):
             poses = np.flatnonzero(shared & (setup == k))
             if len(poses) >= 4 * FEWEST:
-                found.append(_Search(result, int(t), others, poses))
+                also = others[problem.seen[np.ix_(poses, others)].any(axis=0)]
+                found.append(_Search(result, int(t), also, poses))
     if not found:
         return None
     likeliest = max(found, key=lambda one: one.best[0])
