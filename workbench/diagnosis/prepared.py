@@ -25,13 +25,15 @@ from ..identification.noise import Covariance
 from ..identification.plausible import believed, check_rest, enough_poses, plausible_geometry
 from .copies import without_copies
 from .moved_setup import jump, split_setup, step_in_time
+from .moved_target import reseated
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .rarely_seen import without_rarely_seen
 from .result import FaultFound, Noise
 from .torque_noise import torque_noise
-from .wild_points import Acting, clean, least_sigma, without_gross, without_impossible
+from .wild_points import Acting, Mended, clean, least_sigma, robust_fit, without_gross, without_impossible
 
 SIX_DOF = 3  # targets that make a 6-D measurement
+MOST_MOVES = 6  # of single targets in a campaign: one with more has other faults
 MOST_POSES = 4000  # that a fit is made on: more say hardly more, and take room and time
 
 Progress = Callable[[str], None]
@@ -146,6 +148,8 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     usual = without_wild_repeats(problem)
     covariance, noise, notes = _noise(usual, known_effects, start)
     least = least_sigma(problem, covariance if noise.source != "residual" else None)
+    told, start = _sitting_still(problem, start, covariance, known_effects)
+    problem, faults = told.problem, (*faults, *told.faults)
     cleaned = clean(problem, start, covariance, known_effects, least)
     problem, start, faults = cleaned.problem, cleaned.fit.state, (*faults, *cleaned.faults)
     step = step_in_time(cleaned.fit)
@@ -158,6 +162,21 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
         covariance, noise, notes = _noise(problem, known_effects, start)
     said = [*said, *enough(problem)]
     return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
+
+
+def _sitting_still(
+    problem: Problem, start: State, noise: Covariance, known_effects: Acting
+) -> tuple[Mended, State]:
+    """Without the points of single targets where these sit elsewhere, before they are taken for wild ones;
+    and where the next fit starts."""
+    faults: list[FaultFound] = []
+    while True:
+        result = robust_fit(problem, start, noise, known_effects)
+        start, moved = result.state, reseated(result)
+        if moved is None or len(faults) == MOST_MOVES:
+            return Mended(problem, tuple(faults)), start
+        faults.append(moved.fault(problem))
+        problem = moved.left_out(problem)
 
 
 def _measured_only(problem: Problem) -> Problem:
