@@ -152,11 +152,12 @@ def test_the_score_of_a_set_is_its_log_posterior_odds(competition):
     M = np.eye(len(u)) + S
     share = u @ np.linalg.solve(M, u) / (reduced.noise_dof + reduced.chi2)
     evidence = -0.5 * (reduced.noise_dof + reduced.dof) * np.log(1 - share) - 0.5 * np.linalg.slogdet(M)[1]
+    own = [competition.components[m.component] for m in members]
     prior = sum(
-        competition.components[m.component].log_odds
-        - np.log(len(competition.components[m.component].forms))
+        one.log_odds
+        + np.log(one.forms[m.form].weight / sum(form.weight for form in one.forms))
         + WEIGHTS[np.flatnonzero(m.scale == SCALES)[0]]
-        for m in members
+        for one, m in zip(own, members, strict=True)
     )
     assert competition.score(members) == pytest.approx(evidence + prior, rel=1e-9)
     assert competition.score([]) == 0
