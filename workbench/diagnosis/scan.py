@@ -11,7 +11,7 @@ from ..identification.fit import Fit
 from ..robot.kinematics import Array
 
 LOWEST, HIGHEST, FINENESS = 3.0, 700.0, 0.25  # cycles per joint turn
-LEAST_CYCLES = 3.0  # over a joint's travel: of fewer nothing shows that they repeat, and any map has them
+LEAST_CYCLES = 2.0  # over a joint's travel: of fewer nothing shows that they repeat, and any map has them
 
 
 @dataclass(frozen=True)
