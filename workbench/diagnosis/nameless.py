@@ -13,7 +13,6 @@ from ..effects.place import NOWHERE, Where
 from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit
 from ..identification.noise import Covariance
-from ..identification.rows import whitening
 from ..robot.kinematics import Array
 from .chosen import Shares
 from .competition import Selection
@@ -23,6 +22,7 @@ from .headline import listed
 from .priors import PRIORS
 from .remainder import Remainder
 from .result import Finding, Rival
+from .scatter import chi2_of_joints
 
 ALSO_TOLD = 2  # parts without a name that are told beside the largest
 MOST = 0.5  # of what is beyond the noise: a joint whose scatter makes more of it is where it sits
@@ -86,7 +86,7 @@ def scattering(selection: Selection, left: Remainder, noise: Covariance, rms_mm:
     where its scatter makes most of what is beyond the noise."""
     problem = selection.fit.model.problem
     where, place = NOWHERE, ""
-    scattered = _chi2_of_scatter(selection, noise)
+    scattered = chi2_of_joints(selection.fit, noise, selection.scatter)
     j = int(np.argmax(scattered))
     if scattered[j] > MOST * (left.chi2 - left.dof):
         where = Where(joint=problem.arm.names[j])
@@ -103,14 +103,6 @@ def scattering(selection: Selection, left: Remainder, noise: Covariance, rms_mm:
     )
     worth = rms_mm * (1 - 1 / left.inflation)
     return _plain(structure, f"{structure[0].upper()}{structure[1:]}.", where, worth)
-
-
-def _chi2_of_scatter(selection: Selection, noise: Covariance) -> Array:
-    """(n,) what each joint's scatter adds to χ² against a noise: E |W J δ|² = σ² |W J|²."""
-    line = selection.fit.line
-    W = whitening(selection.fit.model.problem, line, noise)[:, :, : line.by_joint.shape[1]]
-    moved = W @ line.by_joint
-    return np.asarray((moved**2).sum(axis=(0, 1)) * selection.scatter**2)
 
 
 def _columns(problem: Problem) -> list[tuple[str, Array | None]]:

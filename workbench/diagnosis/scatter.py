@@ -145,8 +145,7 @@ def _motions(fit: Fit, noise: Covariance) -> _Motions:
     where these are measured by themselves; whitened by a noise. Of a single target a shift is noise that
     nobody stated."""
     problem = fit.model.problem
-    W = whitening(problem, fit.line, noise)[:, :, : 3 * problem.seen.shape[1]]
-    g = W @ fit.line.by_joint
+    W, g = _by_joint(fit, noise)
     n = g.shape[2]
     of = np.arange(n)
     if not problem.campaign.six_dof:
@@ -157,6 +156,17 @@ def _motions(fit: Fit, noise: Covariance) -> _Motions:
     r = np.einsum("nde,ne->nd", W, np.nan_to_num(fit.residual).reshape(len(W), -1))
     free = fit.point_rows / max(effective_dof(fit), 1.0)
     return _Motions(g.transpose(0, 2, 1) @ g, np.einsum("ndk,nd->nk", g, r) * np.sqrt(free), each)
+
+
+def _by_joint(fit: Fit, noise: Covariance) -> tuple[Array, Array]:
+    """What whitens a pose's points (N, D, 3T), and their whitened motions by each joint (N, D, n)."""
+    W = whitening(fit.model.problem, fit.line, noise)[:, :, : 3 * fit.model.problem.seen.shape[1]]
+    return W, W @ fit.line.by_joint
+
+
+def chi2_of_joints(fit: Fit, noise: Covariance, scatter: Array) -> Array:
+    """(n,) what a scatter (n,) [rad, m] of each joint adds to χ² against a noise: E |W J δ|² = σ² |W J|²."""
+    return np.asarray((_by_joint(fit, noise)[1] ** 2).sum(axis=(0, 1)) * scatter**2)
 
 
 def alike(one: Covariance, other: Covariance) -> bool:

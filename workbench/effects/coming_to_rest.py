@@ -20,3 +20,13 @@ def start_and_span(problem: Problem) -> tuple[float, float]:
 def share_gone(since: Array, constant: float) -> Array:
     """(N,) share of the whole way after times `since` [s], by a time constant [s]; none before the start."""
     return np.asarray(1 - np.exp(-np.maximum(since, 0.0) / constant))
+
+
+def since_start(problem: Problem, start: float) -> Array:
+    """(N,) [s] since an instant `start`; nothing where no time was recorded."""
+    return np.zeros(len(problem.q)) if problem.time is None else problem.time - start
+
+
+def gone(since: Array, constant: float) -> Array:
+    """(N,) [s] how long it would have gone at its first speed, after `since` (N,) [s]; constant 0: evenly."""
+    return constant * share_gone(since, constant) if constant else since

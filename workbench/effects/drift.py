@@ -11,7 +11,7 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from .base import Depends, Effect, Param, Rest, short
-from .coming_to_rest import SHARES, share_gone, start_and_span
+from .coming_to_rest import SHARES, gone, since_start, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
 from .place import Parameter
@@ -83,12 +83,11 @@ class Drift(DirectEffect):
 
     def _since(self, problem: Problem) -> Array:
         """(N,) [s] since the start."""
-        return np.zeros(len(problem.q)) if problem.time is None else problem.time - self.start
+        return since_start(problem, self.start)
 
     def _gone(self, problem: Problem) -> Array:
         """(N,) [s] how long it would have gone at its first speed."""
-        since = self._since(problem)
-        return self.constant * share_gone(since, self.constant) if self.constant else since
+        return gone(self._since(problem), self.constant)
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real drift does not go evenly."""

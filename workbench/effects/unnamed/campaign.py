@@ -11,7 +11,7 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ..base import Depends, Param
-from ..coming_to_rest import SHARES, share_gone, start_and_span
+from ..coming_to_rest import SHARES, gone, since_start, start_and_span
 from ..kinds import DirectEffect, InstrumentEffect
 from ..place import Where
 from .base import MOVES, Unnamed, each, moving, waves
@@ -135,12 +135,11 @@ class Zeros(Unnamed, DirectEffect):
         return "s"
 
     def x(self, problem: Problem) -> Array:
-        return np.zeros(len(problem.q)) if problem.time is None else problem.time - self.start
+        return since_start(problem, self.start)
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
-        since = self.x(problem)
-        gone = share_gone(since, self.constant) if self.constant else since
-        return each(_turning(problem), gone[:, None] / max(float(gone.max()), 1e-12))
+        way = gone(self.x(problem), self.constant)
+        return each(_turning(problem), way[:, None] / max(float(way.max()), 1e-12))
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Zeros]:

@@ -219,15 +219,14 @@ class UnevenTilt(Unnamed, DirectEffect):
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         x, y = self.moment(problem).T / self.largest
-        size = np.hypot(x, y)
-        tilts = np.stack([np.stack([x, -y]), np.stack([y, x]), size * np.stack([x, y])], axis=-1)  # (2, N, 3)
-        first = 6 * self.slot(problem)
+        size, first = np.hypot(x, y), 6 * self.slot(problem)
+        tilt = {first + RX: [x, y, size * x], first + RX + 1: [-y, x, size * y]}
         if not self.of_base:
-            return {first + RX: tilts[0], first + RX + 1: tilts[1]}
+            return {column: np.column_stack(basis) for column, basis in tilt.items()}
         none = np.zeros_like(x)
-        foot = [np.column_stack([none, none, none, FOOT * way]) for way in (y, -x)]
-        about = [np.column_stack([tilt, none]) for tilt in tilts]
-        return {RX: about[0], RX + 1: about[1], TX: foot[0], TX + 1: foot[1]}
+        out = {column: np.column_stack([*basis, none]) for column, basis in tilt.items()}
+        foot = {TX: FOOT * y, TX + 1: -FOOT * x}
+        return out | {column: np.column_stack([none, none, none, way]) for column, way in foot.items()}
 
     def sentence(self, values: Array) -> str:
         per_kNm = values / self.largest * 1e9  # µrad, µrad, µrad, FOOT µm
