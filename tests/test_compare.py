@@ -310,6 +310,13 @@ def test_another_temperature_is_not_the_robot_written_down_or_not():
         assert {change.cause, *(r.cause for r in change.rivals)} == {"thermal_growth", "tracker_scale"}
 
 
+def test_a_set_up_without_temperatures_beside_one_with_them_is_told():
+    cold, silent = measured(1, warm=22.0), replace(measured(2), path=Path("tuesday/campaign.toml"))
+    (said,) = (note for note in diagnose([cold, silent]).diagnosis.notes if "temp_degC" in note)
+    assert said.startswith("tuesday: no temperature")
+    assert "22.0 °C" in said
+
+
 def test_what_a_cause_brings_with_it_does_not_hide_how_large_it_is():
     wheel = "gear_eccentricity:joint=joint_4,variant=1,amplitude=4e-4,phase=0.4"
     (change,) = compare([before(), measured(2, effects=(wheel,))]).changes

@@ -31,6 +31,7 @@ from workbench.identification.heldout import heldout
 from workbench.identification.model import Model
 from workbench.identification.model_file import write_fit
 from workbench.robot.description import load_robot
+from workbench.studies.blind.cases import draw_case
 
 
 def product(problem):
@@ -272,3 +273,9 @@ def test_products_that_are_worked_out_from_rows_are_those_that_are_stored():
         assert np.allclose(one.blocks(block), other.blocks(block), rtol=1e-12)
         for a, b in zip(one.combined(v, columns), other.combined(v, columns), strict=True):
             assert np.allclose(a, b, rtol=1e-12)
+
+
+def test_what_loses_its_name_is_nothing_that_others_have_to_stand_out_of(tmp_path):
+    """A map that was likeliest not there made a scale of λ 500 faint, and the data "nothing missing"."""
+    found = diagnose(draw_case("tracker_scale/4", 27, tmp_path).campaign).diagnosis
+    assert [(cause.label, cause.status) for cause in found.causes] == [("tracker_scale", "named")]

@@ -12,7 +12,16 @@ import pytest
 import trimesh
 from urdf_example import package
 
-from workbench import Truth, load_campaign, load_robot, planned, problem_of, random_poses, simulate
+from workbench import (
+    Truth,
+    load_campaign,
+    load_robot,
+    planned,
+    problem_of,
+    random_poses,
+    simulate,
+    write_campaign,
+)
 from workbench.campaign.cell import CellData, DrivingData, InstrumentData, ObstacleData, read_cell
 from workbench.cli.main import main
 from workbench.correction.programs import as_urdf, find_format
@@ -314,6 +323,24 @@ def test_torques_that_are_to_be_recorded_have_columns_and_are_asked_for(tmp_path
     assert "record the torque of each drive (tau1_Nm, " in (out / "index.html").read_text()
     assert "record the torque" in (out / "campaign.toml").read_text()
     assert main(["simulate", "irb120", "--poses", str(out / "poses.csv"), "--out", str(tmp_path / "m")]) == 0
+
+
+def test_temperatures_are_asked_for_where_the_campaign_before_has_them(tmp_path: Path) -> None:
+    """A follow-up without them would be taken to be as warm as that."""
+    robot = load_robot("irb120")
+    q = random_poses(robot, 12, np.random.default_rng(3))
+    for name, warm in (("with", np.linspace(22, 28, len(q))), ("without", None)):
+        before = tmp_path / name
+        write_campaign(before, simulate(planned(robot, q, temperature=warm), Truth(sigma=2e-5), seed=1))
+        out = before / "plan"
+        call = ["plan", str(before / "campaign.toml"), "--poses", "3", "--quick", "--out", str(out)]
+        assert main(call) == 0
+        asked = [
+            "temp" in (out / "poses.csv").read_text().splitlines()[0],
+            "record how warm the arm is (temp_degC) in poses.csv." in (out / "campaign.toml").read_text(),
+            json.loads((out / "plan.json").read_text())["drive"]["record_temperature"],
+        ]
+        assert asked == 3 * [name == "with"]
 
 
 def test_a_public_robot_is_planned_measured_and_read(

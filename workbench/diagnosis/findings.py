@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import __version__
 from ..campaign import Campaign
-from ..campaign.problem import Problem
+from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
 from ..effects import separation_beside
 from ..effects.base import UNKNOWN, Effect
 from ..effects.place import Parameter
@@ -104,6 +104,7 @@ def assemble(parts: Parts) -> Diagnosis:
         given=parts.given,
         notes=(
             *_unweighed(problem),
+            *_unwarmed(problem),
             *(fact.sentence for fact in parts.given if not fact.obeyed),
             *prepared.notes,
             *c.warnings,
@@ -130,6 +131,22 @@ def _unweighed(problem: Problem) -> list[str]:
     return [
         f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is fitted "
         "without a name, and looks much like what gears do. State the masses before you believe the rest."
+    ]
+
+
+def _unwarmed(problem: Problem) -> list[str]:
+    """A remark where some set-ups have temperatures and others have none."""
+    c = problem.campaign
+    if problem.warmth is None or c.poses.temperature is None:
+        return []
+    known = np.isfinite(c.poses.temperature)
+    without = [name for i, name in enumerate(c.setup_names) if not known[c.poses.setup == i].any()]
+    if not without:
+        return []
+    mean = REFERENCE_TEMPERATURE + problem.warmth[~known].mean()
+    return [
+        f"{', '.join(without)}: no temperature (temp_degC); taken to be as warm as the rest is in the mean, "
+        f"{mean:.1f} °C. Links that grow then look like something else."
     ]
 
 

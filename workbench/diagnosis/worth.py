@@ -26,16 +26,20 @@ VOUCHED = 5 / 6  # of a fifth part of the data by four that agree (Laplace's rul
 
 def worth_it(selection: Selection, seed: int) -> Selection:
     """Without effects that bring the tool no nearer to its place on poses that they were not fitted on. Where
-    something is left without a name, causes that bring less than a tenth of the noise keep none either.
+    something is left without a name, or may be, causes that bring less than a tenth of the noise keep none
+    either.
 
     Causes that can stand in for each other each bring next to nothing beside the others. So each counts by
     what it brings beside these, or by what it brings to those that are stronger, whichever is more. Those
     that all parts of the data found by themselves stay in the fit, and count as the strongest."""
     kept, error = _pruned(selection, seed)
+    rest = kept.misfit or bool(kept.nameless)  # what loses its name below was none: nothing stands beside it
     if kept.misfit:
         kept = as_sure_as_its_gain(kept, seed)
     least = FAINT * max(1e3 * kept.fit.noise.usual, error / np.sqrt(3))
-    kept = _that_bring_something(more_than_a_form(_without_faint(kept, least, seed)), least, seed)
+    if rest:
+        kept = _without_faint(kept, least, seed)
+    kept = _that_bring_something(more_than_a_form(kept), least if rest else 0.0, seed)
     return no_shadow(kept, error, seed)
 
 
@@ -62,10 +66,10 @@ def _pruned(selection: Selection, seed: int) -> tuple[Selection, float]:
 
 def _that_bring_something(kept: Selection, least: float, seed: int) -> Selection:
     """With what each cause brings [mm], and without names of those that, of the causes that have one in the
-    end, bring nothing, or little beside what has none; the weakest first."""
+    end, bring nothing, or less than the least; the weakest first."""
     while gains_mm := _gains_mm(kept, seed):
         weakest = min(gains_mm, key=lambda key: gains_mm[key])
-        if gains_mm[weakest] > 0 and (gains_mm[weakest] >= least or not kept.nameless):
+        if gains_mm[weakest] > 0 and gains_mm[weakest] >= least:
             break
         kept = replace(kept, faint=kept.faint | {weakest})
     return replace(kept, gains_mm=gains_mm)
@@ -74,8 +78,6 @@ def _that_bring_something(kept: Selection, least: float, seed: int) -> Selection
 def _without_faint(kept: Selection, least: float, seed: int) -> Selection:
     """Beside what has no name, without names of what brings less than the least [mm]."""
     result, nameless = kept.fit, kept.nameless
-    if not nameless:
-        return kept
     together = without(result, range(len(result.model.effects)), seed) - without(result, nameless, seed)
     faint = frozenset(key for key, gain in _gains_mm(kept, seed).items() if min(gain, together) < least)
     return replace(kept, faint=kept.faint | faint)

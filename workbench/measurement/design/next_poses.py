@@ -112,7 +112,9 @@ def plan(
     made = _driven(made, prior, around, ways, dwell, progress)
     if made.drive is None:
         return made
-    return replace(made, drive=replace(made.drive, torque=torque or prior.problem.drives > 0))
+    before, planned = prior.problem.campaign.poses, made.drive.records.poses
+    warmth = before.temperature is not None or planned.temperature is not None
+    return replace(made, drive=replace(made.drive, torque=torque or prior.problem.drives > 0, warmth=warmth))
 
 
 def follow_up(

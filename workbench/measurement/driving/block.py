@@ -97,7 +97,8 @@ class Drive:
     those and the returns, with their sides and the times of the drive; check: (M,) which are returns; via:
     for each the poses (n,) on the way to it, before its approach; seconds: of motion and standstills, in all;
     still_s: of one standstill, in which all targets of the plan are measured; detours: how
-    many ways were gone round; torque: the torques of the drives are to be recorded too.
+    many ways were gone round; torque, warmth: the torques of the drives, or how warm the arm is, are to be
+    recorded too.
     """
 
     plan: Campaign
@@ -110,6 +111,7 @@ class Drive:
     still_s: float
     detours: int
     torque: bool = False
+    warmth: bool = False
 
     @property
     def own(self) -> Campaign:
@@ -142,6 +144,7 @@ class Drive:
             "standstill_s": self.still_s,
             "targets": self.targets,
             "record_torque": self.torque,
+            "record_temperature": self.warmth,
             "check_poses": int(self.check.sum()),
             "detours": self.detours,
             "blocks": [
@@ -162,10 +165,10 @@ class Drive:
     @property
     def measured(self) -> str:
         """What is measured at every standstill, in words."""
+        also = [f"the torque of each drive ({torque_columns(self.plan.robot)})"] if self.torque else []
+        also += ["how warm the arm is (temp_degC)"] if self.warmth else []
         said = f"At every standstill, {self.still_s:g} s, measure {', '.join(self.targets)}"
-        if not self.torque:
-            return f"{said}."
-        return f"{said} and record the torque of each drive ({torque_columns(self.plan.robot)} of poses.csv)."
+        return f"{said} and record {' and '.join(also)} in poses.csv." if also else f"{said}."
 
     @property
     def spent(self) -> str:

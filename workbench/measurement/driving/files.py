@@ -24,8 +24,11 @@ COMMENTS = (
 def table_files(drive: Drive, reach: Reach, folder: Path) -> dict[Path, bytes]:
     """`poses.csv` and `campaign.toml` by their paths in the folder, with the robot where it is one's own."""
     records = replace(proposed(drive.records, reach), cell=reach.cell)
-    if drive.torque:  # columns to fill in
-        records = records.with_poses(torque=np.full_like(records.poses.q, np.nan))
+    blank = np.full_like(records.poses.q, np.nan)  # columns to fill in
+    if drive.torque:
+        records = records.with_poses(torque=blank)
+    if drive.warmth and records.poses.temperature is None:
+        records = records.with_poses(temperature=blank[:, 0])
     return {
         folder / "poses.csv": poses_text(records).encode(),
         folder / "campaign.toml": campaign_text(folder, records, comments(drive)).encode(),

@@ -27,7 +27,7 @@ def thermal_growth(problem: Problem, effect: ThermalGrowth, rng: np.random.Gener
         if timed:
             assert problem.time is not None
             warmth = 1 - np.exp(-problem.time / constant)
-        elif problem.warmth is None:  # a follow-up without a thermometer: in one go, as warm as the first
+        elif problem.warmth is None:
             return {}
         else:
             warmth = problem.warmth

@@ -99,11 +99,16 @@ def _followed(case: Case, first: Campaign, before: Outcome, offer: Offer, seed: 
 
 
 def _measured(case: Case, records: Campaign, seed: int, torque: bool) -> Campaign:
-    """The records of a plan, measured on the case's true robot, the instrument set up anew."""
+    """The records of a plan, measured on the case's true robot, the instrument set up anew; where there was a
+    thermometer, in an arm that stays as warm as it was at some time of the first campaign."""
     truth = true_robot(case.design, case.hidden, case.sizes)
     names = [target.name for target in case.campaign.targets]
     assert truth.targets is not None
     truth = replace(truth, targets=truth.targets[[names.index(t.name) for t in records.targets]])
+    before = case.campaign.poses.temperature
+    if before is not None and records.poses.temperature is None:
+        warm = np.random.default_rng([seed, 29]).choice(before)
+        records = records.with_poses(temperature=np.full(len(records.poses), warm))
     return simulate(
         replace(planned_for(records, case.hidden, case.sizes), path=Path("follow-up/campaign.toml")),
         truth,
