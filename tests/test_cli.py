@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from test_cli_options import COMMANDS
 
 from workbench.campaign import load_campaign
+from workbench.campaign.own_weight import too_weak
 from workbench.cli.main import main
 from workbench.effects import catalogue
 from workbench.identification.model_file import write_model
@@ -523,3 +525,19 @@ def test_a_plan_for_no_program_is_refused_before_its_poses_are_chosen(tmp_path, 
     assert (status, out) == (2, "")
     assert what in err
     assert "choosing" not in err
+
+
+def test_check_tells_of_drives_that_do_not_bear_the_arm(tmp_path, capsys):
+    """Many public descriptions have 1 in the place of an effort that nobody knew."""
+    robot = load_robot("ur10")
+    shoulder = robot.joint_names[1]
+    head, joint, rest = robot.urdf.read_text().partition(f'<joint name="{shoulder}"')
+    (tmp_path / "arm.urdf").write_text(head + joint + re.sub('effort="[^"]*"', 'effort="1"', rest, count=1))
+    text = robot.path.read_text().replace(robot.urdf.name, "arm.urdf")
+    (tmp_path / "arm.toml").write_text(text)
+    assert main(["check", str(tmp_path / "arm.toml"), "--out", str(tmp_path / "out"), "--json"]) == 0
+    warnings = json.loads(capsys.readouterr().out)["warnings"]
+    (said,) = (text for text in warnings if "effort" in text)
+    assert f"{shoulder} holds up to " in said
+    assert "its drive bears 1 N·m" in said
+    assert too_weak(robot) == []

@@ -21,6 +21,7 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     from ..campaign import Campaign
+    from ..campaign.own_weight import too_weak
     from ..diagnosis.first_look import first_look
     from ..report.first_look import check_campaign, check_robot, write_check
     from ..robot.shown import urdf_notes
@@ -33,7 +34,7 @@ def run(arguments: argparse.Namespace) -> None:
         look = first_look(source)
         checked, wrong = check_campaign(look), look.wrong
     else:
-        checked = check_robot(source, urdf_notes(source))
+        checked = check_robot(source, [*urdf_notes(source), *too_weak(source)])
     write_check(checked, folder)
     print(json.dumps(checked.facts) if arguments.json else f"{checked.text}\n\nopen {folder}/index.html")
     if wrong:
