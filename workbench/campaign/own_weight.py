@@ -20,7 +20,7 @@ def too_weak(robot: Robot) -> list[str]:
     most = np.abs(problem.arm.own(problem.nominal_load.local)).max(axis=0)
     return [
         f"{robot.urdf}: {joint.name} holds up to {torque:.3g} {unit} of the arm's own weight, but its drive "
-        f"bears {joint.effort:.3g} {unit} (effort): `verify` will refuse that; state what it bears (0: not known)"
+        f"bears {joint.effort:.3g} {unit} (effort): `verify` refuses that; state what it bears (0: unknown)"
         for joint, torque in zip(robot.joints, most, strict=True)
         for unit in ("N" if joint.kind == "prismatic" else "N·m",)
         if torque > joint.effort
