@@ -10,6 +10,7 @@ import pytest
 from workbench import load_robot, planned, problem_of, random_poses
 from workbench.campaign.cell import CellData, DrivingData, InstrumentData, ObstacleData
 from workbench.measurement.driving.reach import Reach, reach
+from workbench.measurement.driving.ways import Ways
 from workbench.robot.kinematics import frames
 
 PROBE = ObstacleData(name="probe", box_mm=(4, 4, 300), xyz_mm=(0, 0, 150), on="flange")
@@ -60,3 +61,29 @@ def test_a_reflector_inside_of_another_body_is_not_seen() -> None:
         place = frames(cell.arm, home).R[-1, 0].T @ (np.array(inside) - flange)
         sight.places[:] = place
         assert sight.lines(home)[0, 0] != hidden
+
+
+@pytest.fixture(scope="module")
+def fenced() -> Reach:
+    """A thin probe among thin rods all around."""
+    around = [np.array([np.cos(a), np.sin(a)]) for a in np.linspace(0, 2 * np.pi, 24, endpoint=False)]
+    rods = [ObstacleData(name="rod", box_mm=(4, 4, 1500), xyz_mm=(550 * x, 550 * y, 750)) for x, y in around]
+    return reached("irb120", CellData(obstacles=(PROBE, *rods), driving=DrivingData(clearance_mm=2)))
+
+
+def test_the_map_and_what_hangs_on_it_are_looked_at_closely(fenced: Reach) -> None:
+    known = np.argwhere(np.triu(np.isfinite(fenced.map.ways), 1))
+    nodes, clear = fenced.map.nodes, fenced.collisions.clear_way
+    assert all(clear(nodes[a], nodes[b]) for a, b in known)
+    for q in fenced.draw(12, np.random.default_rng(4)):
+        assert any(clear(q, node) for node in nodes)
+
+
+def test_a_pose_is_reached_over_itself_where_nothing_leads_to_its_approach(monkeypatch) -> None:
+    ways = Ways(reached("cylindrical", CellData()))
+    start, approach, end = np.array([[0.0, 0.1, 0.1], [1.0, 0.2, 0.2], [1.1, 0.3, 0.3]])
+    shut = approach.tobytes()
+    monkeypatch.setattr(Ways, "round", lambda self, a, b: None if b.tobytes() == shut else [end])
+    monkeypatch.setattr(Ways, "clear", lambda self, a, b: b.tobytes() != shut or a.tobytes() == end.tobytes())
+    (over,) = ways.to(start, approach, end)
+    np.testing.assert_array_equal(over, end)

@@ -22,8 +22,9 @@ from .kinematics import Arm, Array
 from .plants import urdf_plant
 
 ALWAYS = 0.95  # share of all poses in which bodies that touch are built so
-NEAR = 0.3  # m: how much room is measured at a look on a way; more counts as this
-SHARE, LEAST = 0.25, 1e-3  # of the clearance, and m: what a body may travel unseen between two looks
+STEP = 0.05  # rad (m) of all joints together between two quick looks, which find most of what is in the way
+NEAR = 0.1  # m: how much room is measured at a look on a way; more counts as this
+SHARE, LEAST = 0.5, 1e-3  # of the clearance, and m: what a body may travel unseen between two looks
 FLOOR, AROUND = "floor", "surroundings"
 WIDE, DEEP = 100.0, 2.0  # m, of the floor's box
 
@@ -53,7 +54,7 @@ class Collisions:
         """Whether the straight joint motion between two poses (n,) is free: from look to look no two bodies
         move farther on each other than they are apart, or than a share of the clearance."""
         way = self._drakes(np.array([start, end]))
-        if not self.checker.CheckConfigsCollisionFree(list(way), parallelize=False)[1]:
+        if not self.checker.CheckEdgeCollisionFree(way[0], way[1]):
             return False
         travel, done = self.travel(np.abs(end - start)), 0.0
         least = max(SHARE * self.clearance, LEAST)
@@ -101,7 +102,7 @@ def collisions(
         checker = SceneGraphCollisionChecker(
             model=builder.Build(),
             robot_model_instances=[own],
-            edge_step_size=1.0,  # `clear_way` looks by itself
+            edge_step_size=STEP,
             env_collision_padding=clearance,
             self_collision_padding=clearance,
         )
