@@ -93,6 +93,13 @@ def test_an_option_that_would_do_nothing_is_refused(call, capsys):
     assert "error: " in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("call", [["plan", "kr500"], ["simulate", "kr500", "--random", "3"]])
+def test_a_seed_below_zero_is_refused(call, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main([*call, "--seed", "-1"])
+    assert "'-1' is no number from 0" in capsys.readouterr().err
+
+
 def test_only_the_command_line_reads_arguments():
     reading = [path for path in (ROOT / "workbench").rglob("*.py") if "argparse" in path.read_text()]
     assert {path.parent.name for path in reading} == {"cli"}

@@ -33,7 +33,7 @@ def json_option(parser: argparse.ArgumentParser) -> None:
 
 def seed_option(parser: argparse.ArgumentParser, of: str) -> None:
     """`--seed`; of: what is drawn at random."""
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help=f"of {of} (0)")
+    parser.add_argument("--seed", type=from_zero, default=0, metavar="N", help=f"of {of} (0)")
 
 
 def quick_option(parser: argparse.ArgumentParser, how: str) -> None:
@@ -107,6 +107,13 @@ def positive(text: str) -> int:
     """A whole number from 1."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is no number from 1")
+    return int(text)
+
+
+def from_zero(text: str) -> int:
+    """A whole number from 0."""
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is no number from 0")
     return int(text)
 
 

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from ..robot.description import Robot
 
 HINT = (
-    "Joints keep to 90 % of their limits. Look at the scene before you drive, and drive slowly the first "
-    "time: what is not in the URDF or in [[obstacles]] nobody has checked."
+    "At standstills joints keep to 90 % of their limits. Look at the scene before you drive, and drive "
+    "slowly the first time: what is not in the URDF or in [[obstacles]] nobody has checked."
 )
 UNSEEN = (
     "Say where the instrument stands ([instrument] in the campaign or in --cell) to have its view checked."

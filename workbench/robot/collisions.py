@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, count
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydrake.geometry import Box, Convex, Shape
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
-from pydrake.multibody.tree import RigidBody, SpatialInertia
+from pydrake.multibody.tree import BodyIndex, RigidBody, SpatialInertia
 from pydrake.planning import RobotDiagramBuilder, SceneGraphCollisionChecker
 
 from .description import Robot
@@ -22,7 +22,9 @@ from .kinematics import Arm, Array
 from .plants import urdf_plant
 
 ALWAYS = 0.95  # share of all poses in which bodies that touch are built so
-STEP = 0.05  # rad (m) of all joints together between two looks on a way
+STEP = 0.05  # rad (m) of all joints together between two quick looks, which find most of what is in the way
+NEAR = 0.1  # m: how much room is measured at a look on a way; more counts as this
+SHARE, LEAST = 0.5, 1e-3  # of the clearance, and m: what a body may travel unseen between two looks
 FLOOR, AROUND = "floor", "surroundings"
 WIDE, DEEP = 100.0, 2.0  # m, of the floor's box
 
@@ -30,10 +32,15 @@ WIDE, DEEP = 100.0, 2.0  # m, of the floor's box
 @dataclass(frozen=True, eq=False)
 class Collisions:
     """A checker for one robot in its surroundings. order: (n,) where its joints stand in Drake's positions;
-    ignored: pairs of bodies that touch in the zero pose, or nearly always: they are built so."""
+    slots: (bodies,) the arm's slot that carries each of Drake's bodies, 0 for what stands; levers: (n, n + 1)
+    [m/rad, 1] how far each joint moves what a slot carries, at most; clearance: [m] that all keep; ignored:
+    pairs of bodies that touch in the zero pose, or nearly always: they are built so."""
 
     checker: SceneGraphCollisionChecker
     order: NDArray[np.int64]
+    slots: NDArray[np.int64]
+    levers: Array
+    clearance: float
     ignored: tuple[tuple[str, str], ...] = ()
 
     def free(self, q: Array) -> NDArray[np.bool_]:
@@ -44,9 +51,30 @@ class Collisions:
         return np.array(found, dtype=bool)
 
     def clear_way(self, start: Array, end: Array) -> bool:
-        """Whether the straight joint motion between two poses (n,) is free."""
-        a, b = self._drakes(np.array([start, end]))
-        return bool(self.checker.CheckEdgeCollisionFree(a, b))
+        """Whether the straight joint motion between two poses (n,) is free: from look to look no two bodies
+        move farther on each other than they are apart, or than a share of the clearance."""
+        way = self._drakes(np.array([start, end]))
+        if not self.checker.CheckEdgeCollisionFree(way[0], way[1]):
+            return False
+        travel, done = self.travel(np.abs(end - start)), 0.0
+        least = max(SHARE * self.clearance, LEAST)
+        while done < 1.0:
+            near = self.checker.CalcRobotClearance(way[0] + (way[1] - way[0]) * done, NEAR)
+            apart = near.distances()
+            if np.min(apart, initial=0.0) < 0:
+                return False
+            own, other = (np.fromiter(map(int, k), int) for k in (near.robot_indices(), near.other_indices()))
+            pairs = travel[self.slots[own], self.slots[other]]
+            step = np.min(np.maximum(apart, least) / pairs, initial=NEAR / travel.max())
+            done += float(step)
+        return True
+
+    def travel(self, turned: Array) -> Array:
+        """(n + 1, n + 1) [m] how far what two slots carry can move on each other, at most, while the joints
+        turn by this much (n,), LEAST at least."""
+        moved = np.cumsum(np.vstack([np.zeros(len(turned) + 1), turned[:, None] * self.levers]), axis=0)
+        between = np.triu(np.diag(moved) - moved)  # [a, b]: by joints a + 1 to b
+        return np.maximum(between + between.T, LEAST)
 
     def touching(self, q: Array) -> set[tuple[str, str]]:
         """Names of the bodies that come too near to each other in a pose (n,)."""
@@ -80,14 +108,31 @@ def collisions(
         )
     plant = checker.plant()
     order = np.array([plant.GetJointByName(name).position_start() for name in robot.joint_names])
-    found = Collisions(checker, order)
+    slot = {name: k for k, name in enumerate(arm.links)}
+    bodies = (plant.get_body(BodyIndex(k)) for k in range(plant.num_bodies()))
+    slots = np.array([slot.get(body.name(), 0) if body.model_instance() == own else 0 for body in bodies])
+    found = Collisions(checker, order, slots, _levers(robot, arm, hulls), clearance)
     usual = Counter(pair for q in seen for pair in found.touching(q))
     robots = {body.name() for body in (plant.get_body(index) for index in plant.GetBodyIndices(own))}
     at_zero = {pair for pair in found.touching(np.zeros(arm.n)) if robots.issuperset(pair)}
     built = at_zero | {pair for pair, count in usual.items() if count >= ALWAYS * len(seen)}
     for a, b in built:
         checker.SetCollisionFilteredBetween(plant.GetBodyByName(a), plant.GetBodyByName(b), True)
-    return Collisions(checker, order, tuple(sorted(built)))
+    return replace(found, ignored=tuple(sorted(built)))
+
+
+def _levers(robot: Robot, arm: Arm, hulls: Sequence[Hull]) -> Array:
+    """(n, n + 1) bounds on how far [m] 1 rad (1 m) of each joint moves what a slot carries."""
+    out = np.zeros((arm.n, arm.n + 1))
+    ends = np.nan_to_num([(j.lower, j.upper) for j in robot.joints], posinf=np.pi, neginf=-np.pi)
+    slide = np.where(arm.prismatic, np.abs(ends).max(axis=1), 0.0)
+    for hull in hulls:
+        far = float(np.linalg.norm(hull.vertices, axis=1).max())
+        for slot in range(hull.slot, 0, -1):
+            j = slot - 1
+            out[j, hull.slot] = 1.0 if arm.prismatic[j] else max(out[j, hull.slot], far)
+            far += float(np.linalg.norm(arm.p[slot])) + float(slide[j])
+    return out
 
 
 def _add(plant: MultibodyPlant, robot: Robot, arm: Arm, hulls: Sequence[Hull], floor: float | None) -> None:

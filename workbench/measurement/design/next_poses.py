@@ -30,6 +30,7 @@ from .prior_information import PriorInformation, from_campaign, from_robot
 from .settle import found_by, is_found, plan_settling, plan_settling_in_time
 
 POSES = 30
+MOST = 10_000  # poses of a plan
 POOL, QUICK_POOL = 1200, 400  # candidate records,
 PER_POSE, QUICK_PER_POSE = 4, 2  # or so many for each that is chosen
 STARTS, QUICK_STARTS = 3, 1  # of the exchange
@@ -89,6 +90,9 @@ def plan(
     seconds = None if minutes is None else 60 * minutes
     if seconds is not None:
         count = _likely(around, seconds, dwell)
+    if count > MOST:
+        said = "--poses" if seconds is None else "--minutes"
+        raise InputError(Fault(said, f"asks for {count} poses", f"{MOST} are the most"))
     found = tell is not None and is_found(tell)
     fast = quick or found or minutes is not None  # in time, and of what was found, many plans are tried
     pool, per_pose, starts = (QUICK_POOL, QUICK_PER_POSE, QUICK_STARTS) if fast else (POOL, PER_POSE, STARTS)

@@ -139,7 +139,7 @@ def _timed(
             before = work_between(blocks[k - 1].state, blocks[k].state, driving, later)
             driven[k] = replace(blocks[k], before=before)
             clock += sum(seconds for _, seconds in before)
-        between = () if ways.clear(q[i - 1], approach[i]) else ways.round(q[i - 1], approach[i])
+        between = ways.to(q[i - 1], approach[i], q[i])
         if between is None:
             what = (
                 f"no free way leads from pose {plan.poses.ids[rows[i - 1]]} to pose {plan.poses.ids[rows[i]]}"

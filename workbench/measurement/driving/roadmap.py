@@ -20,7 +20,7 @@ from ...robot.kinematics import Array
 NODES = 160  # free poses of the map
 NEIGHBOURS = 7  # to which ways from each are tried
 ENTRIES = 5  # nodes by which a pose may hang on the map
-COARSE = 0.12  # rad (m) that the farthest joint goes between two looks on a way of the map
+COARSE = 0.12  # rad (m) that the farthest joint goes between the first looks on a way
 
 Time = Callable[[Array, Array], Array]
 
@@ -82,7 +82,8 @@ def roadmap(collisions: Collisions, time: Time, offered: Array) -> Roadmap:
 
 
 def clear_ways(collisions: Collisions, start: Array, end: Array) -> NDArray[np.bool_]:
-    """(N,) which straight ways between poses (N, n) are free, looked at in coarse steps."""
+    """(N,) which straight ways between poses (N, n) are free: those that coarse steps do not rule out are
+    looked at closely."""
     out = np.ones(len(start), dtype=bool)
     if not len(start):
         return out
@@ -91,4 +92,6 @@ def clear_ways(collisions: Collisions, start: Array, end: Array) -> NDArray[np.b
     share = np.concatenate([np.linspace(0, 1, k) for k in looks])[:, None]
     free = collisions.free(start[way] * (1 - share) + end[way] * share)
     np.logical_and.at(out, way, free)
+    for k in np.flatnonzero(out):
+        out[k] = collisions.clear_way(start[k], end[k])
     return out

@@ -58,7 +58,7 @@ def _unhidden(reach: Reach, centre: list[float], extent: float, links: Array, po
 
     def hidden(aside: float) -> int:
         eye = np.broadcast_to(camera(centre, extent, links[-1] - links[0], aside)[0], seen.shape)
-        return int(np.any([hides(hull, eye, seen) for hull in standing], axis=0).sum())
+        return int(np.any([hides(hull, eye, seen, carries=True) for hull in standing], axis=0).sum())
 
     return min(SIDES, key=hidden) if standing else ASIDE
 

@@ -66,8 +66,9 @@ class Sight:
                 R, p = where.R[hull.slot], where.p[hull.slot]
                 eye = np.einsum("nji,nj->ni", R, self.eye - p)
                 ends = np.einsum("nji,ntj->nti", R, points - p[:, None])
-            for t in range(len(self.on)):
-                clear[:, t] &= ~hides(hull, eye, ends[:, t])
+            for t, slot in enumerate(self.on):
+                carries = hull.slot != STANDING and abs(hull.slot - min(slot, self.arm.n)) <= 1
+                clear[:, t] &= ~hides(hull, eye, ends[:, t], carries)
         return clear
 
     def directions(self, q: Array) -> Array:
@@ -104,9 +105,9 @@ class Sight:
         return replace(self, opens=opens, chosen=tuple(np.isnan(self.opens[:, 0])))
 
 
-def hides(hull: Hull, eye: Array, end: Array) -> NDArray[np.bool_]:
-    """(N,) whether the hull is in the way from eye (N, 3) to `SHORT` before end (N, 3), all in its frame; one
-    that holds the end itself is what the target sits on."""
+def hides(hull: Hull, eye: Array, end: Array, carries: bool) -> NDArray[np.bool_]:
+    """(N,) whether the hull is in the way from eye (N, 3) to `SHORT` before end (N, 3), all in its frame.
+    carries: the target sits on this body or on its neighbour, which may hold the end itself."""
     way = end - eye
     length = np.linalg.norm(way, axis=1)
     slope, room = way @ hull.normals.T, hull.offsets - eye @ hull.normals.T
@@ -116,5 +117,6 @@ def hides(hull: Hull, eye: Array, end: Array) -> NDArray[np.bool_]:
     leaves = np.where(slope > 0, at, np.inf).min(axis=1)
     beside = ((slope == 0) & (room < 0)).any(axis=1)
     last = 1 - SHORT / np.maximum(length, SHORT)
+    crossed = ~beside & (np.maximum(enters, 0.0) < np.minimum(leaves, last))
     holds = (slope <= room).all(axis=1)
-    return ~beside & (np.maximum(enters, 0.0) < np.minimum(leaves, last)) & ~holds
+    return crossed & ~holds if carries else (crossed | holds)

@@ -27,6 +27,17 @@ class Ways:
         """Whether the straight ways through these poses (n,) are free."""
         return all(self.reach.collisions.clear_way(a, b) for a, b in pairwise(stops))
 
+    def to(self, start: Array, approach: Array, end: Array) -> list[Array] | None:
+        """Poses (n,) by which the way from start to where the last motion to `end` begins is free; over `end`
+        itself where nothing else leads there; None where none is known."""
+        if self.clear(start, approach):
+            return []
+        found = self.round(start, approach)
+        if found is None and self.clear(end, approach):
+            found = [] if self.clear(start, end) else self.round(start, end)
+            return None if found is None else [*found, end]
+        return found
+
     def round(self, start: Array, end: Array) -> list[Array] | None:
         """Poses (n,) between two by which the way is free: one, or nodes of the map; None where none is
         known."""
