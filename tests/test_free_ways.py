@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -68,7 +69,8 @@ def fenced() -> Reach:
     """A thin probe among thin rods all around."""
     around = [np.array([np.cos(a), np.sin(a)]) for a in np.linspace(0, 2 * np.pi, 24, endpoint=False)]
     rods = [ObstacleData(name="rod", box_mm=(4, 4, 1500), xyz_mm=(550 * x, 550 * y, 750)) for x, y in around]
-    return reached("irb120", CellData(obstacles=(PROBE, *rods), driving=DrivingData(clearance_mm=2)))
+    cell = reached("irb120", CellData(obstacles=(PROBE, *rods), driving=DrivingData(clearance_mm=2)))
+    return replace(cell, closely=True)
 
 
 def test_the_map_and_what_hangs_on_it_are_looked_at_closely(fenced: Reach) -> None:

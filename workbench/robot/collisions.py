@@ -22,8 +22,8 @@ from .kinematics import Arm, Array
 from .plants import urdf_plant
 
 ALWAYS = 0.95  # share of all poses in which bodies that touch are built so
-STEP = 0.05  # rad (m) of all joints together between two quick looks, which find most of what is in the way
-NEAR = 0.1  # m: how much room is measured at a look on a way; more counts as this
+STEP = 0.2  # rad (m) of all joints together between two quick looks, which find most of what is in the way
+NEAR = 0.2  # m: how much room is measured at a look on a way; more counts as this
 SHARE, LEAST = 0.5, 1e-3  # of the clearance, and m: what a body may travel unseen between two looks
 FLOOR, AROUND = "floor", "surroundings"
 WIDE, DEEP = 100.0, 2.0  # m, of the floor's box

@@ -17,7 +17,7 @@ from ...correction.programs.measuring import DWELL_S
 from ...diagnosis.result import Decision
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
-from ..driving.drive import drive
+from ..driving.drive import NoWay, drive
 from ..driving.reach import Reach
 from ..driving.ways import Ways
 from .accuracy import plan_accuracy, plan_accuracy_in_time
@@ -79,7 +79,6 @@ def plan(
     if poses is not None and minutes is not None:
         raise InputError(Fault("--poses, --minutes", "are two limits", "give the number or the time"))
     count = poses or POSES
-    made: Plan
     progress("fitting the campaign" if isinstance(source, Campaign) else "loading the robot")
     if isinstance(source, Campaign):
         prior = from_campaign(with_known(source, known), partial(found_by, tell))
@@ -96,24 +95,34 @@ def plan(
     found = tell is not None and is_found(tell)
     fast = quick or found or minutes is not None  # in time, and of what was found, many plans are tried
     pool, per_pose, starts = (QUICK_POOL, QUICK_PER_POSE, QUICK_STARTS) if fast else (POOL, PER_POSE, STARTS)
-    search = Search(max(pool, per_pose * count), starts, seed, around.draw, around.cell.driving)
-    ways = Ways(around)
-    what = f"{count}" if minutes is None else f"for {minutes:g} min"
-    progress(f"choosing {what} of about {search.pool} possible records")
-    if tell is None:
-        made = (
-            plan_accuracy(prior, count, search)
-            if seconds is None
-            else plan_accuracy_in_time(prior, seconds, search, ways, dwell)
-        )
-    elif seconds is not None:
-        in_time = plan_settling_in_time if found else plan_discrimination_in_time
-        made = in_time(prior, tell, seconds, search, ways, dwell)
-    elif found:
-        made = plan_settling(prior, tell, poses, search)
-    else:
-        made = plan_discrimination(prior, tell, count, search)
-    made = _driven(made, prior, around, ways, dwell, progress)
+    pool = max(pool, per_pose * count)
+
+    def chosen(around: Reach) -> Plan:
+        search = Search(pool, starts, seed, around.draw, around.cell.driving)
+        ways = Ways(around)
+        what = f"{count}" if minutes is None else f"for {minutes:g} min"
+        progress(f"choosing {what} of about {pool} possible records")
+        made: Plan
+        if tell is None:
+            made = (
+                plan_accuracy(prior, count, search)
+                if seconds is None
+                else plan_accuracy_in_time(prior, seconds, search, ways, dwell)
+            )
+        elif seconds is not None:
+            in_time = plan_settling_in_time if found else plan_discrimination_in_time
+            made = in_time(prior, tell, seconds, search, ways, dwell)
+        elif found:
+            made = plan_settling(prior, tell, poses, search)
+        else:
+            made = plan_discrimination(prior, tell, count, search)
+        return _driven(made, prior, around, ways, dwell, progress)
+
+    try:
+        made = chosen(around)
+    except NoWay:
+        progress("looking closely at the ways between all poses: some that coarse looks promised are none")
+        made = chosen(replace(around, closely=True))
     if made.drive is None:
         return made
     before, planned = prior.problem.campaign.poses, made.drive.records.poses

@@ -20,9 +20,13 @@ ROUNDS = 6  # tours that are tried before a colliding way is gone round
 FAR = 300.0  # s that a colliding way counts for in a tour: longer than any other
 
 
+class NoWay(InputError):
+    """To a pose of a plan leads no way that is known to be free."""
+
+
 def drive(plan: Campaign, ways: Ways, dwell: float) -> Drive:
     """The records of a plan as they are driven. dwell: [s] of a standstill with one target, each further one
-    takes the cell's `reflector_s`. Raises `InputError` where a pose cannot be reached."""
+    takes the cell's `reflector_s`. Raises `NoWay` where a pose cannot be reached."""
     plan = _reachable(plan, ways)
     check = _check_pose(plan, ways) if ways.reach.cell.driving.check_every else None
     stops: list[tuple[int, bool]] = []  # number of the record, is it a return
@@ -73,7 +77,7 @@ def _reachable(plan: Campaign, ways: Ways) -> Campaign:
                 break
         else:
             what = "cannot be reached from either side"
-            raise InputError(Fault(f"pose {plan.poses.ids[i]}", what, "say another --seed"))
+            raise NoWay(Fault(f"pose {plan.poses.ids[i]}", what, "say another --seed"))
     return plan.with_poses(side=sides)
 
 
@@ -144,7 +148,7 @@ def _timed(
             what = (
                 f"no free way leads from pose {plan.poses.ids[rows[i - 1]]} to pose {plan.poses.ids[rows[i]]}"
             )
-            raise InputError(Fault(records.robot.name, what, "say another --seed, or a smaller clearance_mm"))
+            raise NoWay(Fault(records.robot.name, what, "say another --seed, or a smaller clearance_mm"))
         via.append(tuple(between))
         leg = [q[i - 1], *between, approach[i], q[i]]
         taken = sum(float(ways.time(a, b)) for a, b in pairwise(leg))

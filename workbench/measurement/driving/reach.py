@@ -43,7 +43,8 @@ Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (coun
 class Reach:
     """A robot in its cell. hulls: all bodies, those standing around too; free: (V, n) poses free of them;
     confined: (n,) joints that are kept within one turn; sight: None where no instrument is stated; places:
-    (T, 3) [m] of the targets, NaN unknown, behind slots `on`; names: (T) of them."""
+    (T, 3) [m] of the targets, NaN unknown, behind slots `on`; names: (T) of them. closely: whether what
+    hangs together is looked at closely, which takes its time, and not only what is driven."""
 
     robot: Robot
     arm: Arm
@@ -56,11 +57,12 @@ class Reach:
     places: Array
     on: tuple[int, ...]
     names: tuple[str, ...]
+    closely: bool = False
 
     @cached_property
     def map(self) -> Roadmap:
         """Free poses that hang together."""
-        return roadmap(self.collisions, partial(_time, self.robot, self.cell), self.free)
+        return roadmap(self.collisions, partial(_time, self.robot, self.cell), self.free, self.closely)
 
     @property
     def unchecked(self) -> list[tuple[str, str]]:
@@ -165,7 +167,7 @@ def _confined(robot: Robot, bodies: Collisions, q: Array) -> NDArray[np.bool_]:
         if joint.kind == "revolute" and np.isfinite(joint.upper) and joint.upper - joint.lower > 2 * np.pi:
             start, end = q.copy(), q.copy()
             start[:, j], end[:, j] = joint.lower, joint.upper
-            out[j] = clear_ways(bodies, start, end).mean() < 0.5
+            out[j] = clear_ways(bodies, start, end, closely=False).mean() < 0.5
     return out
 
 

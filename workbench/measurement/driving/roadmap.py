@@ -20,7 +20,7 @@ from ...robot.kinematics import Array
 NODES = 160  # free poses of the map
 NEIGHBOURS = 7  # to which ways from each are tried
 ENTRIES = 5  # nodes by which a pose may hang on the map
-COARSE = 0.12  # rad (m) that the farthest joint goes between the first looks on a way
+COARSE = 0.12  # rad (m) that the farthest joint goes between two coarse looks on a way
 
 Time = Callable[[Array, Array], Array]
 
@@ -28,12 +28,13 @@ Time = Callable[[Array, Array], Array]
 @dataclass(frozen=True, eq=False)
 class Roadmap:
     """Nodes (V, n) that all hang together, and the time [s] of the free ways between them (V, V), inf where
-    none is known."""
+    none is known. closely: whether every way was looked at closely, or in coarse steps."""
 
     collisions: Collisions
     time: Time
     nodes: Array
     ways: Array
+    closely: bool
 
     def holds(self, q: Array) -> NDArray[np.bool_]:
         """(N,) which poses q: (N, n) hang on the map, by one of their nearest nodes."""
@@ -41,7 +42,7 @@ class Roadmap:
         near = np.argsort(self.time(q[:, None], self.nodes), axis=1)[:, :ENTRIES]
         for k in range(near.shape[1]):
             left = np.flatnonzero(~out)
-            out[left] = clear_ways(self.collisions, q[left], self.nodes[near[left, k]])
+            out[left] = clear_ways(self.collisions, q[left], self.nodes[near[left, k]], self.closely)
         return out
 
     def path(self, start: Array, end: Array, clear: Callable[[Array, Array], bool]) -> list[Array] | None:
@@ -68,22 +69,21 @@ class Roadmap:
                 graph[a, b] = graph[b, a] = np.inf
 
 
-def roadmap(collisions: Collisions, time: Time, offered: Array) -> Roadmap:
+def roadmap(collisions: Collisions, time: Time, offered: Array, closely: bool) -> Roadmap:
     """The map of free poses offered (V, n): the largest part that hangs together."""
     times = time(offered[:, None], offered[None])
     near = np.argsort(times, axis=1)[:, 1 : NEIGHBOURS + 1]
     pairs = np.unique(np.sort([(a, b) for a, row in enumerate(near) for b in row], axis=1), axis=0)
-    a, b = pairs[clear_ways(collisions, offered[pairs[:, 0]], offered[pairs[:, 1]])].T
+    a, b = pairs[clear_ways(collisions, offered[pairs[:, 0]], offered[pairs[:, 1]], closely)].T
     ways = np.full(times.shape, np.inf)
     ways[a, b] = ways[b, a] = times[a, b]
     _, part = connected_components(np.isfinite(ways))
     main = np.flatnonzero(part == np.argmax(np.bincount(part)))
-    return Roadmap(collisions, time, offered[main], ways[np.ix_(main, main)])
+    return Roadmap(collisions, time, offered[main], ways[np.ix_(main, main)], closely)
 
 
-def clear_ways(collisions: Collisions, start: Array, end: Array) -> NDArray[np.bool_]:
-    """(N,) which straight ways between poses (N, n) are free: those that coarse steps do not rule out are
-    looked at closely."""
+def clear_ways(collisions: Collisions, start: Array, end: Array, closely: bool) -> NDArray[np.bool_]:
+    """(N,) which straight ways between poses (N, n) are free, looked at in coarse steps, then `closely`."""
     out = np.ones(len(start), dtype=bool)
     if not len(start):
         return out
@@ -92,6 +92,6 @@ def clear_ways(collisions: Collisions, start: Array, end: Array) -> NDArray[np.b
     share = np.concatenate([np.linspace(0, 1, k) for k in looks])[:, None]
     free = collisions.free(start[way] * (1 - share) + end[way] * share)
     np.logical_and.at(out, way, free)
-    for k in np.flatnonzero(out):
+    for k in np.flatnonzero(out) if closely else ():
         out[k] = collisions.clear_way(start[k], end[k])
     return out
