@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 from workbench import load_robot, planned, problem_of, random_poses
 from workbench.campaign.cell import CellData, DrivingData, InstrumentData, ObstacleData
@@ -48,6 +49,27 @@ def test_no_two_bodies_move_farther_on_each_other_than_is_reckoned(name: str) ->
             seen = (corners - p[:, None]) @ R
             farthest = np.linalg.norm(seen[1] - seen[0], axis=1).max()
             assert farthest <= travel[one.slot, other.slot] + 1e-9
+
+
+def overlap(where, k: int, one, other) -> bool:
+    """Whether two hulls share a point in the k-th pose: a point inside of all their planes."""
+    planes = [(h.normals @ where.R[h.slot][k].T, h.offsets, where.p[h.slot][k]) for h in (one, other)]
+    A = np.concatenate([normals for normals, _, _ in planes])
+    b = np.concatenate([offsets + normals @ place for normals, offsets, place in planes])
+    return linprog(np.zeros(3), A_ub=A, b_ub=b - 1e-4, bounds=(None, None)).status == 0
+
+
+def test_bodies_that_are_built_near_each_other_may_not_run_into_each_other() -> None:
+    """Links 5 and 7 of an iiwa are 6 mm apart in its zero pose: nearer than the clearance, and no contact."""
+    cell = reached("iiwa7", CellData())
+    assert cell.collisions.ignored == ()
+    q = np.zeros((60, 7))
+    q[:, 3], q[:, 5] = -1.2, np.linspace(-2.0, 2.0, len(q))
+    where = frames(cell.arm, q)
+    (one,), (other,) = ([h for h in cell.hulls if h.slot == slot] for slot in (5, 7))
+    inside = np.array([overlap(where, k, one, other) for k in range(len(q))])
+    assert 0 < inside.sum() < len(q)
+    assert not cell.collisions.free(q[inside]).any()
 
 
 def test_a_reflector_inside_of_another_body_is_not_seen() -> None:

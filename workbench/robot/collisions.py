@@ -34,7 +34,8 @@ class Collisions:
     """A checker for one robot in its surroundings. order: (n,) where its joints stand in Drake's positions;
     slots: (bodies,) the arm's slot that carries each of Drake's bodies, 0 for what stands; levers: (n, n + 1)
     [m/rad, 1] how far each joint moves what a slot carries, at most; clearance: [m] that all keep; ignored:
-    pairs of bodies that touch in the zero pose, or nearly always: they are built so."""
+    pairs of bodies that touch in the zero pose, or nearly always: they are built so; such as are only nearer
+    than the clearance there have none."""
 
     checker: SceneGraphCollisionChecker
     order: NDArray[np.int64]
@@ -76,12 +77,12 @@ class Collisions:
         between = np.triu(np.diag(moved) - moved)  # [a, b]: by joints a + 1 to b
         return np.maximum(between + between.T, LEAST)
 
-    def touching(self, q: Array) -> set[tuple[str, str]]:
-        """Names of the bodies that come too near to each other in a pose (n,)."""
+    def touching(self, q: Array, clearance: float = 0.0) -> set[tuple[str, str]]:
+        """Names of the bodies that come too near to each other in a pose (n,), by more than `clearance`."""
         plant = self.checker.plant()
         near = self.checker.CalcRobotClearance(self._drakes(q[None])[0], 0.0)
         pairs = zip(near.robot_indices(), near.other_indices(), near.distances(), strict=True)
-        return {_pair(plant.get_body(a), plant.get_body(b)) for a, b, distance in pairs if distance < 0}
+        return {_pair(plant.get_body(a), plant.get_body(b)) for a, b, apart in pairs if apart < -clearance}
 
     def _drakes(self, q: Array) -> Array:
         out = np.zeros_like(q)
@@ -112,13 +113,19 @@ def collisions(
     bodies = (plant.get_body(BodyIndex(k)) for k in range(plant.num_bodies()))
     slots = np.array([slot.get(body.name(), 0) if body.model_instance() == own else 0 for body in bodies])
     found = Collisions(checker, order, slots, _levers(robot, arm, hulls), clearance)
-    usual = Counter(pair for q in seen for pair in found.touching(q))
     robots = {body.name() for body in (plant.get_body(index) for index in plant.GetBodyIndices(own))}
-    at_zero = {pair for pair in found.touching(np.zeros(arm.n)) if robots.issuperset(pair)}
-    built = at_zero | {pair for pair, count in usual.items() if count >= ALWAYS * len(seen)}
-    for a, b in built:
+
+    def built_so(clearance: float) -> set[tuple[str, str]]:
+        at_zero = {pair for pair in found.touching(np.zeros(arm.n), clearance) if robots.issuperset(pair)}
+        usual = Counter(pair for q in seen for pair in found.touching(q, clearance))
+        return at_zero | {pair for pair, count in usual.items() if count >= ALWAYS * len(seen)}
+
+    near, touch = built_so(0.0), built_so(clearance)
+    for a, b in near - touch:  # they may come as near as they like, but no nearer than that
+        checker.SetPaddingBetween(plant.GetBodyByName(a), plant.GetBodyByName(b), 0.0)
+    for a, b in touch:
         checker.SetCollisionFilteredBetween(plant.GetBodyByName(a), plant.GetBodyByName(b), True)
-    return replace(found, ignored=tuple(sorted(built)))
+    return replace(found, ignored=tuple(sorted(touch)))
 
 
 def _levers(robot: Robot, arm: Arm, hulls: Sequence[Hull]) -> Array:
