@@ -39,6 +39,7 @@ from workbench.measurement.design.t_optimal import design_space
 from workbench.measurement.design.ties import (
     at_zero,
     least,
+    own_effects,
     settled_at,
     sites_of,
     tie_between,
@@ -212,6 +213,24 @@ def test_a_scale_is_asked_for_where_a_mass_is_a_rival(open_tie):
     (scale,) = (way for way in ways if "mass_kg" in way.words)
     assert scale.words.endswith("kg: whether it is link_mass(link_3)")
     assert "--known link_mass:link=link_3,mass_kg=VALUE,std=" in scale.command
+
+
+def test_rivals_have_the_forms_that_a_diagnosis_gives_them(open_tie):
+    """A joint's yield may curve with the load, a link may be heavier and hang elsewhere at once: such rivals
+    imitate what neither number does, and a tie that they hold open is not said to be settled."""
+    _, _, outcome = open_tie
+    prior = from_prepared(outcome.prepared)
+    soft, values = parse_effect("lost_motion:joint=joint_3,variant=cubic,amplitude=2e-4", prior.problem)
+    yields = parse_effect("joint_compliance:joint=joint_3,relative=0.5", prior.problem)[0]
+    mass, com = sites_of([("link_mass", Where(link="link_3"))], prior.fit)
+    tie = tie_between(prior.fit, soft, values, (yields, mass, com), {})
+    (rarer,) = {companion for _, companion in yields.rarer(prior.problem)}
+    assert any(form[0][0] == yields and rarer.key in {e.key for e, _ in form} for form in tie.forms)
+    (both,) = (form for form in tie.forms if own_effects(form) == [mass, com])
+    assert len(both) == 2
+    space = design_space(prior.of_records(outcome.problem.campaign, at_zero([tie])), None)
+    owns = [one.own for one in tie.hypotheses(space).patterns]
+    assert owns[tie.forms.index(both)] == 1 + 3
 
 
 def test_a_command_with_a_rival_that_hardly_shows_is_no_fault(open_tie):

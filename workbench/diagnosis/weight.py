@@ -59,7 +59,7 @@ def table_of(left: Reduced, S: Array, u: Array, explained: Array, wrong_sign: Ar
         here = own == count
         mean, covariance = _posterior(S[here], u[here], count)
         table[here] += _present(mean[..., :count], covariance, wrong_sign[here])
-        table[here] += _mostly_itself(mean, count)
+        table[here] += mostly_itself(mean, count)
     return table
 
 
@@ -102,7 +102,7 @@ def _posterior(S: Array, u: Array, count: int) -> tuple[Array, Array]:
     return solved[..., count], solved[..., :count, :count]
 
 
-def _mostly_itself(mean: Array, count: int) -> Array:
+def mostly_itself(mean: Array, count: int) -> Array:
     """(F, scales) log factor on the evidence that takes out what is not the effect, but its companions: these
     are larger, each in its prior size, than `PRIORS.companions` of the effect. mean: (F, scales, p)."""
     own, more = (np.sqrt((part**2).mean(axis=-1)) for part in np.split(mean, [count], axis=-1))

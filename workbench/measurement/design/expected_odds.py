@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...diagnosis.priors import PRIORS
-from ...diagnosis.weight import SCALES, WEIGHTS
+from ...diagnosis.weight import SCALES, WEIGHTS, mostly_itself
 from ...robot.kinematics import Array
 
 DRAWS = 200  # of what may be true: the probability is good to 0.03
@@ -30,12 +30,13 @@ LARGEST = 500.0  # log odds that floats hold
 @dataclass(frozen=True, eq=False)
 class Pattern:
     """A form of a hypothesis: its columns (p,) among the effects', their prior sizes (p,), the effect's own
-    numbers first. of: number of the hypothesis; named: it has a name, so no scale beyond what passes for a
-    cause."""
+    numbers first. of: number of the hypothesis; own: how many these are; named: it has a name, so no scale
+    beyond what passes for a cause."""
 
     columns: NDArray[np.int64]
     sizes: Array
     of: int
+    own: int
     named: bool = True
 
 
@@ -83,8 +84,13 @@ class Weighed:
         axes, w = self._spectra[k]
         squares = SCALES[:, None] ** 2
         explained = (u[:, self.patterns[k].columns] @ axes) ** 2 @ (squares / (1 + squares * w)).T
-        weights = np.where(self.patterns[k].named & (PRIORS.largest < SCALES), -np.inf, WEIGHTS)
-        return 0.5 * (explained - np.log1p(squares * w).sum(axis=1)) + weights, explained
+        one = self.patterns[k]
+        weights = np.where(one.named & (PRIORS.largest < SCALES), -np.inf, WEIGHTS)
+        logs = 0.5 * (explained - np.log1p(squares * w).sum(axis=1)) + weights
+        if one.own < len(one.sizes):
+            held = (squares / (1 + squares * w))[None] * (u[:, one.columns] @ axes)[:, None]
+            logs = logs + mostly_itself(held @ (axes / one.sizes[:, None]).T, one.own)
+        return logs, explained
 
     def standing(self, u: Array, hypotheses: int) -> tuple[Array, Array]:
         """(H, D) log evidence of the hypotheses in D data u (D, g); what their likeliest form explains."""

@@ -16,7 +16,7 @@ from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import permutations
+from itertools import permutations, takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,7 +93,8 @@ class Tie:
             columns = np.concatenate([space.columns(effect) for effect, _ in form]) - space.background
             usual = [size / [p.typical for p in effect.params] for effect, size in form]
             key = form[0][0].key
-            patterns.append(Pattern(columns, np.concatenate(usual), keys.index(key), key[0] != UNKNOWN))
+            own = sum(len(effect.params) for effect in own_effects(form))
+            patterns.append(Pattern(columns, np.concatenate(usual), keys.index(key), own, key[0] != UNKNOWN))
         named = np.array([key[0] != UNKNOWN for key in keys])
         slow = [
             [times_too_sure(firsts[a], firsts[b]) if UNKNOWN not in (a[0], b[0]) else 1.0 for b in keys]
@@ -102,6 +103,17 @@ class Tie:
         return Hypotheses(
             tuple(patterns), np.array([self.chance(key) for key in keys]), np.array(slow), named
         )
+
+
+def own_effects(form: SizedEffects) -> list[Effect]:
+    """Those of a form that are no companions: its first, and others of the cause in full size."""
+    (first, _), *more = form
+    full = takewhile(lambda pair: pair[0].key == first.key and _in_full(*pair), more)
+    return [first, *(effect for effect, _ in full)]
+
+
+def _in_full(effect: Effect, size: Array) -> bool:
+    return np.array_equal(size, [p.typical for p in effect.params])
 
 
 @dataclass(frozen=True)
@@ -152,8 +164,14 @@ def tie_between(
     other_forms = [e for e in sites_of([effect.key], fit) if e != effect]
     nameless = [e for e in unnamed(about) if e.key in chances]
     every = (effect, *other_forms, *rivals, *nameless)
-    forms = [tuple(with_companions(fit, (one,), about)) for one in every]
-    forms += [form[:1] for form in forms if form[0][0].pure and len(form) > 1]
+    of_cause = dict[Key, list[Effect]]()
+    for one in every:
+        of_cause.setdefault(one.key, []).append(one)
+    sets: list[tuple[Effect, ...]] = [(one,) for one in every]
+    sets += [tuple(some) for some in of_cause.values() if some[0].together and len(some) > 1]
+    forms = [tuple(with_companions(fit, some, about)) for some in sets]
+    forms += [form[: len(some)] for some, form in zip(sets, forms, strict=True) if some[0].pure]
+    forms += [tuple(with_companions(fit, (one,), about, rarer=True)) for one in every if one.rarer(about)]
     return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals, tuple(forms), chances)
 
 
