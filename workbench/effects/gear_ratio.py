@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -43,6 +43,11 @@ class GearRatio(TransmissionEffect):
     def params(self) -> tuple[Param, ...]:
         meaning = "joint travel over the commanded travel, minus one"
         return (Param("relative", "1", 5e-5, meaning, lower=-5e-3, upper=5e-3),)
+
+    @property
+    def kin(self) -> Hashable:
+        """One that is not the same over the range looks like a run-out or a map of the joint."""
+        return "own angle", self.where.joint
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[GearRatio]:
