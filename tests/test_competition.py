@@ -22,7 +22,9 @@ from workbench.diagnosis.result import NAMELESS
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.stages import rms_mm
+from workbench.diagnosis.stand_ins import times_too_sure
 from workbench.diagnosis.weight import SCALES, WEIGHTS
+from workbench.effects import catalogue
 from workbench.effects.place import Where
 from workbench.effects.records import stated_effects
 from workbench.effects.unnamed import unnamed
@@ -279,3 +281,23 @@ def test_what_loses_its_name_is_nothing_that_others_have_to_stand_out_of(tmp_pat
     """A map that was likeliest not there made a scale of λ 500 faint, and the data "nothing missing"."""
     found = diagnose(draw_case("tracker_scale/4", 27, tmp_path).campaign).diagnosis
     assert [(cause.label, cause.status) for cause in found.causes] == [("tracker_scale", "named")]
+
+
+def test_a_hose_that_is_nearly_a_spring_is_no_wrong_ratio(tmp_path):
+    """The ratio was named, at 97 %: that the hose does not stiffen was held to be next to impossible."""
+    found = diagnose(draw_case("hose_torque/5", 25, tmp_path).campaign).diagnosis
+    (cause,) = found.causes
+    assert cause.status == "ambiguous"
+    assert {cause.label, *(f"{rival.cause}({rival.where})" for rival in cause.rivals)} >= {
+        "hose_torque(joint_5)",
+        "gear_ratio(joint_5)",
+    }
+
+
+def test_a_ratio_that_is_not_the_same_over_the_range_is_kin_to_a_map(prepared):
+    """As a run-out is; of one joint alone."""
+    problem = prepared.problem
+    (ratio,) = (e for e in catalogue()["gear_ratio"].sites(problem) if e.where.joint == "joint_4")
+    maps = {e.where.joint: e for e in catalogue()["joint_map"].sites(problem)}
+    assert times_too_sure(ratio, maps["joint_4"]) == times_too_sure(maps["joint_4"], ratio) == PRIORS.kin
+    assert times_too_sure(ratio, maps["joint_5"]) == 1.0

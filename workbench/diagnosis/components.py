@@ -24,7 +24,6 @@ Key = tuple[str, Where]
 NO_LOAD = 1e-6  # of the largest load in the arm: what bears less does so by rounding, or by a turn of µrad
 LITTLE = 1e-2  # of the largest load on a joint: none is so soft that it needs less for its usual motion
 UNSEEN = 1e-6  # of the noise: a form that moves no point by more, in its usual size, shows nothing
-NEARLY = 0.2  # of their sizes, companions of what is nearly true to its form: nobody knows how near it is
 EVERY_FINER = 3  # of an effect's finer settings, every third is a form of its own
 
 
@@ -54,9 +53,9 @@ class Form:
 
     @property
     def nearly_alone(self) -> Form:
-        """With companions in a fraction of their sizes."""
-        near = np.where(np.arange(len(self.sizes)) < self.main, 1.0, NEARLY)
-        return replace(self, sizes=near * self.sizes)
+        """With companions in a fraction of their sizes: nobody knows how true a cause is to its form."""
+        share = np.where(np.arange(len(self.sizes)) < self.main, 1.0, PRIORS.nearly)
+        return replace(self, sizes=share * self.sizes)
 
     @property
     def columns(self) -> Array:
@@ -145,8 +144,8 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
             forms.append(form_of(fit, tuple(effects)))
         if effects[0].pure:
             forms += [form.alone for form in forms]
-        else:
-            forms += [form.nearly_alone for form in forms if len(form.sizes) > form.main]
+        elif effects[0].nearly:
+            forms += [form.nearly_alone for form in forms]
         forms += [form_of(fit, (e,), rarer=True) for e in effects if e.rarer(fit.model.problem)]
         forms = [form for form in forms if form.shows]
         if forms:

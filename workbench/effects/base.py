@@ -98,8 +98,9 @@ class Effect(ABC):
     the fields that are numbers but not fitted (a time constant, say); they are kept with the values in
     model.toml. ordered: `where` needs an order. together: the variants are parts of one law that may be
     off at once. pure: some are quite true to their form, as a wrong number in a controller is: they
-    compete without companions as well. depends: what any form of it depends on (one form: `uses`).
-    smooth: a smooth function of its joint's angle, so that several of them can draw any such function.
+    compete without companions as well. nearly: some are nearly that: they compete with a fraction of them as
+    well. depends: what any form of it depends on (one form: `uses`). smooth: a smooth function of its joint's
+    angle, so that several of them can draw any such function.
     always: every machine has it, whether its model states it or not. axial: it moves its joint along the
     joint's own axis, and nothing else. by_loads: it is how an arm bends under its loads, or may be.
     in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
@@ -117,6 +118,7 @@ class Effect(ABC):
     settings: ClassVar[tuple[str, ...]] = ()
     ordered: ClassVar[bool] = False
     pure: ClassVar[bool] = False
+    nearly: ClassVar[bool] = False
     together: ClassVar[bool] = False
     acts: ClassVar[Acts]
     depends: ClassVar[Depends]

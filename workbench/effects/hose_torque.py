@@ -31,6 +31,7 @@ class HoseTorque(LoadEffect):
 
     cause: ClassVar[str] = "hose_torque"
     title: ClassVar[str] = "Hose pack pulls on a joint"
+    nearly: ClassVar[bool] = True  # a spring: else all that look like one are taken for a wrong ratio
     equation: ClassVar[str] = "tau = -k thin q"
     separate: ClassVar[dict[str, str]] = {
         "gear_ratio": "repeat some poses with the hose pack taken off, or record the motor torque",
