@@ -25,7 +25,7 @@ from workbench.studies.blind.cases import FORMS, draw_case
 from workbench.studies.blind.constants import changed, moved
 from workbench.studies.blind.observer import reported_at_best
 from workbench.studies.blind.score import judged, right_model, run_case, sensitivity
-from workbench.studies.blind.tally import aims, by_strength, confusion, kind, rate
+from workbench.studies.blind.tally import aims, by_strength, confusion, figures, kind, rate
 from workbench.studies.blind.unknowns import UNKNOWNS
 
 EASY = ("backlash/1", "gear_kinematic_error/1", "wrist_coupling/0", "clean-stated/0")
@@ -226,6 +226,21 @@ def test_a_constant_varies_and_returns():
         assert PRIORS.cause == pytest.approx(3 * before)
     assert PRIORS.cause == before
     assert changed("named", 3.0) == pytest.approx(0.95 * 3 / (0.95 * 3 + 0.05))
+
+
+def test_how_often_first_names_are_right_by_their_own_probabilities():
+    """Of single causes that are strong; of the causes that a case states the likeliest, none where none is."""
+    said = [
+        ("drift/0", 50.0, [[0.9, True], [0.1, False]]),
+        ("drift/1", 400.0, []),
+        ("drift/2", 20.0, [[1.0, True]]),
+    ]
+    cases = [
+        {"key": key, "truths": [{"strength": size}], "stated": stated, "bound_mm": None, "seconds": 1.0}
+        for key, size, stated in said
+    ]
+    assert figures(cases)["first_by_its_probability"] == pytest.approx(0.45)
+    assert figures(cases[2:])["first_by_its_probability"] is None
 
 
 def test_the_reliability_that_pages_show_is_that_of_the_figures_that_are_quoted():

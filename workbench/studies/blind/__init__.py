@@ -58,6 +58,9 @@ class BlindStudy(CaseStudy):
 def _numbers(cases: Sequence[Record]) -> list[str]:
     said = figures(cases)
     lines = []
+    if said["first_by_its_probability"] is not None:
+        share = f"{100 * said['first_by_its_probability']:.1f} %"
+        lines.append(f"{'λ ≥ 40: first name right, by its own probability':<52} {share:>6}")
     if said["error_over_bound"] is not None:
         error, right = said["error_over_bound"], said["error_over_bound_right_cause"]
         what = "held-out error over the bound, median"

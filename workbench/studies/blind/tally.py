@@ -85,7 +85,7 @@ def aims(cases: Sequence[Record]) -> list[Rate]:
     """The rates that the study is for."""
     of = {name: [c for c in cases if kind(c) == name] for name in KINDS}
     single, pairs, unknown = of["single"], of["pair"], of["unknown"]
-    strong = [c for c in single if strength(c) >= 40]
+    strong = [c for c in single if strength(c) >= STRONG]
     strongest = [c for c in single if strength(c) >= 200]
     z, form = offsets(cases, "z"), offsets(cases, "z_form")
     return [
@@ -109,6 +109,7 @@ def aims(cases: Sequence[Record]) -> list[Rate]:
     ]
 
 
+STRONG = 40.0  # λ
 KINDS = ("single", "pair", "unknown", "clean-stated", "clean-repeats")
 
 
@@ -152,8 +153,11 @@ def _near_bound(case: Record) -> bool:
 
 
 def figures(cases: Sequence[Record]) -> dict[str, float | None]:
-    """Held-out error over the bound, rms over the cases: as diagnosed, and with the right causes; seconds."""
+    """Held-out error over the bound, rms over the cases: as diagnosed, and with the right causes; share of
+    strong single causes whose first name its own probability says to be right; seconds."""
     bounded = _bounded(cases)
+    strong = [c for c in cases if kind(c) == "single" and strength(c) >= STRONG]
+    first = [max((float(p) for p, _ in case["stated"]), default=0.0) for case in strong]
     seconds = [float(c["seconds"]) for c in cases]
 
     def ratio(name: str) -> float | None:
@@ -163,6 +167,7 @@ def figures(cases: Sequence[Record]) -> dict[str, float | None]:
     return {
         "error_over_bound": ratio("error_mm"),
         "error_over_bound_right_cause": ratio("right_error_mm"),
+        "first_by_its_probability": float(np.mean(first)) if first else None,
         "seconds_median": float(np.median(seconds)) if seconds else None,
         "seconds_max": max(seconds, default=None),
     }
