@@ -229,7 +229,7 @@ def test_a_constant_varies_and_returns():
 
 
 def test_how_often_first_names_are_right_by_their_own_probabilities():
-    """Of single causes that are strong; of the causes that a case states the likeliest, none where none is."""
+    """Of strong single causes; of the causes that a case states the likeliest."""
     said = [
         ("drift/0", 50.0, [[0.9, True], [0.1, False]]),
         ("drift/1", 400.0, []),
