@@ -46,7 +46,7 @@ from .ties import (
 
 MOST = 3  # ambiguous findings that are worked out, the strongest, and readings of each
 POOL = 120  # candidate records
-POSES = Attempts(first=24, fewest=18, most=60, times=2, margin=1.4)  # others may turn up as rivals
+POSES = Attempts(first=24, fewest=24, most=60, times=2, margin=1.6)  # others may turn up as rivals
 AMPLE = 5  # times as many poses of all kinds as anyone measures: none are so well chosen that they tell more
 DRAWS = 3  # of random poses with torques
 TORQUES = (18, 24, 30, 60)  # poses with them: offsets, scales, friction and noise come out of them too
