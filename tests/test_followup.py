@@ -39,7 +39,6 @@ from workbench.measurement.design.t_optimal import design_space
 from workbench.measurement.design.ties import (
     at_zero,
     least,
-    own_effects,
     settled_at,
     sites_of,
     tie_between,
@@ -226,9 +225,9 @@ def test_rivals_have_the_forms_that_a_diagnosis_gives_them(open_tie):
     mass, com = sites_of([("link_mass", Where(link="link_3"))], prior.fit)
     tie = tie_between(prior.fit, soft, values, (yields, mass, com), {})
     (rarer,) = {companion for _, companion in yields.rarer(prior.problem)}
-    assert any(form[0][0] == yields and rarer.key in {e.key for e, _ in form} for form in tie.forms)
-    (both,) = (form for form in tie.forms if own_effects(form) == [mass, com])
-    assert len(both) == 2
+    assert any(form.first == yields and rarer.key in {e.key for e, _ in form} for form in tie.forms)
+    (both,) = (form for form in tie.forms if [effect for effect, _ in form] == [mass, com])
+    assert both.own == 2
     space = design_space(prior.of_records(outcome.problem.campaign, at_zero([tie])), None)
     owns = [one.own for one in tie.hypotheses(space).patterns]
     assert owns[tie.forms.index(both)] == 1 + 3

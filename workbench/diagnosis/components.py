@@ -130,18 +130,28 @@ def bare(key: Key) -> Key:
     return key[0], key[1].any_order
 
 
+def by_key(effects: Iterable[Effect]) -> dict[Key, list[Effect]]:
+    """Effects by cause and place, in their order."""
+    places: dict[Key, list[Effect]] = {}
+    for effect in effects:
+        places.setdefault(effect.key, []).append(effect)
+    return places
+
+
+def at_once(effects: Sequence[Effect]) -> list[tuple[Effect, ...]]:
+    """Of one cause at one place those that may be off together, as one form; none where they may not."""
+    return [tuple(effects)] if effects[0].together and len(effects) > 1 else []
+
+
 def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
     """One component for each cause and place; its variants are its forms."""
-    places: dict[Key, list[Effect]] = {}
-    for effect in candidates:
-        places.setdefault(effect.key, []).append(effect)
+    places = by_key(candidates)
     sites = Counter(cause for cause, _ in places)
     out = []
     for key, effects in places.items():
         finer = [other for effect in effects for other in effect.finer()[::EVERY_FINER]]
         forms = [form_of(fit, (effect,)) for effect in (*effects, *finer) if effect.whole]
-        if effects[0].together and len(effects) > 1:
-            forms.append(form_of(fit, tuple(effects)))
+        forms += [form_of(fit, some) for some in at_once(effects)]
         if effects[0].pure:
             forms += [form.alone for form in forms]
         elif effects[0].nearly:

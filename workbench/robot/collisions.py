@@ -77,12 +77,18 @@ class Collisions:
         between = np.triu(np.diag(moved) - moved)  # [a, b]: by joints a + 1 to b
         return np.maximum(between + between.T, LEAST)
 
-    def touching(self, q: Array, clearance: float = 0.0) -> set[tuple[str, str]]:
-        """Names of the bodies that come too near to each other in a pose (n,), by more than `clearance`."""
-        plant = self.checker.plant()
+    def touching(self, q: Array) -> set[tuple[str, str]]:
+        """Names of the bodies that come too near to each other in a pose (n,)."""
+        return {pair for pair, apart in self.apart(q).items() if apart < 0}
+
+    def apart(self, q: Array) -> dict[tuple[str, str], float]:
+        """[m] beyond the clearance between bodies in a pose (n,), of those that are nearer: below zero."""
+        plant, found = self.checker.plant(), dict[tuple[str, str], float]()
         near = self.checker.CalcRobotClearance(self._drakes(q[None])[0], 0.0)
-        pairs = zip(near.robot_indices(), near.other_indices(), near.distances(), strict=True)
-        return {_pair(plant.get_body(a), plant.get_body(b)) for a, b, apart in pairs if apart < -clearance}
+        for a, b, apart in zip(near.robot_indices(), near.other_indices(), near.distances(), strict=True):
+            pair = _pair(plant.get_body(a), plant.get_body(b))
+            found[pair] = min(float(apart), found.get(pair, np.inf))
+        return found
 
     def _drakes(self, q: Array) -> Array:
         out = np.zeros_like(q)
@@ -114,13 +120,14 @@ def collisions(
     slots = np.array([slot.get(body.name(), 0) if body.model_instance() == own else 0 for body in bodies])
     found = Collisions(checker, order, slots, _levers(robot, arm, hulls), clearance)
     robots = {body.name() for body in (plant.get_body(index) for index in plant.GetBodyIndices(own))}
+    zero, usual = found.apart(np.zeros(arm.n)), [found.apart(q) for q in seen]
 
-    def built_so(clearance: float) -> set[tuple[str, str]]:
-        at_zero = {pair for pair in found.touching(np.zeros(arm.n), clearance) if robots.issuperset(pair)}
-        usual = Counter(pair for q in seen for pair in found.touching(q, clearance))
-        return at_zero | {pair for pair, count in usual.items() if count >= ALWAYS * len(seen)}
+    def built_so(nearer: float) -> set[tuple[str, str]]:
+        at_zero = {pair for pair, apart in zero.items() if apart < nearer and robots.issuperset(pair)}
+        often = Counter(pair for one in usual for pair, apart in one.items() if apart < nearer)
+        return at_zero | {pair for pair, times in often.items() if times >= ALWAYS * len(seen)}
 
-    near, touch = built_so(0.0), built_so(clearance)
+    near, touch = built_so(0.0), built_so(-clearance)
     for a, b in near - touch:  # they may come as near as they like, but no nearer than that
         checker.SetPaddingBetween(plant.GetBodyByName(a), plant.GetBodyByName(b), 0.0)
     for a, b in touch:

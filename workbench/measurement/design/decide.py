@@ -292,7 +292,7 @@ def command_text(tie: Tie) -> str:
     diagnosis has each, those without a name among them."""
     values = tie.size * np.array([p.typical for p in tie.effect.params])
     found = effect_text(tie.effect, np.array([float(f"{value:.{SAID}g}") for value in values]))
-    rivals = {form[0][0].key: form[0][0] for form in tie.forms if form[0][0].key != tie.effect.key}
+    rivals = {form.first.key: form.first for form in tie.forms if form.first.key != tie.effect.key}
     told = [(found, tie.effect.key), *((_text(effect), key) for key, effect in rivals.items())]
     return ",".join(_with(text, tie.chances.get(key)) for text, key in told)
 

@@ -47,7 +47,7 @@ def with_shown(space: DesignSpace, tie: Tie, fit: Fit) -> Tie:
     return replace(
         tie,
         rivals=tuple(rival for rival in tie.rivals if rival not in gone),
-        forms=tuple(form for form in tie.forms if form[0][0] not in gone),
+        forms=tuple(form for form in tie.forms if form.first not in gone),
     )
 
 

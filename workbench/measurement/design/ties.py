@@ -13,17 +13,17 @@ the rivals, each as likely as it is now (`expected_odds`).
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import permutations, takewhile
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign.planned import joint_ranges
 from ...campaign.problem import Problem
-from ...diagnosis.components import Key, with_companions
+from ...diagnosis.components import Key, at_once, by_key, with_companions
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome
 from ...diagnosis.stand_ins import times_too_sure
@@ -47,7 +47,21 @@ FAINTEST = 1e-6  # probability that is told from none
 POWER = 0.8  # probability from which records are said to settle a tie
 
 Columns = NDArray[np.int64]
-SizedEffects = tuple[tuple[Effect, Array], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class SizedForm:
+    """Effects with their prior sizes; all but the first `own` are companions of these."""
+
+    own: int
+    sized: tuple[tuple[Effect, Array], ...]
+
+    def __iter__(self) -> Iterator[tuple[Effect, Array]]:
+        return iter(self.sized)
+
+    @property
+    def first(self) -> Effect:
+        return self.sized[0][0]
 
 
 @dataclass(frozen=True)
@@ -59,7 +73,7 @@ class Tie:
     effect: Effect
     size: Array
     rivals: tuple[Effect, ...]
-    forms: tuple[SizedEffects, ...]
+    forms: tuple[SizedForm, ...]
     chances: Mapping[Key, float]
 
     def chance(self, key: Key) -> float:
@@ -81,19 +95,19 @@ class Tie:
         return replace(
             self,
             rivals=tuple(rival for rival in self.rivals if rival.key == key),
-            forms=tuple(form for form in self.forms if form[0][0].key in kept),
+            forms=tuple(form for form in self.forms if form.first.key in kept),
         )
 
     def hypotheses(self, space: DesignSpace) -> Hypotheses:
         """What may be true, in the columns of a space."""
-        firsts = {form[0][0].key: form[0][0] for form in reversed(self.forms)}
-        keys = list(dict.fromkeys(form[0][0].key for form in self.forms))
+        firsts = {form.first.key: form.first for form in reversed(self.forms)}
+        keys = list(dict.fromkeys(form.first.key for form in self.forms))
         patterns = []
         for form in self.forms:
             columns = np.concatenate([space.columns(effect) for effect, _ in form]) - space.background
             usual = [size / [p.typical for p in effect.params] for effect, size in form]
-            key = form[0][0].key
-            own = sum(len(effect.params) for effect in own_effects(form))
+            key = form.first.key
+            own = sum(map(len, usual[: form.own]))
             patterns.append(Pattern(columns, np.concatenate(usual), keys.index(key), own, key[0] != UNKNOWN))
         named = np.array([key[0] != UNKNOWN for key in keys])
         slow = [
@@ -103,17 +117,6 @@ class Tie:
         return Hypotheses(
             tuple(patterns), np.array([self.chance(key) for key in keys]), np.array(slow), named
         )
-
-
-def own_effects(form: SizedEffects) -> list[Effect]:
-    """Those of a form that are no companions: its first, and others of the cause in full size."""
-    (first, _), *more = form
-    full = takewhile(lambda pair: pair[0].key == first.key and _in_full(*pair), more)
-    return [first, *(effect for effect, _ in full)]
-
-
-def _in_full(effect: Effect, size: Array) -> bool:
-    return np.array_equal(size, [p.typical for p in effect.params])
 
 
 @dataclass(frozen=True)
@@ -164,14 +167,19 @@ def tie_between(
     other_forms = [e for e in sites_of([effect.key], fit) if e != effect]
     nameless = [e for e in unnamed(about) if e.key in chances]
     every = (effect, *other_forms, *rivals, *nameless)
-    of_cause = dict[Key, list[Effect]]()
-    for one in every:
-        of_cause.setdefault(one.key, []).append(one)
     sets: list[tuple[Effect, ...]] = [(one,) for one in every]
-    sets += [tuple(some) for some in of_cause.values() if some[0].together and len(some) > 1]
-    forms = [tuple(with_companions(fit, some, about)) for some in sets]
-    forms += [form[: len(some)] for some, form in zip(sets, forms, strict=True) if some[0].pure]
-    forms += [tuple(with_companions(fit, (one,), about, rarer=True)) for one in every if one.rarer(about)]
+    sets += [some for own in by_key(every).values() for some in at_once(own)]
+    forms = [SizedForm(len(some), tuple(with_companions(fit, some, about))) for some in sets]
+    forms += [
+        SizedForm(form.own, form.sized[: form.own])
+        for form in forms
+        if form.first.pure and len(form.sized) > form.own
+    ]
+    forms += [
+        SizedForm(1, tuple(with_companions(fit, (one,), about, rarer=True)))
+        for one in every
+        if one.rarer(about)
+    ]
     return Tie(effect, values / np.array([p.typical for p in effect.params]), rivals, tuple(forms), chances)
 
 
