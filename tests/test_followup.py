@@ -110,7 +110,6 @@ def test_a_tie_with_what_is_hidden_is_no_cause_that_is_not_there():
     assert ("Nothing of this", "link_3 bends.", "link_3 bends.") in rows(wrong)
 
 
-@pytest.mark.slow
 def test_one_tie_has_one_lambda(open_tie, tmp_path):
     """In the diagnosis, in a plan by its command, and in one by its result.json."""
     _, campaign, outcome = open_tie
@@ -244,7 +243,6 @@ def test_a_command_with_a_rival_that_hardly_shows_is_no_fault(open_tie):
         plan(campaign, 10, tell=f"{tie},link_mass:link=link_1", quick=True)
 
 
-@pytest.mark.slow
 def test_a_long_question_is_no_file(open_tie, tmp_path, monkeypatch, capsys):
     _, campaign, first = open_tie
     (finding,) = (f for f in first.diagnosis.causes if f.decide)

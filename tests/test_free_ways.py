@@ -23,7 +23,7 @@ def reached(name: str, cell: CellData) -> Reach:
     return reach(problem, problem.stated_targets, cell, np.random.default_rng(0))
 
 
-@pytest.mark.parametrize("degrees", [-21, -13, -4])
+@pytest.mark.parametrize("degrees", [-21, -13, -4, 3, 11, 20])
 def test_a_thin_probe_does_not_pass_through_a_thin_rod(degrees: float) -> None:
     place = 600 * np.cos(np.radians(degrees)), 600 * np.sin(np.radians(degrees)), 600
     rod = ObstacleData(name="rod", box_mm=(4, 4, 800), xyz_mm=place)
@@ -95,7 +95,6 @@ def fenced() -> Reach:
     return replace(cell, closely=True)
 
 
-@pytest.mark.slow
 def test_the_map_and_what_hangs_on_it_are_looked_at_closely(fenced: Reach) -> None:
     known = np.argwhere(np.triu(np.isfinite(fenced.map.ways), 1))
     nodes, clear = fenced.map.nodes, fenced.collisions.clear_way

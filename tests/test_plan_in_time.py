@@ -28,7 +28,6 @@ def loaded():
     return replace(load_robot("cylindrical"), payloads=HEAVY)
 
 
-@pytest.mark.slow
 def test_a_plan_keeps_to_its_time():
     """A slow robot stops on its way, and this is worth more than its best poses alone."""
     made = plan(replace(load_robot("irb120"), payloads=HEAVY), minutes=6, cell=SLOW)
@@ -41,7 +40,6 @@ def test_a_plan_keeps_to_its_time():
     assert facts["information_per_hour_over_random"] == made.gain
 
 
-@pytest.mark.slow
 def test_a_target_that_takes_too_long_is_left_out(tmp_path, capsys):
     """Reflectors that are moved by hand: what is measured, and for how long, stands in what is written."""
     (tmp_path / "cell.toml").write_text("schema = 1\n[driving]\nreflector_s = 60\n")
@@ -84,7 +82,6 @@ def test_a_load_that_takes_too_long_to_mount_stays_away(loaded):
     assert made.drive.pauses_s == 0
 
 
-@pytest.mark.slow
 def test_an_arm_is_worked_warm_where_there_is_time_for_it():
     def made(wait):
         cell = CellData(driving=DrivingData(warm_up_min=wait))
@@ -209,7 +206,6 @@ def test_every_block_has_a_val3_application_of_its_own(tmp_path):
     assert sorted(still) == sorted([sum("heavy" in p for p in poses), sum("heavy" not in p for p in poses)])
 
 
-@pytest.mark.slow
 def test_what_was_found_is_settled_in_a_time(tmp_path, measured):
     """A result.json with several ties, as `--poses` takes it; more time settles more."""
     ratio = json.loads(ambiguous(tmp_path, 5e-5).read_text())["causes"][0]
