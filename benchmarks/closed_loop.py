@@ -21,8 +21,8 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests")]
 from extended_example import extended_kr500  # noqa: E402
 
 from workbench.campaign.problem import Problem  # noqa: E402
-from workbench.correction import Conditions, compensate  # noqa: E402
-from workbench.correction.conditions import path_campaign  # noqa: E402
+from workbench.correction.command import compensate  # noqa: E402
+from workbench.correction.conditions import Conditions, path_campaign  # noqa: E402
 from workbench.correction.extended_arm import extended_arm  # noqa: E402
 from workbench.correction.path_shapes import Run, circle, work_frame  # noqa: E402
 from workbench.correction.paths import Path as ToolPath  # noqa: E402

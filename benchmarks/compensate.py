@@ -12,7 +12,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from timing import shortest
 
-from workbench.correction import Conditions, compensate
+from workbench.correction.command import compensate
+from workbench.correction.conditions import Conditions
 from workbench.correction.path_shapes import Run, spiral, work_frame
 from workbench.correction.paths import Path
 from workbench.correction.solve import settle

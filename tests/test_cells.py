@@ -11,9 +11,9 @@ import pytest
 from workbench.campaign import Campaign, Target
 from workbench.campaign.planned import planned
 from workbench.campaign.problem import problem_of
-from workbench.correction import nominal_joints
 from workbench.correction.path_shapes import Run, line, tilted, work_frame
 from workbench.correction.paths import Path as DrawnPath
+from workbench.correction.trajectory import nominal_joints
 from workbench.diagnosis.prepared import prepare
 from workbench.files.faults import InputError
 from workbench.identification.cells import CellModel, cells, fit_cells, load_cells, write_cells

@@ -9,8 +9,8 @@ import pytest
 from extended_example import extended, extended_kr500
 
 from workbench.campaign.problem import Problem
-from workbench.correction import Conditions, compensate
-from workbench.correction.conditions import path_campaign
+from workbench.correction.command import compensate
+from workbench.correction.conditions import Conditions, path_campaign
 from workbench.correction.extended_arm import extended_arm
 from workbench.correction.path_shapes import Run, line, work_frame
 from workbench.correction.paths import Path, write_path

@@ -10,12 +10,13 @@ from extended_example import extended, extended_kr500
 
 from workbench.campaign import Target
 from workbench.campaign.planned import planned
-from workbench.correction import Compensation, Conditions, compensate, nominal_joints
+from workbench.correction.command import Compensation, compensate
+from workbench.correction.conditions import Conditions
 from workbench.correction.path_shapes import Run, pocket, raster, spiral, work_frame
 from workbench.correction.paths import Path
 from workbench.correction.programs import RoundingEffect
 from workbench.correction.solve import turning_sides
-from workbench.correction.trajectory import trajectory_of
+from workbench.correction.trajectory import nominal_joints, trajectory_of
 from workbench.effects.backlash import Backlash
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.gear_kinematic_error import GearKinematicError

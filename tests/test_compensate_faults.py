@@ -10,10 +10,13 @@ import pytest
 from extended_example import extended, extended_kr500
 
 from workbench.campaign.planned import planned
-from workbench.correction import Conditions, compensate, compensate_file, conditions_of, nominal_joints
+from workbench.correction.command import compensate
+from workbench.correction.conditions import Conditions, conditions_of
+from workbench.correction.file import compensate_file
 from workbench.correction.path_shapes import Run, circle, line, work_frame
 from workbench.correction.paths import Path, write_path
 from workbench.correction.programs import formats, read_program
+from workbench.correction.trajectory import nominal_joints
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.place import Where

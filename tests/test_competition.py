@@ -264,7 +264,9 @@ def test_products_that_are_worked_out_from_rows_are_those_that_are_stored():
     rng = np.random.default_rng(5)
     widths = [1, 3, 2, 3, 1, 3]
     W = rng.normal(size=(sum(widths), 7))
-    stored, of_rows = Stored(W @ W.T), OfRows(W, widths)
+    of, size = np.array([0, 1, 2, 3, 1, 2, 3, 4, 5, 6, 4, 5, 0]), rng.uniform(0.5, 2.0, len(W))
+    W, some = size[:, None] * W[of], W
+    stored, of_rows = Stored(some @ some.T, of, size), OfRows(W, widths)
     starts = np.cumsum([0, *widths])[[1, 3, 5]]
     columns, block = np.array([4, 0, 4, 12]), starts[:, None] + np.arange(3)
     v = csc_array((rng.normal(size=5), ([0, 1, 2, 3, 9], [0, 1, 1, 1, 2])), (len(W), 3))

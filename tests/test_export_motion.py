@@ -10,7 +10,8 @@ from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 from test_export import package
 
-from workbench.correction import Conditions, compensate
+from workbench.correction.command import compensate
+from workbench.correction.conditions import Conditions
 from workbench.correction.path_shapes import Run, line, work_frame
 from workbench.robot.description import load_robot
 from workbench.robot.extended_robot.effects import BANDWIDTH

@@ -8,7 +8,8 @@ from extended_example import extended, extended_kr500
 
 from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem_of
-from workbench.correction import compensate, conditions_of, stated_conditions
+from workbench.correction.command import compensate
+from workbench.correction.conditions import conditions_of, stated_conditions
 from workbench.correction.paths import Path
 from workbench.diagnosis.run import diagnose
 from workbench.effects.backlash import Backlash

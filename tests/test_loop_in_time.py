@@ -9,7 +9,8 @@ import pytest
 from extended_example import extended
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
-from workbench.correction import Conditions, compensate
+from workbench.correction.command import compensate
+from workbench.correction.conditions import Conditions
 from workbench.correction.path_shapes import Run, circle, line, work_frame
 from workbench.correction.paths import Path
 from workbench.effects.backlash import Backlash

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from workbench.correction import Conditions
+from workbench.correction.conditions import Conditions
 from workbench.correction.paths import Path
 from workbench.robot.description import load_robot
 from workbench.robot.loop import Loop

@@ -8,7 +8,7 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.framework import DiagramBuilder
 
-from workbench.correction import Conditions
+from workbench.correction.conditions import Conditions
 from workbench.correction.paths import Path
 from workbench.report.meshcat_page import draw_robot, meshcat_alone
 from workbench.robot.compensator import compensator_law

@@ -14,9 +14,10 @@ from test_controller import MAKERS
 from workbench.campaign import Target
 from workbench.campaign.planned import planned
 from workbench.cli.main import main
-from workbench.correction import compensate_program, nominal_joints
+from workbench.correction.in_place import compensate_program
 from workbench.correction.paths import Path as JointPath
 from workbench.correction.programs import find_format
+from workbench.correction.trajectory import nominal_joints
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.place import Where
 from workbench.files.faults import InputError

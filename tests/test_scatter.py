@@ -125,7 +125,7 @@ def test_joints_that_move_no_point_decide_nothing(rounding):
     wrist = geometry.model.problem.arm.axial[2:]
     moved = geometry.line.direct.copy()
     moved[:, :, wrist] = 0.0
-    fitted = replace(geometry, line=replace(geometry.line, direct=moved))
+    fitted = replace(geometry, line=replace(geometry.line, loaded=moved))
     without = with_scatter(fitted, geometry.noise)
     least = rounding * geometry.noise.usual
     moved[:, :, wrist] = least * np.random.default_rng(0).normal(size=(*moved.shape[:2], 4))

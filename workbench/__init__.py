@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     from .campaign.problem import problem as problem
     from .campaign.problem import problem_of as problem_of
     from .cli.study import run_study as run_study
-    from .correction import Compensation as Compensation
-    from .correction import Conditions as Conditions
-    from .correction import compensate as compensate
-    from .correction import compensate_file as compensate_file
-    from .correction import compensate_program as compensate_program
-    from .correction import conditions_of as conditions_of
-    from .correction import nominal_joints as nominal_joints
     from .correction import path_shapes as path_shapes
-    from .correction import stated_conditions as stated_conditions
+    from .correction.command import Compensation as Compensation
+    from .correction.command import compensate as compensate
+    from .correction.conditions import Conditions as Conditions
+    from .correction.conditions import conditions_of as conditions_of
+    from .correction.conditions import stated_conditions as stated_conditions
+    from .correction.file import compensate_file as compensate_file
+    from .correction.in_place import compensate_program as compensate_program
     from .correction.paths import Path as Path
     from .correction.paths import load_path as load_path
     from .correction.paths import write_path as write_path
+    from .correction.trajectory import nominal_joints as nominal_joints
     from .diagnosis.changes import compare as compare
     from .diagnosis.changes.result import Comparison as Comparison
     from .diagnosis.result import Diagnosis as Diagnosis
@@ -165,8 +165,12 @@ _MODULES = {
     "campaign": "Campaign Target load_campaign write_campaign",
     "campaign.planned": "planned random_poses",
     "campaign.problem": "Problem problem problem_of",
-    "correction": "Compensation Conditions compensate compensate_file compensate_program "
-    "conditions_of nominal_joints path_shapes stated_conditions",
+    "correction": "path_shapes",
+    "correction.command": "Compensation compensate",
+    "correction.conditions": "Conditions conditions_of stated_conditions",
+    "correction.file": "compensate_file",
+    "correction.in_place": "compensate_program",
+    "correction.trajectory": "nominal_joints",
     "correction.paths": "Path load_path write_path",
     "diagnosis.changes": "compare",
     "diagnosis.changes.result": "Comparison",

@@ -13,7 +13,7 @@ from .status import progress, warn
 
 if TYPE_CHECKING:
     from ..campaign import Campaign
-    from ..correction import Conditions
+    from ..correction.conditions import Conditions
     from ..robot.kinematics import Array
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -154,7 +154,7 @@ def stated(campaign: str | None) -> Campaign | None:
 
 def conditions(model: str, payload: str, campaign: Campaign | None) -> Conditions:
     """Tool and payload along the path, as the campaign or else the model states them."""
-    from ..correction import conditions_of, stated_conditions
+    from ..correction.conditions import conditions_of, stated_conditions
     from ..robot.description import load_robot
 
     if campaign is not None:

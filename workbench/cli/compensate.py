@@ -57,7 +57,8 @@ def add(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    from ..correction import compensate_file, compensate_program, is_program
+    from ..correction.file import compensate_file
+    from ..correction.in_place import compensate_program, is_program
 
     check_folder(arguments.out.parent if arguments.out else None)
     loads = conditions(arguments.model, arguments.payload, stated(arguments.campaign))

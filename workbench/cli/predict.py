@@ -135,7 +135,7 @@ def _path(file: Path, robot: Robot) -> ToolPath:
 def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
     """The poses of a file: a campaign's, joints as a campaign or a path has them, or tool poses of the
     flange."""
-    from ..correction import nominal_joints
+    from ..correction.trajectory import nominal_joints
     from ..files.faults import read_text
     from ..identification.prediction import posed
     from . import told

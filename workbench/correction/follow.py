@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from ..robot.kinematics import Arm, Array, frames
 from ..robot.rotations import angle_between
@@ -166,6 +165,8 @@ def _fill(
     arm: Arm, tip: Tip, X: Array, way: Array, knots: NDArray[np.int64], q_knots: Array
 ) -> tuple[Array, Bools]:
     """All samples, from knots that are solved."""
+    from scipy.interpolate import CubicSpline  # slow to load, and what reads a program needs none
+
     q = np.empty((len(X), arm.n))
     solved = np.zeros(len(X), dtype=bool)
     fresh = np.concatenate([[True], np.diff(way[knots]) > 1e-9])

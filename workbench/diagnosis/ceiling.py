@@ -21,7 +21,7 @@ from ..robot.kinematics import Array
 from .chosen import Chosen
 from .components import Component, Form, cause_components, nameless_components, sized
 from .gram import Stored
-from .patterns import products_of
+from .patterns import once, products_of
 from .reduced import Reduced, explained, slices_of
 from .screen import effective_dof
 from .sets import Competition
@@ -62,10 +62,12 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
 def _worth_trying(final: Fit, components: Sequence[Component]) -> list[Form]:
     """The likeliest form of each component that has any evidence."""
     forms = [form for component in components for form in component.forms]
-    products = products_of(sized(forms), final.J * final.columns.prior, final.r, np.arange(len(final.r)))
+    patterns, of, size = once(sized(forms))
+    products = products_of(patterns, final.J * final.columns.prior, final.r, np.arange(len(final.r)))
     Z = solve_triangular(final.upper, products.JG, trans="T", check_finite=False)
     dof = effective_dof(final)
-    reduced = Reduced(slices_of(components), Stored(products.GG - Z.T @ Z), products.Ge, final.chi2, dof, 0.0)
+    S = Stored(products.GG - Z.T @ Z, of, size)
+    reduced = Reduced(slices_of(components), S, products.Ge[of] * size, final.chi2, dof, 0.0)
     weights = Competition(reduced, components).beside(Chosen(reduced, []))
     return [
         components[k].forms[weight.form]

@@ -7,8 +7,9 @@ A component is a prior for a pattern in the data: columns with prior sizes. The 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -144,19 +145,20 @@ def at_once(effects: Sequence[Effect]) -> list[tuple[Effect, ...]]:
 
 
 def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
-    """One component for each cause and place; its variants are its forms."""
-    places = by_key(candidates)
+    """One component for each cause and place; its variants are its forms. What forms share is there once."""
+    places, pattern = by_key(candidates), cache(partial(pattern_of, fit))
     sites = Counter(cause for cause, _ in places)
     out = []
     for key, effects in places.items():
         finer = [other for effect in effects for other in effect.finer()[::EVERY_FINER]]
-        forms = [form_of(fit, (effect,)) for effect in (*effects, *finer) if effect.whole]
-        forms += [form_of(fit, some) for some in at_once(effects)]
+        forms = [form_of(fit, (e,), pattern=pattern) for e in (*effects, *finer) if e.whole]
+        forms += [form_of(fit, some, pattern=pattern) for some in at_once(effects)]
         if effects[0].pure:
             forms += [form.alone for form in forms]
         elif effects[0].nearly:
             forms += [form.nearly_alone for form in forms]
-        forms += [form_of(fit, (e,), rarer=True) for e in effects if e.rarer(fit.model.problem)]
+        rarer = [e for e in effects if e.rarer(fit.model.problem)]
+        forms += [form_of(fit, (e,), rarer=True, pattern=pattern) for e in rarer]
         forms = [form for form in forms if form.shows]
         if forms:
             out.append(Component(key, tuple(forms), log_odds_of(effects[0], sites[key[0]])))
@@ -189,11 +191,17 @@ def log_odds_of(effect: Effect, sites: int) -> float:
     return float(np.log(p / (1 - p)))
 
 
-def form_of(fit: Fit, effects: tuple[Effect, ...], about: Problem | None = None, rarer: bool = False) -> Form:
+def form_of(
+    fit: Fit,
+    effects: tuple[Effect, ...],
+    about: Problem | None = None,
+    rarer: bool = False,
+    pattern: Callable[[Effect], Pattern] | None = None,
+) -> Form:
     """Effects together as one form, each parameter in its usual size; with the companions that they have in a
-    problem (default: the fit's own), or with the rarer ones too."""
+    problem (default: the fit's own), or with the rarer ones too. pattern: of an effect at the fit."""
     every = with_companions(fit, effects, about or fit.model.problem, rarer)
-    patterns = tuple(pattern_of(fit, effect) for effect, _ in every)
+    patterns = tuple((pattern or partial(pattern_of, fit))(effect) for effect, _ in every)
     sizes, weight = np.concatenate([own for _, own in every]), PRIORS.rarer if rarer else 1.0
     return Form(patterns, sizes, effects, _wrong_sign(effects), weight)
 

@@ -32,26 +32,33 @@ class Gram(Protocol):
 
 
 class Stored:
-    """All of them, S (g, g)."""
+    """All of them: of columns (g,) that are multiples `size` (g,) of fewer, number `of` (g,) of those whose
+    products S (m, m) are."""
 
-    def __init__(self, S: Array) -> None:
+    def __init__(self, S: Array, of: Index | None = None, size: Array | None = None) -> None:
         self.S = S
+        self.of = np.arange(len(S)) if of is None else of
+        self.size = np.ones(len(self.of)) if size is None else size
 
     def __len__(self) -> int:
-        return len(self.S)
+        return len(self.of)
 
     def between(self, rows: Index, columns: Index) -> Array:
-        return np.asarray(self.S[rows[..., None], columns])
+        found = self.S[self.of[rows][..., None], self.of[columns]]
+        return np.asarray(self.size[rows][..., None] * found * self.size[columns])
 
     def blocks(self, index: Index) -> Array:
-        return np.asarray(self.S[index[:, :, None], index[:, None, :]])
+        own, size = self.of[index], self.size[index]
+        return np.asarray(size[:, :, None] * self.S[own[:, :, None], own[:, None, :]] * size[:, None, :])
 
     def combined(self, v: csc_array, columns: Index) -> tuple[Array, Array]:
+        rows, shape = v.indices, (len(self.S), v.shape[1])
+        v = csc_array((v.data * self.size[rows], self.of[rows], v.indptr), shape)
         half = v.T @ self.S
-        return np.asarray((v.T @ half.T).T), half[:, columns]
+        return np.asarray((v.T @ half.T).T), half[:, self.of[columns]] * self.size[columns]
 
     def times(self, factor: float) -> Stored:
-        return Stored(factor * self.S)
+        return Stored(factor * self.S, self.of, self.size)
 
 
 class OfRows:

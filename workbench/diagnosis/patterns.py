@@ -6,8 +6,9 @@ on the pose. Products of such columns need the amounts alone: one number per pos
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import groupby, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,22 +68,26 @@ class Products:
         return cls(G.T @ G, J.T @ G, G.T @ e)
 
 
-def products_of(sized: Sequence[tuple[Pattern, Array]], J: Array, e: Array, poses: Index) -> Products:
-    """Products of the columns of patterns, in their sizes, with J (M, D, n) and e (M, D) of these poses (M,);
-    a block of poses at a time: the columns never stand side by side for all."""
-    ends = np.cumsum([0, *(len(sizes) for _, sizes in sized)])
-    groups: dict[int, list[int]] = {}
-    for i in sorted(range(len(sized)), key=lambda i: sized[i][0].joint):  # those without a motion come first
-        groups.setdefault(sized[i][0].joint, []).append(i)
-    order = [i for own in groups.values() for i in own]
-    place = np.concatenate([np.zeros(0, int), *(np.arange(ends[i], ends[i + 1]) for i in order)])
-    inverse = np.argsort(place)
-    total = _Sums(len(place), J.shape[2])
+def once(sized: Iterable[tuple[Pattern, Array]]) -> tuple[list[Pattern], Index, Array]:
+    """Patterns without repetition, those along one motion together, and of the columns of all their numbers
+    (g,) among those of these, with the sizes (g,) that they stand there in."""
+    every = list(sized)
+    own = sorted({id(pattern): pattern for pattern, _ in every}.values(), key=lambda pattern: pattern.joint)
+    ends = np.cumsum([0, *(pattern.amount.shape[-1] for pattern in own)])
+    columns = {id(pattern): np.arange(a, b) for pattern, (a, b) in zip(own, pairwise(ends), strict=True)}
+    of = np.concatenate([np.zeros(0, int), *(columns[id(pattern)] for pattern, _ in every)])
+    return own, of, np.concatenate([np.zeros(0), *(sizes for _, sizes in every)])
+
+
+def products_of(patterns: Sequence[Pattern], J: Array, e: Array, poses: Index) -> Products:
+    """Products of the columns of patterns, those along one motion together, with J (M, D, n) and e (M, D) of
+    these poses (M,); a block of poses at a time: the columns never stand side by side for all."""
+    groups = [list(own) for _, own in groupby(patterns, key=lambda pattern: pattern.joint)]
+    total = _Sums(sum(pattern.amount.shape[-1] for pattern in patterns), J.shape[2])
     for at in range(0, len(poses), BLOCK):
         here = slice(at, at + BLOCK)
-        together = [_together([sized[i] for i in own], poses[here]) for own in groups.values()]
-        total.add(together, J[here], e[here])
-    return Products(total.GG[np.ix_(inverse, inverse)], total.JG[:, inverse], total.Ge[inverse])
+        total.add([_together(own, poses[here]) for own in groups], J[here], e[here])
+    return Products(total.GG, total.JG, total.Ge)
 
 
 class _Sums:
@@ -99,13 +104,20 @@ class _Sums:
         own = groups[0].amount if len(moving) < len(groups) else np.zeros((*e.shape, 0))
         beside = np.concatenate([own, J, e[:, :, None]], axis=2)
         h, n = own.shape[2], J.shape[2]
-        self._put(slice(0, h), h, n, _flat(own).T @ _flat(beside))
+        self.GG[:h, :h] += _flat(own).T @ _flat(own)
+        with_others = _flat(own).T @ _flat(beside[:, :, h:])
+        self.JG[:, :h] += with_others[:, :n].T
+        self.Ge[:h] += with_others[:, n]
         first, done = h, list[tuple[slice, Pattern]]()
         for group in moving:
             assert group.motion is not None
             part = slice(first, first + group.amount.shape[1])
             along = np.matmul(group.motion[:, None, :], beside)[:, 0]
-            self._put(part, h, n, group.amount.T @ along)
+            products = group.amount.T @ along
+            self.GG[part, :h] += products[:, :h]
+            self.GG[:h, part] += products[:, :h].T
+            self.JG[:, part] += products[:, h : h + n].T
+            self.Ge[part] += products[:, h + n]
             for other, before in done:
                 assert before.motion is not None
                 weight = (group.motion * before.motion).sum(axis=1)
@@ -117,19 +129,11 @@ class _Sums:
             done.append((part, group))
             first = part.stop
 
-    def _put(self, part: slice, h: int, n: int, products: Array) -> None:
-        """Products of some columns with the h that have no motion, with the background, with the data."""
-        self.GG[part, :h] += products[:, :h]
-        if part.start:
-            self.GG[:h, part] += products[:, :h].T
-        self.JG[:, part] += products[:, h : h + n].T
-        self.Ge[part] += products[:, h + n]
 
-
-def _together(sized: Sequence[tuple[Pattern, Array]], poses: Index) -> Pattern:
-    """Patterns along one motion, or without any, side by side in their sizes, at some poses."""
-    first = sized[0][0]
-    amount = np.concatenate([pattern.amount[poses] * sizes for pattern, sizes in sized], axis=-1)
+def _together(patterns: Sequence[Pattern], poses: Index) -> Pattern:
+    """Patterns along one motion, or without any, side by side, at some poses."""
+    first = patterns[0]
+    amount = np.concatenate([pattern.amount[poses] for pattern in patterns], axis=-1)
     return Pattern(amount, None if first.motion is None else first.motion[poses], first.joint)
 
 

@@ -14,7 +14,7 @@ from ..identification.rows import offset_of
 from ..robot.kinematics import Array
 from .components import Component, sized
 from .gram import Gram, Stored
-from .patterns import Index, Products, products_of
+from .patterns import Index, Products, once, products_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +44,11 @@ def reduce(
     J, e = fit.J[some, :, :n] * fit.columns.prior[:n], (fit.r + explained(fit))[some]
     offset = offset_of(fit.model, fit.columns, fit.state)[:n]
     rows = int((np.abs(fit.whitener[some]).sum(axis=2) > 0).sum())
+    patterns, of, size = once(sized(forms))
     S, u, chi2, dof = without_background(
-        J.reshape(-1, n), offset, e.ravel(), rows, products_of(sized(forms), J, e, some)
+        J.reshape(-1, n), offset, e.ravel(), rows, products_of(patterns, J, e, some)
     )
-    return Reduced(slices_of(components), Stored(S), u, chi2, dof, noise_dof)
+    return Reduced(slices_of(components), Stored(S, of, size), u[of] * size, chi2, dof, noise_dof)
 
 
 def slices_of(components: Sequence[Component]) -> tuple[tuple[slice, ...], ...]:
@@ -86,7 +87,9 @@ def without_background(
     z = solve_triangular(upper, J.T @ e - offset, trans="T", check_finite=False)
     inverse = solve_triangular(upper, np.eye(n), trans="T", check_finite=False)
     dof = rows - (n - float((inverse**2).sum()))
-    return of.GG - Z.T @ Z, of.Ge - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof
+    S = Z.T @ Z
+    np.subtract(of.GG, S, out=S)  # of some thousand columns: no room for a third
+    return S, of.Ge - Z.T @ z, float(e @ e + offset @ offset - z @ z), dof
 
 
 def _upper(J: Array) -> Array:

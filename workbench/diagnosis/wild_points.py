@@ -12,7 +12,6 @@ from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from ..campaign import Campaign
 from ..campaign.problem import Problem
@@ -121,13 +120,19 @@ def _where_many_are_off(problem: Problem, length: Array) -> Array:
         near = np.zeros(len(q))
         for angle in q.T:
             order = seen[np.argsort(angle[seen], kind="stable")]
-            near[order] = np.maximum(near[order], median_filter(column[order], NEIGHBOURS, mode="mirror"))
+            near[order] = np.maximum(near[order], _median_around(column[order]))
         for load in np.unique(problem.campaign.poses.payload[seen]):
             same = seen[problem.campaign.poses.payload[seen] == load]
             if len(same) >= NEIGHBOURS:
                 near[same] = np.maximum(near[same], np.median(column[same]))
         out[:, i] = np.where(near > MANY * usual, near, 0.0)
     return out
+
+
+def _median_around(column: Array) -> Array:
+    """(N,) median of each number and its neighbours; where the column ends, of those on one side, twice."""
+    around = np.pad(column, NEIGHBOURS // 2, mode="reflect")
+    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(around, NEIGHBOURS), axis=1))
 
 
 def least_sigma(problem: Problem, noise: Covariance | None) -> Array:

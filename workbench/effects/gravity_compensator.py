@@ -12,6 +12,7 @@ from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
 from ..robot.extended_robot.cylinder import ATMOSPHERE
 from ..robot.kinematics import Arm, Array, Frames
 from ..robot.loads import Loads
+from ..robot.rotations import cross
 from .base import Depends, Param, Rest, short
 from .drawn import Drawn
 from .kinds import LoadEffect
@@ -133,7 +134,7 @@ class GravityCompensator(LoadEffect):
         end, direction, s = law.ends(where)
         change = np.ones_like(s) if self.variant == "preload" else law.force(s)[2] * self._scale(problem)
         pull = (change[:, None] * direction)[:, None]
-        torque = np.cross(end[:, None] - where.origin, pull)
+        torque = cross(end[:, None] - where.origin, pull)
         out = np.zeros((*where.origin.shape[:2], 6, 1))
         between = slice(law.body + 1, law.arm + 1)
         axes = where.axes[:, between]

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array, Frames
+from ..robot.rotations import cross
 from .base import Effect, Param
 from .kinds import LoadEffect
 from .place import Parameter
@@ -97,7 +98,7 @@ def mass_wrench(problem: Problem, where: Frames, slot: int, mass: Array, moment:
     at = mass[:, None] * where.p[slot] + np.einsum("nij,nj->ni", where.R[slot], moment)
     first = at[:, None] - mass[:, None, None] * where.origin
     force = np.broadcast_to((mass[:, None] * arm.gravity)[:, None], first.shape)
-    torque = np.cross(first, arm.gravity)
+    torque = cross(first, arm.gravity)
     out = np.zeros((len(mass), arm.slots, 6))
     out[..., :3] = np.einsum("nsci,nsi->nsc", where.axes[:, :, :3], force)
     out[..., 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, :, 3:], torque)

@@ -12,6 +12,7 @@ which is the exact compliance derivative (K − ∂τ/∂θ)⁻¹ for axial spri
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,8 @@ from ..effects.acting import Acting
 from ..effects.base import Effect
 from ..effects.given import Given
 from ..robot.equilibrium import equilibrium
-from ..robot.kinematics import Arm, Array, Frames, point_jacobian
-from ..robot.loads import Loads, Wrenches
+from ..robot.kinematics import Arm, Array, Frames, frames, point_jacobian
+from ..robot.loads import Loads, Wrenches, wrenches
 from ..robot.rotations import body_jacobian, from_vectors
 from ..robot.wrench_jacobian import wrench_jacobian
 
@@ -50,18 +51,49 @@ class Prediction:
     """A campaign as a state predicts it.
 
     base: (N, T, 3) points in the robot's base frame, true: (N, T, 3) in the instrument's, points: (N, T, 3)
-    as the instrument shows them [m]; motion: (N, S, 6) all slot motions. arm, loads, where, load: what they
-    were computed from.
+    as the instrument shows them [m]; motion: (N, S, 6) all slot motions. arm, loads, where: what they were
+    computed from; bears: the wrenches, None where nothing yields.
     """
 
     arm: Arm
     loads: Loads
     motion: Array
     where: Frames
-    load: Wrenches
+    bears: Wrenches | None
     base: Array
     true: Array
     points: Array
+
+    @cached_property
+    def load(self) -> Wrenches:
+        """The wrenches at the slots."""
+        return wrenches(self.arm, self.where, self.loads) if self.bears is None else self.bears
+
+
+@dataclass(frozen=True)
+class Sight:
+    """How points that move are seen: on the slots `on`, turned (N, 3, 3) into the instrument's frame, shown
+    by it as `shows` (N, T, 3, 3) says (None: as they are); drives: rows of torques behind the points'."""
+
+    on: tuple[int, ...]
+    turn: Array
+    shows: Array | None
+    drives: int
+
+    def true(self, prediction: Prediction, axes: Array, origin: Array) -> Array:
+        """(N, 3T, 6S) motions of the true points by motions along axes (N, S, 6, 3) about (N, S, 3)."""
+        motions = point_jacobian(axes, origin, prediction.base, self.on, self.turn)
+        return motions.reshape(len(motions), -1, motions.shape[3])
+
+    def shown(self, motions: Array) -> Array:
+        """(N, R, ·) what the instrument and the drives show of motions (N, 3T, ·) of the true points: of the
+        drives nothing."""
+        if self.shows is not None:
+            each = self.shows @ motions.reshape(*self.shows.shape[:2], 3, -1)
+            motions = np.asarray(each).reshape(motions.shape)
+        if not self.drives:
+            return motions
+        return np.concatenate([motions, np.zeros((len(motions), self.drives, motions.shape[2]))], axis=1)
 
 
 @dataclass(frozen=True)
@@ -69,14 +101,15 @@ class Linearisation:
     """Derivatives of the points (N, T, 3) in the instrument's frame at a state.
 
     Where drive torques were recorded, n rows for them follow the 3T rows of the points: R = 3T + n; only
-    loads move them. direct: (N, R, 6S) by slot motions, load's answer included; geometry: (N, R, 6S) by
-    corrections G; torque: (N, R, E) by the local wrenches `rows`; answer: (N, E, E) motion of these rows at
-    rest by the change that their wrenches ask for first; frame: (N, R, 6) by shift and turn of the
-    instrument frame about `centre`; target: (N, T, 3, 3) by the targets' places.
+    loads move them. geometry: (N, R, 6S) by corrections G; torque: (N, R, E) by the local wrenches `rows`;
+    answer: (N, E, E) motion of these rows at rest by the change that their wrenches ask for first; frame:
+    (N, R, 6) by shift and turn of the instrument frame about `centre`; target: (N, T, 3, 3) by the targets'
+    places; loaded: what `direct` is where anything yields.
     """
 
     prediction: Prediction
-    direct: Array
+    sight: Sight
+    loaded: Array | None
     geometry: Array
     torque: Array
     rows: NDArray[np.int64]
@@ -84,6 +117,14 @@ class Linearisation:
     frame: Array
     target: Array
     centre: Array
+
+    @cached_property
+    def direct(self) -> Array:
+        """(N, R, 6S) by slot motions, load's answer included."""
+        if self.loaded is not None:
+            return self.loaded
+        where = self.prediction.where
+        return self.sight.shown(self.sight.true(self.prediction, where.axes, where.origin))
 
     @property
     def by_joint(self) -> Array:
@@ -133,13 +174,15 @@ class Model:
         problem, acting = self.problem, self.acting(state)
         direct = acting.direct(problem)
         arm, loads = acting.loads(problem, problem.arm.with_geometry(state.geometry))
-        law = acting.yielding(arm).motion
-        if near is None:
-            motion, where, load = equilibrium(arm, problem.q, direct, loads, law)
+        yielding, load = acting.yielding(arm), None
+        if not yielding.columns.any():
+            motion, where = direct, frames(arm, problem.q, direct)
+        elif near is None:
+            motion, where, load = equilibrium(arm, problem.q, direct, loads, yielding.motion)
         else:
-            start = near.prediction.motion
+            start, precondition = near.prediction.motion, near.precondition
             motion, where, load = equilibrium(
-                arm, problem.q, direct, loads, law, near=start, preconditioner=near.precondition
+                arm, problem.q, direct, loads, yielding.motion, near=start, preconditioner=precondition
             )
         base = self._place(where, state)
         true = self._see(base, state)
@@ -162,41 +205,32 @@ class Model:
 
     def linearise(self, state: State, near: Linearisation | None = None) -> Linearisation:
         """Derivatives at a state; `near` as for `loaded`: saves time, changes nothing."""
-        prediction = self.loaded(state, near)
-        arm, where, load = prediction.arm, prediction.where, prediction.load
-        on, setup = self.problem.on, self.problem.campaign.poses.setup
-        n_poses, n_targets = prediction.base.shape[:2]
-        turn = state.R[setup]
-
-        def seen(axes: Array, origin: Array) -> Array:
-            return point_jacobian(axes, origin, prediction.base, on, turn).reshape(n_poses, 3 * n_targets, -1)
-
-        J, G = seen(where.axes, where.origin), seen(where.geometry_axes, where.geometry_origin)
-        acting = self.acting(state)
-        rows, Phi = acting.yielding(arm).slope(load.local)
-        torque = np.zeros((n_poses, 3 * n_targets, len(rows)))
-        answer = np.zeros((n_poses, len(rows), len(rows)))
+        prediction, acting = self.loaded(state, near), self.acting(state)
+        arm, where = prediction.arm, prediction.where
+        turn = state.R[self.problem.campaign.poses.setup]
+        sight = Sight(tuple(self.problem.on), turn, acting.sight(self.problem), self.problem.drives)
+        G = sight.true(prediction, where.geometry_axes, where.geometry_origin)
+        yielding = acting.yielding(arm)
+        rows, J = np.flatnonzero(yielding.columns), None
+        torque: Array = np.zeros((*G.shape[:2], len(rows)))
+        answer: Array = np.zeros((len(G), len(rows), len(rows)))
         if len(rows):
+            load, J = prediction.load, sight.true(prediction, where.axes, where.origin)
+            Phi = yielding.slope(load.local)[1]
             args = (arm, where, prediction.loads, load, rows)
             H = wrench_jacobian(*args, where.axes, where.origin, before_joint=False)
             H_g = wrench_jacobian(*args, where.geometry_axes, where.geometry_origin, before_joint=True)
-            answer[:] = np.linalg.inv(np.eye(len(rows)) - Phi @ H[:, :, rows])
+            answer = np.asarray(np.linalg.inv(np.eye(len(rows)) - Phi @ H[:, :, rows]))
             torque = J[:, :, rows] @ (answer @ Phi)
             J += torque @ H
             G += torque @ H_g
         frame, target, centre = self._frame_and_target(state, prediction, turn)
-        sight = acting.sight(self.problem)
-        if sight is not None:
-            J, G, torque, frame = (_seen(sight, X) for X in (J, G, torque, frame))
-            target = sight @ target
-        J, G, torque, frame = (self._with_drives(X) for X in (J, G, torque, frame))
-        return Linearisation(prediction, J, G, torque, rows, answer, frame, target, centre)
-
-    def _with_drives(self, rows: Array) -> Array:
-        """(N, R, ·): zero rows for the drive torques behind the points' rows."""
-        if not self.problem.drives:
-            return rows
-        return np.concatenate([rows, np.zeros((len(rows), self.problem.drives, rows.shape[2]))], axis=1)
+        if sight.shows is not None:
+            target = sight.shows @ target
+        if J is not None:
+            J = sight.shown(J)
+        G, torque, frame = (sight.shown(X) for X in (G, torque, frame))
+        return Linearisation(prediction, sight, J, G, torque, rows, answer, frame, target, centre)
 
     def _frame_and_target(
         self, state: State, prediction: Prediction, turn: Array
@@ -227,11 +261,6 @@ class Model:
         The effect need not be in the model: then this is what adding it would do.
         """
         return effect.jacobian(self.problem, line, values)
-
-
-def _seen(sight: Array, motions: Array) -> Array:
-    """Motions (N, 3T, ·) of the true points as shown ones make them."""
-    return np.asarray(sight @ motions.reshape(*sight.shape[:2], 3, -1)).reshape(motions.shape)
 
 
 def move_frame(state: State, setup: int, centre: Array, change: Array) -> State:

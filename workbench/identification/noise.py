@@ -85,11 +85,12 @@ def required_noise(problem: Problem) -> Covariance:
     return noise
 
 
-def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Array | None) -> Array:
+def whitener(problem: Problem, covariance: Covariance, axial: Array | None, turned: Array | None) -> Array:
     """(N, D, 3T): whitens residuals (N, 3T) of a pose; rows of what was not seen are zero.
 
-    axial: (N, 3T, n) motion of the points per joint motion. turned: (N, T, 3) the points from their
-    centroid, in the instrument's frame, for 6-D measurements (D = 6); None else (D = 3T).
+    axial: (N, 3T, n) motion of the points per joint motion, None where the joints scatter nothing. turned:
+    (N, T, 3) the points from their centroid, in the instrument's frame, for 6-D measurements (D = 6); None
+    else (D = 3T).
     """
     seen = np.repeat(problem.seen, 3, axis=1)
     n_poses, rows = seen.shape
@@ -100,7 +101,9 @@ def whitener(problem: Problem, covariance: Covariance, axial: Array, turned: Arr
         W = np.zeros((n_poses, rows, rows))
         W[:, np.arange(rows), np.arange(rows)] = np.where(seen, 1 / sigma, 0.0)
     else:
-        J = np.where(seen[..., None], axial, 0.0) * covariance.joint
+        J = np.zeros((n_poses, rows, 0))
+        if axial is not None:
+            J = np.where(seen[..., None], axial, 0.0) * covariance.joint
         if any(covariance.body):
             J = np.concatenate([J, body_motion(problem) * np.repeat(covariance.body, 3)], axis=2)
         C = J @ J.transpose(0, 2, 1)

@@ -22,7 +22,7 @@ def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array
         seen = problem.seen[..., None]
         middle = np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
         turned = points - middle[:, None]
-    W = whitener(problem, noise, line.by_joint, turned)
+    W = whitener(problem, noise, line.by_joint if noise.joint.any() else None, turned)
     if not problem.drives:
         return W
     n_poses, rows, columns_ = W.shape
@@ -94,7 +94,7 @@ def offset_of(model: Model, cols: Columns, state: State) -> Array:
 def jacobian(model: Model, line: Linearisation, cols: Columns, state: State, W: Array) -> Array:
     """(N, D, P) whitened Jacobian."""
     setup = model.problem.campaign.poses.setup
-    n_poses, rows, _ = line.direct.shape
+    n_poses, rows, _ = line.geometry.shape
     J = np.zeros((n_poses, rows, len(cols.names)))
     for k in range(cols.setups):
         J[:, :, 6 * k : 6 * k + 6] = np.where((setup == k)[:, None, None], line.frame, 0.0)

@@ -7,7 +7,7 @@ import numpy as np
 from .kinematics import TZ, Arm, Array, frames, point_jacobian
 from .rotations import body_jacobian
 
-POSES = 40  # at random: what shows in none of these shows nowhere
+POSES = 16  # at random: what shows in none of these shows nowhere
 DEPENDENT = 1e-6  # of a column: what is left of it beside the columns before it
 
 

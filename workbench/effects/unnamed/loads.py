@@ -11,6 +11,7 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import RX, RZ, TX, Arm, Array
+from ...robot.rotations import cross
 from ..base import Depends
 from ..kinds import DirectEffect
 from ..place import Where
@@ -147,12 +148,12 @@ class OwnWeights(Unnamed, DirectEffect):
     def x(self, problem: Problem) -> Array:
         """(N,) [m] lever of a weight at the flange."""
         j, where = problem.joint(self.where.joint), problem.rigid
-        lever = np.cross(where.p[-1] - where.origin[:, j + 1], _down(problem.arm))
+        lever = cross(where.p[-1] - where.origin[:, j + 1], _down(problem.arm))
         return np.asarray((lever * where.axes[:, j + 1, RZ]).sum(axis=1))
 
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         j, arm, where = problem.joint(self.where.joint), problem.arm, problem.rigid
-        across = np.cross(_down(arm), where.axes[:, j + 1, RZ])  # (N, 3): a first moment's torque
+        across = cross(_down(arm), where.axes[:, j + 1, RZ])  # (N, 3): a first moment's torque
         beyond = range(j + 1, arm.n + 1)
         basis = [np.einsum("ni,nij->nj", across, where.R[k]) / (k - j) for k in beyond]  # smaller outwards
         return {int(arm.axial[j]): np.concatenate(basis, axis=1)}

@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike
 from ...campaign import Campaign, Target
 from ...campaign.planned import planned
 from ...campaign.problem import problem_of
-from ...correction import Compensation, Conditions, compensate, nominal_joints
+from ...correction.command import Compensation, compensate
+from ...correction.conditions import Conditions
 from ...correction.paths import Path
+from ...correction.trajectory import nominal_joints
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ...robot.kinematics import Array

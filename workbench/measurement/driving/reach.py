@@ -31,7 +31,7 @@ UNSTATED = {
 }  # rad/s, m/s: full speed of a joint of which none is known
 START_STOP = 0.4  # s that a motion takes longer for starting and stopping
 USUAL = 300  # poses that show what is built to touch, and how poses hang together
-SWEPT = 20  # of them, in which joints are turned all the way
+SWEPT = 10  # of them, in which joints are turned all the way
 FEWEST = 10  # of them that have to be free
 FIRST = 6000  # random poses for which reflectors are turned
 MOST_DRAWN = 400  # times as many random poses as are wanted: then it is given up

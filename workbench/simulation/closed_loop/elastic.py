@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from ...correction import Conditions
+from ...correction.conditions import Conditions
 from ...correction.paths import Path
 from ...correction.trajectory import trajectory_of
 from ...robot.description import Robot

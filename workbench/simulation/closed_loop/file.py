@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ...correction import Conditions
+from ...correction.conditions import Conditions
 from ...correction.paths import load_path
 from ...files.digest import digests
 from ...files.faults import Fault, InputError

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from ...correction import Conditions
+from ...correction.conditions import Conditions
 from ...correction.paths import Path
 from ...correction.trajectory import trajectory_of
 from ...robot.description import Robot

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...correction import Compensation, Conditions, compensate
+from ...correction.command import Compensation, compensate
+from ...correction.conditions import Conditions
 from ...correction.paths import Path
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...correction import Conditions, stated_conditions
+from ...correction.conditions import Conditions, stated_conditions
 from ...correction.paths import Path
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...correction import Conditions
+from ...correction.conditions import Conditions
 from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
