@@ -26,16 +26,15 @@ VOUCHED = 5 / 6  # of a fifth part of the data by four that agree (Laplace's rul
 
 def worth_it(selection: Selection, seed: int) -> Selection:
     """Without effects that bring the tool no nearer to its place on poses that they were not fitted on. Where
-    something is left without a name, or may be, causes that bring less than a tenth of the noise keep none
-    either.
+    something is left without a name, causes that bring less than a tenth of the noise keep none either.
 
     Causes that can stand in for each other each bring next to nothing beside the others. So each counts by
     what it brings beside these, or by what it brings to those that are stronger, whichever is more. Those
     that all parts of the data found by themselves stay in the fit, and count as the strongest."""
     kept, error = _pruned(selection, seed)
-    rest = kept.misfit or bool(kept.nameless)  # what loses its name below was none: nothing stands beside it
     if kept.misfit:
         kept = as_sure_as_its_gain(kept, seed)
+    rest = bool(kept.nameless)  # what loses its name below was none: nothing stands beside it
     least = FAINT * max(1e3 * kept.fit.noise.usual, error / np.sqrt(3))
     if rest:
         kept = _without_faint(kept, least, seed)
