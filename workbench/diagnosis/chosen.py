@@ -9,8 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, solve_triangular
-from scipy.linalg.lapack import dpotri
+from scipy.linalg import cholesky, solve_triangular
 from scipy.sparse import csc_array
 
 from ..robot.kinematics import Array
@@ -44,6 +43,7 @@ class Chosen:
     def __init__(self, reduced: Reduced, members: Sequence[Member]) -> None:
         self.reduced, self.members = reduced, tuple(members)
         self._back = dict[int, tuple[Array, Array]]()
+        self._asked: tuple[Index | None, Array] = None, np.zeros(0)
         index = [columns_of(reduced, member) for member in members]
         self.index: Index = np.concatenate(index) if index else np.zeros(0, int)
         ends = np.cumsum([0, *(len(i) for i in index)])
@@ -52,15 +52,26 @@ class Chosen:
         self.precision = np.concatenate(precision) if index else np.zeros(0)
 
     @cached_property
-    def _factor(self) -> tuple[Array, bool]:
+    def _upper(self) -> Array:
+        """(c, c) triangular U with UᵀU = M⁻¹."""
         S = self.reduced.S.between(self.index, self.index) + np.diag(self.precision)
-        return cho_factor(S, check_finite=False)
+        return np.asarray(cholesky(S, check_finite=False))
+
+    @cached_property
+    def _half(self) -> Array:
+        """(c, c) H with H Hᵀ = M."""
+        return np.asarray(solve_triangular(self._upper, np.eye(len(self.index)), check_finite=False))
 
     @cached_property
     def inverse(self) -> Array:
         """(c, c) M."""
-        half = np.asarray(dpotri(*self._factor)[0])
-        return np.asarray(np.triu(half) + np.triu(half, 1).T)
+        return np.asarray(self._half @ self._half.T)
+
+    def _cross(self, index: Index) -> Array:
+        """(F, p, c) of blocks of columns (F, p) with the set's own, the last ones asked for kept."""
+        if self._asked[0] is not index:
+            self._asked = index, self.reduced.S.between(index, self.index)
+        return self._asked[1]
 
     @cached_property
     def beta(self) -> Array:
@@ -105,12 +116,11 @@ class Chosen:
         u = self.reduced.u[index]
         if not len(self.index):
             return S, u
-        cross = self.reduced.S.between(index, self.index)
+        cross = self._cross(index)
         flat = cross.reshape(-1, len(self.index))
         u = u - cross @ self.beta
         if without is None:
-            half = solve_triangular(*self._factor[:1], flat.T, trans="T", check_finite=False)
-            half = half.T.reshape(cross.shape)
+            half = (flat @ self._half).reshape(cross.shape)
             S = S - half @ half.swapaxes(1, 2)
         else:
             K = (flat @ self.inverse).reshape(cross.shape)
@@ -127,7 +137,7 @@ class Chosen:
     def given_back(self, index: NDArray[np.int64], members: Sequence[int]) -> Array:
         """(F, p, M) what each member, left out of the set, gives back to u of blocks of columns (F, p)."""
         back = [self.inverse[:, self.own[i]] @ np.matmul(*self._given_back(i)) for i in members]
-        return np.asarray(self.reduced.S.between(index, self.index) @ np.stack(back, axis=1))
+        return np.asarray(self._cross(index) @ np.stack(back, axis=1))
 
     def _given_back(self, member: int) -> tuple[Array, Array]:
         """Of a member H with H Hᵀ = (M_mm)⁻¹, and Hᵀ beta_m."""
@@ -155,8 +165,7 @@ class Chosen:
         """log |1 + S P⁻¹|: what the set's freedom costs."""
         if not len(self.index):
             return 0.0
-        diagonal = np.diag(self._factor[0])
-        return float(2 * np.log(np.abs(diagonal)).sum() - np.log(self.precision).sum())
+        return float(2 * np.log(np.diag(self._upper)).sum() - np.log(self.precision).sum())
 
 
 def _half_inverse(A: Array) -> Array:
