@@ -18,9 +18,10 @@ from workbench.robot.kinematics import frames
 PROBE = ObstacleData(name="probe", box_mm=(4, 4, 300), xyz_mm=(0, 0, 150), on="flange")
 
 
-def reached(name: str, cell: CellData) -> Reach:
+def reached(name: str, cell: CellData, places: np.ndarray | None = None) -> Reach:
     problem = problem_of(planned(load_robot(name), np.zeros((1, len(load_robot(name).joints)))))
-    return reach(problem, problem.stated_targets, cell, np.random.default_rng(0))
+    places = problem.stated_targets if places is None else places
+    return reach(problem, places, cell, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("degrees", [-21, -13, -4, 3, 11, 20])
@@ -84,6 +85,23 @@ def test_a_reflector_inside_of_another_body_is_not_seen() -> None:
         place = frames(cell.arm, home).R[-1, 0].T @ (np.array(inside) - flange)
         sight.places[:] = place
         assert sight.lines(home)[0, 0] != hidden
+
+
+def test_reflectors_do_not_run_into_the_arm() -> None:
+    """One 0.2 m beside the flange, and none: where its middle is inside of a link behind the wrist."""
+    none = np.full((3, 3), np.nan)
+    beside = np.vstack([[-0.2, 0.0, -0.1], none[1:]])
+    cell, bare = (reached("irb120", CellData(), places) for places in (beside, none))
+    assert (cell.reflectors, bare.reflectors) == (("T1",), ())
+    q = random_poses(cell.robot, 6000, np.random.default_rng(5))
+    where = frames(cell.arm, q)
+    point, hit = where.points(beside[:1], cell.on[:1])[:, 0], np.zeros(len(q), dtype=bool)
+    for hull in (hull for hull in cell.hulls if 0 <= hull.slot <= 4):
+        local = np.einsum("nji,nj->ni", where.R[hull.slot], point - where.p[hull.slot])
+        hit |= (local @ hull.normals.T < hull.offsets).all(axis=1)
+    hit[hit] = bare.collisions.free(q[hit])
+    assert hit.sum() > 20
+    assert not cell.collisions.free(q[hit]).any()
 
 
 @pytest.fixture(scope="module")

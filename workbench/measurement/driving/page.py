@@ -14,7 +14,7 @@ from ...report.markup import render
 from ...report.numbers import MISSING
 from ...report.study import Tile
 from .block import Drive
-from .reach import Reach
+from .reach import REFLECTOR, Reach
 from .scene import scene
 
 FILES = {"scene.html": "3-D scene", "poses.csv": "Poses", "campaign.toml": "Campaign", "plan.json": "Numbers"}
@@ -89,6 +89,7 @@ def _checked(reach: Reach) -> list[str]:
     """What was looked at, what could not be."""
     driving, carried = reach.cell.driving, [one.name for one in reach.cell.obstacles]
     floor = "no floor" if driving.floor_mm is None else f"a floor at {driving.floor_mm:g} mm"
+    carried += [f"{name} as a cube of {1e3 * REFLECTOR:g} mm" for name in reach.reflectors]
     bodies = ", ".join([f"{len(reach.hulls)} convex hulls", floor, *carried])
     lines = [
         f"Every pose, the approach to it and the straight joint motion to the next: {bodies}; all keep "

@@ -35,6 +35,7 @@ SWEPT = 10  # of them, in which joints are turned all the way
 FEWEST = 10  # of them that have to be free
 FIRST = 6000  # random poses for which reflectors are turned
 MOST_DRAWN = 400  # times as many random poses as are wanted: then it is given up
+REFLECTOR = 0.038  # m: a reflector's largest usual size, 1.5 inch
 
 Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (count, n)
 
@@ -43,8 +44,9 @@ Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (coun
 class Reach:
     """A robot in its cell. hulls: all bodies, those standing around too; free: (V, n) poses free of them;
     confined: (n,) joints that are kept within one turn; sight: None where no instrument is stated; places:
-    (T, 3) [m] of the targets, NaN unknown, behind slots `on`; names: (T) of them. closely: whether what
-    hangs together is looked at closely, which takes its time, and not only what is driven."""
+    (T, 3) [m] of the targets, NaN unknown, behind slots `on`; names: (T) of them; reflectors: of those that
+    are bodies too. closely: whether what hangs together is looked at closely, which takes its time, and not
+    only what is driven."""
 
     robot: Robot
     arm: Arm
@@ -57,6 +59,7 @@ class Reach:
     places: Array
     on: tuple[int, ...]
     names: tuple[str, ...]
+    reflectors: tuple[str, ...]
     closely: bool = False
 
     @cached_property
@@ -139,7 +142,9 @@ def reach(
     driving = cell.driving
     floor = None if driving.floor_mm is None else 1e-3 * driving.floor_mm
     usual = random_poses(robot, USUAL, rng)
-    bodies = collisions(robot, arm, hulls, floor, 1e-3 * driving.clearance_mm, usual)
+    reflectors = _reflectors(problem, places)
+    every = (*hulls, *reflectors.values())
+    bodies = collisions(robot, arm, every, floor, 1e-3 * driving.clearance_mm, usual)
     free = usual[bodies.free(usual)]
     if len(free) < FEWEST:
         what = f"{USUAL - len(free)} of {USUAL} random poses collide: {_touching(bodies, usual)}"
@@ -150,9 +155,8 @@ def reach(
     free = within_a_turn(robot, free, confined)
     sight = _sight(problem, places, shown, cell, hulls)
     names = tuple(target.name for target in problem.campaign.targets)
-    found = Reach(
-        robot, arm, cell, hulls, bodies, free[:NODES], confined, sight, places, tuple(problem.on), names
-    )
+    targets = places, tuple(problem.on), names, tuple(reflectors)
+    found = Reach(robot, arm, cell, hulls, bodies, free[:NODES], confined, sight, *targets)
     if found.sight is None or not np.isnan(found.sight.opens).any():
         return found
     q = random_poses(robot, FIRST, rng)
@@ -225,6 +229,22 @@ def _sight(
     eye = 1e-3 * np.array(cell.instrument.xyz_mm)
     cone = float(np.radians(cell.instrument.acceptance_deg))
     return Sight(problem.arm, hulls, eye, cone, seen, on, opens, names)
+
+
+def _reflectors(problem: Problem, places: Array) -> dict[str, Hull]:
+    """The bodies of targets that move, by name, where their places (T, 3) [m] are known. Of a 6-D probe only
+    points are known, which need not be on it."""
+    arm, found = problem.arm, dict[str, Hull]()
+    for target, slot, place in zip(problem.campaign.targets, problem.on, places, strict=True):
+        if slot == 0 or problem.campaign.six_dof or not np.isfinite(place).all():
+            continue
+        points = place + box_points([REFLECTOR] * 3)
+        if slot > arm.n:  # on the flange, which the last link carries
+            slot, points = arm.n, points @ arm.R[-1].T + arm.p[-1]
+        hull = hull_of(target.name, slot, points)
+        assert hull is not None
+        found[target.name] = hull
+    return found
 
 
 def _obstacles(robot: Robot, arm: Arm, cell: CellData) -> list[Hull]:
