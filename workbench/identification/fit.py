@@ -235,7 +235,7 @@ def _stepped(model: Model, cols: Columns, at: Equations, W: Array, step: Array) 
 
 
 def _worse(new: Equations | None, at: Equations) -> bool:
-    return new is None or new.cost > at.cost * (1 + 1e-6) + 1e-3
+    return new is None or not new.cost <= at.cost * (1 + 1e-6) + 1e-3  # no number is worse
 
 
 def _along(
