@@ -89,7 +89,8 @@ def _checked(reach: Reach) -> list[str]:
     """What was looked at, what could not be."""
     driving, carried = reach.cell.driving, [one.name for one in reach.cell.obstacles]
     floor = "no floor" if driving.floor_mm is None else f"a floor at {driving.floor_mm:g} mm"
-    carried += [f"{name} as a cube of {1e3 * REFLECTOR:g} mm" for name in reach.reflectors]
+    if reach.reflectors:
+        carried.append(f"reflectors as cubes of {1e3 * REFLECTOR:g} mm ({', '.join(reach.reflectors)})")
     bodies = ", ".join([f"{len(reach.hulls)} convex hulls", floor, *carried])
     lines = [
         f"Every pose, the approach to it and the straight joint motion to the next: {bodies}; all keep "
