@@ -11,12 +11,12 @@ from workbench.diagnosis.components import Component, Form, bare
 from workbench.diagnosis.gram import Stored
 from workbench.diagnosis.patterns import Pattern
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.priors import PRIORS
+from workbench.diagnosis.priors import PRIORS, varied
 from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.remainder import beyond_forms, remainder
 from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.stand_ins import StandIns, times_too_sure
-from workbench.diagnosis.weight import Weight
+from workbench.diagnosis.weight import Weight, table_of
 from workbench.diagnosis.worth import _beyond
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.joint_map import JointMap
@@ -185,6 +185,21 @@ def kin_odds(logs, by_companions):
     weights = {0: Weight(logs[0], 0, 1.0, by_companions), 1: Weight(logs[1], 0, 1.0)}
     believed = StandIns(reduced, components).believed(Chosen(reduced, [Member(0, 0, 1.0)]), 0, weights, logs)
     return believed[0] - believed[1]
+
+
+def test_what_companions_alone_explain_is_not_the_effect():
+    """Large both, and of opposite signs: by itself the effect explains nothing, and may not have been."""
+    S = np.array([[100.0, 99.0], [99.0, 100.0]])
+    reduced = Reduced((), Stored(S), np.zeros(2), 1000.0, 900.0, 300.0)
+
+    def weighed(own, companion):
+        u = S @ [own, companion]
+        return table_of(reduced, S[None], u[None], np.zeros(1), np.array([0.5]), np.array([1])).max()
+
+    assert weighed(3.0, -3.05) < -1e5
+    with varied(itself=0.0):
+        assert weighed(3.0, -3.05) > 0
+    assert weighed(3.0, -1.0) > 100
 
 
 def test_companions_take_their_share_of_what_is_left():

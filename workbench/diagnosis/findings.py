@@ -14,6 +14,7 @@ from ..effects import separation_beside
 from ..effects.base import UNKNOWN, Effect
 from ..effects.place import Parameter
 from ..identification.fit import Fit, fit
+from ..identification.heldout import heldout
 from ..robot.kinematics import Array
 from .ceiling import ceiling_mm
 from .chosen import Shares
@@ -21,7 +22,7 @@ from .competition import Selection
 from .components import Component, bare, with_companions
 from .evidence import evidence
 from .facts import facts, geometry, unidentifiable
-from .headline import headline, remarks, steps, verdict_of
+from .headline import SMALL_REST, headline, remarks, steps, verdict_of
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
@@ -30,7 +31,7 @@ from .priors import PRIORS
 from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
-from .stages import geometry_alone, pose_errors, stages_of
+from .stages import geometry_alone, pose_errors, rms_mm, stages_of
 
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
 
@@ -65,8 +66,10 @@ def assemble(parts: Parts) -> Diagnosis:
     rounded = rounded_joints(final, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
     nameless = nameless_of(selection, with_names - best)
-    if not nameless and beyond.scatter and repeats_to is None:
-        nameless = [scattering(selection, beyond, prepared.covariance, best)]
+    # what causes leave by their forms is what real machines have; not where it is as much as they bring
+    much = left.scatter and with_names - ceiling > SMALL_REST * max(brought, 0.0)
+    if not nameless and (beyond.scatter or much) and repeats_to is None:
+        nameless = [scattering(selection, left if much else beyond, prepared.covariance, best)]
     verdict = verdict_of(findings, nameless, brought, with_names - ceiling)
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
@@ -90,6 +93,7 @@ def assemble(parts: Parts) -> Diagnosis:
             parts.given,
             repeats_to,
             left.inflation if left.overstated else None,
+            0.0 if final.lasting is final else rms_mm(heldout(final.lasting, seed=parts.seed)),
         )
         + steps(prepared.faults),
         causes=tuple(findings),

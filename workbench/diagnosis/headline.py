@@ -13,6 +13,7 @@ from .result import FaultFound, Finding, GivenFact, Stage, Verdict
 MOST_SAID = 3  # causes that a headline says
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
 STEPS = ("moved_instrument", "changed_setup")  # data faults that a headline says
+MORE = 1.1  # times the held-out error: what a model without what does not last has to leave to be told
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
@@ -40,11 +41,13 @@ def headline(
     given: Sequence[GivenFact] = (),
     repeatability_mm: float | None = None,
     overstated: float | None = None,
+    lasting_mm: float = 0.0,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
     beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; base: the stage
     before any cause, of geometry or of that and of what was given; repeatability_mm: of the robot, where that
-    is all that is left; overstated: residual over a noise that is stated far too large."""
+    is all that is left; overstated: residual over a noise that is stated far too large; lasting_mm: RMS on
+    poses held out, of the model without what goes with time, order or the instrument."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [words_of(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
@@ -55,9 +58,12 @@ def headline(
     if confirmed:
         parts.append(f"{'given' if parts else 'Given'} and confirmed: {_some(confirmed)}")
     said = "; ".join(parts)
-    after = stages[-1].heldout_rms_mm
+    after = (base if verdict == "nothing_missing" else stages[-1]).heldout_rms_mm
+    elsewhere = (
+        f" ({lasting_mm:.3f} mm without what only this campaign has)" if lasting_mm > MORE * after else ""
+    )
     gain = (
-        f"Held-out error {stages[0].heldout_rms_mm:.3f} → {after:.3f} mm RMS, "
+        f"Held-out error {stages[0].heldout_rms_mm:.3f} → {after:.3f} mm RMS{elsewhere}, "
         f"{stages[1].heldout_rms_mm:.3f} mm with geometry alone"
     )
     with_given = base is not stages[1]

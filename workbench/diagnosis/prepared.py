@@ -24,7 +24,7 @@ from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import believed, check_rest, enough_poses, plausible_geometry
 from .copies import without_copies
-from .moved_setup import jump, split_setup, step_in_time
+from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
 from .moved_target import reseated
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .rarely_seen import without_rarely_seen
@@ -151,6 +151,11 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     told, start = _sitting_still(problem, start, covariance, known_effects)
     problem, faults = told.problem, (*faults, *told.faults)
     cleaned = clean(problem, start, covariance, known_effects, least)
+    if len({fault.pose_id for fault in cleaned.faults if fault.kind == "outlier"}) >= LEAST_BEFORE:
+        step = _step_of_all(problem, start, covariance, known_effects)
+        if step is not None:  # what came before it, or after, was taken for wild
+            problem, faults = split_setup(problem, step.first), (*faults, step.fault(problem))
+            cleaned = clean(problem, start_state(problem), covariance, known_effects, least)
     problem, start, faults = cleaned.problem, cleaned.fit.state, (*faults, *cleaned.faults)
     step = step_in_time(cleaned.fit)
     if step is not None:
@@ -162,6 +167,14 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
         covariance, noise, notes = _noise(problem, known_effects, start)
     said = [*said, *enough(problem)]
     return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
+
+
+def _step_of_all(problem: Problem, start: State, noise: Covariance, known_effects: Acting) -> Step | None:
+    """A step in time of all points, wild ones among them; None where there is none."""
+    try:
+        return step_in_time(fit(Model(problem, (), known_effects), start, noise))
+    except ArithmeticError:
+        return None
 
 
 def _sitting_still(
