@@ -149,9 +149,29 @@ def test_doubtful_sizes_are_warnings(tmp_path: Path) -> None:
         "poses.csv line 3: q3_mm beyond the limits of rail (at 1 of 3 poses)",
         "points.csv: all points within 3.0 mm of the origin; are these metres?",
         "points.csv line 3: point at exactly 0 0 0 (1 such lines); not seen? leave it out",
-        "poses.csv: temp_degC is outside -60 .. 150 degC; is the unit right?",
+        "poses.csv: temp_degC is outside -30 .. 65 degC; is the unit right?",
     ]
     assert "poses.csv: column 'remark' is not used" in warnings(campaign)
+
+
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [
+        ((0, 60, 120), None),
+        ((0, 1e7, 2e7), "poses.csv: by t_s the campaign lasts 231 days; are these seconds?"),
+        (
+            (0, 120, 60),
+            "poses.csv line 4: t_s is earlier than in the line before (1 such lines); is it one clock?",
+        ),
+    ],
+)
+def test_doubtful_times_are_warnings(tmp_path: Path, times: tuple[float, ...], said: str | None) -> None:
+    rows = "".join(f"{name},0,0,100,{t:.0f}\n" for name, t in zip("abc", times, strict=True))
+    points = "pose_id,target,x_mm,y_mm,z_mm\na,T1,1000,2,3\nb,T2,900,0,0\nc,T1,800,5,1\n"
+    campaign = load_campaign(
+        write_example(tmp_path, poses=f"pose_id,q1_deg,q2_deg,q3_mm,t_s\n{rows}", points=points)
+    )
+    assert [line for line in warnings(campaign) if "t_s" in line] == ([said] if said else [])
 
 
 def test_numbers_as_names_stay_texts(tmp_path: Path) -> None:

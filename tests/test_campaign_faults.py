@@ -38,6 +38,11 @@ from workbench.robot.description import load_robot
         (("schema = 1", "schema ="), "is not TOML: Invalid value (at line 1, column 9)"),
         (("robot/tiny.toml", "robot/big.toml"), "robot = 'robot/big.toml': no such robot file"),
         (("robot/tiny.toml", "ur_5"), "robot = 'ur_5': no such robot; did you mean 'ur5'?"),
+        (
+            ("robot/tiny.toml", "robot/tiny.urdf"),
+            "robot = 'robot/tiny.urdf': is a robot's description, not the robot's TOML; name a robot TOML "
+            "that has it as `urdf`: `workbench init` writes one",
+        ),
     ],
 )
 def test_faults_of_the_toml(tmp_path: Path, change: tuple[str, str], told: str) -> None:

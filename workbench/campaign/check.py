@@ -13,6 +13,8 @@ from ..files.toml import toml_key
 from ..robot.description import Robot
 from .file import CampaignFile
 
+LONGEST_DAYS = 60.0  # that a campaign lasts, from which the unit of time is doubted
+
 
 def check_targets(path: Path, file: CampaignFile, robot: Robot) -> list[Fault]:
     """Targets sit on the flange, the base or a link of the robot."""
@@ -152,11 +154,24 @@ def doubts(poses: Table, points: Table, robot: Robot) -> list[str]:
             f"{place}: point at exactly 0 0 0 ({len(nothing)} such lines); not seen? leave it out"
         )
     temperature = poses.numbers.get("temp")
-    if temperature is not None and np.any((temperature < -60.0) | (temperature > 150.0)):
-        warnings.append(
-            f"{poses.path}: {poses.labels['temp']} is outside -60 .. 150 degC; is the unit right?"
-        )
-    return warnings + _unused(poses) + _unused(points)
+    if temperature is not None and np.any((temperature < -30.0) | (temperature > 65.0)):
+        warnings.append(f"{poses.path}: {poses.labels['temp']} is outside -30 .. 65 degC; is the unit right?")
+    return warnings + _doubtful_time(poses) + _unused(poses) + _unused(points)
+
+
+def _doubtful_time(poses: Table) -> list[str]:
+    time = poses.numbers.get("t")
+    if time is None or not np.isfinite(time).any():
+        return []
+    label, days = poses.labels["t"], float(np.nanmax(time) - np.nanmin(time)) / 86400.0
+    if days > LONGEST_DAYS:
+        return [f"{poses.path}: by {label} the campaign lasts {days:.0f} days; are these seconds?"]
+    setups = np.array(poses.texts.get("setup", [""] * len(time)))
+    back = np.flatnonzero((np.diff(time) < 0) & (setups[1:] == setups[:-1]))
+    if not len(back):
+        return []
+    place = f"{poses.path} line {poses.lines[back[0] + 1]}"
+    return [f"{place}: {label} is earlier than in the line before ({len(back)} such lines); is it one clock?"]
 
 
 def _unused(table: Table) -> list[str]:

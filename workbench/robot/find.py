@@ -30,6 +30,9 @@ def find_robot(robot: str | Path, beside: Path | None = None) -> Path:
             if path.stem == text:
                 return path
         known = ", ".join(path.stem for path in list_robots())
+        if text.lower().endswith((".urdf", ".xacro")):
+            mend = "name a robot TOML that has it as `urdf`: `workbench init` writes one"
+            raise InputError(Fault(text, "is a robot's description, not the robot's TOML", mend))
         raise InputError(Fault(text, "no such robot", f"known: {known}; or give the path of a robot TOML"))
     path = Path(text)
     if not path.is_absolute() and beside is not None:
