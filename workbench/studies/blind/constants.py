@@ -28,6 +28,7 @@ SIZES = (
     "rarer",
     "present",
     "companions",
+    "itself",
     "nearly",
     "joint_yields",
     "tilt_yields",
