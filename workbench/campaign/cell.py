@@ -17,7 +17,7 @@ NotNegative = Annotated[FiniteFloat, Field(ge=0)]
 
 
 class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class InstrumentData(_Section):

@@ -22,7 +22,7 @@ Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class TableFile(Layout):

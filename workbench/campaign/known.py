@@ -30,7 +30,7 @@ class FactData(BaseModel):
     (N/m), or of a spring `free_length` (m, with variant = "preload").
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     cause: Name
     """as `workbench causes` lists it"""
@@ -69,7 +69,7 @@ class FactData(BaseModel):
 class KnownData(BaseModel):
     """`[known]`: what is known of the instrument and of the robot, besides what was measured here."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     scale: AboveZero = 1.0
     """true length by the length that the instrument shows"""

@@ -35,7 +35,7 @@ ColumnPlace = Annotated[int, AfterValidator(_not_zero)] | str
 class Layout(BaseModel):
     """How a text table is laid out; the defaults are our own layout."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     separator: Annotated[str, Field(pattern=r"^[^\w.+\-\"\r\n]$")] = ","
     """between columns; a blank means any run of blanks and tabs"""

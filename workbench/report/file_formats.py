@@ -5,11 +5,15 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import json
 import re
+import textwrap
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel
 
@@ -47,11 +51,51 @@ def pages() -> dict[str, str]:
 
 
 def _schema(model: type[BaseModel]) -> str:
-    return json.dumps(model.model_json_schema(by_alias=True), indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(_described(model), indent=1, ensure_ascii=False) + "\n"
+
+
+def _described(model: type[BaseModel]) -> Part:
+    """The JSON schema with what stands below each field. Pydantic reads that as well, but whenever a model is
+    loaded, which takes long."""
+    schema: Part = model.model_json_schema(by_alias=True)
+    for one in set(_models(model)):
+        fields = (schema if one is model else schema["$defs"][one.__name__])["properties"]
+        words = _below(one)
+        for name, field in one.model_fields.items():
+            if name in words:
+                key = field.alias or name
+                fields[key] = dict(sorted((fields[key] | {"description": words[name]}).items()))
+    return schema
+
+
+def _models(model: Any) -> Iterator[type[BaseModel]]:
+    """A model and those that its fields are made of."""
+    if isinstance(model, type) and issubclass(model, BaseModel):
+        yield model
+        for field in model.model_fields.values():
+            yield from _models(field.annotation)
+    for part in get_args(model):
+        yield from _models(part)
+
+
+def _below(model: type[BaseModel]) -> dict[str, str]:
+    """The texts below the fields of a model and of those that it extends."""
+    found = dict[str, str]()
+    for one in reversed(model.__mro__):
+        if not issubclass(one, BaseModel) or one is BaseModel:
+            continue
+        body = ast.parse(textwrap.dedent(inspect.getsource(one))).body[0]
+        assert isinstance(body, ast.ClassDef)
+        for field, text in pairwise(body.body):
+            if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr):
+                assert isinstance(field.target, ast.Name)
+                assert isinstance(text.value, ast.Constant)
+                found[field.target.id] = inspect.cleandoc(str(text.value.value))
+    return found
 
 
 def _toml_page(title: str, words: str, model: type[BaseModel], name: str) -> str:
-    schema = model.model_json_schema(by_alias=True)
+    schema = _described(model)
     lines = [f"# {title}", "", MADE, "", words.strip(), ""]
     lines += [f"Editors check it with `{SCHEMA_LINE} {name}.schema.json` in the first line.", ""]
     for heading, part in _tables(schema, schema, ""):

@@ -33,7 +33,7 @@ Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class FrameData(_Table):

@@ -10,7 +10,7 @@ from ..files.measure import AboveZero
 class Loop(BaseModel):
     """A sampled cascade: position loop and velocity loop (PI) on the motor's encoder. SI units."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     position_period: float = Field(default=0.004, ge=1e-4, le=0.05)
     """sampling of the position loop [s]"""

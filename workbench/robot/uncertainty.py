@@ -15,7 +15,7 @@ Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class ToolPoint(_Table):
