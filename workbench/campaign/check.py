@@ -160,6 +160,7 @@ def doubts(poses: Table, points: Table, robot: Robot) -> list[str]:
 
 
 def _doubtful_time(poses: Table) -> list[str]:
+    """Times that are no seconds of one clock, in the order of measurement."""
     time = poses.numbers.get("t")
     if time is None or not np.isfinite(time).any():
         return []

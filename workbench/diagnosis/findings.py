@@ -22,7 +22,7 @@ from .competition import Selection
 from .components import Component, bare, with_companions
 from .evidence import evidence
 from .facts import facts, geometry, unidentifiable
-from .headline import SMALL_REST, headline, remarks, steps, verdict_of
+from .headline import headline, much_left, remarks, steps, verdict_of
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
@@ -66,11 +66,12 @@ def assemble(parts: Parts) -> Diagnosis:
     rounded = rounded_joints(final, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
     nameless = nameless_of(selection, with_names - best)
-    # what causes leave by their forms is what real machines have; not where it is as much as they bring
-    much = left.scatter and with_names - ceiling > SMALL_REST * max(brought, 0.0)
-    if not nameless and (beyond.scatter or much) and repeats_to is None:
-        nameless = [scattering(selection, left if much else beyond, prepared.covariance, best)]
-    verdict = verdict_of(findings, nameless, brought, with_names - ceiling)
+    rest = with_names - ceiling
+    much = left.scatter and much_left(brought, rest)
+    more = left if much else beyond  # so much is no part of causes that are off their forms
+    if not nameless and more.scatter and repeats_to is None:
+        nameless = [scattering(selection, more, prepared.covariance, best)]
+    verdict = verdict_of(findings, nameless, brought, rest)
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
         robot=problem.robot.name,

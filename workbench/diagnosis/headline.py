@@ -17,12 +17,17 @@ MORE = 1.1  # times the held-out error: what a model without what does not last 
 SMALL_REST = 0.1  # of what the causes brought: a smaller rest without a name does not decide the verdict
 
 
+def much_left(brought_mm: float, rest_mm: float) -> bool:
+    """Whether more than a share of what the causes brought is left for a smooth model (as `verdict_of`)."""
+    return rest_mm > SMALL_REST * max(brought_mm, 0.0)
+
+
 def verdict_of(
     findings: Sequence[Finding], nameless: Sequence[Finding], brought_mm: float, rest_mm: float
 ) -> Verdict:
     """The one word for all findings: unknown where what has no name is worth more than a share of what the
     causes brought. brought_mm, rest_mm: held-out gain of the causes, and of any smooth model beyond them."""
-    if nameless and (not findings or rest_mm > SMALL_REST * max(brought_mm, 0.0)):
+    if nameless and (not findings or much_left(brought_mm, rest_mm)):
         return "unknown"
     if not findings:
         return "nothing_missing"

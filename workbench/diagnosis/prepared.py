@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,14 +24,24 @@ from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import believed, check_rest, enough_poses, plausible_geometry
+from ..robot.kinematics import Array
 from .copies import without_copies
-from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
+from .moved_setup import LEAST_BEFORE, jump, split_setup, step_in_time
 from .moved_target import reseated
 from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
 from .rarely_seen import without_rarely_seen
 from .result import FaultFound, Noise
 from .torque_noise import torque_noise
-from .wild_points import Acting, Mended, clean, least_sigma, robust_fit, without_gross, without_impossible
+from .wild_points import (
+    Acting,
+    Cleaned,
+    Mended,
+    clean,
+    least_sigma,
+    robust_fit,
+    without_gross,
+    without_impossible,
+)
 
 SIX_DOF = 3  # targets that make a 6-D measurement
 MOST_MOVES = 6  # of single targets in a campaign: one with more has other faults
@@ -150,12 +161,7 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     least = least_sigma(problem, covariance if noise.source != "residual" else None)
     told, start = _sitting_still(problem, start, covariance, known_effects)
     problem, faults = told.problem, (*faults, *told.faults)
-    cleaned = clean(problem, start, covariance, known_effects, least)
-    if len({fault.pose_id for fault in cleaned.faults if fault.kind == "outlier"}) >= LEAST_BEFORE:
-        step = _step_of_all(problem, start, covariance, known_effects)
-        if step is not None:  # what came before it, or after, was taken for wild
-            problem, faults = split_setup(problem, step.first), (*faults, step.fault(problem))
-            cleaned = clean(problem, start_state(problem), covariance, known_effects, least)
+    cleaned = _cleaned(problem, start, covariance, known_effects, least)
     problem, start, faults = cleaned.problem, cleaned.fit.state, (*faults, *cleaned.faults)
     step = step_in_time(cleaned.fit)
     if step is not None:
@@ -169,12 +175,20 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
 
 
-def _step_of_all(problem: Problem, start: State, noise: Covariance, known_effects: Acting) -> Step | None:
-    """A step in time of all points, wild ones among them; None where there is none."""
-    try:
-        return step_in_time(fit(Model(problem, (), known_effects), start, noise))
-    except ArithmeticError:
-        return None
+def _cleaned(
+    problem: Problem, start: State, noise: Covariance, known_effects: Acting, least: Array
+) -> Cleaned:
+    """Wild points out (`clean`). Many may be all that came before a step in time, or after: then it is two
+    set-ups that are cleaned."""
+    cleaned, step = clean(problem, start, noise, known_effects, least), None
+    if len({fault.pose_id for fault in cleaned.faults if fault.kind == "outlier"}) >= LEAST_BEFORE:
+        with suppress(ArithmeticError):
+            step = step_in_time(fit(Model(problem, (), known_effects), start, noise))
+    if step is None:
+        return cleaned
+    parts = split_setup(problem, step.first)
+    cleaned = clean(parts, start_state(parts), noise, known_effects, least)
+    return replace(cleaned, faults=(step.fault(problem), *cleaned.faults))
 
 
 def _sitting_still(

@@ -71,7 +71,7 @@ class Prediction:
 
 
 @dataclass(frozen=True)
-class Sight:
+class View:
     """How points that move are seen: on the slots `on`, turned (N, 3, 3) into the instrument's frame, shown
     by it as `shows` (N, T, 3, 3) says (None: as they are); drives: rows of torques behind the points'."""
 
@@ -108,7 +108,7 @@ class Linearisation:
     """
 
     prediction: Prediction
-    sight: Sight
+    view: View
     loaded: Array | None
     geometry: Array
     torque: Array
@@ -124,7 +124,7 @@ class Linearisation:
         if self.loaded is not None:
             return self.loaded
         where = self.prediction.where
-        return self.sight.shown(self.sight.true(self.prediction, where.axes, where.origin))
+        return self.view.shown(self.view.true(self.prediction, where.axes, where.origin))
 
     @property
     def by_joint(self) -> Array:
@@ -208,14 +208,14 @@ class Model:
         prediction, acting = self.loaded(state, near), self.acting(state)
         arm, where = prediction.arm, prediction.where
         turn = state.R[self.problem.campaign.poses.setup]
-        sight = Sight(tuple(self.problem.on), turn, acting.sight(self.problem), self.problem.drives)
-        G = sight.true(prediction, where.geometry_axes, where.geometry_origin)
+        view = View(tuple(self.problem.on), turn, acting.sight(self.problem), self.problem.drives)
+        G = view.true(prediction, where.geometry_axes, where.geometry_origin)
         yielding = acting.yielding(arm)
         rows, J = np.flatnonzero(yielding.columns), None
         torque: Array = np.zeros((*G.shape[:2], len(rows)))
         answer: Array = np.zeros((len(G), len(rows), len(rows)))
         if len(rows):
-            load, J = prediction.load, sight.true(prediction, where.axes, where.origin)
+            load, J = prediction.load, view.true(prediction, where.axes, where.origin)
             Phi = yielding.slope(load.local)[1]
             args = (arm, where, prediction.loads, load, rows)
             H = wrench_jacobian(*args, where.axes, where.origin, before_joint=False)
@@ -225,12 +225,12 @@ class Model:
             J += torque @ H
             G += torque @ H_g
         frame, target, centre = self._frame_and_target(state, prediction, turn)
-        if sight.shows is not None:
-            target = sight.shows @ target
+        if view.shows is not None:
+            target = view.shows @ target
         if J is not None:
-            J = sight.shown(J)
-        G, torque, frame = (sight.shown(X) for X in (G, torque, frame))
-        return Linearisation(prediction, sight, J, G, torque, rows, answer, frame, target, centre)
+            J = view.shown(J)
+        G, torque, frame = (view.shown(X) for X in (G, torque, frame))
+        return Linearisation(prediction, view, J, G, torque, rows, answer, frame, target, centre)
 
     def _frame_and_target(
         self, state: State, prediction: Prediction, turn: Array

@@ -239,8 +239,8 @@ def _reflectors(problem: Problem, places: Array) -> dict[str, Hull]:
         if slot == 0 or problem.campaign.six_dof or not np.isfinite(place).all():
             continue
         points = place + box_points([REFLECTOR] * 3)
-        if slot > arm.n:  # on the flange, which the last link carries
-            slot, points = arm.n, points @ arm.R[-1].T + arm.p[-1]
+        if slot > arm.n:
+            slot, points = arm.n, _on_last_link(arm, points)
         hull = hull_of(target.name, slot, points)
         assert hull is not None
         found[target.name] = hull
@@ -255,7 +255,7 @@ def _obstacles(robot: Robot, arm: Arm, cell: CellData) -> list[Hull]:
         points = _points(one) @ R.T + 1e-3 * np.array(one.xyz_mm)
         slot = STANDING
         if one.on in ("flange", robot.flange):
-            slot, points = arm.n, points @ arm.R[-1].T + arm.p[-1]
+            slot, points = arm.n, _on_last_link(arm, points)
         elif one.on in robot.links:
             slot = 1 + robot.links.index(one.on)
             points = points @ arm.R_link[slot].T
@@ -267,6 +267,11 @@ def _obstacles(robot: Robot, arm: Arm, cell: CellData) -> list[Hull]:
             raise InputError(Fault(f"obstacles {one.name!r}", f"{one.mesh} cannot be read", "give box_mm"))
         out.append(hull)
     return out
+
+
+def _on_last_link(arm: Arm, points: Array) -> Array:
+    """Points (V, 3) [m] of the flange's frame in that of the last link, which carries it."""
+    return points @ arm.R[-1].T + arm.p[-1]
 
 
 def _points(one: ObstacleData) -> Array:
