@@ -16,7 +16,7 @@ from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.remainder import beyond_forms, remainder
 from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.stand_ins import StandIns, times_too_sure
-from workbench.diagnosis.weight import Weight, table_of
+from workbench.diagnosis.weight import Weight
 from workbench.diagnosis.worth import _beyond
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.joint_map import JointMap
@@ -187,19 +187,24 @@ def kin_odds(logs, by_companions):
     return believed[0] - believed[1]
 
 
-def test_what_companions_alone_explain_is_not_the_effect():
+def test_what_explains_by_its_companions_alone_stands_in_for_nothing(plain):
     """Large both, and of opposite signs: by itself the effect explains nothing, and may not have been."""
-    S = np.array([[100.0, 99.0], [99.0, 100.0]])
-    reduced = Reduced((), Stored(S), np.zeros(2), 1000.0, 900.0, 300.0)
+    S = np.array([[100.0, 99.0, 0.0], [99.0, 100.0, 0.0], [0.0, 0.0, 100.0]])
+    parts = ((slice(0, 2),), (slice(2, 3),))
+    forms = [Form((Pattern.__new__(Pattern),), np.ones(width), ()) for width in (2, 1)]
+    keys = ("hose_torque", Where(joint="joint_1")), ("joint_map", Where(joint="joint_1"))
+    components = [Component(key, (form,), -3.0) for key, form in zip(keys, forms, strict=True)]
+    weights = {0: Weight(5.0, 0, 3.0), 1: Weight(4.0, 0, 3.0)}
 
-    def weighed(own, companion):
-        u = S @ [own, companion]
-        return table_of(reduced, S[None], u[None], np.zeros(1), np.array([0.5]), np.array([1])).max()
+    def of_them(own, companion):
+        reduced = Reduced(parts, Stored(S), S @ [own, companion, 0.3], 1000.0, 900.0, 300.0)
+        chosen = Chosen(reduced, [Member(1, 0, 3.0)])
+        return StandIns(reduced, components).believed(chosen, 0, weights, {0: 5.0, 1: 4.0})
 
-    assert weighed(3.0, -3.05) < -1e5
+    assert set(of_them(3.0, -3.05)) == {1}
+    assert set(of_them(3.0, -1.0)) == {0, 1}
     with varied(itself=0.0):
-        assert weighed(3.0, -3.05) > 0
-    assert weighed(3.0, -1.0) > 100
+        assert set(of_them(3.0, -3.05)) == {0, 1}
 
 
 def test_companions_take_their_share_of_what_is_left():

@@ -21,7 +21,7 @@ class Priors:
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
     physics holds to one sign has the other; pushes_back: the same of a spring, which would give against its
     load. present: least size, in its scale, of an effect that brings companions; companions: most that these
-    are, in their prior sizes, over the effect in its own; itself: least share that the effect by itself
+    are, in their prior sizes, over the effect in its own; itself: least share that a stand-in by itself
     takes off χ² of what it takes with them; nearly: share of these sizes in causes that are
     nearly true to their form. named: probability from which a cause is named;
     by_data: the same, were no other cause less likely before the data; listed: share of the probability that

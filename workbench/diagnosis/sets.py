@@ -235,15 +235,15 @@ class Competition:
                 continue
             may = {member.component, *np.array([*anyway], int)[limit > least].tolist()}
             weights = self._weights(chosen, [k for k in can if k in may], i)
-            logs: Shares = {}
+            logs = dict[int, float]()
             for k, w in weights.items():
                 value = w.log_odds - anyway.get(k, 0.0)
                 if k == member.component or value - self.components[k].log_odds > EXPLAINS:
                     logs[k] = value
-            logs = stand_ins.believed(chosen, i, weights, logs)
-            logs[None] = 0.0
-            top = max(logs.values())
-            mass = {k: float(np.exp(v - top)) for k, v in logs.items()}
+            believed: Shares = {None: 0.0}
+            believed.update(stand_ins.believed(chosen, i, weights, logs).items())
+            top = max(believed.values())
+            mass = {k: float(np.exp(v - top)) for k, v in believed.items()}
             total = sum(mass.values())
             out.append({k: v / total for k, v in mass.items()})
         return out

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..effects.base import Effect
-from .chosen import Chosen, Shares
+from .chosen import Chosen
 from .components import Component, bare
 from .priors import PRIORS
 from .reduced import Reduced
@@ -38,11 +38,14 @@ class StandIns:
     def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
         self.reduced, self.components = reduced, components
 
-    def believed(self, chosen: Chosen, i: int, weights: dict[int, Weight], logs: Shares) -> Shares:
-        """log odds of components in the i-th member's place, as far as they can be believed. weights: of each
-        by itself there, logs: its log odds."""
+    def believed(
+        self, chosen: Chosen, i: int, weights: dict[int, Weight], logs: dict[int, float]
+    ) -> dict[int, float]:
+        """log odds of components in the i-th member's place, as far as they can be believed, without those
+        that stand in by their companions alone. weights: of each by itself there, logs: its log odds."""
         own = chosen.members[i].component
-        rivals = [k for k in logs if k is not None and self._differ(k, own)]
+        logs = {k: v for k, v in logs.items() if k == own or self._of_itself(chosen, i, k, weights[k])}
+        rivals = [k for k in logs if self._differ(k, own)]
         out = self._no_truer_than_forms(chosen, i, weights, logs, rivals)
         for k in rivals:
             times = self._times_too_sure(k, own)
@@ -65,8 +68,13 @@ class StandIns:
         return times_too_sure(one.effect, other.effect) if one.group == other.group else 1.0
 
     def _no_truer_than_forms(
-        self, chosen: Chosen, i: int, weights: dict[int, Weight], logs: Shares, rivals: Sequence[int]
-    ) -> Shares:
+        self,
+        chosen: Chosen,
+        i: int,
+        weights: dict[int, Weight],
+        logs: dict[int, float],
+        rivals: Sequence[int],
+    ) -> dict[int, float]:
         """log odds by how much better or worse rivals fit as far as that can be believed; functions without a
         name, which have no form, may be worse."""
         own, left = chosen.members[i].component, self.reduced
@@ -83,9 +91,17 @@ class StandIns:
             out[k] += float(np.clip(better, -most, most)) - better
         return out
 
-    def _takes(self, chosen: Chosen, i: int, k: int, weight: Weight) -> float:
-        """What a component takes off χ² in its likeliest form, in the i-th member's place."""
+    def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight) -> bool:
+        """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
+        main = self.components[k].forms[weight.form].main
+        by_itself = self._takes(chosen, i, k, weight, main)
+        return by_itself >= PRIORS.itself * self._takes(chosen, i, k, weight)
+
+    def _takes(self, chosen: Chosen, i: int, k: int, weight: Weight, first: int | None = None) -> float:
+        """What a component takes off χ² in its likeliest form, or the first columns of that, in the i-th
+        member's place."""
         part = self.reduced.parts[k][weight.form]
-        S, u = (x[0] for x in chosen.left_of(np.arange(part.start, part.stop)[None], i))
+        columns = np.arange(part.start, part.stop)[None, :first]
+        S, u = (x[0] for x in chosen.left_of(columns, i))
         S[np.diag_indices_from(S)] += weight.scale**-2
         return float(u @ np.linalg.solve(S, u))

@@ -60,8 +60,6 @@ def table_of(left: Reduced, S: Array, u: Array, explained: Array, wrong_sign: Ar
         mean, covariance = _posterior(S[here], u[here], count)
         table[here] += _present(mean[..., :count], covariance, wrong_sign[here])
         table[here] += mostly_itself(mean, count)
-        by_itself = _quadratic(S[here][:, :count, :count], u[here][:, :count])[0]
-        table[here] += np.where(by_itself < PRIORS.itself * q[here], NOTHING_OF_IT, 0.0)
     return table
 
 
