@@ -12,6 +12,7 @@ from workbench.campaign.problem import problem_of
 from workbench.diagnosis.headline import headline
 from workbench.diagnosis.result import Diagnosis, Finding, Stage
 from workbench.diagnosis.run import diagnose
+from workbench.effects.backlash import Backlash
 from workbench.effects.place import Where
 from workbench.effects.records import from_record, record
 from workbench.effects.unnamed import BESIDE, KINDS, Product, Warmth, unnamed
@@ -119,6 +120,23 @@ def test_backlash(name, joint, size, load):
     text = f"backlash:joint={joint},half_width={size}"
     diagnosis = sound(found(measured(name, effects=(text,), loads=(load,))))
     assert only(diagnosis, "backlash", joint)["half_width"] == pytest.approx(size, rel=0.2)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_worn_play_is_backlash_even_where_the_sides_are_written_the_other_way_round(sign):
+    """Half as wide again where the gear mostly works, which no mean width tells."""
+
+    def worn(problem):
+        q, side = problem.q[:, 4], problem.campaign.poses.side[:, 4]
+        out = np.zeros_like(problem.q)
+        out[:, 4] = -sign * 6e-5 * side * (1 + 0.5 * np.exp(-(((q - q.mean()) / 0.8) ** 2)))
+        return out
+
+    first = found(measured(joints=worn, loads=())).causes[0]
+    told = [first.cause] if sign > 0 else [first.cause, *(rival.cause for rival in first.rivals)]
+    assert "backlash" in told
+    assert first.where.joint == "joint_5"
+    assert ("dir says where it came from" in Backlash(first.where).sentence(np.array([sign]))) == (sign < 0)
 
 
 def test_payload_mass():

@@ -210,6 +210,8 @@ def _wrong_sign(effects: Sequence[Effect]) -> float:
     first = effects[0]
     if len(effects) > 1 or len(first.params) > 1 or first.params[0].lower != 0.0:
         return 0.5
+    if "side" in first.depends:
+        return PRIORS.other_side
     return PRIORS.pushes_back if first.acts == "yielding" else PRIORS.wrong_sign
 
 

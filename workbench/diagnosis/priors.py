@@ -19,11 +19,12 @@ class Priors:
     yield to loads; shadow: size of a cause by loads, over that of what loads do without a name, from which
     it is no part of that.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
-    physics holds to one sign has the other; pushes_back: the same of a spring, which would give against its
-    load. present: least size, in its scale, of an effect that brings companions; companions: most that these
-    are, in their prior sizes, over the effect in its own; itself: least share that a stand-in by itself
-    takes off χ² of what it takes with them; nearly: share of these sizes in causes that are
-    nearly true to their form. named: probability from which a cause is named;
+    physics holds to one sign has the other; other_side: the same of what goes with the side of approach,
+    which campaigns may write down the other way round; pushes_back: of a spring, which would give against
+    its load. present: least size, in its scale, of an effect that brings companions; companions: most that
+    these are, in their prior sizes, over the effect in its own; itself: least share that a stand-in by itself
+    takes off χ² of what it takes with them; nearly: share of these sizes in causes that are nearly true to
+    their form. named: probability from which a cause is named;
     by_data: the same, were no other cause less likely before the data; listed: share of the probability that
     the cause and its rivals must cover, faintest_rival: probability below which a rival is not worth a word;
     absent: probability of nothing there from which a cause is not reported.
@@ -43,6 +44,7 @@ class Priors:
     shadow: float = 2.0
     noise_dof: float = 300.0
     wrong_sign: float = 0.02
+    other_side: float = 0.1
     pushes_back: float = 1e-4
     present: float = 0.3
     companions: float = 3.0

@@ -45,8 +45,15 @@ class Backlash(TransmissionEffect):
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real play is not the same all around the gear."""
+        return self._shares(problem, 0.2)
+
+    def rarer(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """Some gears are worn where they mostly work."""
+        return self._shares(problem, 0.6)
+
+    def _shares(self, problem: Problem, share: float) -> list[tuple[float, Effect]]:
         sides = (one for one in Side.sites(problem) if one.where == self.where)
-        return [(0.2 * self.params[0].typical / one.params[0].typical, one) for one in sides]
+        return [(share * self.params[0].typical / one.params[0].typical, one) for one in sides]
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
@@ -77,5 +84,10 @@ class Backlash(TransmissionEffect):
         return -direction[:, j : j + 1]
 
     def sentence(self, values: Array) -> str:
-        size = f"{short(values[0] * 1e6)} {'µm' if self.sliding else 'µrad'}"
+        size = f"{short(abs(values[0]) * 1e6)} {'µm' if self.sliding else 'µrad'}"
+        if values[0] < 0:
+            return (
+                f"{self.where.joint} goes {size} past the command, away from the side that it comes from; or "
+                "dir says where it came from, and not which way it moved."
+            )
         return f"{self.where.joint} stops {size} short on the side that it comes from."

@@ -24,6 +24,7 @@ SIZES = (
     "shadow",
     "noise_dof",
     "wrong_sign",
+    "other_side",
     "pushes_back",
     "rarer",
     "present",
