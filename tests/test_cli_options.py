@@ -100,6 +100,21 @@ def test_a_seed_below_zero_is_refused(call, capsys):
     assert "'-1' is no number from 0" in capsys.readouterr().err
 
 
+def test_a_frame_may_begin_with_a_minus(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["compensate", "p.csv", "--model", "m.toml", "--tool", "-12,0,150,0,0,left"])
+    assert "'-12,0,150,0,0,left' is no x,y,z or x,y,z,a,b,c" in capsys.readouterr().err
+    said = command_line().parse_args(["compensate", "p.csv", "--model", "m.toml", "--tool", "-12,0,150"])
+    assert said.tool[:3, 3].tolist() == [-0.012, 0.0, 0.15]
+
+
+@pytest.mark.parametrize("tolerance", ["-1", "nan", "wide"])
+def test_a_tolerance_below_zero_is_refused(tolerance, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["compensate", "p.csv", "--model", "m.toml", "--tolerance", tolerance])
+    assert f"'{tolerance}' is no length of zero or more" in capsys.readouterr().err
+
+
 def test_only_the_command_line_reads_arguments():
     reading = [path for path in (ROOT / "workbench").rglob("*.py") if "argparse" in path.read_text()]
     assert {path.parent.name for path in reading} == {"cli"}

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from extended_example import extended, extended_kr500
+from scipy.spatial.transform import Rotation, Slerp
 
 from workbench.campaign import Target
 from workbench.campaign.planned import planned
@@ -26,6 +27,7 @@ from workbench.effects.place import Where
 from workbench.effects.thermal_growth import ThermalGrowth
 from workbench.files.faults import InputError
 from workbench.robot.description import Robot, load_robot
+from workbench.robot.rotations import pose
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, simulate
 
@@ -73,6 +75,34 @@ def test_kr500_with_everything_draws_the_spiral_in_drake() -> None:
     assert in_drake(robot, plain, conditions, 200)[:, 0] == pytest.approx(
         1e-3 * done.before_mm[np.unique(np.append(np.arange(0, len(SPIRAL), 200), len(SPIRAL) - 1))], abs=1e-7
     )
+
+
+def test_what_is_left_between_the_points_is_what_drake_has_there() -> None:
+    """A straight line of three points: as the controller joins them, halfway."""
+    robot = extended_kr500(ripple=0.0)
+    assert SPIRAL.X is not None
+    X = np.repeat(SPIRAL.X[:1], 3, axis=0)
+    X[:, 0, 3] += [0.0, 0.4, 0.8]
+    path = Path(np.array([0.0, 4.0, 8.0]), X=X)
+    done = compensate(robot, path, HEAVY, tool=TOOL)
+    assert done.between_mm > 0.01
+    assert any("left halfway" in line for line in done.lines())
+    middle = 0.5 * (done.X_command[1:, :3, 3] + done.X_command[:-1, :3, 3])
+    turns = Rotation.from_matrix(done.X_command[:, :3, :3])
+    turn = [Slerp([0, 1], turns[[i, i + 1]])(0.5).as_matrix() for i in range(2)]
+    told = Path(path.time[1:], X=pose(middle, np.array(turn)))
+    q = nominal_joints(robot, told, TOOL, start=done.q_command[0])
+    wanted = replace(
+        done, path=told, q_command=q, X_desired=X[1:] * 0.5 + X[:-1] * 0.5, direction=done.direction[1:]
+    )
+    assert in_drake(robot, wanted, HEAVY, 1)[:, 0] == pytest.approx(done.between, rel=1e-3)
+
+
+def test_a_load_or_a_robot_that_was_not_measured_is_said() -> None:
+    robot = load_robot("kr500")
+    assert any("nothing in this model was identified" in n for n in compensate(robot, SPIRAL, HEAVY).notes)
+    known = extended_kr500()
+    assert not any("identified" in note for note in compensate(known, SPIRAL, HEAVY).notes)
 
 
 def test_first_order_methods_are_worse_but_close() -> None:
@@ -230,7 +260,7 @@ def test_temperature_and_time_that_are_not_given_are_said() -> None:
     cold = compensate(robot, SPIRAL)
     assert any("20 °C" in note for note in cold.notes)
     warm = compensate(robot, SPIRAL, Conditions(temperature=30.0))
-    assert not warm.notes
+    assert not any("20 °C" in note for note in warm.notes)
     growth = 10 * 1.2e-5 * np.linalg.norm(cold.X_desired[0, :3, 3])
     shift = np.linalg.norm((warm.X_command - cold.X_command)[:, :3, 3], axis=1)
     assert shift == pytest.approx(growth, rel=0.1)

@@ -120,6 +120,18 @@ def test_outside_of_what_was_measured_it_grows_and_says_so(lacking):
     assert 1.1 * near < far < farther
 
 
+def test_a_load_that_was_not_measured_is_outside(model):
+    """Measured with nothing on the flange: what hangs there may bend what nobody saw bend."""
+    q, loads = (
+        np.tile([0.0, 0.3, 0.3], (3, 1)),
+        {"anvil": (40.0, (0.0, 0.0, 0.1)), "glove": (0.05, (0.0, 0.0, 0.1))},
+    )
+    plan = planned(load_robot("cylindrical"), q, payloads=loads, payload=["", "anvil", "glove"])
+    assert predict(model, plan).outside == ("", "load on the flange", "")
+    pushed = plan.with_poses(wrench=np.array([[0.0] * 6, [0.0] * 6, [0.0, 0.0, 300.0, 0.0, 0.0, 0.0]]))
+    assert predict(model, pushed).outside[2] == "load on the flange"
+
+
 def test_a_corner_that_nobody_measured_is_outside_though_no_joint_is(truth, tmp_path):
     """Of a model that lacks a cause, measured everywhere but where joints 1 and 2 are both large."""
     low, high = LIMITS.T

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -115,3 +117,23 @@ def test_no_tolerance_keeps_every_point() -> None:
     p = circle(50)
     program = Program("ALL", at(p), time=np.linspace(0, 1, 50))
     assert thinned(program, 0.0) is program
+
+
+@pytest.mark.parametrize("spacing", [0.2, 0.005, 0.001])
+def test_corners_stay_corners(spacing: float) -> None:
+    """Over any three points there is a circle: of a square's corners, or of a corner and its neighbours,
+    of which one is far away."""
+    corners = 0.2 * np.array([[0, 0, 2], [1, 0, 2], [1, 1, 2], [0, 1, 2], [0, 0, 2]])
+    share = np.arange(round(0.2 / spacing)) * spacing / 0.2
+    p = np.concatenate([*(a + share[:, None] * (b - a) for a, b in pairwise(corners)), corners[-1:]])
+    p = np.delete(p, np.arange(len(share) + 1, len(share) + len(share) // 4), axis=0)
+    few = thinned(Program("SQUARE", at(p), time=0.01 * np.arange(len(p))), TOLERANCE)
+    assert not few.circular.any()
+    assert from_legs(few, corners) < 1e-9
+
+
+def test_a_polygon_is_no_circle_but_what_is_sampled_closely_is() -> None:
+    for count, round_ in ((13, False), (49, True)):
+        p = circle(count)
+        few = thinned(Program("RING", at(p), time=np.linspace(0, 10, count)), TOLERANCE)
+        assert few.circular.any() == round_

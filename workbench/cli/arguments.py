@@ -88,6 +88,19 @@ def frame(text: str) -> Array:
     return pose(1e-3 * np.array(numbers[:3]), from_zyx(turn)[0])
 
 
+def numbers(text: str) -> Array:
+    """(n,) numbers with commas between."""
+    import numpy as np
+
+    try:
+        found = np.array([float(word) for word in text.split(",")])
+    except ValueError:
+        found = np.array([np.nan])
+    if not np.isfinite(found).all():
+        raise argparse.ArgumentTypeError(f"{text!r} are no numbers with commas between")
+    return found
+
+
 def above_zero(what: str) -> Callable[[str], float]:
     """What reads a number above zero: `what` it is, for the message."""
 
@@ -99,6 +112,19 @@ def above_zero(what: str) -> Callable[[str], float]:
         if not 0 < value < float("inf"):
             raise argparse.ArgumentTypeError(f"{text!r} is no {what} above zero")
         return value
+
+    return read
+
+
+def not_negative(what: str) -> Callable[[str], float]:
+    """What reads a number from zero: `what` it is, for the message."""
+    above = above_zero(what)
+
+    def read(text: str) -> float:
+        try:
+            return 0.0 if float(text) == 0 else above(text)
+        except (ValueError, argparse.ArgumentTypeError):
+            raise argparse.ArgumentTypeError(f"{text!r} is no {what} of zero or more") from None
 
     return read
 
@@ -150,6 +176,19 @@ def load_all(paths: Sequence[str]) -> list[Campaign]:
 def stated(campaign: str | None) -> Campaign | None:
     """The campaign that is named beside a model, its warnings told; None where there is none."""
     return load_all([campaign])[0] if campaign else None
+
+
+def started(model: str, told: Array) -> Array:
+    """(n,) joints [rad, m] of a posture that is told in degrees and millimetres. Raises InputError."""
+    import numpy as np
+
+    from ..robot.description import load_robot
+
+    robot = load_robot(model)
+    if len(told) != len(robot.joints):
+        what = f"has {len(told)} numbers, {robot.name} has {len(robot.joints)} joints"
+        raise InputError(Fault("--start", what, f"one for each of {', '.join(robot.joint_names)}"))
+    return np.where(robot.sliding, 1e-3 * told, np.radians(told))
 
 
 def conditions(model: str, payload: str, campaign: Campaign | None) -> Conditions:

@@ -13,9 +13,12 @@ from .arguments import (
     frame,
     json_option,
     load_options,
+    not_negative,
+    numbers,
     out_option,
     program_options,
     seed_option,
+    started,
     stated,
 )
 
@@ -35,7 +38,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--joints", action="store_true", help="targets of joints in place of tool poses")
     parser.add_argument(
-        "--tolerance", type=float, metavar="MM",
+        "--tolerance", type=not_negative("length"), metavar="MM",
         help="fewest lines and circles within this of the path (0.01); 0 keeps every point",
     )  # fmt: skip
     for name, what in (
@@ -45,6 +48,11 @@ def add(commands: Commands) -> None:
         parser.add_argument(
             f"--{name}", type=frame, metavar="X,Y,Z,A,B,C", help=f"{what}: mm, deg, R = Rz(a) Ry(b) Rx(c)"
         )
+    parser.add_argument(
+        "--start", type=numbers, metavar="Q1,Q2,...",
+        help="posture at the first pose of a path of tool poses: joints near there as the URDF counts them, "
+        "deg, sliding ones mm (default: what stays farthest from the limits)",
+    )  # fmt: skip
     load_options(parser)
     out_option(
         parser,
@@ -92,6 +100,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.out,
         conditions=loads,
         tool=arguments.tool,
+        start=None if arguments.start is None else started(arguments.model, arguments.start),
         seed=arguments.seed,
         export=export,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
@@ -54,7 +55,12 @@ def command_line() -> argparse.ArgumentParser:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong without what acts in a terminal; commands are parsers of the same kind."""
+    """Says what is wrong without what acts in a terminal, and takes -12,0,150 for an option's value; commands
+    are parsers of the same kind."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._negative_number_matcher = re.compile(r"^-\.?\d")  # its own knows a single number
 
     def error(self, message: str) -> NoReturn:
         super().error(plain(message))

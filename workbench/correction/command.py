@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from ..campaign.flange_load import beyond_load
 from ..effects.acting import Shares
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from ..robot.rotations import tool_pose
+from .between import left_between
 from .conditions import Conditions, stated_conditions
 from .extended_arm import parts
 from .mirror import METHODS
@@ -26,6 +28,7 @@ from .trouble import Trouble, impossible, near_singular, out_of_range, too_fast,
 EXACT = "exact"
 BANDWIDTH_HZ = 10.0
 COARSE = 8  # samples per cycle of a ripple, below which straight motion between them misses it
+SHOWS_MM = 0.01  # left between samples, from which it is worth a word
 ROUGH = 1e-8  # rad, m: near enough to rest to tell the uncorrected error
 
 
@@ -36,7 +39,8 @@ class Compensation:
     X_desired: (N, 4, 4) wanted tool poses; q_nominal: (N, n) joints that the nominal arm takes for them;
     q_command: (N, n) joints to command; X_command: (N, 4, 4) tool poses that the nominal controller has
     to be told to take them. before, after: (N, 6) way [m] and turn [rad] from the extended robot's tool
-    to the path, uncorrected and corrected, what is left out included. direction: (N, n) sides from which
+    to the path, uncorrected and corrected, what is left out included; between: (N − 1,) [m] what is left
+    halfway from sample to sample (`left_between`). direction: (N, n) sides from which
     the joints come (None: no effect asks). forward: joints → tool poses, as the controller has them.
     position_only: an arm of fewer than six joints.
     """
@@ -50,6 +54,7 @@ class Compensation:
     X_command: Array
     before: Array
     after: Array
+    between: Array
     direction: Array | None
     left_out: tuple[LeftOut, ...]
     troubles: tuple[Trouble, ...]
@@ -74,6 +79,11 @@ class Compensation:
         """(N,) distance of the corrected tool from the path."""
         return 1e3 * np.linalg.norm(self.after[:, :3], axis=1)
 
+    @property
+    def between_mm(self) -> float:
+        """The most that is left halfway between samples that straight lines join."""
+        return 1e3 * float(np.nanmax(self.between, initial=0.0))
+
     def program(self, name: str = "", kind: Literal["poses", "joints"] = "poses") -> Program:
         """The command as a program for a controller: tool poses, and joints for posture and rails; or
         joints only."""
@@ -94,6 +104,11 @@ class Compensation:
             f"{_size(self.before_mm)} uncorrected, {_size(self.after_mm)} corrected",
             "that is what the model leaves of its own errors; what to expect of the robot: workbench predict",
         ]
+        if self.between_mm > SHOWS_MM:
+            found.append(
+                f"that is at its points: run straight from one to the next, up to {self.between_mm:.2g} mm "
+                "are left halfway, which only closer points correct"
+            )
         found += [f"left out: {item}" for item in self.left_out]
         for kind in dict.fromkeys(trouble.kind for trouble in self.troubles):
             here = [trouble for trouble in self.troubles if trouble.kind == kind]
@@ -158,6 +173,7 @@ def compensate(
         after = settle(trajectory, q, direction, before.sag)
         rest = Rest(q, after.sag, after.error, there & after.there, after.rounds)
     troubles = _troubles(trajectory, before, rest)
+    command = trajectory.forward(rest.q)
     return Compensation(
         path=path,
         method=method,
@@ -165,13 +181,19 @@ def compensate(
         X_desired=trajectory.X,
         q_nominal=trajectory.q,
         q_command=rest.q,
-        X_command=trajectory.forward(rest.q),
+        X_command=command,
         before=before.error,
         after=after.error,
+        between=left_between(trajectory, rest.q, command, direction),
         direction=direction,
         left_out=_left_out(trajectory, rest.q, speed, shares),
         troubles=troubles,
-        notes=(*trajectory.extended.notes, *_coarse(trajectory, speed, shares)),
+        notes=(
+            *trajectory.extended.notes,
+            *_never_measured(trajectory),
+            *_posture(trajectory, start),
+            *_coarse(trajectory, speed, shares),
+        ),
         rounds=rest.rounds,
         forward=trajectory.forward,
         sliding=tuple(bool(slides) for slides in trajectory.nominal.prismatic),
@@ -223,6 +245,31 @@ def _left_out(trajectory: Trajectory, q: Array, speed: Array, shares: Shares) ->
         return ()
     lever = np.concatenate([trajectory.jacobian(part)[:, :3] for part in parts(len(q))])
     return left_out(trajectory.extended, q, speed, shares, lever)
+
+
+def _never_measured(trajectory: Trajectory) -> Iterator[str]:
+    """Notes where the correction stands on no measurement: of this robot at all, or under such a load."""
+    robot = trajectory.robot
+    if not robot.geometry and not robot.effects:
+        yield "nothing in this model was identified: it corrects what its stated numbers say, and no more"
+    measured = () if robot.uncertainty is None else robot.uncertainty.flange_load
+    other = beyond_load(trajectory.extended.problem, measured)
+    if other.any():
+        yield (
+            f"at {other.sum()} of {len(other)} samples the flange is loaded otherwise than it was when the "
+            "robot was measured: how it yields to that is extrapolated"
+        )
+
+
+def _posture(trajectory: Trajectory, start: Array | None) -> Iterator[str]:
+    """A note on the posture of a path of tool poses, where nobody chose it."""
+    if trajectory.path.q is None and start is None:
+        shown = zip(trajectory.q[0], trajectory.nominal.prismatic, strict=True)
+        said = ",".join(f"{1e3 * q:.0f}" if slides else f"{np.degrees(q):.0f}" for q, slides in shown)
+        yield (
+            f"the posture at the first pose is chosen here: joints {said} (deg, mm); where the arm stands "
+            "otherwise, say so (--start): another posture wants another correction"
+        )
 
 
 def _coarse(trajectory: Trajectory, speed: Array, shares: Shares) -> list[str]:

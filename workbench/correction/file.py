@@ -69,6 +69,7 @@ class Written:
             "samples": len(done.path),
             "points": self.points,
             **sizes,
+            "between_max_mm": done.between_mm,
             "left_out": [str(item) for item in done.left_out],
             "troubles": [{"sample": t.index, "kind": t.kind, "what": t.what} for t in done.troubles],
             "notes": list(done.notes),

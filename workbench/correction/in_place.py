@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,7 @@ class Corrected:
             "targets": self.targets,
             "before_max_mm": float(before.max()),
             "after_max_mm": float(after.max()),
+            "between_max_mm": self.compensation.between_mm,
             "notes": list(self.notes),
             "inputs": dict(self.inputs),
         }
@@ -101,12 +102,18 @@ def compensate_program(
     lines = tuple(target.move.line for target in targets)
     told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines)
     done = compensate(robot, told, conditions)
+    done = replace(done, between=np.where([_straight(target) for target in targets[1:]], done.between, 0.0))
     edits, notes = _edits(chosen, texts, frames, targets, done)
     notes += [f"left alone: {fault}" for fault in motions.faults]
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated")
     files = _written(texts, edits, codec, place, chosen)
     put_files(files, keep)
     return Corrected(done, tuple(files), len(edits), tuple(notes), read)
+
+
+def _straight(target: Target) -> bool:
+    """Whether the way to a target is the program's matter, and not the joints'."""
+    return target.X is not None and not np.isfinite(target.move.share)
 
 
 def _by_extension(source: pathlib.Path) -> Format:

@@ -98,9 +98,9 @@ def impossible(path: Path, troubles: Sequence[Trouble]) -> list[Fault]:
     """The faults of a path that cannot be run: per kind and joint, one per line, long runs counted."""
     faults: list[Fault] = []
     mends = {
-        "reach": "move the path, or start in another posture",
+        "reach": "move the path, or start in another posture (--start)",
         "rest": "check stiffness, masses, wrenches and effects of the model",
-        "range": "move the path, or start in another posture (`start`)",
+        "range": "move the path, or start in another posture (--start)",
     }
     for kind, mend in mends.items():
         here = [trouble for trouble in troubles if trouble.kind == kind]

@@ -237,7 +237,9 @@ poses in order, if there are as many. Targets side by side are read with `wide`,
 """
 _PATH = """
 A row per sample: time, and either joints, or tool poses in the base frame as quaternion `qw` ... or as KUKA's
-A B C.
+A B C. From row to row the tool runs straight. A controller's program has a circular move where five rows or
+more lie on a circle, no farther apart than 15°. Rows are corrected, what lies between them is not: where they
+are far apart `compensate` says how much is left there.
 """
 
 

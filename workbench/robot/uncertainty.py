@@ -56,6 +56,8 @@ class Uncertainty(_Table):
     """m: largest standard deviation at a measured pose that comes from the fitted numbers"""
     instrument_inside: bool
     """nobody knows the instrument's noise: it is in the bounds as well"""
+    flange_load: Numbers = Field(default=(), min_length=0, max_length=3)
+    """N, N, N·m: least and largest force, and largest moment, on the flange while it was measured"""
     measured_mm: tuple[str, ...] = ()
     """where the first of the points was measured, in the base frame: a place on each line, some of them"""
 

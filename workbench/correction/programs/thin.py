@@ -14,7 +14,8 @@ from .base import STANDSTILL, Program, legs_of
 
 LEVER = 0.1  # m: a turn of the tool counts at this distance from its point
 PACE = 0.1  # legs whose speeds differ by more than this share of their mean stay apart
-LEAST_ON_A_CIRCLE = 4  # points, below which a circle says nothing
+LEAST_ON_A_CIRCLE = 5  # points, below which a circle says nothing: over any three there is one
+COARSEST = np.radians(15)  # between neighbours on a circle: wider apart they are corners
 WIDEST = np.radians(190)  # of one circular leg, so that a circle is two of them; RAPID ends at 240°
 
 
@@ -23,8 +24,9 @@ def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Prog
 
     tolerance [m]: how far a point that is left out may lie from the leg that replaces it, and how far its
     turn (times `LEVER`) may be from the leg's, which runs evenly from end to end. Points with a pause, turns
-    on the spot and changes of speed by more than `PACE` stay. round_legs: the controller has circular moves.
-    The legs keep their durations, so each runs at the mean speed of what it replaces.
+    on the spot and changes of speed by more than `PACE` stay. round_legs: the controller has circular moves;
+    a circle takes the place of points no farther apart than `COARSEST`: of a square's corners none. The legs
+    keep their durations, so each runs at the mean speed of what it replaces.
     """
     if program.kind != "poses" or program.count < 3 or tolerance <= 0 or program.via is not None:
         return program
@@ -35,10 +37,10 @@ def thinned(program: Program, tolerance: float, round_legs: bool = True) -> Prog
         start = kept[-1]
         straight = path.farthest(start, path.is_straight)
         round_ = path.farthest(start, path.is_circular) if round_legs else start
-        kept.append(max(straight, round_, start + 1))
-        over = np.full((4, 4), np.nan)
-        if round_ > straight:
-            over = program.X[path.middle(start, round_)]
+        over, end = np.full((4, 4), np.nan), max(straight, start + 1)
+        if round_ > end and round_ - start + 1 >= LEAST_ON_A_CIRCLE:
+            over, end = program.X[path.middle(start, round_)], round_
+        kept.append(end)
         via.append(over)
     bent = np.array(via)
     some = np.array(kept)
@@ -117,7 +119,8 @@ class _Path:
             return False
         share = swept(centre, axis, a, self.p[start : end + 1]) / sweep[0]
         share[0], share[-1] = 0.0, 1.0
-        return self._runs_on(start, end, share)
+        close = float(np.diff(share).max() * sweep[0]) <= COARSEST
+        return close and self._runs_on(start, end, share)
 
     def _runs_on(self, start: int, end: int, share: Array) -> bool:
         """Never back, at an even pace, the turn in step. share: (m,) of the way at each point."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign import Campaign, Target
+from ...campaign.flange_load import beyond_load
 from ...campaign.planned import planned
 from ...campaign.problem import Problem, problem_of
 from ...correction.extended_arm import extended_arm, parts
@@ -26,6 +27,7 @@ from .tempering import Tempering
 from .tool import tool_motion, tool_points, tool_problem
 
 TOGETHER = "combination of joints"  # each of them inside of its range
+LOAD = "load on the flange"
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,15 +206,15 @@ def _sided(told: Problem, acting: Acting) -> Iterator[str]:
 
 
 def _outside(told: Problem, data: Uncertainty, far: Array) -> tuple[str, ...]:
-    """What of each pose lies outside of what was measured: joints beyond their ranges; or their combination,
-    where the fitted numbers are less sure of the tool, far (N,) [m], than at any measured pose (hidden
-    extrapolation: Montgomery et al. 2012)."""
+    """What of each pose lies outside of what was measured: joints beyond their ranges, or the load on the
+    flange; or the joints' combination, where the fitted numbers are less sure of the tool, far (N,) [m], than
+    at any measured pose (hidden extrapolation: Montgomery et al. 2012)."""
     lower, upper = np.array(data.lower), np.array(data.upper)
     off = beyond_range(told.q, lower, upper)
     names = told.arm.names
     out = []
-    for row, spread in zip(off, far, strict=True):
-        said = [names[j] for j in np.flatnonzero(row)]
+    for row, loaded, spread in zip(off, beyond_load(told, data.flange_load), far, strict=True):
+        said = [names[j] for j in np.flatnonzero(row)] + [LOAD] * bool(loaded)
         out.append("; ".join(said) or (TOGETHER if spread > (1 + MARGIN) * data.farthest else ""))
     return tuple(out)
 

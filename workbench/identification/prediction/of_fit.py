@@ -9,6 +9,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from ...campaign import Target
+from ...campaign.flange_load import flange_load
 from ...campaign.problem import Problem
 from ...effects.acting import Acting
 from ...effects.base import Effect
@@ -66,6 +67,7 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         lower=_numbers(problem.q.min(axis=0)),
         upper=_numbers(problem.q.max(axis=0)),
         farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
+        flange_load=_numbers(np.array(flange_load(problem))),
         instrument_inside=not known,
         measured_mm=_some(at.points[:, 0]),
     )
