@@ -55,7 +55,7 @@ class Unnamed(Effect):
 
     @property
     def lasting(self) -> bool:
-        return self.uses <= {"joints", "load", "side"}
+        return self.uses <= {"joints", "load"}
 
     @property
     def label(self) -> str:
