@@ -252,6 +252,11 @@ def _never_measured(trajectory: Trajectory) -> Iterator[str]:
     robot = trajectory.robot
     if not robot.geometry and not robot.effects:
         yield "nothing in this model was identified: it corrects what its stated numbers say, and no more"
+    if robot.uncertainty is not None and not robot.uncertainty.base_measured:
+        yield (
+            "no target on the base was measured: the path is right in itself, but all of it may be shifted, "
+            "as far as axis 1 stands otherwise in the base: take base or work object anew with this model"
+        )
     measured = () if robot.uncertainty is None else robot.uncertainty.flange_load
     other = beyond_load(trajectory.extended.problem, measured)
     if other.any():

@@ -17,6 +17,7 @@ from ..robot.kinematics import Array
 from ..robot.portable import carried
 from ..robot.schema import GEOMETRY, EffectRecord, LoadData
 from .fit import Fit
+from .own_base import own_base
 from .prediction.of_fit import uncertainty
 
 Files = dict[Path, str]
@@ -88,16 +89,20 @@ def write_fit(path: str | Path, fit: Fit) -> None:
 
 
 def fit_files(path: Path, fit: Fit) -> Files:
-    """A fit as the extended robot that is to stand at `path`: what of it lasts (`Fit.lasting`), beside what
-    the robot's model had already. Tool and payloads are the campaign's: the effects were found under them."""
+    """A fit as the extended robot that is to stand at `path`, in its own base: what of it lasts
+    (`Fit.lasting`), beside what the robot's model had already. Tool and payloads are the campaign's: the
+    effects were found under them."""
     fit = fit.lasting
     model = fit.model
     given = [(item.effect, v[None]) for item, v in zip(model.given, fit.state.given, strict=True) if v]
     values = [*given, *zip(model.effects, fit.state.values, strict=True)]
     found = [record(effect, v) for effect, v in values if effect.lasting]
     robot = loaded(model.problem.robot, model.problem.campaign)
-    robot = replace(robot, uncertainty=uncertainty(fit))
-    return model_files(path, robot, fit.state.geometry, [*robot.effects, *found])
+    base = own_base(model.problem, fit.state.geometry)
+    known = uncertainty(fit, base)
+    x, y, z = base.gravity.tolist()
+    robot = replace(robot, uncertainty=known, gravity=(x, y, z))
+    return model_files(path, robot, base.geometry, [*robot.effects, *found])
 
 
 def loaded(robot: Robot, campaign: Campaign) -> Robot:

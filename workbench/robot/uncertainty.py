@@ -36,6 +36,8 @@ class Uncertainty(_Table):
     """the targets on the flange"""
     nominal_base: Numbers = Field(min_length=6, max_length=6)
     """best base of the nominal robot in that of the corrected one: shift [m] and rotation vector [rad]"""
+    base_measured: bool = True
+    """fixed targets on the base said where it is; else it is where axis 1 stands in it as the model says"""
     names: tuple[str, ...]
     """the fitted numbers"""
     factor: tuple[str, ...]

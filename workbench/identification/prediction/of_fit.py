@@ -20,6 +20,7 @@ from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
 from ..fit import Fit, fit, start_state
 from ..model import Model
 from ..noise import Covariance, stated_noise
+from ..own_base import OwnBase, is_measured
 from ..parameters import body_motion
 from .left_out import Leaver, tempered
 from .tempering import temper
@@ -32,8 +33,9 @@ PLACES = 200  # measured ones that are kept for a map
 LEAST = 20  # held-out points that can be said to hold in 95 %
 
 
-def uncertainty(result: Fit) -> Uncertainty | None:
+def uncertainty(result: Fit, kept: OwnBase | None = None) -> Uncertainty | None:
     """Covariance of the numbers that last, reduced to what moves the tool, and the tempering of bounds.
+    kept: the base in which the robot is kept (default: that of the fit).
 
     None where no target sits on the flange, or there are too few points to judge by.
     """
@@ -50,14 +52,18 @@ def uncertainty(result: Fit) -> Uncertainty | None:
     tempering, variance = temper(Leaver(result, on_flange), known)
     factor = _reduced(_rows(result, gauge, at.names, variance), at.J, _far(told, acting, at).J)
     fitted = at.J @ factor
-    base, nominal = _nominal(problem, told, at.points)
+    R, t, nominal = _nominal(problem, told, at.points)
+    if kept is not None:
+        R, t = kept.R.T @ R, kept.R.T @ (t - kept.t)
+    points = at.points if kept is None else (at.points - kept.t) @ kept.R
     places = [np.array(target.xyz) for target in gauge.targets]
     return Uncertainty(
         points=tuple(
             ToolPoint(name=target.name, xyz_mm=_mm(place), nominal_xyz_mm=_mm(other))
             for target, place, other in zip(gauge.targets, places, nominal, strict=True)
         ),
-        nominal_base=_numbers(base),
+        nominal_base=_numbers(np.concatenate([t, vectors(R[None])[0]])),
+        base_measured=is_measured(problem),
         names=at.names,
         factor=factor_lines(factor),
         rest=tempering.rest,
@@ -69,7 +75,7 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
         flange_load=_numbers(np.array(flange_load(problem))),
         instrument_inside=not known,
-        measured_mm=_some(at.points[:, 0]),
+        measured_mm=_some(points[:, 0]),
     )
 
 
@@ -199,16 +205,16 @@ def _reduced(rows: Array, near: Array, far: Array) -> Array:
     return np.asarray(rows @ way[:, kept])
 
 
-def _nominal(problem: Problem, told: Problem, points: Array) -> tuple[Array, Array]:
-    """Where the nominal robot's base (6,) and targets (T, 3) are best taken to be, by the corrected robot's
-    points at the measured poses: what an uncorrected program works with."""
+def _nominal(problem: Problem, told: Problem, points: Array) -> tuple[Array, Array, Array]:
+    """Where the nominal robot's base, R (3, 3) and t (3,) [m], and its targets (T, 3) are best taken to be,
+    by the corrected robot's points at the measured poses: what an uncorrected program works with."""
     c = told.campaign
     bare = replace(problem.robot, geometry={}, effects=())
     seen = replace(c, robot=bare, points=points, shots=np.ones(points.shape[:2], dtype=np.int64))
     nominal = Problem(bare, problem.arm.with_geometry(0 * problem.arm.geometry), seen, problem.compensator)
     noise = Covariance(np.full(points.shape[:2], 1e-4), np.zeros(problem.arm.n), np.ones(len(points)))
     state = fit(Model(nominal), start_state(nominal), noise, geometry=False).state
-    return np.concatenate([state.t[0], vectors(state.R)[0]]), state.targets[0] @ problem.arm.R_link[-1]
+    return state.R[0], state.t[0], state.targets[0] @ problem.arm.R_link[-1]
 
 
 def _some(places: Array) -> tuple[str, ...]:
