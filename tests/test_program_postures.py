@@ -314,3 +314,19 @@ def test_status_and_turn_are_read_as_bits_too() -> None:
     assert said[0] is not None
     assert said[0].flags == (True, True, False)
     assert [low < 0 for _, low, _ in said[0].between] == [True, True, False, True, True, False]
+
+
+def test_a_free_target_without_posture_is_taken_nearest_to_the_joints_before(tmp_path: Path) -> None:
+    model, robot = bent("kr500", tmp_path)
+    turns = np.array([(0, 0, 0, 360 * i, 0, 360 * j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
+    every = (np.array(SOLUTIONS["kr500"])[:, None] + turns).reshape(-1, 6)
+    every = every[(np.abs(every) < FAR["kr500"]).all(axis=1)]
+    lower, upper = np.array([-150, -100, -50, -300, -100, -300]), np.array([150, -20, 100, 300, 100, 300])
+    rng, taken = np.random.default_rng(3), set()
+    for start in rng.uniform(lower, upper, (12, 6)):
+        axes = f"PTP {{{', '.join(f'A{i} {value:.4f}' for i, value in enumerate(start, 1))}}}"
+        joints = shown(robot, corrected(tmp_path, model, krl(flange("kr500"), "", axes)))
+        nearest = int(np.abs(every - start).max(axis=1).argmin())
+        assert joints[1] == pytest.approx(every[nearest], abs=1e-3)
+        taken.add(nearest)
+    assert len(taken) > 5

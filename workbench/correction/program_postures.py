@@ -27,10 +27,13 @@ from .trajectory import nominal_joints, rigid
 from .trouble import ranges_of
 
 STEP, TURN = 0.02, np.radians(5)  # m and rad between the samples that follow the arm from target to target
-ROUNDS = 4  # sets of random starts, until a posture agrees with all that the file says
+ROUNDS = 2  # sets of random starts, until a posture agrees with the file; one finds all, as a rule
 MOST_TURNED = 3 * np.pi  # rad, of joints without limits
+AT_A_LIMIT = 1e-9  # rad, by which a joint may be beyond it
 TRIES = 4  # postures that agree equally well, until one serves a whole run
 MOST_NOTES = 5
+AT_HAND = np.pi / 4  # rad: joints so near to those before need no comparison with other postures
+NOTHING = Posture("")
 
 
 def joints_at(robot: Robot, frames: Frames, targets: Sequence[Target]) -> tuple[Array, list[str]]:
@@ -72,17 +75,13 @@ class _Postures:
         """(K, 6) joints at the targets of a run, of which only the first may be reached freely. before: (6,)
         the joints that the arm comes from."""
         X = np.array([self.frames.flange(target.move, _pose(target)) for target in run])
-        said = run[0].posture
-        if before is not None and not (said and said.obeyed and run[0].move.free):
+        said, free = run[0].posture, run[0].move.free
+        if before is None and said is None:
+            return self._unsaid(run, X)
+        if before is not None and not free:
             return self._follow(run, X, before)
-        if said is None:
-            q = self._follow(run, X, None)
-            if len(self._turned(start_postures(self.arm, self.tip, X[0], self.limits, None, 0))) > 1:
-                what = (
-                    "the file does not say the posture of the arm, and other postures need other corrections"
-                )
-                self._note(run[0], f"{what}; taken", q[0])
-            return q
+        if said is None or (before is not None and not said.obeyed):
+            said = NOTHING
         starts, agrees = self._stated(X[0], said, before)
         q = self._first(run, X, starts)
         if not agrees:
@@ -93,13 +92,24 @@ class _Postures:
             self._note(run[0], what, q[0])
         return q
 
-    def _stated(self, X: Array, said: Posture, before: Array | None) -> tuple[list[Array], bool]:
+    def _unsaid(self, run: Sequence[Target], X: Array) -> Array:
+        """(K, 6) joints at the poses X: (K, 4, 4), from the posture that serves them all best."""
+        q = self._follow(run, X, None)
+        every = start_postures(self.arm, self.tip, X[0], self.limits, None, 0)
+        if sum(len(self._turned(one[None])) > 0 for one in every) > 1:
+            what = "the file does not say the posture of the arm, and other postures need other corrections"
+            self._note(run[0], f"{what}; taken", q[0])
+        return q
+
+    def _stated(self, X: Array, said: Posture, before: Array | None) -> tuple[Sequence[Array], bool]:
         """Postures at a pose (4, 4) that agree best with what the file says, those near the joints before (or
         far from the limits) first, and whether they agree with all of it."""
         if before is not None:
             near, solved = newton(self.arm, self.tip, X[None], before[None], rounds=40, refresh=1)
-            if solved[0] and self.limits.margin(near)[0] >= 0 and not self._against(said, near)[0, 0]:
-                return [near[0]], True
+            near = near[solved & (self.limits.margin(near) >= -AT_A_LIMIT)]
+            at_hand = said != NOTHING or np.abs(near - before).max(initial=0.0) < AT_HAND
+            if len(near) and at_hand and not self._against(said, near)[0, 0]:
+                return list(near), True
         found = np.zeros((0, self.arm.n))
         for seed in range(ROUNDS):
             more = start_postures(self.arm, self.tip, X, self.limits, None, seed)
@@ -113,7 +123,7 @@ class _Postures:
         away = -self.limits.margin(turned) if before is None else np.abs(turned - before).max(axis=1)
         order = np.lexsort([away, against[:, 1], against[:, 0]])
         equal = (against[order] == against[order[0]]).all(axis=1)
-        return list(turned[order[equal]]), against[order[0], 0] == 0
+        return list(turned[order[equal]]), bool(against[order[0], 0] == 0)
 
     def _against(self, said: Posture, q: Array) -> NDArray[np.int64]:
         """(N, 2) how much of what is said does not hold of joints (N, 6)."""
@@ -122,7 +132,8 @@ class _Postures:
 
     def _turned(self, q: Array) -> Array:
         """(K, 6) all of the postures (N, 6) that keep to the limits, with whole turns of the joints."""
-        low, high = np.maximum(self.limits.lower, -MOST_TURNED), np.minimum(self.limits.upper, MOST_TURNED)
+        low = np.maximum(self.limits.lower, -MOST_TURNED) - AT_A_LIMIT
+        high = np.minimum(self.limits.upper, MOST_TURNED) + AT_A_LIMIT
         found = []
         for joints in q:
             first, last = np.ceil((low - joints) / FULL), np.floor((high - joints) / FULL)
