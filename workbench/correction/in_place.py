@@ -16,7 +16,8 @@ from ..robot.kinematics import Array
 from .command import Compensation, compensate
 from .conditions import Conditions
 from .paths import Path
-from .program_targets import Frames, Target, joints_at, targets_of, times_of
+from .program_postures import joints_at
+from .program_targets import Frames, Target, targets_of, times_of
 from .programs import Format, find_format, formats
 from .programs.files import beside, is_folder, put_files
 from .programs.motions import Spot
@@ -98,12 +99,13 @@ def compensate_program(
     targets = targets_of(moves)
     if len(targets) == 1:
         targets *= 2  # a path has two samples at least
-    q = joints_at(robot, frames, targets)
+    q, postures = joints_at(robot, frames, targets)
     lines = tuple(target.move.line for target in targets)
     told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines)
     done = compensate(robot, told, conditions)
     done = replace(done, between=np.where([_straight(target) for target in targets[1:]], done.between, 0.0))
     edits, notes = _edits(chosen, texts, frames, targets, done)
+    notes += postures
     notes += [f"left alone: {fault}" for fault in motions.faults]
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated")
     files = _written(texts, edits, codec, place, chosen)

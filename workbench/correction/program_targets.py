@@ -1,23 +1,19 @@
-"""The targets of an existing program as an arm takes them: in the URDF's joints and frames."""
+"""The targets of an existing program in the URDF's joints and frames. `program_postures.py` follows them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from ..files.faults import Fault, InputError
-from ..robot import rotations
 from ..robot.description import Robot
 from ..robot.kinematics import Array
-from .paths import Path
 from .programs.motions import Move, Spot
+from .programs.posture import Posture
 from .programs.shown import stated_convention
-from .trajectory import nominal_joints
 
-STEP, TURN = 0.02, np.radians(5)  # m and rad between the samples that follow the arm from target to target
 SECOND = 1.0  # a leg that does not say how long it takes
 
 
@@ -81,6 +77,11 @@ class Target:
     X: Array | None
     spot: Spot
 
+    @property
+    def posture(self) -> Posture | None:
+        """What the file says of the posture there; that of a circle's end does not count on the way."""
+        return self.move.posture if self.X is self.move.X else None
+
 
 def targets_of(moves: Sequence[Move]) -> list[Target]:
     found = []
@@ -100,54 +101,3 @@ def times_of(targets: Sequence[Target]) -> Array:
         whole = duration if duration > 0 else SECOND
         legs.append(whole / 2 if target.move.via is not None else whole)
     return np.cumsum(legs)
-
-
-def joints_at(robot: Robot, frames: Frames, targets: Sequence[Target]) -> Array:
-    """(M, 6) the URDF's joints at every target, straight legs followed from the joints before them."""
-    q: list[Array] = []
-    run: list[Target] = []
-
-    def follow() -> None:
-        """The poses collected so far, from the last joints known."""
-        if run:
-            X = np.array([frames.flange(target.move, _pose(target)) for target in run])
-            dense, at = _between(X)
-            dense = (
-                dense if len(dense) > 1 else np.repeat(dense, 2, axis=0)
-            )  # a path has two samples at least
-            ends = np.minimum(np.searchsorted(at, np.arange(len(dense))), len(run) - 1)
-            lines = tuple(run[i].move.line for i in ends)
-            file = run[0].move.place.split(" line ")[0]
-            told = Path(np.arange(float(len(dense))), X=dense, file=file, lines=lines)
-            q.extend(nominal_joints(robot, told, start=q[-1] if q else None)[at])
-            run.clear()
-
-    for target in targets:
-        if target.X is None:
-            follow()
-            q.append(frames.joints(target.move.arm))
-            continue
-        if np.isfinite(target.move.share):  # moves freely: not along a line from the pose before
-            follow()
-        run.append(target)
-    follow()
-    return np.array(q)
-
-
-def _pose(target: Target) -> Array:
-    assert target.X is not None
-    return target.X
-
-
-def _between(X: Array) -> tuple[Array, Array]:
-    """Poses (K, 4, 4) with steps of `STEP` and `TURN` between them, and where the given ones stand."""
-    poses, at = [X[:1]], [0]
-    for start, end in pairwise(X):
-        whole = rotations.vectors(start[None, :3, :3].transpose(0, 2, 1) @ end[None, :3, :3])
-        way = end[:3, 3] - start[:3, 3]
-        count = int(max(np.linalg.norm(way) / STEP, np.linalg.norm(whole) / TURN)) + 1
-        share = np.linspace(0, 1, count + 1)[1:, None]
-        turn = start[:3, :3] @ rotations.from_vectors(share * whole)
-        poses.append(rotations.pose(start[:3, 3] + share * way, turn))
-        at.append(at[-1] + count)
-    return np.concatenate(poses), np.array(at)

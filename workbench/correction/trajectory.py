@@ -16,7 +16,7 @@ from ..robot.rotations import tool_pose
 from .check import check_path, reach
 from .conditions import Conditions, path_campaign
 from .extended_arm import ExtendedArm, extended_arm, parts
-from .follow import follow
+from .follow import Range, follow
 from .inverse import Tip
 from .paths import Path
 from .trouble import Trouble, impossible, out_of_range, ranges_of, unreached
@@ -88,12 +88,8 @@ def _nominal(
     """Rigid arm, tip, wanted poses and joints."""
     X_FT = tool_pose(tool)
     check_path(robot, arm, path, X_FT)
-    nominal = replace(
-        arm.with_geometry(np.zeros_like(arm.geometry)), compliance=np.zeros_like(arm.compliance)
-    )
     limits = ranges_of(robot)
-    length = reach(arm, X_FT, limits.upper) / 3
-    tip = Tip(X_FT[:3, :3], X_FT[:3, 3], 6 if arm.n >= 6 else 3, length)
+    nominal, tip = rigid(arm, X_FT, limits)
     troubles: list[Trouble] = []
     if path.q is not None:
         q = path.q
@@ -107,6 +103,15 @@ def _nominal(
     if faults := impossible(path, troubles):
         raise InputError(faults)
     return nominal, tip, X, q
+
+
+def rigid(arm: Arm, X_FT: Array, limits: Range) -> tuple[Arm, Tip]:
+    """The arm as the controller believes it, and its tip with a tool (4, 4) on the flange."""
+    nominal = replace(
+        arm.with_geometry(np.zeros_like(arm.geometry)), compliance=np.zeros_like(arm.compliance)
+    )
+    length = reach(arm, X_FT, limits.upper) / 3
+    return nominal, Tip(X_FT[:3, :3], X_FT[:3, 3], 6 if arm.n >= 6 else 3, length)
 
 
 def _reach_said(arm: Arm, tip: Tip) -> str:

@@ -12,6 +12,7 @@ from ...robot.schema import LoadData
 from .base import Array
 from .format import NUMBER
 from .motions import Motions, Spot
+from .posture import Posture, of_kuka
 
 AGGREGATE = r"\{[^{}]*\}|\$?\w+"
 FIELD = re.compile(rf"\b([A-Z]\d?)\s+({NUMBER})", re.I)
@@ -21,6 +22,7 @@ MOVE = re.compile(
 DECLARED = re.compile(
     r"^\s*(?:DECL\s+)?(?:GLOBAL\s+)?(?:E[36]?POS|POS|FRAME|E6AXIS|AXIS)\s+(\w+)\s*=\s*(\{.*\})", re.I
 )
+STATED = re.compile(r"\b([ST])\s+(?:'([BH])([0-9A-F]+)'|(\d+))", re.I)  # decimal, binary or hexadecimal
 PLACE, TURN = "XYZ", "ABC"
 AXES = tuple(f"A{i}" for i in range(1, 7))
 WHERE_IT_STANDS = ("$AXIS_ACT", "$POS_ACT", "XHOME", "HOME")
@@ -123,6 +125,16 @@ class _Reader:
                 return fields, Spot(file, tuple(spans[key] for key in keys)), True
         return fields, None, True
 
+    def _posture(self, text: str) -> Posture | None:
+        """What S and T of a target say."""
+        if not text.startswith("{"):
+            text = self.declared[text.upper()][2]
+        said = {
+            match[1].upper(): int(match[4]) if match[4] else int(match[3], 2 if match[2] in "Bb" else 16)
+            for match in STATED.finditer(text)
+        }
+        return of_kuka(said.get("S"), said.get("T"))
+
     def _move(self, number: int, at: Text, match: re.Match[str]) -> None:
         kind, last = match[1].upper(), 3 if match[3] else 2
         name = match[last]
@@ -155,6 +167,8 @@ class _Reader:
                 via=via,
                 spot=spot,
                 via_spot=via_spot,
+                free=free,
+                posture=self._posture(name),
             )
         else:
             what = "no whole position (X Y Z A B C or A1..A6)" if found else f"no position {name!r} declared"

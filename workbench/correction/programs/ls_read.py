@@ -11,6 +11,7 @@ import numpy as np
 from ...robot import rotations
 from .base import Array
 from .motions import Motions, Spot
+from .posture import Posture, of_fanuc
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
 FIELD = re.compile(rf"\b(X|Y|Z|W|P|R|J\d|E\d)\s*=\s*({NUMBER})")
@@ -30,6 +31,7 @@ class _Position:
     spot: Spot | None
     frame: int
     tool: int
+    posture: Posture | None
 
 
 def scan(files: Mapping[str, str]) -> Motions:
@@ -69,7 +71,8 @@ class _Reader:
                 spot = Spot(self.file, tuple(spans[key] for key in keys))
         numbers = [re.search(rf"{name}\s*:\s*(\d+)", block) for name in ("UF", "UT")]
         frame, tool = (int(match[1]) if match else 0 for match in numbers)
-        return _Position(fields, spot, frame, tool)
+        said = re.search(r"CONFIG\s*:\s*'([^']*)'", block)
+        return _Position(fields, spot, frame, tool, of_fanuc(said[1]) if said else None)
 
     def read(self, line: str) -> None:
         if match := re.match(rf"WAIT\s+({NUMBER})\s*\(?sec", line, re.I):
@@ -127,6 +130,8 @@ class _Reader:
                 via=_pose([over.fields[key] for key in POSE]) if over and over.spot else None,
                 spot=spot,
                 via_spot=over.spot if over else None,
+                free=kind == "J",
+                posture=position.posture,
             )
         else:
             what = f"P[{index}] is no whole position (X Y Z W P R or J1..J6)"

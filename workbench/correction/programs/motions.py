@@ -11,6 +11,7 @@ import numpy as np
 from ...files.faults import Fault, InputError
 from ...robot.schema import LoadData
 from .base import STANDSTILL, Array, Program, legs_of
+from .posture import Posture
 
 Span = tuple[int, int]
 
@@ -45,6 +46,7 @@ class Move:
     arm: turning joints [rad]; rails [m]; speed [m/s], turn [rad/s], duration [s] of the leg, NaN where not
     said; share of the joints' full speed; blend: corner [m]; via: of a circle, in `base`, with its own spot.
     tool, base: (4, 4) that hold here; None where they stand on the controller, not in the file.
+    free: the joints go there at once, not the tool along a line. posture: what the file says of it there.
     """
 
     kind: Literal["pose", "joints"]
@@ -63,6 +65,8 @@ class Move:
     line: int = 0
     tool: Array | None = None
     base: Array | None = None
+    free: bool = False
+    posture: Posture | None = None
 
 
 class Motions:
@@ -97,12 +101,16 @@ class Motions:
         via: Array | None = None,
         spot: Spot | None = None,
         via_spot: Spot | None = None,
+        free: bool = False,
+        posture: Posture | None = None,
     ) -> None:
         """A tool pose (4, 4) in the base; tool speed [m/s], turning speed [rad/s] or time of the leg [s];
-        corner [m]; share of full speed where joints move freely; the pose over which a circle goes."""
-        self._add(
-            Move("pose", self._where, X, (), rails, speed, turn, duration, share, blend, via, spot, via_spot)
+        corner [m]; share of full speed where joints move freely; the pose over which a circle goes; whether
+        the joints move freely, and in which posture the arm stands there."""
+        move = Move(
+            "pose", self._where, X, (), rails, speed, turn, duration, share, blend, via, spot, via_spot
         )
+        self._add(replace(move, free=free, posture=posture))
 
     def joints(
         self,

@@ -13,6 +13,7 @@ from ...robot.schema import LoadData
 from .base import Array
 from .format import NUMBER
 from .motions import Motions, Spot
+from .posture import of_abb
 from .text import arguments
 
 RAPID_FULL_JOINT_SPEED = 1000.0  # mm/s at the tool that counts as full speed of a joint move
@@ -39,6 +40,8 @@ def scan(files: Mapping[str, str]) -> Motions:
         if match := MOVE.search(statement):
             reader.motions.line = code.count("\n", 0, start + match.start()) + 1
             reader.move(match[1].lower(), start + match.end(), statement[match.end() :])
+        elif match := re.search(r"\bConf(J|L)\s*\\(On|Off)\b", statement, re.I):
+            reader.obeyed[match[1].upper()] = match[2].lower() == "on"
         elif match := re.search(r"\bWaitTime(?:\s*\\InPos\s*,)?\s*([\d.]+)", statement, re.I):
             reader.motions.wait(float(match[1]))
     return reader.motions
@@ -50,6 +53,7 @@ class _Reader:
     def __init__(self, file: str, motions: Motions) -> None:
         self.file, self.motions = file, motions
         self.declared: dict[str, Text] = {}
+        self.obeyed = {"J": True, "L": True}  # ConfJ and ConfL
 
     def move(self, kind: str, start: int, text: str) -> None:
         """Targets, speed, zone and tool."""
@@ -92,6 +96,8 @@ class _Reader:
             via=_frame(over[0]) if over else None,
             spot=Spot(self.file, tuple(spans[:7])),
             via_spot=Spot(self.file, tuple(over[1][:7])) if over else None,
+            free=free,
+            posture=of_abb(numbers[7:11], self.obeyed["J" if free else "L"]),
         )
 
     def _frames(self, tool: str, options: str) -> None:

@@ -122,4 +122,5 @@ class _Reader:
             via=known[0].pose() if kind == "movec" else None,
             spot=target.spot,
             via_spot=known[0].spot if kind == "movec" else None,
+            free=not straight,
         )

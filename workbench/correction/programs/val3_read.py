@@ -12,6 +12,7 @@ from ...files.faults import Fault, InputError
 from ...robot import rotations
 from .base import Array
 from .motions import Motions, Spot
+from .posture import of_staubli
 from .text import arguments
 
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
@@ -114,6 +115,8 @@ class _Reader:
             via=_read_frame(rows[0]) if kind == "movec" else None,
             spot=spots[-1],
             via_spot=spots[0] if kind == "movec" else None,
+            free=free,
+            posture=of_staubli([rows[-1].get(key, "").lower() for key in ("shoulder", "elbow", "wrist")]),
         )
 
     def _base(self, father: str, index: Mapping[str, int]) -> Array | None:
