@@ -88,6 +88,10 @@ class GravityCompensator(LoadEffect):
         return "gas" if self.variant in ("charge", "exponent") else self.variant
 
     @property
+    def bounded(self) -> bool:
+        return self.variant == "exponent"  # 1 to 1.4, whatever the model says
+
+    @property
     def whole(self) -> bool:
         return self.variant != "exponent"  # whose gas was described wrongly knows no better how much there is
 
