@@ -16,6 +16,7 @@ import workbench
 from workbench import diagnose, effects, planned, random_poses, simulate
 from workbench.campaign import Target
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis.components import at_once
 from workbench.diagnosis.evidence import evidence
 from workbench.effects import catalogue, rivals, separation, separation_beside
 from workbench.effects.gravity_compensator import GravityCompensator
@@ -165,7 +166,7 @@ def pulls(case, effect, twin, direct):
     assert np.linalg.norm(pair[0]) > 100
     np.testing.assert_allclose(pair[0], -pair[1])
     others = twin.cylinder.GetMyContextFromRoot(twin.root).get_numeric_parameter(0).get_value()
-    assert tuple(others) != (1.0, 0.0)
+    assert tuple(others) != (1.0, 0.0) or twin.cylinder.law.data != case.compensator.data
 
 
 def weighs(case, effect, twin, direct):
@@ -228,10 +229,24 @@ def test_the_numbers_that_are_said_choose_the_form():
     case, _ = job("kr500")
     for text, form in (
         ("preload=-500", "preload"),
+        ("exponent=0.2", "exponent"),
         ("relative=0.1", "charge"),
         ("coefficient=3e-3", "temperature"),
     ):
         assert parse_effect(f"gravity_compensator:{text}", case)[0].variant == form
+
+
+def test_a_gas_may_be_off_in_charge_and_exponent_without_the_rest():
+    """In its exponent never alone: who described the gas wrongly knows no better how much there is."""
+    case, _ = job("kr500")
+    forms = at_once(GravityCompensator.sites(case))
+    assert [[e.variant for e in form] for form in forms] == [
+        ["charge", "preload", "exponent", "temperature"],
+        ["charge", "exponent"],
+    ]
+    assert [e.variant for e in GravityCompensator.sites(case) if not e.whole] == ["exponent"]
+    coil = problem_of(planned(load_robot("rx170"), np.zeros((1, 6))))
+    assert [e.variant for e in GravityCompensator.sites(coil)] == ["charge", "preload"]
 
 
 @on_one_robot

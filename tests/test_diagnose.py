@@ -20,6 +20,7 @@ from workbench.effects.unnamed.campaign import Along
 from workbench.effects.unnamed.loads import OwnWeights
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
+from workbench.simulation.virtual_campaign import Truth, simulate
 
 GEAR = "gear_kinematic_error:joint=joint_4,order=200,amplitude=2e-4,phase=0.6"
 GEAR_JOINT = ("gear_kinematic_error", "joint_4")
@@ -186,6 +187,22 @@ def test_a_leak_is_among_the_answers_and_its_rivals_are_told(seed):
         assert "pressure gauge" in finding.separate_by or "motor torque" in finding.separate_by
     else:
         assert finding.cause == "gravity_compensator"
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_gas_with_another_exponent_is_no_eccentric_gear(seed):
+    """Measured in Drake on the robot whose own description says so, and diagnosed with the stated one."""
+    stated = robot("kr500")
+    other = {"precharge": 0.85 * stated.compensator.precharge, "exponent": 1.25}
+    true = replace(stated, compensator=stated.compensator.model_copy(update=other))
+    plan = measured(poses=100, seed=seed, loads=())
+    campaign = simulate(replace(plan, robot=true), Truth(sigma=SIGMA), seed=seed)
+    first = found(replace(campaign, robot=stated)).causes[0]
+    numbers = {p.name: p for p in first.parameters}
+    assert first.cause == "gravity_compensator"
+    assert set(numbers) == {"relative", "exponent"}
+    for name, wanted in (("relative", -0.15), ("exponent", 0.25)):
+        assert abs(numbers[name].value - wanted) < 4 * numbers[name].std
 
 
 def product(job):

@@ -21,8 +21,8 @@ ELEMENTS = [
     *((robot, f"spring {j}") for robot in ("kr500", "rx170") for j in range(1, 7)),
     *(("cylindrical", f"spring {j}") for j in (1, 2, 3)),
     ("kr500", "foundation"), ("kr500", "tilt"), ("kr500", "soft gear"), ("longlink", "bending"),
-    ("kr500", "gas"), ("kr500", "preload"), ("rx170", "coil"), ("kr500", "hose"), ("kr500", "wrench"),
-    ("kr500", "payload"), ("kr500", "link"),
+    ("kr500", "gas"), ("kr500", "preload"), ("kr500", "exponent"), ("rx170", "coil"), ("kr500", "hose"),
+    ("kr500", "wrench"), ("kr500", "payload"), ("kr500", "link"),
 ]  # fmt: skip
 
 
@@ -83,9 +83,9 @@ def test_half_of_an_element_is_seen(name, what, monkeypatch):
         slot = {"foundation": 0, "tilt": 2}[what]
         linear[slot, [RX, RY], [RX, RY]] *= 2.0
         springs = replace(yielding, linear=linear)
-    elif what == "coil":
-        law = drakes_law = replace(law, charge=0.5)
-        drakes = replace(loads, compensator=drakes_law)
+    elif what in ("coil", "exponent"):
+        law = replace(law, charge=0.5) if what == "coil" else law.of_exponent(1.2)
+        drakes = replace(loads, compensator=law)
     elif what in ("gas", "preload"):
         halved = {"charge": 0.5} if what == "gas" else {"preload": 500.0}
         drakes = replace(loads, compensator=replace(law, **halved))
@@ -106,6 +106,16 @@ def test_half_of_an_element_is_seen(name, what, monkeypatch):
         twin.set_masses(lighter)
     object.__setattr__(twin, "yielding", yielding)  # the search keeps to the law; the plant decides
     assert rests_apart(twin, arm, yielding, loads, q, drakes) > 1e-7
+
+
+@pytest.mark.parametrize("name", ["kr500", "rx170"])
+def test_another_gas_or_coil_needs_another_twin(name):
+    robot, arm, yielding, loads, _ = case(name)
+    law = loads.compensator
+    twin = elastic_twin(arm, robot, yielding, compensator=law)
+    other = law.of_exponent(1.2) if name == "kr500" else replace(law, charge=0.5)
+    with pytest.raises(ValueError, match="built with another"):
+        twin.set_loads(replace(loads, compensator=other))
 
 
 def test_without_a_spring_the_arm_finds_no_rest():

@@ -39,6 +39,7 @@ EFFECTS = (
     EffectRecord(cause="gear_kinematic_error", joint="joint_2", order=50.0, values={"sin": 2e-5, "cos": 0.0}),
     EffectRecord(cause="gravity_compensator", variant="preload", values={"preload": 400.0}),
 )
+GAS = EffectRecord(cause="gravity_compensator", variant="exponent", values={"exponent": 0.15})
 
 
 def simulated(folder, q, wanted, step):
@@ -104,7 +105,7 @@ def ours(truth, q, wanted):
 @pytest.mark.parametrize("name", ["kr500", "rx170"])
 def test_the_exported_diagram_moves_as_verify_does(tmp_path, name):
     """A command of `verify`, from rest: gas or coil, springs, gears with their reaction, masses, loads."""
-    robot = replace(load_robot(name), effects=EFFECTS)
+    robot = replace(load_robot(name), effects=(*EFFECTS, GAS) if name == "kr500" else EFFECTS)
     export(robot, "drake", tmp_path, conditions=LOAD)
     path = line(0.02, Run(work_frame((1.3, 0.2, 0.9)), speed=0.1, acceleration=0.5, period=0.02))
     command = compensate(robot, path, LOAD)

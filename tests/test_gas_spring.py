@@ -100,6 +100,35 @@ def test_gas_length_moves_the_torque_as_its_derivative_says(job: Problem) -> Non
     np.testing.assert_allclose(LENGTH.wrench(job, job.rigid, loads)[..., 0], difference, rtol=1e-6, atol=1e-5)
 
 
+def test_the_exponent_is_that_of_the_polytrope(job: Problem) -> None:
+    """Its force from pressure times volume to the exponent; its derivative from differences of that."""
+    law = job.compensator
+    assert law is not None
+    s = triangle_of(job).stretch(ANGLES)[0]
+    gas = law.data
+    assert gas.piston_area
+    assert gas.precharge
+    assert gas.gas_length
+    assert gas.reference
+    area, least = gas.piston_area, gas.gas_length + gas.reference
+
+    def force(exponent: float) -> np.ndarray:
+        constant = gas.precharge * (area * gas.gas_length) ** exponent  # p Vⁿ
+        return np.asarray(area * (constant / (area * (least - s)) ** exponent - 101325.0))
+
+    changed = law.of_exponent(1.23)
+    np.testing.assert_allclose(changed.force(s)[0], force(1.23), rtol=1e-12)
+    slope = (force(1.23 + 1e-6) - force(1.23 - 1e-6)) / 2e-6
+    np.testing.assert_allclose(changed.by_exponent(s), slope, rtol=1e-6, atol=1e-3)
+
+
+def test_a_coil_has_no_exponent() -> None:
+    coil = problem_of(planned(load_robot("rx170"), np.zeros((1, 6)))).compensator
+    assert coil is not None
+    with pytest.raises(ValueError, match="no polytropic exponent"):
+        coil.by_exponent(np.ones(3))
+
+
 @pytest.fixture(scope="module")
 def measured() -> Campaign:
     robot = load_robot("kr120")

@@ -50,8 +50,8 @@ def add(commands: Commands) -> None:
         )
     parser.add_argument(
         "--start", type=numbers, metavar="Q1,Q2,...",
-        help="posture at the first pose of a path of tool poses: joints near there as the URDF counts them, "
-        "deg, sliding ones mm (default: what stays farthest from the limits)",
+        help="posture at the first tool pose, where the file does not say it: joints near there as the URDF "
+        "counts them, deg, sliding ones mm (default: what stays farthest from the limits)",
     )  # fmt: skip
     load_options(parser)
     out_option(
@@ -70,6 +70,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     check_folder(arguments.out.parent if arguments.out else None)
     loads = conditions(arguments.model, arguments.payload, stated(arguments.campaign))
+    start = None if arguments.start is None else started(arguments.model, arguments.start)
     if is_program(Path(arguments.path)):
         written = compensate_program(
             arguments.path,
@@ -79,6 +80,7 @@ def run(arguments: argparse.Namespace) -> None:
             conditions=loads,
             tool=arguments.tool,
             base=arguments.base,
+            start=start,
             as_urdf=arguments.as_urdf,
             keep=not arguments.force,
         )
@@ -100,7 +102,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.out,
         conditions=loads,
         tool=arguments.tool,
-        start=None if arguments.start is None else started(arguments.model, arguments.start),
+        start=start,
         seed=arguments.seed,
         export=export,
     )

@@ -76,13 +76,15 @@ def compensate_program(
     conditions: Conditions | None = None,
     tool: Array | None = None,
     base: Array | None = None,
+    start: Array | None = None,
     as_urdf: bool = False,
     keep: bool = False,
 ) -> Corrected:
     """Corrects the targets of a KRL, RAPID, VAL 3, LS or URScript program for the model's robot, only these.
 
     out: a folder (default: NAME_compensated beside the program) or a file with the same extension. tool and
-    base: (4, 4) where the program's own stand on the controller, not in the file. Between targets the arm
+    base: (4, 4) where the program's own stand on the controller, not in the file. start: (6,) the URDF's joints
+    [rad] before the first target, where the file does not say the posture. Between targets the arm
     moves as before: what depends on the joints in between is corrected at the targets only. Raises
     `InputError`; nothing is written then.
     """
@@ -99,7 +101,7 @@ def compensate_program(
     targets = targets_of(moves)
     if len(targets) == 1:
         targets *= 2  # a path has two samples at least
-    q, postures = joints_at(robot, frames, targets)
+    q, postures = joints_at(robot, frames, targets, start)
     lines = tuple(target.move.line for target in targets)
     told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines)
     done = compensate(robot, told, conditions)
@@ -115,7 +117,7 @@ def compensate_program(
 
 def _straight(target: Target) -> bool:
     """Whether the way to a target is the program's matter, and not the joints'."""
-    return target.X is not None and not np.isfinite(target.move.share)
+    return target.X is not None and not target.move.free
 
 
 def _by_extension(source: pathlib.Path) -> Format:

@@ -36,8 +36,11 @@ AT_HAND = np.pi / 4  # rad: joints so near to those before need no comparison wi
 NOTHING = Posture("")
 
 
-def joints_at(robot: Robot, frames: Frames, targets: Sequence[Target]) -> tuple[Array, list[str]]:
-    """(M, 6) the URDF's joints at every target, and notes on postures that the file does not settle."""
+def joints_at(
+    robot: Robot, frames: Frames, targets: Sequence[Target], start: Array | None = None
+) -> tuple[Array, list[str]]:
+    """(M, 6) the URDF's joints at every target, and notes on postures that the file does not settle. start:
+    (6,) those before the first."""
     q: list[Array] = []
     run: list[Target] = []
     postures = _Postures(robot, frames)
@@ -45,7 +48,7 @@ def joints_at(robot: Robot, frames: Frames, targets: Sequence[Target]) -> tuple[
     def follow() -> None:
         """The poses collected so far, from the last joints known."""
         if run:
-            q.extend(postures.along(run, q[-1] if q else None))
+            q.extend(postures.along(run, q[-1] if q else start))
             run.clear()
 
     for target in targets:

@@ -140,8 +140,11 @@ def by_key(effects: Iterable[Effect]) -> dict[Key, list[Effect]]:
 
 
 def at_once(effects: Sequence[Effect]) -> list[tuple[Effect, ...]]:
-    """Of one cause at one place those that may be off together, as one form; none where they may not."""
-    return [tuple(effects)] if effects[0].together and len(effects) > 1 else []
+    """Of one cause at one place those that may be off together, as one form: all, and those of one part; none
+    where they may not."""
+    parts = [tuple(e for e in effects if e.part == part) for part in dict.fromkeys(e.part for e in effects)]
+    forms = dict.fromkeys([tuple(effects), *parts])
+    return [some for some in forms if len(some) > 1] if effects[0].together else []
 
 
 def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:

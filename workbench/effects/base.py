@@ -172,6 +172,11 @@ class Effect(ABC):
         return True
 
     @property
+    def part(self) -> str:
+        """Of forms that come together, those of one part of the machine may be off without the others."""
+        return ""
+
+    @property
     def lasting(self) -> bool:
         """Whether it is the robot's own, and there in other campaigns as well."""
         return True

@@ -27,6 +27,7 @@ class GravityCompensator(LoadEffect):
 
     charge       ΔF = r A p (l/(l − Δs))^n of the gas, or r k (s − s₀) of the spring (its rate)
     preload      ΔF = constant [N]: a spring's length, or friction that always stands on one side
+    exponent     n + Δn in place of n: a gas that was taken for isothermal (1), or for adiabatic (1.4)
     temperature  ΔF = c (T − 20 °C) A p (l/(l − Δs))^n: a sealed gas has c = 1/293 per K
 
     Klimchik et al. 2017, eqs. (2)–(6), in physical form (absolute pressure).
@@ -70,6 +71,9 @@ class GravityCompensator(LoadEffect):
     def params(self) -> tuple[Param, ...]:
         if self.variant == "preload":
             return (Param("preload", "N", 1e3, "constant force, over the model's"),)
+        if self.variant == "exponent":
+            what = "polytropic exponent of the gas, over the model's"
+            return (Param("exponent", "1", 0.1, what, lower=-0.4, upper=0.4),)
         if self.variant == "temperature":
             return (Param("coefficient", "1/K", 3e-3, "relative change of the pressure per K over 20 °C"),)
         what = "gas charge (absolute pressure)" if self.kind == "gas" else "spring rate"
@@ -78,6 +82,18 @@ class GravityCompensator(LoadEffect):
     @property
     def uses(self) -> Depends:
         return self.depends if self.variant == "temperature" else frozenset({"joints"})
+
+    @property
+    def part(self) -> str:
+        return "gas" if self.variant in ("charge", "exponent") else self.variant
+
+    @property
+    def bounded(self) -> bool:
+        return self.variant == "exponent"  # 1 to 1.4, whatever the model says
+
+    @property
+    def whole(self) -> bool:
+        return self.variant != "exponent"  # whose gas was described wrongly knows no better how much there is
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
@@ -95,8 +111,8 @@ class GravityCompensator(LoadEffect):
         if problem.compensator is None:
             return []
         kind = problem.compensator.data.kind
-        variants = ("charge", "preload", "temperature") if kind == "gas" else ("charge", "preload")
-        return [cls(variant=variant, kind=kind) for variant in variants]
+        gas = ("exponent", "temperature") if kind == "gas" else ()
+        return [cls(variant=variant, kind=kind) for variant in ("charge", "preload", *gas)]
 
     def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
         if problem.compensator is None:
@@ -124,6 +140,8 @@ class GravityCompensator(LoadEffect):
         assert law is not None
         if self.variant == "preload":
             law = replace(law, preload=law.preload + float(values[0]))
+        elif self.variant == "exponent":
+            law = law.of_exponent(law.data.exponent + float(values[0]))
         else:
             law = replace(law, charge=law.charge + values[0] * self._scale(problem))
         return arm, replace(loads, compensator=law)
@@ -132,7 +150,12 @@ class GravityCompensator(LoadEffect):
         law = loads.compensator
         assert law is not None
         end, direction, s = law.ends(where)
-        change = np.ones_like(s) if self.variant == "preload" else law.force(s)[2] * self._scale(problem)
+        if self.variant == "preload":
+            change = np.ones_like(s)
+        elif self.variant == "exponent":
+            change = law.by_exponent(s)
+        else:
+            change = law.force(s)[2] * self._scale(problem)
         pull = (change[:, None] * direction)[:, None]
         torque = cross(end[:, None] - where.origin, pull)
         out = np.zeros((*where.origin.shape[:2], 6, 1))
@@ -152,6 +175,9 @@ class GravityCompensator(LoadEffect):
         if self.variant == "preload":
             word = "more" if values[0] > 0 else "less"
             return f"The gravity compensator pulls {short(abs(values[0]))} N {word} than the model says."
+        if self.variant == "exponent":
+            word = "above" if values[0] > 0 else "below"
+            return f"The exponent of the compensator's gas is {abs(values[0]):.2f} {word} the model's."
         if self.variant == "temperature":
             return f"The compensator's pressure changes by {values[0]:.2%} per K (sealed gas: 0.34 %)."
         what = "gas charge" if self.kind == "gas" else "spring rate"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -38,6 +38,18 @@ class CompensatorLaw:
         """F [N] at one pivot distance s [m], with that charge and preload in place of the law's own."""
         by_charge, _, constant = _force(self.data, s)
         return charge * by_charge + constant + preload
+
+    def by_exponent(self, s: Array) -> Array:
+        """dF/dn (N,) [N] of a gas at pivot distances s (N,) [m]: (l/column)^n grows with n by ln(l/column)
+        times itself. Raises ValueError for a spring, whose force has no exponent."""
+        length, reference = self.data.gas_length, self.data.reference
+        if length is None or reference is None:
+            raise ValueError("a coil spring has no polytropic exponent")
+        return np.asarray(self.charge * self.force(s)[2] * np.log(length / (length - (s - reference))))
+
+    def of_exponent(self, exponent: float) -> CompensatorLaw:
+        """The same gas with another polytropic exponent."""
+        return replace(self, data=self.data.model_copy(update={"exponent": exponent}))
 
     @property
     def coil(self) -> tuple[float, float] | None:

@@ -82,7 +82,8 @@ class ElasticTwin:
         self.springs[slot, component].SetStiffness(self.context, stiffness)
 
     def set_loads(self, loads: Loads) -> None:
-        """Payload, wrench, joint torques and the compensator's charge of one pose (N = 1)."""
+        """Payload, wrench, joint torques and the compensator's charge of one pose (N = 1). Raises ValueError
+        for another coil or another gas than the twin was built with."""
         self.set_payload(float(loads.mass[0]), loads.moment[0])
         force = np.zeros(self.plant.num_velocities())
         for at in (self._motors_at, self._axial_at):
@@ -91,6 +92,8 @@ class ElasticTwin:
         wrench = applied_wrench(self.built.bodies[-1], loads.wrench[0])
         self.diagram.GetInputPort("wrench").FixValue(self.root, [wrench])
         if (law := loads.compensator) is not None and self.cylinder is not None:
+            if law.data != self.cylinder.law.data:
+                raise ValueError("the elastic twin was built with another gas")
             charge = float(np.mean(law.charge))
             self.cylinder.set_charge(
                 self.cylinder.GetMyMutableContextFromRoot(self.root), charge, law.preload

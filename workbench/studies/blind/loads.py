@@ -65,7 +65,8 @@ def lost_motion(problem: Problem, effect: LostMotion, rng: np.random.Generator) 
 
 
 def gravity_compensator(problem: Problem, effect: GravityCompensator, rng: np.random.Generator) -> Hidden:
-    """A gas whose loss follows a polytrope, friction that grows with the stroke, warm gas likewise."""
+    """A gas whose loss follows a polytrope, warm gas and another exponent likewise; friction that grows with
+    the stroke."""
     law = problem.compensator
     assert law is not None
     sign = -1.0 if effect.variant == "charge" and rng.random() < 0.75 else 1.0
@@ -88,7 +89,8 @@ def gravity_compensator(problem: Problem, effect: GravityCompensator, rng: np.ra
     def form(size: float) -> Truth:
         return Truth(torque=lambda problem: size * torque(problem))
 
-    return Hidden("gravity_compensator", effect, np.array([unit]), form, 8.0)
+    largest = 3.0 if effect.variant == "exponent" else 8.0  # no gas is beyond adiabatic
+    return Hidden("gravity_compensator", effect, np.array([unit]), form, largest)
 
 
 def payload(problem: Problem, effect: Payload, rng: np.random.Generator) -> Hidden:
