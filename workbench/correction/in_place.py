@@ -83,8 +83,8 @@ def compensate_program(
     """Corrects the targets of a KRL, RAPID, VAL 3, LS or URScript program for the model's robot, only these.
 
     out: a folder (default: NAME_compensated beside the program) or a file with the same extension. tool and
-    base: (4, 4) where the program's own stand on the controller, not in the file. start: (6,) the URDF's joints
-    [rad] before the first target, where the file does not say the posture. Between targets the arm
+    base: (4, 4) where the program's own stand on the controller, not in the file. start: (6,) the URDF's
+    joints [rad] before the first target, where the file does not say the posture. Between targets the arm
     moves as before: what depends on the joints in between is corrected at the targets only. Raises
     `InputError`; nothing is written then.
     """
