@@ -63,6 +63,26 @@ def load_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def tool_option(parser: argparse.ArgumentParser) -> None:
+    frame_option(parser, "tool", "tool in the flange frame, whose poses a path of tool poses gives")
+
+
+def frame_option(parser: argparse.ArgumentParser, name: str, what: str) -> None:
+    """`--name` with a frame, and what it is."""
+    parser.add_argument(
+        f"--{name}", type=frame, metavar="X,Y,Z,A,B,C", help=f"{what}: mm, deg, R = Rz(a) Ry(b) Rx(c)"
+    )
+
+
+def start_option(parser: argparse.ArgumentParser) -> None:
+    """`--start`; `started` reads it."""
+    parser.add_argument(
+        "--start", type=numbers, metavar="Q1,Q2,...",
+        help="posture at the first tool pose, where the file does not say it: joints near there as the URDF "
+        "counts them, deg, sliding ones mm (default: what stays farthest from the limits)",
+    )  # fmt: skip
+
+
 def program_options(parser: argparse.ArgumentParser) -> None:
     """How a robot program is written."""
     parser.add_argument(
@@ -178,12 +198,15 @@ def stated(campaign: str | None) -> Campaign | None:
     return load_all([campaign])[0] if campaign else None
 
 
-def started(model: str, told: Array) -> Array:
-    """(n,) joints [rad, m] of a posture that is told in degrees and millimetres. Raises InputError."""
+def started(model: str, told: Array | None) -> Array | None:
+    """(n,) joints [rad, m] of a posture that is told in degrees and millimetres; None where none is. Raises
+    InputError."""
     import numpy as np
 
     from ..robot.description import load_robot
 
+    if told is None:
+        return None
     robot = load_robot(model)
     if len(told) != len(robot.joints):
         what = f"has {len(told)} numbers, {robot.name} has {len(robot.joints)} joints"

@@ -10,16 +10,17 @@ from .arguments import (
     Commands,
     check_folder,
     conditions,
-    frame,
+    frame_option,
     json_option,
     load_options,
     not_negative,
-    numbers,
     out_option,
     program_options,
     seed_option,
+    start_option,
     started,
     stated,
+    tool_option,
 )
 
 
@@ -41,18 +42,9 @@ def add(commands: Commands) -> None:
         "--tolerance", type=not_negative("length"), metavar="MM",
         help="fewest lines and circles within this of the path (0.01); 0 keeps every point",
     )  # fmt: skip
-    for name, what in (
-        ("tool", "tool in the flange frame"),
-        ("base", "frame of the poses in the controller's world"),
-    ):
-        parser.add_argument(
-            f"--{name}", type=frame, metavar="X,Y,Z,A,B,C", help=f"{what}: mm, deg, R = Rz(a) Ry(b) Rx(c)"
-        )
-    parser.add_argument(
-        "--start", type=numbers, metavar="Q1,Q2,...",
-        help="posture at the first tool pose, where the file does not say it: joints near there as the URDF "
-        "counts them, deg, sliding ones mm (default: what stays farthest from the limits)",
-    )  # fmt: skip
+    tool_option(parser)
+    frame_option(parser, "base", "frame of the poses in the controller's world")
+    start_option(parser)
     load_options(parser)
     out_option(
         parser,
@@ -70,7 +62,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     check_folder(arguments.out.parent if arguments.out else None)
     loads = conditions(arguments.model, arguments.payload, stated(arguments.campaign))
-    start = None if arguments.start is None else started(arguments.model, arguments.start)
+    start = started(arguments.model, arguments.start)
     if is_program(Path(arguments.path)):
         written = compensate_program(
             arguments.path,

@@ -18,6 +18,9 @@ from .arguments import (
     out_option,
     positive,
     seed_option,
+    start_option,
+    started,
+    tool_option,
 )
 from .status import progress, warn
 
@@ -54,6 +57,8 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--payload", default="", metavar="NAME", help="what the arm carries, where the file says nothing"
     )
+    tool_option(parser)
+    start_option(parser)
     parser.add_argument(
         "--tolerance",
         type=above_zero("length"),
@@ -133,8 +138,7 @@ def _path(file: Path, robot: Robot) -> ToolPath:
 
 
 def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
-    """The poses of a file: a campaign's, joints as a campaign or a path has them, or tool poses of the
-    flange."""
+    """The poses of a file: a campaign's, joints as a campaign or a path has them, or poses of the tool."""
     from ..correction.trajectory import nominal_joints
     from ..files.faults import read_text
     from ..identification.prediction import posed
@@ -145,7 +149,9 @@ def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
         return _measured(robot, arguments)
     if "q1_" not in read_text(file).partition("\n")[0]:
         path = _path(file, robot)
-        campaign = posed(robot, nominal_joints(robot, path, seed=arguments.seed), arguments.payload)
+        start = started(arguments.model, arguments.start)
+        q = nominal_joints(robot, path, arguments.tool, start, arguments.seed)
+        campaign = posed(robot, q, arguments.payload)
         wrench = campaign.poses.wrench if path.wrench is None else path.wrench
         return campaign.with_poses(wrench=wrench, temperature=path.temperature, time=path.time)
     poses, _ = told.from_file(robot, arguments.poses, {})

@@ -17,7 +17,10 @@ from .arguments import (
     out_option,
     quick_option,
     seed_option,
+    start_option,
+    started,
     stated,
+    tool_option,
     workers_option,
 )
 from .status import progress
@@ -56,6 +59,8 @@ def add(commands: Commands) -> None:
         help="what a drive does that is asked for more torque or speed than its limit (stop)",
     )
     parser.add_argument("--sweep", action="store_true", help="error by speed too, 0.01 to 1 m/s")
+    tool_option(parser)
+    start_option(parser)
     load_options(parser)
     out_option(parser, "folder for the page, the scene and the numbers (reports/verify)", "reports/verify")
     seed_option(parser, "repeated runs, and of the postures tried for the first pose")
@@ -77,6 +82,8 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.truth,
         arguments.out,
         conditions=conditions(arguments.model, arguments.payload, stated(arguments.campaign)),
+        tool=arguments.tool,
+        start=started(arguments.model, arguments.start),
         speeds=arguments.speed or SPEEDS,
         loop=parse_loop(Path(arguments.controller)) if arguments.controller else None,
         feed_forward=arguments.feed_forward,

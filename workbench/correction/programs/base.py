@@ -161,6 +161,7 @@ class Legs:
     speed [m/s], turn [rad/s]: (N,), what a controller is told; `turning` legs only rotate
     pause:  (N,) standstill at the point [s]: its dwell and the standing legs that follow it
     blend:  (N,) rounding of the corner [m], 0 = the tool stops there
+    corner: (N,) change of direction at the point [rad]
     """
 
     distance: Array
@@ -171,6 +172,7 @@ class Legs:
     turning: NDArray[np.bool_]
     pause: Array
     blend: Array
+    corner: Array
 
 
 def legs_of(program: Program) -> Legs:
@@ -192,8 +194,20 @@ def legs_of(program: Program) -> Legs:
     with np.errstate(divide="ignore", invalid="ignore"):
         speed = _carried(np.where(distance < STANDSTILL, np.nan, distance / duration))
         turn = np.where(turning, angle / duration, np.nan)
-    blend = _blends(program, distance, pause, np.einsum("ij,ij->i", arrive[:-1], leave[1:]))
-    return Legs(distance, angle, duration, speed, turn, turning, pause, blend)
+    cosine = np.nan_to_num(np.einsum("ij,ij->i", arrive[:-1], leave[1:]), nan=1.0)
+    corner = np.zeros(n)
+    corner[1:-1] = np.arccos(np.clip(cosine, -1.0, 1.0))
+    return Legs(
+        distance,
+        angle,
+        duration,
+        speed,
+        turn,
+        turning,
+        pause,
+        _blends(program, distance, pause, cosine),
+        corner,
+    )
 
 
 def _carried(speed: Array) -> Array:
@@ -216,7 +230,7 @@ def _blends(program: Program, distance: Array, pause: Array, cosine: Array) -> A
     if program.kind == "poses" and program.count > 2:
         room = SHARE_OF_LEG * np.minimum(distance[1:-1], distance[2:])
         if program.tolerance > 0:
-            half = np.sqrt(np.clip((1 - np.nan_to_num(cosine, nan=1.0)) / 2, 0.0, 1.0))
+            half = np.sqrt(np.clip((1 - cosine) / 2, 0.0, 1.0))
             with np.errstate(divide="ignore"):
                 room = np.minimum(room, 2 * program.tolerance / half)
         blend[1:-1] = np.minimum(program.blend, room)

@@ -26,6 +26,7 @@ from .posture import turn_numbers
 BETWEEN = ",\t"
 MOST_LINES = 9999
 LONGEST_LEG = 32.0  # s, a leg's time in msec; beyond it in tenths of seconds
+SHARP = np.radians(10)  # corners that CNT would cut by more than a tolerance
 SCRATCH = 100  # position register that carries the tool and the base
 OWN_FRAME = 9  # number of UTOOL and UFRAME that a program with a tool or base of its own sets
 LONGEST_REMARK = 32
@@ -74,7 +75,10 @@ class Ls(Format):
             what = f"{program.load.mass_kg:.3f} kg at {x:.1f}, {y:.1f}, {z:.1f} mm"
             found.append(f"a payload schedule of the controller has to say {what}: the file cannot")
         if program.kind == "poses" and self.legs(program).blend.any():
-            found.append("CNT100 rounds the corners as the speed has it, not by `blend`; blend = 0 says FINE")
+            sharp = ""
+            if program.tolerance > 0:
+                sharp = f"; the tool stops (FINE) at corners of more than {np.degrees(SHARP):.0f} deg"
+            found.append(f"CNT100 rounds corners as the speed has it{sharp}")
         if program.kind == "poses" and program.arm.shape[1] != 6:
             found.append(
                 f"every pose says CONFIG '{self.configuration}': the arm has to stand so at the start"
@@ -153,7 +157,8 @@ class Ls(Format):
                 over = f"P[{number}]    \n    :  "
             number += 1
             positions.append(_pose_position(number, X[i], program.rails[i], posture, frames))
-            ending = "CNT100" if legs.blend[i] > 0 else "FINE"
+            sharp = program.tolerance > 0 and legs.corner[i] > SHARP
+            ending = "CNT100" if legs.blend[i] > 0 and not sharp else "FINE"
             move = f"{'C' if over else 'L'} {over}P[{number}] {_pace(legs, i)} {ending}"
             moves.append(move if number > 1 else f"J P[1] {share} FINE")
             moves += _wait(legs.pause[i])
