@@ -137,3 +137,15 @@ def test_a_polygon_is_no_circle_but_what_is_sampled_closely_is() -> None:
         p = circle(count)
         few = thinned(Program("RING", at(p), time=np.linspace(0, 10, count)), TOLERANCE)
         assert few.circular.any() == round_
+
+
+def test_fanuc_stops_at_sharp_corners_and_runs_through_flat_ones() -> None:
+    """CNT cuts a corner as the speed has it, which no tolerance bounds."""
+    p = 0.1 * np.array([[0, 0, 5], [1, 0.02, 5], [2, 0, 5], [2, 1, 5], [2, 2, 5]])
+    program = Program("CORNERS", at(p), time=np.arange(5.0), tolerance=TOLERANCE)
+    moves = [line for line in find_format("ls").write(program)["CORNERS.ls"].splitlines() if "P[" in line]
+    ends = [
+        line.split()[-2] if line.split()[-1] == ";" else line.split()[-1] for line in moves if ":L" in line
+    ]
+    assert ends == ["CNT100", "FINE", "CNT100", "FINE"]
+    assert any("stops (FINE)" in said for said in find_format("ls").warnings(program))
