@@ -198,7 +198,9 @@ def test_model_is_a_robot_again(folder, tmp_path, capsys):
     model = folder / "found/model.toml"
     robot = load_robot(model)
     assert {item.cause for item in robot.effects} == {"gear_kinematic_error", "backlash"}
-    corrections = [[robot.geometry[name][key] for key in GEOMETRY] for name in robot.joint_names]
+    first, *others = robot.joint_names
+    assert first not in robot.geometry  # that is where the base is
+    corrections = [[0.0] * 6, *([robot.geometry[name][key] for key in GEOMETRY] for name in others)]
     write_model(folder / "found/again.toml", robot, np.array([[0.0] * 6, *corrections]), robot.effects)
     assert (folder / "found/again.toml").read_bytes() == model.read_bytes()
     (folder / "found/again.toml").unlink()

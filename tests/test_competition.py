@@ -32,6 +32,7 @@ from workbench.identification.fit import refit
 from workbench.identification.heldout import heldout
 from workbench.identification.model import Model
 from workbench.identification.model_file import write_fit
+from workbench.identification.own_base import own_base
 from workbench.robot.description import load_robot
 from workbench.studies.blind.cases import draw_case
 
@@ -245,7 +246,9 @@ def test_what_has_no_name_is_corrected_and_kept_in_the_model(tmp_path):
     write_fit(tmp_path / "model.toml", outcome.fit)
     problem = problem_of(replace(campaign, robot=load_robot(tmp_path / "model.toml")))
     kept = Model(problem, (), tuple(stated_effects(problem)))
-    points = kept.predict(replace(outcome.fit.state, values=()))
+    state, base = outcome.fit.state, own_base(outcome.problem, outcome.fit.state.geometry)
+    there = replace(state, geometry=problem.arm.geometry, R=state.R @ base.R, t=state.t + state.R @ base.t)
+    points = kept.predict(replace(there, values=()))
     assert np.abs(points - outcome.fit.model.predict(outcome.fit.state)).max() < 1e-9
 
 

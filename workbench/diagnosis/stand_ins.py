@@ -93,8 +93,8 @@ class StandIns:
 
     def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight) -> bool:
         """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
-        main = self.components[k].forms[weight.form].main
-        by_itself = self._takes(chosen, i, k, weight, main)
+        main = self.components[k].forms[weight.form].main  # of a change of geometry 0
+        by_itself = self._takes(chosen, i, k, weight, main or None)
         return by_itself >= PRIORS.itself * self._takes(chosen, i, k, weight)
 
     def _takes(self, chosen: Chosen, i: int, k: int, weight: Weight, first: int | None = None) -> float:

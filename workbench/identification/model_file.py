@@ -99,9 +99,8 @@ def fit_files(path: Path, fit: Fit) -> Files:
     found = [record(effect, v) for effect, v in values if effect.lasting]
     robot = loaded(model.problem.robot, model.problem.campaign)
     base = own_base(model.problem, fit.state.geometry)
-    known = uncertainty(fit, base)
     x, y, z = base.gravity.tolist()
-    robot = replace(robot, uncertainty=known, gravity=(x, y, z))
+    robot = replace(robot, uncertainty=uncertainty(fit), gravity=(x, y, z))
     return model_files(path, robot, base.geometry, [*robot.effects, *found])
 
 

@@ -6,12 +6,12 @@ robot. Unless the base was measured, it is where axis 1 stands in it as the mode
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..robot.kinematics import RX, Array
+from ..robot.kinematics import RX, Arm, Array
 from ..robot.rotations import from_xyz
 
 ENOUGH = 3  # points of the base that say where it is
@@ -26,6 +26,10 @@ class OwnBase:
     gravity: Array
     R: Array
     t: Array
+
+    def arm(self, arm: Arm) -> Arm:
+        """The arm, in this base."""
+        return replace(arm, geometry=self.geometry, gravity=self.gravity)
 
 
 def is_measured(problem: Problem) -> bool:

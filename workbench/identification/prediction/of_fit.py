@@ -20,7 +20,7 @@ from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
 from ..fit import Fit, fit, start_state
 from ..model import Model
 from ..noise import Covariance, stated_noise
-from ..own_base import OwnBase, is_measured
+from ..own_base import is_measured, own_base
 from ..parameters import body_motion
 from .left_out import Leaver, tempered
 from .tempering import temper
@@ -33,9 +33,9 @@ PLACES = 200  # measured ones that are kept for a map
 LEAST = 20  # held-out points that can be said to hold in 95 %
 
 
-def uncertainty(result: Fit, kept: OwnBase | None = None) -> Uncertainty | None:
-    """Covariance of the numbers that last, reduced to what moves the tool, and the tempering of bounds.
-    kept: the base in which the robot is kept (default: that of the fit).
+def uncertainty(result: Fit) -> Uncertainty | None:
+    """Covariance of the numbers that last, in the robot's own base, reduced to what moves the tool; and the
+    tempering of bounds.
 
     None where no target sits on the flange, or there are too few points to judge by.
     """
@@ -44,25 +44,27 @@ def uncertainty(result: Fit, kept: OwnBase | None = None) -> Uncertainty | None:
     if int(problem.seen[:, gauge.chosen].sum()) < LEAST:
         return None
     acting = result.model.acting(result.state).those(_own)
-    corrected = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
-    told = tool_problem(corrected, gauge.targets)
+    kept = own_base(problem, result.state.geometry)
+    told = tool_problem(replace(problem, arm=kept.arm(problem.arm)), gauge.targets)
     at = tool_motion(told, acting)
     known = stated_noise(problem) is not None or bool(np.isfinite(result.noise.dof))
     on_flange = np.isin(np.arange(problem.seen.shape[1]), gauge.chosen)
     tempering, variance = temper(Leaver(result, on_flange), known)
-    factor = _reduced(_rows(result, gauge, at.names, variance), at.J, _far(told, acting, at).J)
+    rows = _rows(result, gauge, at.names, variance)
+    if not is_measured(problem):
+        as_fitted = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
+        moved = tool_motion(tool_problem(as_fitted, gauge.targets), acting).J
+        rows = _without_axis_1(rows, kept.R.T @ moved, at.J)
+    factor = _reduced(rows, at.J, _far(told, acting, at).J)
     fitted = at.J @ factor
-    R, t, nominal = _nominal(problem, told, at.points)
-    if kept is not None:
-        R, t = kept.R.T @ R, kept.R.T @ (t - kept.t)
-    points = at.points if kept is None else (at.points - kept.t) @ kept.R
+    base, nominal = _nominal(problem, told, at.points)
     places = [np.array(target.xyz) for target in gauge.targets]
     return Uncertainty(
         points=tuple(
             ToolPoint(name=target.name, xyz_mm=_mm(place), nominal_xyz_mm=_mm(other))
             for target, place, other in zip(gauge.targets, places, nominal, strict=True)
         ),
-        nominal_base=_numbers(np.concatenate([t, vectors(R[None])[0]])),
+        nominal_base=_numbers(base),
         base_measured=is_measured(problem),
         names=at.names,
         factor=factor_lines(factor),
@@ -75,7 +77,7 @@ def uncertainty(result: Fit, kept: OwnBase | None = None) -> Uncertainty | None:
         farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
         flange_load=_numbers(np.array(flange_load(problem))),
         instrument_inside=not known,
-        measured_mm=_some(points[:, 0]),
+        measured_mm=_some(at.points[:, 0]),
     )
 
 
@@ -133,6 +135,18 @@ def _rows(result: Fit, gauge: _Gauge, names: Sequence[str], variance: float) -> 
     rows = np.vstack(out)
     assert len(rows) == len(names)
     return rows
+
+
+def _without_axis_1(rows: Array, was: Array, J: Array) -> Array:
+    """Rows (M, P) of the covariance's root with what axis 1 does in the base given to the base, which nothing
+    that the arm carries tells from it: they are unsure together and cancel. was: (N, T, 3, M) how the tool
+    moves in the base of the fit, J: the same in the robot's own."""
+    first = J.shape[1] * 3 + 6  # behind base and targets
+    axis, out = slice(first, first + 6), rows.copy()
+    before, now = (each.reshape(-1, each.shape[3]) for each in (was, J))
+    moved = before[:, :6] @ rows[:6] + before[:, axis] @ rows[axis]
+    out[:6], out[axis] = np.linalg.lstsq(now[:, :6], moved)[0], 0.0
+    return out
 
 
 def _with_passing(result: Fit, gauge: _Gauge, half: Array) -> Array:
@@ -205,16 +219,16 @@ def _reduced(rows: Array, near: Array, far: Array) -> Array:
     return np.asarray(rows @ way[:, kept])
 
 
-def _nominal(problem: Problem, told: Problem, points: Array) -> tuple[Array, Array, Array]:
-    """Where the nominal robot's base, R (3, 3) and t (3,) [m], and its targets (T, 3) are best taken to be,
-    by the corrected robot's points at the measured poses: what an uncorrected program works with."""
+def _nominal(problem: Problem, told: Problem, points: Array) -> tuple[Array, Array]:
+    """Where the nominal robot's base (6,) and targets (T, 3) are best taken to be, by the corrected robot's
+    points at the measured poses: what an uncorrected program works with."""
     c = told.campaign
     bare = replace(problem.robot, geometry={}, effects=())
     seen = replace(c, robot=bare, points=points, shots=np.ones(points.shape[:2], dtype=np.int64))
-    nominal = Problem(bare, problem.arm.with_geometry(0 * problem.arm.geometry), seen, problem.compensator)
+    nominal = Problem(bare, told.arm.with_geometry(0 * told.arm.geometry), seen, problem.compensator)
     noise = Covariance(np.full(points.shape[:2], 1e-4), np.zeros(problem.arm.n), np.ones(len(points)))
     state = fit(Model(nominal), start_state(nominal), noise, geometry=False).state
-    return state.R[0], state.t[0], state.targets[0] @ problem.arm.R_link[-1]
+    return np.concatenate([state.t[0], vectors(state.R)[0]]), state.targets[0] @ problem.arm.R_link[-1]
 
 
 def _some(places: Array) -> tuple[str, ...]:
