@@ -247,7 +247,8 @@ def test_what_has_no_name_is_corrected_and_kept_in_the_model(tmp_path):
     problem = problem_of(replace(campaign, robot=load_robot(tmp_path / "model.toml")))
     kept = Model(problem, (), tuple(stated_effects(problem)))
     state, base = outcome.fit.state, own_base(outcome.problem, outcome.fit.state.geometry)
-    there = replace(state, geometry=problem.arm.geometry, R=state.R @ base.R, t=state.t + state.R @ base.t)
+    R, t = base.seen(state.R, state.t)
+    there = replace(state, geometry=problem.arm.geometry, R=R, t=t)
     points = kept.predict(replace(there, values=()))
     assert np.abs(points - outcome.fit.model.predict(outcome.fit.state)).max() < 1e-9
 

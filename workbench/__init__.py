@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from .identification.model_file import write_fit as write_fit
     from .identification.model_file import write_model as write_model
     from .identification.noise import Covariance as Covariance
+    from .identification.own_base import own_base as own_base
     from .identification.prediction import ToolErrors as ToolErrors
     from .identification.prediction import predict as predict
     from .identification.restated import restated as restated
@@ -190,6 +191,7 @@ _MODULES = {
     "identification.gravity_compensator.spring_fit": "FittedSpring fit_any_order fit_spring",
     "identification.model": "Model",
     "identification.model_file": "loaded write_fit write_model",
+    "identification.own_base": "own_base",
     "identification.noise": "Covariance",
     "identification.prediction": "ToolErrors predict",
     "identification.restated": "restated stored",

@@ -140,10 +140,10 @@ def by_key(effects: Iterable[Effect]) -> dict[Key, list[Effect]]:
 
 
 def at_once(effects: Sequence[Effect]) -> list[tuple[Effect, ...]]:
-    """Of one cause at one place those that may be off together, as one form: all, and those of one part; none
-    where they may not."""
+    """Of one cause at one place those that may be off together, as one form: all, all but those that only
+    some machines have, and those of one part; none where they may not."""
     parts = [tuple(e for e in effects if e.part == part) for part in dict.fromkeys(e.part for e in effects)]
-    forms = dict.fromkeys([tuple(effects), *parts])
+    forms = dict.fromkeys([tuple(e for e in effects if not e.rare), tuple(effects), *parts])
     return [some for some in forms if len(some) > 1] if effects[0].together else []
 
 
@@ -205,8 +205,8 @@ def form_of(
     problem (default: the fit's own), or with the rarer ones too. pattern: of an effect at the fit."""
     every = with_companions(fit, effects, about or fit.model.problem, rarer)
     patterns = tuple((pattern or partial(pattern_of, fit))(effect) for effect, _ in every)
-    sizes, weight = np.concatenate([own for _, own in every]), PRIORS.rarer if rarer else 1.0
-    return Form(patterns, sizes, effects, _wrong_sign(effects), weight)
+    weight = PRIORS.rarer if rarer or any(effect.rare for effect in effects) else 1.0
+    return Form(patterns, np.concatenate([own for _, own in every]), effects, _wrong_sign(effects), weight)
 
 
 def _wrong_sign(effects: Sequence[Effect]) -> float:

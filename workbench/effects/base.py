@@ -167,6 +167,11 @@ class Effect(ABC):
         return all(p.spread is not None for p in self.params)
 
     @property
+    def rare(self) -> bool:
+        """Whether only some machines have it."""
+        return False
+
+    @property
     def whole(self) -> bool:
         """Whether it may be there without the other forms that it comes together with."""
         return True

@@ -92,6 +92,10 @@ class GravityCompensator(LoadEffect):
         return self.variant == "exponent"  # 1 to 1.4, whatever the model says
 
     @property
+    def rare(self) -> bool:
+        return self.variant == "exponent"
+
+    @property
     def whole(self) -> bool:
         return self.variant != "exponent"  # whose gas was described wrongly knows no better how much there is
 

@@ -27,6 +27,10 @@ class OwnBase:
     R: Array
     t: Array
 
+    def seen(self, R: Array, t: Array) -> tuple[Array, Array]:
+        """Frames R (..., 3, 3), t (..., 3) [m] from the fit's base to the instrument, from this base."""
+        return R @ self.R, t + R @ self.t
+
     def arm(self, arm: Arm) -> Arm:
         """The arm, in this base."""
         return replace(arm, geometry=self.geometry, gravity=self.gravity)

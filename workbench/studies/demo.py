@@ -35,6 +35,7 @@ from workbench import (
     loaded,
     moved_base,
     numbers,
+    own_base,
     parse_effect,
     path_shapes,
     planned,
@@ -254,14 +255,15 @@ def _prove(
 
 
 def _write_truth(path: Path, outcome: Outcome, rig: Rig) -> None:
-    """The true robot, standing where the tracker found the base to be.
+    """The true robot, standing where the model has its base.
 
     A tracker sees where the robot is, not where its base's drawing is: what the fit put into the frame
     instead of the first joint is the same robot in other coordinates.
     """
     problem, state = outcome.problem, outcome.fit.state
-    truth, (R, t), back = rig.truth, rig.frame, state.R[0].T
+    truth, (R, t) = rig.truth, rig.frame
+    R_model, t_model = own_base(problem, state.geometry).seen(state.R[0], state.t[0])
     assert truth.geometry is not None
-    geometry = moved_base(problem.arm, truth.geometry, back @ R[0], back @ (t[0] - state.t[0]))
+    geometry = moved_base(problem.arm, truth.geometry, R_model.T @ R[0], R_model.T @ (t[0] - t_model))
     records = [record(effect, values) for effect, values in truth.effects]
     write_model(path, loaded(problem.robot, problem.campaign), geometry, records)
