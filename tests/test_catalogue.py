@@ -237,8 +237,8 @@ def test_the_numbers_that_are_said_choose_the_form():
 
 
 def test_a_gas_may_be_off_in_charge_and_exponent_without_the_rest():
-    """In its exponent never alone: who described the gas wrongly knows no better how much there is. Charge and
-    preload are off in more machines than these."""
+    """In its exponent never alone: who described the gas wrongly knows no better how much there is. Charge
+    and preload are off in more machines than these."""
     case, _ = job("kr500")
     forms = at_once(GravityCompensator.sites(case))
     assert [[e.variant for e in form] for form in forms] == [

@@ -7,6 +7,7 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..effects.place import Parameter
 from ..identification.fit import Fit
+from ..identification.own_base import is_measured, own_base
 
 
 def geometry(final: Fit) -> tuple[Parameter, ...]:
@@ -33,7 +34,18 @@ def unidentifiable(final: Fit) -> tuple[str, ...]:
     return tuple(hidden)
 
 
-def facts(problem: Problem) -> dict[str, str]:
+def _base(problem: Problem, final: Fit) -> str:
+    """Whether the campaign says where the base is."""
+    if is_measured(problem):
+        return "measured by fixed targets on it"
+    stated, here = problem.arm.gravity, own_base(problem, final.state.geometry).gravity
+    tilt = 1e3 * float(np.linalg.norm(here - stated)) / max(float(np.linalg.norm(stated)), 1e-12)
+    return (
+        f"not measured, axis 1 stands in it as stated; off level by {tilt:.1f} mrad, as far as gravity tells"
+    )
+
+
+def facts(problem: Problem, final: Fit) -> dict[str, str]:
     """What was measured, in words."""
     c = problem.campaign
     said = {
@@ -41,6 +53,7 @@ def facts(problem: Problem) -> dict[str, str]:
         "Points": str(int(problem.seen.sum())),
         "Targets": ", ".join(f"{t.name} (on {t.on})" if t.on != "flange" else t.name for t in c.targets),
         "Set-ups": ", ".join(name or "one" for name in c.setup_names),
+        "Base": _base(problem, final),
         "Payloads": ", ".join(
             f"{name or 'tool only'}: {c.tool_mass + m:g} kg"
             for i, (name, m) in enumerate(zip(c.payload_names, c.load_mass, strict=True))

@@ -119,7 +119,7 @@ def assemble(parts: Parts) -> Diagnosis:
         ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
-        facts=facts(problem),
+        facts=facts(problem, final),
         errors=pose_errors(prepared, alone, final),
         joints=problem.robot.joint_names,
         q=c.poses.q,
