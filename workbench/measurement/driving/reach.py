@@ -43,7 +43,7 @@ Draw = Callable[[int, np.random.Generator], Array]  # so many random poses (coun
 @dataclass(frozen=True, eq=False)
 class Reach:
     """A robot in its cell. hulls: all bodies, those standing around too; free: (V, n) poses free of them;
-    confined: (n,) joints that are kept within one turn; sight: None where no instrument is stated; places:
+    sight: None where no instrument is stated; places:
     (T, 3) [m] of the targets, NaN unknown, behind slots `on`; names: (T) of them; reflectors: of those that
     are bodies too. closely: whether what hangs together is looked at closely, which takes its time, and not
     only what is driven."""
@@ -54,7 +54,6 @@ class Reach:
     hulls: tuple[Hull, ...]
     collisions: Collisions
     free: Array
-    confined: NDArray[np.bool_]
     sight: Sight | None
     places: Array
     on: tuple[int, ...]
@@ -63,9 +62,15 @@ class Reach:
     closely: bool = False
 
     @cached_property
+    def confined(self) -> NDArray[np.bool_]:
+        """(n,) joints that are kept within one turn: more would run into something from most poses."""
+        return _confined(self.robot, self.collisions, self.free[:SWEPT])
+
+    @cached_property
     def map(self) -> Roadmap:
         """Free poses that hang together."""
-        return roadmap(self.collisions, partial(_time, self.robot, self.cell), self.free, self.closely)
+        free = within_a_turn(self.robot, self.free[:NODES], self.confined)
+        return roadmap(self.collisions, partial(_time, self.robot, self.cell), free, self.closely)
 
     @property
     def unchecked(self) -> list[tuple[str, str]]:
@@ -103,11 +108,14 @@ class Reach:
         return out
 
     def draw(self, count: int, rng: np.random.Generator, linked: bool = True) -> Array:
-        """Random poses (count, n) that are `good`. Raises InputError where hardly any is."""
+        """Random poses (count, n) that are `good`; of those that need not be `linked`, joints may be a turn
+        farther. Raises InputError where hardly any is."""
         kept: list[Array] = []
         drawn, batch = 0, 2 * count
         while len(kept) < count:
-            q = within_a_turn(self.robot, random_poses(self.robot, batch, rng), self.confined)
+            q = random_poses(self.robot, batch, rng)
+            if linked:
+                q = within_a_turn(self.robot, q, self.confined)
             kept.extend(q[self.good(q, linked)])
             drawn += batch
             if drawn > MOST_DRAWN * count:
@@ -151,12 +159,10 @@ def reach(
         raise InputError(
             Fault(robot.name, what, "mend [[obstacles]], floor_mm and clearance_mm of [driving]")
         )
-    confined = _confined(robot, bodies, free[:SWEPT])
-    free = within_a_turn(robot, free, confined)
     sight = _sight(problem, places, shown, cell, hulls)
     names = tuple(target.name for target in problem.campaign.targets)
     targets = places, tuple(problem.on), names, tuple(reflectors)
-    found = Reach(robot, arm, cell, hulls, bodies, free[:NODES], confined, sight, *targets)
+    found = Reach(robot, arm, cell, hulls, bodies, free, sight, *targets)
     if found.sight is None or not np.isnan(found.sight.opens).any():
         return found
     q = random_poses(robot, FIRST, rng)
