@@ -349,3 +349,10 @@ def test_a_joint_with_its_zero_some_degrees_off_is_fitted_and_told(degrees):
     (said,) = check_plausible(problem_of(campaign))
     assert "elbow_joint stands" in said
     assert abs(judge(problem_of(campaign)).zero[1] + np.radians(degrees)) < np.radians(0.2)
+
+
+def test_a_load_that_outweighs_the_arm_is_doubted():
+    light = honest()
+    assert not any("kilograms" in said for said in check_plausible(problem_of(light)))
+    (said,) = [s for s in check_plausible(problem_of(replace(light, tool_mass=4500.0))) if "kilograms" in s]
+    assert said.startswith("Tool and payload weigh 4500 kg")

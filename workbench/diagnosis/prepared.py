@@ -35,7 +35,6 @@ from .torque_noise import torque_noise
 from .wild_points import (
     Acting,
     Cleaned,
-    Mended,
     clean,
     least_sigma,
     robust_fit,
@@ -159,9 +158,9 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     usual = without_wild_repeats(problem)
     covariance, noise, notes = _noise(usual, known_effects, start)
     least = least_sigma(problem, covariance if noise.source != "residual" else None)
-    told, start = _sitting_still(problem, start, covariance, known_effects)
-    problem, faults = told.problem, (*faults, *told.faults)
-    cleaned = _cleaned(problem, start, covariance, known_effects, least)
+    robust, moved = _sitting_still(problem, start, covariance, known_effects)
+    problem, faults = robust.model.problem, (*faults, *moved)
+    cleaned = _cleaned(robust, covariance, known_effects, least)
     problem, start, faults = cleaned.problem, cleaned.fit.state, (*faults, *cleaned.faults)
     step = step_in_time(cleaned.fit)
     if step is not None:
@@ -175,33 +174,31 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
 
 
-def _cleaned(
-    problem: Problem, start: State, noise: Covariance, known_effects: Acting, least: Array
-) -> Cleaned:
+def _cleaned(robust: Fit, noise: Covariance, known_effects: Acting, least: Array) -> Cleaned:
     """Wild points out (`clean`). Many may be all that came before a step in time, or after: then it is two
     set-ups that are cleaned."""
-    cleaned, step = clean(problem, start, noise, known_effects, least), None
+    problem, cleaned, step = robust.model.problem, clean(robust, noise, known_effects, least), None
     if len({fault.pose_id for fault in cleaned.faults if fault.kind == "outlier"}) >= LEAST_BEFORE:
         with suppress(ArithmeticError):
-            step = step_in_time(fit(Model(problem, (), known_effects), start, noise))
+            step = step_in_time(fit(Model(problem, (), known_effects), robust.state, noise))
     if step is None:
         return cleaned
     parts = split_setup(problem, step.first)
-    cleaned = clean(parts, start_state(parts), noise, known_effects, least)
+    cleaned = clean(robust_fit(parts, start_state(parts), noise, known_effects), noise, known_effects, least)
     return replace(cleaned, faults=(step.fault(problem), *cleaned.faults))
 
 
 def _sitting_still(
     problem: Problem, start: State, noise: Covariance, known_effects: Acting
-) -> tuple[Mended, State]:
-    """Without the points of single targets where these sit elsewhere, before they are taken for wild ones;
-    and where the next fit starts."""
+) -> tuple[Fit, tuple[FaultFound, ...]]:
+    """A robust fit without the points of single targets where these sit elsewhere, before they are taken for
+    wild ones; and what was found."""
     faults: list[FaultFound] = []
     while True:
         result = robust_fit(problem, start, noise, known_effects)
         start, moved = result.state, reseated(result)
         if moved is None or len(faults) == MOST_MOVES:
-            return Mended(problem, tuple(faults)), start
+            return result, tuple(faults)
         faults.append(moved.fault(problem))
         problem = moved.left_out(problem)
 

@@ -47,17 +47,17 @@ class Cleaned:
     faults: tuple[FaultFound, ...]
 
 
-def clean(problem: Problem, start: State, noise: Covariance, known_effects: Acting, least: Array) -> Cleaned:
-    """Finds data faults and mends them or leaves the points out. least: (T,) [m] one sigma per axis that a
-    point has in any case: what is within it is not wild."""
-    faults: list[FaultFound] = []
-    for _ in range(ROUNDS):
-        result = robust_fit(problem, start, noise, known_effects)
+def clean(result: Fit, noise: Covariance, known_effects: Acting, least: Array) -> Cleaned:
+    """Finds data faults and mends them or leaves the points out, from a `robust_fit`. least: (T,) [m] one
+    sigma per axis that a point has in any case: what is within it is not wild."""
+    problem, faults = result.model.problem, list[FaultFound]()
+    for count in range(ROUNDS):
+        if count:
+            result = robust_fit(problem, result.state, noise, known_effects)
         length = np.linalg.norm(result.residual, axis=2)
         limit = wild_limit(problem, length, least)
         limit[no_outliers(result, np.asarray((length > limit).any(axis=1)))] = np.inf
         found = mended(problem, result.line.prediction.points, limit)
-        start = result.state
         if not found.faults:
             break
         problem, faults = found.problem, [*faults, *found.faults]

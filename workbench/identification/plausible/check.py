@@ -33,6 +33,7 @@ ROUGHLY = 6  # iterations in which the
 LIKELY = 12  # likeliest mistakes are told from the others
 FARTHEST_ZERO = np.radians(6.0)  # a joint mastered wrong or a belt some teeth off: fitted, not refused
 WITHIN = np.radians(1.0)  # rad or m, beyond a joint's limit that is none
+HEAVY = 2.0  # times the moving links: no arm carries that
 AS_GOOD = 1.3  # times the best misfit: mistakes that the data do not tell apart
 
 
@@ -64,9 +65,26 @@ def check_plausible(problem: Problem) -> list[str]:
 
 
 def believed(problem: Problem) -> tuple[Problem, list[str]]:
-    """The problem with its targets where they are meant to be; remarks on a joint's zero or stated places of
-    targets that are wrong. Raises InputError where joints, points and robot do not belong together, with the
-    mistake if one of the usual explains it."""
+    """The problem with its targets where they are meant to be; remarks on loads, a joint's zero or stated
+    places of targets that are wrong. Raises InputError where joints, points and robot do not belong together,
+    with the mistake if one of the usual explains it."""
+    placed, said = _placed(problem)
+    return placed, [*_too_heavy(problem), *said]
+
+
+def _too_heavy(problem: Problem) -> list[str]:
+    """A remark on loads that no such arm carries: they are stated in another unit, or its links are."""
+    load, arm = float(problem.loads.mass.max(initial=0.0)), float(problem.arm.mass[1:].sum())
+    if not problem.arm.weighed or load <= HEAVY * arm:
+        return []
+    return [
+        f"Tool and payload weigh {load:g} kg, all moving links of the URDF together {arm:.3g} kg: is mass_kg "
+        "in kilograms, and are the masses of the URDF no placeholders?"
+    ]
+
+
+def _placed(problem: Problem) -> tuple[Problem, list[str]]:
+    """As `believed`, but for loads."""
     found = judge(problem)
     m, campaign = found.misfit, problem.campaign
     if found.zero is not None:
