@@ -196,7 +196,7 @@ def legs_of(program: Program) -> Legs:
         turn = np.where(turning, angle / duration, np.nan)
     cosine = np.nan_to_num(np.einsum("ij,ij->i", arrive[:-1], leave[1:]), nan=1.0)
     corner = np.zeros(n)
-    corner[1:-1] = np.arccos(np.clip(cosine, -1.0, 1.0))
+    corner[1 : 1 + len(cosine)] = np.arccos(np.clip(cosine, -1.0, 1.0))
     return Legs(
         distance,
         angle,
