@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -33,7 +31,6 @@ from .priors import PRIORS
 from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
-from .side_by_side import begun
 from .stages import geometry_alone, pose_errors, rms_mm, stages_of
 
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
@@ -55,18 +52,16 @@ class Parts:
 def assemble(parts: Parts) -> Diagnosis:
     """The Diagnosis."""
     prepared, selection, final = parts.prepared, parts.selection, parts.selection.fit
-    problem, c = prepared.problem, prepared.problem.campaign
+    problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
     groups = selection.groups
-    with begun(partial(_aside, parts), ("ceiling", "shown")) as done:
-        alone = geometry_alone(prepared)
-        stages = stages_of(prepared, alone, final, groups, parts.seed)
-        aside = {key: value for some in done() for key, value in some.items()}
+    alone = geometry_alone(prepared)
+    stages = stages_of(prepared, alone, final, groups, parts.seed)
     base = stages[1 if alone is prepared.geometry else 2]
     left, beyond = _left(prepared, selection)
     best = stages[-1].heldout_rms_mm
     with_names = stages[stages.index(base) + len(groups)].heldout_rms_mm
     findings = [_finding(parts, *group) for group in groups]
-    ceiling = min(best, aside["ceiling"])
+    ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = base.heldout_rms_mm - with_names
     rounded = rounded_joints(final, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
@@ -107,8 +102,8 @@ def assemble(parts: Parts) -> Diagnosis:
         remainder_chi2=left.chi2,
         remainder_dof=left.dof,
         remainder_p=left.p,
-        not_testable=(*parts.not_testable, *aside["hidden"]),
-        detectable=aside["detectable"],
+        not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry)),
+        detectable=tuple(detectable(parts.candidates, final, known)),
         faults=prepared.faults + rounded,
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
         given=parts.given,
@@ -131,18 +126,6 @@ def assemble(parts: Parts) -> Diagnosis:
         version=__version__,
         inputs=c.files,
     )
-
-
-def _aside(parts: Parts, what: str) -> dict[str, Any]:
-    """What nothing else here waits for: what any smooth model could still reach [mm]; or what these data
-    cannot show, and what they would have shown."""
-    final, candidates = parts.selection.fit, parts.candidates
-    if what == "ceiling":
-        return {"ceiling": ceiling_mm(final, candidates)}
-    return {
-        "hidden": swallowed(candidates, parts.prepared.geometry),
-        "detectable": tuple(detectable(candidates, final, parts.prepared.noise_known)),
-    }
 
 
 def _unweighed(problem: Problem) -> list[str]:
