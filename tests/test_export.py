@@ -15,7 +15,7 @@ from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import DiagramBuilder
 
-from workbench import Conditions, InputError, load_robot
+from workbench import Conditions, InputError, load_robot, planned
 from workbench.robot.equilibrium import equilibrium
 from workbench.robot.find import list_robots
 from workbench.robot.kinematics import frames
@@ -480,3 +480,35 @@ def test_the_drake_package_follows_its_command_in_a_users_diagram(tmp_path):
     simulator.AdvanceTo(0.22)
     state = robot.GetOutputPort("state").Eval(robot.GetMyContextFromRoot(context))
     assert np.abs(state[:6] - q - 0.01).max() < 1e-3
+
+
+def test_a_urdf_with_drives_beside_its_joints_is_written(tmp_path):
+    """ROS descriptions name their joints again in <transmission> and <ros2_control>."""
+    robot = bare(tmp_path)
+    drive = '<transmission name="t"><joint name="joint_2"><hardwareInterface/></joint></transmission></robot>'
+    robot.urdf.write_text(robot.urdf.read_text().replace("</robot>", drive))
+    (file,) = export(robot, "urdf", tmp_path / "out", conditions=LOAD).files
+    assert "<hardwareInterface" in file.read_text()
+    assert "tool and payload, 45 kg, are not in the file" in file.read_text()
+
+
+def test_the_campaign_of_another_robot_weighs_nothing(tmp_path):
+    other = planned(load_robot("kr120"), np.zeros((3, 6)))
+    with pytest.raises(InputError, match="is of kr120, which is not the robot of"):
+        export("kr500", "urdf", tmp_path / "out", campaign=other)
+
+
+def test_mjcf_stands_still_at_the_step_that_it_asks_for(tmp_path):
+    """Held where it rests, with a wrist spring disturbed: at MuJoCo's own 2 ms it flies apart."""
+    robot = model(tmp_path, "6R")
+    (file,) = export(robot, "mjcf", tmp_path / "out", conditions=LOAD).files
+    m = mujoco.MjModel.from_xml_path(str(file))
+    assert m.opt.timestep == 5e-4
+    data = mujoco.MjData(m)
+    data.qpos[-1] = 1e-5
+    for _ in range(400):
+        mujoco.mj_forward(m, data)
+        data.ctrl[:] = [data.qfrc_bias[m.jnt_dofadr[m.actuator_trnid[k, 0]]] for k in range(m.nu)]
+        mujoco.mj_step(m, data)
+    assert data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number == 0  # and it would have begun anew
+    assert 0 < np.abs(data.qpos).max() < 0.1

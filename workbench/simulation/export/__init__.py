@@ -72,8 +72,22 @@ def export(
     near = chosen.flange(content) if chosen.flange else None
     lost = cost(content, chosen.carries, near)
     title = f"{loaded.title}: {chosen.title}; written by robot-workbench"
-    header = [title, *lost.lines(), *chosen.notes(content)]
+    header = [title, *lost.lines(), *_counted(loaded), *chosen.notes(content)]
     files = {Path(out) / name: data for name, data in chosen.write(content, header).items()}
     put_all(files)
     read = {**digests(loaded.files), **({} if campaign is None else campaign.files)}
     return Exported(to, tuple(files), lost, tuple(header), read)
+
+
+def _counted(robot: Robot) -> list[str]:
+    """Whose base and joints the file has."""
+    found = []
+    if robot.uncertainty is not None and not robot.uncertainty.base_measured:
+        found.append(
+            "base: axis 1 stands in it as the nominal robot has it; no target on the base was measured"
+        )
+    if robot.controller.model_dump(exclude_defaults=True):
+        found.append(
+            "joints: as the URDF counts them; the controller's own zeros, signs and couplings are others"
+        )
+    return found

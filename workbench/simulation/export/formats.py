@@ -52,18 +52,26 @@ SIMULATOR = (
 )
 
 
+def in_mujoco(content: Content) -> list[str]:
+    """What a user of the MJCF must know."""
+    return [
+        *assumed(content),
+        f"its steps are {1e3 * mjcf.TIMESTEP:g} ms: a light wrist on stiff springs diverges at MuJoCo's 2 ms",
+    ]
+
+
 def with_simulator(content: Content) -> list[str]:
     """What a user of the package must do."""
     return [*in_drake(content), SIMULATOR]
 
 
 FORMATS = {
-    "urdf": Format("URDF, rigid", frozenset(), urdf.write),
+    "urdf": Format("URDF, rigid", frozenset(), urdf.write, urdf.notes),
     "sdf": Format("SDF for Drake, elastic", ELASTIC, sdf.write, in_drake),
     "drake": Format(
         "package for Drake, elastic, with its effects", WHOLE, drake_package.write, with_simulator
     ),
-    "mjcf": Format("MJCF for MuJoCo, elastic", ELASTIC, mjcf.write, assumed),
+    "mjcf": Format("MJCF for MuJoCo, elastic", ELASTIC, mjcf.write, in_mujoco),
     "ur-kinematics": Format(
         "Universal Robots' kinematics file, rigid", frozenset(), ur_kinematics.write, ur_kinematics.notes
     ),

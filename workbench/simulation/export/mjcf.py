@@ -14,6 +14,7 @@ from .text import number, numbers
 from .tree import LEAST, Body, Coil, Joint
 from .urdf import Files, xml_text
 
+TIMESTEP = 5e-4  # s: at MuJoCo's own 2 ms a light wrist on stiff springs diverges
 KINDS = {"revolute": "hinge", "prismatic": "slide"}
 
 
@@ -22,7 +23,8 @@ def write(content: Content, header: list[str]) -> Files:
     tree = elastic_tree(content)
     root = ET.Element("mujoco", {"model": tree.name})
     ET.SubElement(root, "compiler", {"angle": "radian", "autolimits": "true"})
-    ET.SubElement(root, "option", {"gravity": numbers(content.arm.gravity)})
+    option = {"gravity": numbers(content.arm.gravity), "timestep": number(TIMESTEP)}
+    ET.SubElement(root, "option", option)
     world = ET.SubElement(root, "worldbody")
     bodies = {body.name: body for body in tree.bodies}
     ground = tree.bodies[0]

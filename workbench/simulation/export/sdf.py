@@ -103,7 +103,7 @@ def _coil(model: ET.Element, coil: Coil) -> None:
 def _pictures(content: Content, meshes: Mapping[str, object], at: str) -> dict[str, list[ET.Element]]:
     """The <visual>s of the URDF's links that are meshes."""
     found: dict[str, list[ET.Element]] = {}
-    for link in ET.fromstring(read_text(content.robot.urdf)).iter("link"):
+    for link in ET.fromstring(read_text(content.robot.urdf)).findall("link"):
         name = link.get("name", "")
         for i, visual in enumerate(link.findall("visual")):
             mesh, origin = visual.find("geometry/mesh"), visual.find("origin")

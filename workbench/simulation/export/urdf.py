@@ -28,7 +28,7 @@ def write(content: Content, header: list[str]) -> Files:
     for joint in tree_of(robot, rigid_arm_plant(content.arm)).joints:
         if joint.name not in robot.joint_names:
             continue
-        (element,) = (e for e in root.iter("joint") if e.get("name") == joint.name)
+        (element,) = (e for e in root.findall("joint") if e.get("name") == joint.name)
         parent = element.find("parent")
         assert parent is not None
         before = nominal.plant.GetBodyByName(parent.get("link", "")).body_frame()
@@ -37,6 +37,16 @@ def write(content: Content, header: list[str]) -> Files:
         _place(element, X)
     meshes = {name: path.read_bytes() for name, path in mesh_files(robot.urdf).items()}
     return {f"{robot.name}.urdf": xml_text(root, header), **meshes}
+
+
+def notes(content: Content) -> list[str]:
+    """What else a reader must know."""
+    mass = content.payload[0]
+    return (
+        [f"tool and payload, {mass:g} kg, are not in the file: it has the links' masses alone"]
+        if mass
+        else []
+    )
 
 
 def mesh_files(urdf: Path) -> dict[str, Path]:
