@@ -14,7 +14,7 @@ from test_program_in_place import bent
 
 from workbench.correction.in_place import Corrected, compensate_program
 from workbench.correction.programs import Program, as_shown, find_format
-from workbench.correction.programs.posture import margins
+from workbench.correction.programs.posture import margins, of_fanuc
 from workbench.robot.description import Robot, load_robot
 
 # All postures of one pose, as the controller shows the joints [deg].
@@ -330,3 +330,9 @@ def test_a_free_target_without_posture_is_taken_nearest_to_the_joints_before(tmp
         assert joints[1] == pytest.approx(every[nearest], abs=1e-3)
         taken.add(nearest)
     assert len(taken) > 5
+
+
+def test_configuration_is_read_with_and_without_spaces() -> None:
+    close, apart = (of_fanuc(says) for says in ("NUT, 0, 0, 0", "N U T, 0, 0, 0"))
+    assert close.flags == apart.flags == (True, True, False)
+    assert close.between == apart.between

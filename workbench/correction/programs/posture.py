@@ -135,7 +135,7 @@ def of_fanuc(configuration: str) -> Posture:
     """N or F: joint 5 not positive or positive, U or D: elbow, T or B: in front of axis 1 or behind; turn
     numbers of joints 4, 5 and 6 (operator's manual). Left and right are of other arms."""
     letters, *numbers = configuration.split(",")
-    words = letters.upper().split()
+    words = letters.upper().replace(" ", "")  # N U T and NUT
     turns = [int(number) for number in numbers if number.strip().lstrip("+-").isdigit()]
     between = tuple(
         (joint, turn * FULL - np.pi, turn * FULL + np.pi)
