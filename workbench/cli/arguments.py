@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -98,53 +99,49 @@ def frame(text: str) -> Array:
 
     from ..robot.rotations import from_zyx, pose
 
-    try:
-        numbers = [float(word) for word in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) not in (3, 6) or not np.isfinite(numbers).all():
+    told = _listed(text)
+    if len(told) not in (3, 6):
         raise argparse.ArgumentTypeError(f"{text!r} is no x,y,z or x,y,z,a,b,c (mm, deg)")
-    turn = np.radians([(numbers + [0.0] * 3)[3:6]])
-    return pose(1e-3 * np.array(numbers[:3]), from_zyx(turn)[0])
+    turn = np.radians([(told + [0.0] * 3)[3:6]])
+    return pose(1e-3 * np.array(told[:3]), from_zyx(turn)[0])
 
 
 def numbers(text: str) -> Array:
     """(n,) numbers with commas between."""
     import numpy as np
 
-    try:
-        found = np.array([float(word) for word in text.split(",")])
-    except ValueError:
-        found = np.array([np.nan])
-    if not np.isfinite(found).all():
+    if not (told := _listed(text)):
         raise argparse.ArgumentTypeError(f"{text!r} are no numbers with commas between")
-    return found
+    return np.array(told)
+
+
+def _listed(text: str) -> list[float]:
+    """Finite numbers with commas between; empty where they are none."""
+    try:
+        told = [float(word) for word in text.split(",")]
+    except ValueError:
+        return []
+    return told if all(map(isfinite, told)) else []
 
 
 def above_zero(what: str) -> Callable[[str], float]:
     """What reads a number above zero: `what` it is, for the message."""
 
     def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = 0.0
-        if not 0 < value < float("inf"):
+        if len(told := _listed(text)) != 1 or told[0] <= 0:
             raise argparse.ArgumentTypeError(f"{text!r} is no {what} above zero")
-        return value
+        return told[0]
 
     return read
 
 
 def not_negative(what: str) -> Callable[[str], float]:
     """What reads a number from zero: `what` it is, for the message."""
-    above = above_zero(what)
 
     def read(text: str) -> float:
-        try:
-            return 0.0 if float(text) == 0 else above(text)
-        except (ValueError, argparse.ArgumentTypeError):
-            raise argparse.ArgumentTypeError(f"{text!r} is no {what} of zero or more") from None
+        if len(told := _listed(text)) != 1 or told[0] < 0:
+            raise argparse.ArgumentTypeError(f"{text!r} is no {what} of zero or more")
+        return told[0]
 
     return read
 

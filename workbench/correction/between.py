@@ -26,12 +26,12 @@ def left_between(trajectory: Trajectory, q: Array, X: Array, direction: Array | 
     out = np.zeros(len(wanted) - 1)
     if not len(legs):
         return out
-    between = _halfway(X[legs], X[legs + 1])
+    between = rotations.straight(X[legs], X[legs + 1], 0.5)
     joints, there = newton(trajectory.nominal, trajectory.tip, between, 0.5 * (q[legs] + q[legs + 1]))
     extended, side = trajectory.extended, None if direction is None else direction[legs + 1]
     here = replace(
         trajectory,
-        X=_halfway(wanted[legs], wanted[legs + 1]),
+        X=rotations.straight(wanted[legs], wanted[legs + 1], 0.5),
         q=joints,
         extended=replace(extended, problem=extended.at(joints, side, legs + 1)),
     )
@@ -39,9 +39,3 @@ def left_between(trajectory: Trajectory, q: Array, X: Array, direction: Array | 
     left = np.linalg.norm(rest.error[:, :3], axis=1)
     out[legs] = np.where(there & rest.there, left, np.nan)
     return out
-
-
-def _halfway(X: Array, Y: Array) -> Array:
-    """(K, 4, 4) poses halfway from X to Y."""
-    half = 0.5 * rotations.vectors(X[:, :3, :3].transpose(0, 2, 1) @ Y[:, :3, :3])
-    return rotations.pose(0.5 * (X[:, :3, 3] + Y[:, :3, 3]), X[:, :3, :3] @ rotations.from_vectors(half))

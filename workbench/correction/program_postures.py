@@ -184,11 +184,9 @@ def _between(X: Array) -> tuple[Array, Array]:
     """Poses (K, 4, 4) with steps of `STEP` and `TURN` between them, and where the given ones stand."""
     poses, at = [X[:1]], [0]
     for start, end in pairwise(X):
-        whole = rotations.vectors(start[None, :3, :3].transpose(0, 2, 1) @ end[None, :3, :3])
-        way = end[:3, 3] - start[:3, 3]
-        count = int(max(np.linalg.norm(way) / STEP, np.linalg.norm(whole) / TURN)) + 1
-        share = np.linspace(0, 1, count + 1)[1:, None]
-        turn = start[:3, :3] @ rotations.from_vectors(share * whole)
-        poses.append(rotations.pose(start[:3, 3] + share * way, turn))
+        way = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
+        whole = float(rotations.angle_between(start[None, :3, :3], end[None, :3, :3])[0])
+        count = int(max(way / STEP, whole / TURN)) + 1
+        poses.append(rotations.straight(start, end, np.linspace(0, 1, count + 1)[1:]))
         at.append(at[-1] + count)
     return np.concatenate(poses), np.array(at)

@@ -7,7 +7,7 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..effects.place import Parameter
 from ..identification.fit import Fit
-from ..identification.own_base import is_measured, own_base
+from ..identification.own_base import own_base
 
 
 def geometry(final: Fit) -> tuple[Parameter, ...]:
@@ -36,10 +36,11 @@ def unidentifiable(final: Fit) -> tuple[str, ...]:
 
 def _base(problem: Problem, final: Fit) -> str:
     """Whether the campaign says where the base is."""
-    if is_measured(problem):
+    base, stated = own_base(problem, final.state.geometry), problem.arm.gravity
+    if base.measured:
         return "measured by fixed targets on it"
-    stated, here = problem.arm.gravity, own_base(problem, final.state.geometry).gravity
-    tilt = 1e3 * float(np.linalg.norm(here - stated)) / max(float(np.linalg.norm(stated)), 1e-12)
+    off, most = (float(np.linalg.norm(g)) for g in (base.gravity - stated, stated))
+    tilt = 1e3 * off / max(most, 1e-12)
     return (
         f"not measured, axis 1 stands in it as stated; off level by {tilt:.1f} mrad, as far as gravity tells"
     )

@@ -44,9 +44,12 @@ class StandIns:
         """log odds of components in the i-th member's place, as far as they can be believed, without those
         that stand in by their companions alone. weights: of each by itself there, logs: its log odds."""
         own = chosen.members[i].component
-        logs = {k: v for k, v in logs.items() if k == own or self._of_itself(chosen, i, k, weights[k])}
+        takes = {k: self._takes(chosen, i, k, weights[k]) for k in logs}
+        logs = {
+            k: v for k, v in logs.items() if k == own or self._of_itself(chosen, i, k, weights[k], takes[k])
+        }
         rivals = [k for k in logs if self._differ(k, own)]
-        out = self._no_truer_than_forms(chosen, i, weights, logs, rivals)
+        out = self._no_truer_than_forms(chosen, i, takes, logs, rivals)
         for k in rivals:
             times = self._times_too_sure(k, own)
             if times == 1:
@@ -71,19 +74,19 @@ class StandIns:
         self,
         chosen: Chosen,
         i: int,
-        weights: dict[int, Weight],
+        takes: dict[int, float],
         logs: dict[int, float],
         rivals: Sequence[int],
     ) -> dict[int, float]:
         """log odds by how much better or worse rivals fit as far as that can be believed; functions without a
-        name, which have no form, may be worse."""
+        name, which have no form, may be worse. takes: what each takes off χ² there."""
         own, left = chosen.members[i].component, self.reduced
         rest = chosen.explained_without(i)
         too_sure = 1 + PRIORS.form**2 * (chosen.explained - rest)
         slope = 0.5 * (left.noise_dof + left.dof) / max(left.noise_dof + left.chi2 - chosen.explained, 1.0)
-        mine, out = self._takes(chosen, i, own, weights[own]), dict(logs)
+        mine, out = takes[own], dict(logs)
         for k in rivals:
-            theirs = self._takes(chosen, i, k, weights[k])
+            theirs = takes[k]
             if self.components[k].nameless and theirs < mine:
                 continue
             better = float(likelihood(left, rest, np.array(theirs)) - likelihood(left, rest, np.array(mine)))
@@ -91,11 +94,12 @@ class StandIns:
             out[k] += float(np.clip(better, -most, most)) - better
         return out
 
-    def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight) -> bool:
+    def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight, takes: float) -> bool:
         """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
-        main = self.components[k].forms[weight.form].main  # of a change of geometry 0
-        by_itself = self._takes(chosen, i, k, weight, main or None)
-        return by_itself >= PRIORS.itself * self._takes(chosen, i, k, weight)
+        main, part = self.components[k].forms[weight.form].main, self.reduced.parts[k][weight.form]
+        if not 0 < main < part.stop - part.start:  # no companions follow
+            return True
+        return self._takes(chosen, i, k, weight, main) >= PRIORS.itself * takes
 
     def _takes(self, chosen: Chosen, i: int, k: int, weight: Weight, first: int | None = None) -> float:
         """What a component takes off χ² in its likeliest form, or the first columns of that, in the i-th

@@ -20,12 +20,13 @@ ENOUGH = 3  # points of the base that say where it is
 @dataclass(frozen=True)
 class OwnBase:
     """Corrections geometry (S, 6) [m, rad] and gravity (3,) [m/s²] of an arm in the base in which it is kept;
-    R (3, 3), t (3,) [m]: that base in the one of the fit."""
+    R (3, 3), t (3,) [m]: that base in the one of the fit. measured: the campaign says where it is."""
 
     geometry: Array
     gravity: Array
     R: Array
     t: Array
+    measured: bool
 
     def seen(self, R: Array, t: Array) -> tuple[Array, Array]:
         """Frames R (..., 3, 3), t (..., 3) [m] from the fit's base to the instrument, from this base."""
@@ -47,13 +48,13 @@ def own_base(problem: Problem, geometry: Array) -> OwnBase:
     """The base in which a robot with the fitted corrections geometry (S, 6) is kept."""
     arm = problem.arm
     if is_measured(problem):
-        return OwnBase(geometry, arm.gravity, np.eye(3), np.zeros(3))
+        return OwnBase(geometry, arm.gravity, np.eye(3), np.zeros(3), measured=True)
     stated = arm.geometry[1]
-    (R, t), (R_stated, t_stated) = ((_first(problem, g)) for g in (geometry[1], stated))
+    (R, t), (R_stated, t_stated) = (_first(problem, g) for g in (geometry[1], stated))
     turn = R @ R_stated.T
     kept = geometry.copy()
     kept[1] = stated
-    return OwnBase(kept, turn.T @ arm.gravity, turn, t - turn @ t_stated)
+    return OwnBase(kept, turn.T @ arm.gravity, turn, t - turn @ t_stated, measured=False)
 
 
 def _first(problem: Problem, g: Array) -> tuple[Array, Array]:

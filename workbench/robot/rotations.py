@@ -77,6 +77,14 @@ def rotation_about(axis: str, angle: Array | float) -> Array:
     return np.asarray(turn.reshape(*np.shape(angle), 3, 3))
 
 
+def straight(start: Array, end: Array, share: Array | float) -> Array:
+    """(K, 4, 4) poses at shares (K,) of the straight way from start to end, the turn in step. start, end:
+    (4, 4) or (K, 4, 4)."""
+    a, b, share = start.reshape(-1, 4, 4), end.reshape(-1, 4, 4), np.reshape(share, (-1, 1))
+    turn = from_vectors(share * vectors(a[:, :3, :3].transpose(0, 2, 1) @ b[:, :3, :3]))
+    return pose(a[:, :3, 3] + share * (b[:, :3, 3] - a[:, :3, 3]), a[:, :3, :3] @ turn)
+
+
 def angle_between(A: Array, B: Array) -> Array:
     """(N,) angle [rad] of the rotation from A to B, each (N, 3, 3)."""
     return np.asarray((Rotation.from_matrix(A).inv() * Rotation.from_matrix(B)).magnitude())

@@ -197,17 +197,8 @@ def legs_of(program: Program) -> Legs:
     cosine = np.nan_to_num(np.einsum("ij,ij->i", arrive[:-1], leave[1:]), nan=1.0)
     corner = np.zeros(n)
     corner[1 : 1 + len(cosine)] = np.arccos(np.clip(cosine, -1.0, 1.0))
-    return Legs(
-        distance,
-        angle,
-        duration,
-        speed,
-        turn,
-        turning,
-        pause,
-        _blends(program, distance, pause, cosine),
-        corner,
-    )
+    blend = _blends(program, distance, pause, cosine)
+    return Legs(distance, angle, duration, speed, turn, turning, pause, blend, corner)
 
 
 def _carried(speed: Array) -> Array:

@@ -20,7 +20,7 @@ from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
 from ..fit import Fit, fit, start_state
 from ..model import Model
 from ..noise import Covariance, stated_noise
-from ..own_base import is_measured, own_base
+from ..own_base import own_base
 from ..parameters import body_motion
 from .left_out import Leaver, tempered
 from .tempering import temper
@@ -51,7 +51,7 @@ def uncertainty(result: Fit) -> Uncertainty | None:
     on_flange = np.isin(np.arange(problem.seen.shape[1]), gauge.chosen)
     tempering, variance = temper(Leaver(result, on_flange), known)
     rows = _rows(result, gauge, at.names, variance)
-    if not is_measured(problem):
+    if not kept.measured:
         as_fitted = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
         moved = tool_motion(tool_problem(as_fitted, gauge.targets), acting).J
         rows = _without_axis_1(rows, kept.R.T @ moved, at.J)
@@ -65,7 +65,7 @@ def uncertainty(result: Fit) -> Uncertainty | None:
             for target, place, other in zip(gauge.targets, places, nominal, strict=True)
         ),
         nominal_base=_numbers(base),
-        base_measured=is_measured(problem),
+        base_measured=kept.measured,
         names=at.names,
         factor=factor_lines(factor),
         rest=tempering.rest,
