@@ -215,6 +215,12 @@ def test_a_campaigns_poses_with_their_columns_and_loads(model, tmp_path, capsys)
     assert "or name the campaign.toml that says its columns" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("option", [("--tool", "-12,0,150"), ("--start", "0,300,300")])
+def test_what_says_of_tool_poses_is_refused_where_there_are_none(model, tmp_path, capsys, option):
+    assert main(["predict", str(model), "--volume", "5", "--out", str(tmp_path / "out"), *option]) == 2
+    assert f"{option[0]}: goes with a path of tool poses" in capsys.readouterr().err
+
+
 def test_volume(model, tmp_path, capsys):
     assert main(["predict", str(model), "--volume", "40", "--out", str(tmp_path), "--tolerance", "10"]) == 0
     said = capsys.readouterr().out

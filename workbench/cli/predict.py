@@ -91,6 +91,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.measured and arguments.volume is None:
         raise InputError(Fault("--measured", "goes with --volume", "leave it out: the file says the poses"))
     if arguments.volume is not None:
+        _without_tool_poses(arguments)
         rng, count = np.random.default_rng(arguments.seed), arguments.volume
         q = random_poses(robot, count, rng, share=1.0)
         if arguments.measured:
@@ -107,6 +108,19 @@ def run(arguments: argparse.Namespace) -> None:
     for words in expected.beyond_limits:
         warn(words)
     print(json.dumps(expected.to_json()) if arguments.json else f"{expected.text}\n\nopen {out}/index.html")
+
+
+def _without_tool_poses(arguments: argparse.Namespace) -> None:
+    """Raises InputError for options that say what tool poses mean, where there are none."""
+    given = {"--tool": arguments.tool, "--start": arguments.start}
+    mend = "leave it out: nothing here is a pose of the tool"
+    faults = [
+        Fault(name, "goes with a path of tool poses", mend)
+        for name, value in given.items()
+        if value is not None
+    ]
+    if faults:
+        raise InputError(faults)
 
 
 def _measured(robot: Robot, arguments: argparse.Namespace) -> Campaign:
@@ -146,6 +160,7 @@ def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
 
     file = Path(arguments.poses)
     if file.suffix == ".toml":
+        _without_tool_poses(arguments)
         return _measured(robot, arguments)
     if "q1_" not in read_text(file).partition("\n")[0]:
         path = _path(file, robot)
@@ -154,6 +169,7 @@ def _told(robot: Robot, arguments: argparse.Namespace) -> Campaign:
         campaign = posed(robot, q, arguments.payload)
         wrench = campaign.poses.wrench if path.wrench is None else path.wrench
         return campaign.with_poses(wrench=wrench, temperature=path.temperature, time=path.time)
+    _without_tool_poses(arguments)
     poses, _ = told.from_file(robot, arguments.poses, {})
     campaign = posed(robot, poses.q, poses.payload or arguments.payload)
     return campaign.with_poses(
