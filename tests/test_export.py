@@ -15,7 +15,7 @@ from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import DiagramBuilder
 
-from workbench import Conditions, InputError, load_robot, planned
+from workbench import Conditions, InputError, load_robot, planned, random_poses
 from workbench.robot.equilibrium import equilibrium
 from workbench.robot.find import list_robots
 from workbench.robot.kinematics import frames
@@ -24,7 +24,9 @@ from workbench.simulation.export import export
 from workbench.simulation.export.coil import nearest_coil
 from workbench.simulation.export.content import content_of
 from workbench.simulation.export.drake_package import MODULE
+from workbench.simulation.export.formats import FORMATS
 from workbench.simulation.export.hinges import off_by_hinges
+from workbench.simulation.export.kept import kept_of, refitted
 from workbench.simulation.random_robot import write_random_robot
 
 LOAD = Conditions("heavy", 40.0, (0.05, 0.02, 0.15), 5.0, (0.0, 0.01, 0.05))
@@ -44,6 +46,12 @@ def model(folder, name, effects=()):
     known = set(robot.joint_names)
     effects = tuple(e for e in effects if e.joint is None or e.joint in known)
     return replace(robot, geometry=geometry, effects=effects)
+
+
+def written_as(robot, to, conditions=None):
+    """The robot with the geometry that a format's file has."""
+    content = content_of(robot, None, conditions or Conditions())
+    return refitted(content, kept_of(content, FORMATS[to].carries))
 
 
 def joints(content, count=5):
@@ -79,7 +87,7 @@ def at_rest(content):
 def test_urdf_is_the_calibrated_arm_in_drake_and_pinocchio(tmp_path, name):
     robot = model(tmp_path, name)
     written = export(robot, "urdf", tmp_path / "out")
-    content = content_of(robot, None, Conditions())
+    content = written_as(robot, "urdf")
     where = frames(content.arm, joints(content))
     plant, context = drakes(written.files[0])
     other = pinocchio.buildModelFromUrdf(str(tmp_path / "out" / f"{robot.name}.urdf"))
@@ -140,7 +148,7 @@ def by_hinges(content):
 def test_sdf_rests_where_the_model_does(tmp_path, name):
     robot = model(tmp_path, name, YIELDS)
     written = export(robot, "sdf", tmp_path / "out", conditions=LOAD)
-    content = content_of(robot, None, LOAD)
+    content = written_as(robot, "sdf", LOAD)
     p, R = at_rest(content)
     plant, context = drakes(written.files[0])
     far, turned, off = [], [], by_hinges(content)
@@ -158,7 +166,7 @@ def test_sdf_rests_where_the_model_does(tmp_path, name):
 def test_mjcf_rests_where_the_model_does(tmp_path, name):
     robot = model(tmp_path, name, YIELDS)
     written = export(robot, "mjcf", tmp_path / "out", conditions=LOAD)
-    content = content_of(robot, None, LOAD)
+    content = written_as(robot, "mjcf", LOAD)
     p, _ = at_rest(content)
     m = mujoco.MjModel.from_xml_path(str(written.files[0]))
     data = mujoco.MjData(m)
@@ -215,7 +223,7 @@ def test_hayati_rows_are_the_arm_and_short(tmp_path, name):
     robot = model(tmp_path, name)
     export(robot, "dh", tmp_path)
     rows, ends = table(tmp_path / "hayati.csv"), table(tmp_path / "frames.csv")
-    arm = content_of(robot, None, Conditions()).arm
+    arm = written_as(robot, "dh").arm
     q = np.random.default_rng(1).uniform(-1, 1, (3, arm.n))
     where = frames(arm, q)
     for i in range(3):
@@ -251,7 +259,7 @@ def links_of(file):
 
 def is_the_arm(links, robot, base):
     """Joints by a kinematics file on `base` (4, 4) carry the robot's flange where the robot does."""
-    arm = content_of(robot, None, Conditions()).arm
+    arm = written_as(robot, "ur-kinematics").arm
     q = np.random.default_rng(1).uniform(-2, 2, (3, 6))
     where = frames(arm, q)
     for i in range(3):
@@ -392,6 +400,12 @@ def test_the_header_weighs_what_is_left_out(tmp_path):
     assert str(item) in (tmp_path / "cylindrical.urdf").read_text(encoding="utf-8")
 
 
+def test_a_robot_of_which_nothing_was_identified_is_written_as_it_is(tmp_path):
+    robot = load_robot("kr500")
+    assert not written_as(robot, "urdf", LOAD).arm.geometry.any()
+    assert "geometry, nominal" in str(export(robot, "urdf", tmp_path).cost.items[0])
+
+
 GEARS = (
     EffectRecord(cause="gear_ratio", joint="joint_1", values={"relative": 2e-4}),
     EffectRecord(cause="gear_eccentricity", joint="joint_3", values={"sin": 1e-4, "cos": 5e-5}),
@@ -408,6 +422,21 @@ EFFECTS = (
     EffectRecord(cause="gravity_compensator", variant="preload", values={"preload": 400.0}),
 )
 GAS = EffectRecord(cause="gravity_compensator", variant="exponent", values={"exponent": 0.15})
+
+
+@pytest.mark.parametrize(("to", "count", "share"), [("urdf", 0, 0.6), ("sdf", 2, 0.9)])
+def test_the_geometry_makes_up_for_what_is_left_out_in_other_poses_too(tmp_path, to, count, share):
+    """Poses of another draw; a URDF lacks the springs, an SDF two errors of gears."""
+    robot = model(tmp_path, "kr500", (*YIELDS, *GEARS[:count]))
+    fitted = written_as(robot, to, LOAD).arm.geometry
+    q = random_poses(robot, 60, np.random.default_rng(4))
+    there = content_of(robot, planned(robot, q), LOAD)
+    whole, kept = there.flange(there.extended.acting)[0], kept_of(there, FORMATS[to].carries)
+    before, after = (
+        np.linalg.norm(kept.flange(content)[0] - whole, axis=1).mean()
+        for content in (there, there.with_geometry(fitted))
+    )
+    assert after < share * before
 
 
 def package(folder):
@@ -442,7 +471,7 @@ def test_the_drake_package_rests_where_the_whole_model_does(tmp_path, name):
     content = content_of(robot, None, LOAD)
     off = by_hinges(content)
     assert written.cost.max_mm == pytest.approx(1e3 * np.linalg.norm(off, axis=1).max(), abs=1e-9)
-    whole = content.tool(content.extended.acting)
+    whole = content.flange(content.extended.acting)[0]
     module, builder = package(tmp_path), DiagramBuilder()
     added = module.AddExtendedRobot(builder)
     diagram = builder.Build()

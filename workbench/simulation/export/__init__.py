@@ -14,6 +14,7 @@ from ...files.whole import put_all
 from ...robot.description import Robot, load_robot
 from .content import content_of
 from .formats import FORMATS, find_format
+from .kept import kept_of, refitted
 from .left_out import Cost, cost
 
 __all__ = ["FORMATS", "Cost", "Exported", "export"]
@@ -69,11 +70,13 @@ def export(
     chosen = find_format(to)
     loaded = robot if isinstance(robot, Robot) else load_robot(robot)
     content = content_of(loaded, campaign, stated_conditions(loaded) if conditions is None else conditions)
-    near = chosen.flange(content) if chosen.flange else None
-    lost = cost(content, chosen.carries, near)
+    kept = kept_of(content, chosen.carries)
+    written = content if chosen.whole else refitted(content, kept)
+    near = chosen.flange(written) if chosen.flange else None
+    lost = cost(content, kept, written, near)
     title = f"{loaded.title}: {chosen.title}; written by robot-workbench"
-    header = [title, *lost.lines(), *_counted(loaded), *chosen.notes(content)]
-    files = {Path(out) / name: data for name, data in chosen.write(content, header).items()}
+    header = [title, *lost.lines(), *_counted(loaded), *chosen.notes(written)]
+    files = {Path(out) / name: data for name, data in chosen.write(written, header).items()}
     put_all(files)
     read = {**digests(loaded.files), **({} if campaign is None else campaign.files)}
     return Exported(to, tuple(files), lost, tuple(header), read)

@@ -77,10 +77,15 @@ class Content:
         """(S, 6, 6) what yields in proportion to its load, the model's effects included."""
         return self.acting(frozenset({"spring"})).yielding(self.problem.arm).linear
 
-    def tool(
+    def with_geometry(self, geometry: Array) -> Content:
+        """The same with other corrections (S, 6) of the geometry."""
+        problem = replace(self.problem, arm=self.problem.arm.with_geometry(geometry))
+        return replace(self, extended=replace(self.extended, problem=problem))
+
+    def flange(
         self, acting: Acting, *, rigid: bool = False, pulled: bool = True, by: CompensatorLaw | None = None
-    ) -> Array:
-        """Flange (N, 3) [m] in the poses under some effects.
+    ) -> tuple[Array, Array]:
+        """Flange (N, 3) [m] and its rotation (N, 3, 3) in the poses under some effects.
 
         rigid: without the TOML's springs; pulled: with a compensator, the effects' own or `by`.
         """
@@ -90,8 +95,10 @@ class Content:
         arm = replace(arm, compliance=0 * arm.compliance) if rigid else arm
         direct, yielding = acting.direct(self.problem), acting.yielding(arm)
         if not yielding.columns.any():
-            return frames(arm, self.problem.q, direct).p[-1]
-        return equilibrium(arm, self.problem.q, direct, loads, yielding.motion)[1].p[-1]
+            where = frames(arm, self.problem.q, direct)
+        else:
+            where = equilibrium(arm, self.problem.q, direct, loads, yielding.motion)[1]
+        return where.p[-1], where.R[-1]
 
 
 def kind_of(item: Part, problem: Problem) -> str:

@@ -19,7 +19,8 @@ def nothing(_: Content) -> list[str]:
 
 @dataclass(frozen=True)
 class Format:
-    """One format. carries: see `left_out.cost`. write: (content, header) → file name → what is in it.
+    """One format. carries: see `kept.kept_of`. write: (content, header) → file name → what is in it. whole:
+    the model as it is; otherwise the geometry makes up for what is left out (`kept.refitted`).
 
     notes: what else a reader must know, a line each; flange: (N, 3) [m] of a format that only comes near the
     geometry. Both raise `InputError` for a robot that the format cannot hold.
@@ -30,6 +31,7 @@ class Format:
     write: Callable[[Content, list[str]], Files]
     notes: Callable[[Content], list[str]] = nothing
     flange: Callable[[Content], Array] | None = None
+    whole: bool = False
 
 
 ELASTIC = frozenset({"mass", "spring", "coil"})
@@ -69,7 +71,11 @@ FORMATS = {
     "urdf": Format("URDF, rigid", frozenset(), urdf.write, urdf.notes),
     "sdf": Format("SDF for Drake, elastic", ELASTIC, sdf.write, in_drake),
     "drake": Format(
-        "package for Drake, elastic, with its effects", WHOLE, drake_package.write, with_simulator
+        "package for Drake, elastic, with its effects",
+        WHOLE,
+        drake_package.write,
+        with_simulator,
+        whole=True,
     ),
     "mjcf": Format("MJCF for MuJoCo, elastic", ELASTIC, mjcf.write, in_mujoco),
     "ur-kinematics": Format(

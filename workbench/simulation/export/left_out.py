@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...effects.acting import Acting
-from ...robot.compensator import CompensatorLaw
 from ...robot.kinematics import Array, frames
-from .coil import nearest_coil
 from .content import Content
 from .hinges import off_by_hinges
+from .kept import Kept
 
-CLEARLY = 0.8  # of an error
 LEAST = 1e-7  # mm: below, it is rounding
 HINGES = "that a bending link's end shifts and turns at once: hinges here, of second order in the bend"
 
@@ -30,7 +28,7 @@ class Item:
     def __str__(self) -> str:
         if self.carried:
             return f"carried: {self.what}"
-        return f"left out: {self.what} (costs {_far(self.mean_mm, self.max_mm)})"
+        return f"left out: {self.what} (moves the flange by {_far(self.mean_mm, self.max_mm)})"
 
 
 @dataclass(frozen=True)
@@ -56,56 +54,45 @@ class Cost:
         ]
 
 
-def cost(content: Content, carries: frozenset[str], approximated: Array | None = None) -> Cost:
-    """What a format leaves out that carries these kinds (`content.kind_of`; "spring": the TOML's own too).
+def cost(content: Content, kept: Kept, written: Content, approximated: Array | None = None) -> Cost:
+    """What a format leaves out that keeps `kept` and has the geometry of `written`.
 
-    "coil" carries a compensator as a coil spring, "gas" as it is. approximated: (N, 3) [m] flange in the
-    poses of a format that only comes near the geometry; default: as the model's.
+    approximated: (N, 3) [m] flange in the poses of a format that only comes near that geometry.
     """
     law, acting = content.compensator, content.extended.acting
-    whole, elastic = content.tool(acting), "spring" in carries
-    items = [_calibration(content)]
+    whole = content.flange(acting)[0]
+    items = [_geometry(content, written)]
     if content.problem.arm.compliance.any():
-        without = content.tool(acting, rigid=True)
-        items.append(_item("springs of joints, bearings and links", elastic, whole, without))
-    kept: CompensatorLaw | None = None
+        without = content.flange(acting, rigid=True)[0]
+        items.append(_item("springs of joints, bearings and links", kept.elastic, whole, without))
     if law is not None:
-        kept = law if "gas" in carries else nearest_coil(content) if "coil" in carries else None
-        exact = kept is not None and (kept is law or law.coil is not None)
+        exact = kept.law is not None and (kept.law is law or law.coil is not None)
         what = "compensator"
-        if kept is not None and not exact:
+        if kept.law is not None and not exact:
             what = "compensator's difference from the nearest coil spring"
-        without = content.tool(acting, pulled=False, by=None if exact else kept)
+        without = content.flange(acting, pulled=False, by=None if exact else kept.law)[0]
         items.append(_item(what, exact, whole, without))
     for item, kind in zip(acting, content.kinds, strict=True):
         rest = Acting(tuple(other for other in acting if other is not item))
-        carried = kind in carries or (kind == "compensator" and kept is not None)
-        items.append(_item(item[0].label, carried, whole, content.tool(rest)))
+        there = any(item is one for one in kept.acting) and (kind != "compensator" or kept.law is not None)
+        items.append(_item(item[0].label, there, whole, content.flange(rest)[0]))
     if approximated is None:
-        some = content.acting(carries | {"compensator"})
-        approximated = content.tool(some, rigid=not elastic, pulled=kept is not None, by=kept)
-    if elastic and (off := off_by_hinges(content)) is not None:
+        approximated = kept.flange(written)[0]
+    if kept.elastic and (off := off_by_hinges(written)) is not None:
         items.append(_item(HINGES, False, whole, whole + off))
         approximated = approximated + off
     arm = content.problem.arm
     nominal = frames(arm.with_geometry(np.zeros_like(arm.geometry)), content.problem.q).p[-1]
     far, plain = (1e3 * np.linalg.norm(flange - whole, axis=1) for flange in (approximated, nominal))
-    notes = list(content.extended.notes)
-    if elastic and len(acting):
-        bare = content.tool(Acting(), pulled=kept is not None, by=kept)
-        bare_mm = 1e3 * float(np.linalg.norm(bare - whole, axis=1).mean())
-        if bare_mm < CLEARLY * far.mean():
-            notes.append(
-                "what is carried and what is left out cancel in part: without the model's effects the "
-                f"flange would be {bare_mm:.4f} mm off on average"
-            )
     mean, most, plain_mean, plain_most = (
         float(size) for off in (far, plain) for size in (off.mean(), off.max())
     )
-    return Cost(tuple(items), mean, most, plain_mean, plain_most, content.poses, tuple(notes))
+    return Cost(tuple(items), mean, most, plain_mean, plain_most, content.poses, content.extended.notes)
 
 
-def _calibration(content: Content) -> Item:
+def _geometry(content: Content, written: Content) -> Item:
+    if written is not content:
+        return Item("geometry, fitted to the whole model in these poses: it makes up for the rest", True)
     word = "calibrated" if content.arm.geometry.any() else "nominal (the model states no corrections)"
     return Item(f"geometry, {word}", True)
 
