@@ -8,7 +8,7 @@ from ..effects.base import UNKNOWN
 from ..effects.place import Where
 from .prepared import Prepared
 from .remainder import GLOBAL_LEVEL, Remainder
-from .result import FaultFound, Finding, GivenFact, Stage, Verdict
+from .result import FaultFound, Finding, GivenFact, Rival, Stage, Verdict
 
 MOST_SAID = 3  # causes that a headline says
 MOST_SPREAD = 2.0  # times the noise: a fit that predicts no better has too many numbers for its poses
@@ -118,14 +118,12 @@ def words_of(cause: str, where: Where) -> str:
 
 
 def _either(finding: Finding) -> str:
-    """A cause that is not decided, with its likeliest rival."""
-    own = words_of(finding.cause, finding.where)
-    if not finding.rivals:
-        return own
-    other = words_of(finding.rivals[0].cause, finding.rivals[0].where)
-    if own == other:  # one gear, at one of two orders
-        own, other = (f"{own} at order {one.where.order:.4g}" for one in (finding, finding.rivals[0]))
-    return f"{own} or {other}"
+    """A cause that is not decided, or its likeliest rival, the likelier first."""
+    either: list[Finding | Rival] = sorted([finding, *finding.rivals[:1]], key=lambda one: -one.probability)
+    words = [words_of(one.cause, one.where) for one in either]
+    if len(set(words)) < len(words):  # one gear, at one of two orders
+        words = [f"{word} at order {one.where.order:.4g}" for word, one in zip(words, either, strict=True)]
+    return " or ".join(words)
 
 
 def _some(words: Sequence[str], between: str = ", ") -> str:
