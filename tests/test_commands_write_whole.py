@@ -155,7 +155,7 @@ def test_the_same_bytes_with_one_process_and_with_two(
         assert main(call) == 0
     one, two = (content(tmp_path / workers) for workers in "12")
     assert one == two
-    assert len(one) == 3
+    assert len(one) == 4
 
 
 @pytest.mark.parametrize("name", ONCE)

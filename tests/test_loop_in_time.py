@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from extended_example import extended
+from pydantic import ValidationError
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
 from workbench.correction.command import compensate
@@ -28,13 +29,13 @@ from workbench.robot.loop import Loop
 from workbench.robot.plant_diagram import plant_diagram
 from workbench.simulation.closed_loop import dynamics as dynamics_module
 from workbench.simulation.closed_loop import verify
-from workbench.simulation.closed_loop.cascade import Cascade, Gains
+from workbench.simulation.closed_loop.cascade import Cascade, Delay, Gains
 from workbench.simulation.closed_loop.control import inertial_torque, nominal_mechanics
 from workbench.simulation.closed_loop.drives import drives
 from workbench.simulation.closed_loop.dynamics import Along, Dynamics
 from workbench.simulation.closed_loop.elastic import inertial_wrenches, with_elastic_lead
 from workbench.simulation.closed_loop.friction import Rubbing, gone_over, mean_on_the_way
-from workbench.simulation.closed_loop.gains import gains, spectral_radius
+from workbench.simulation.closed_loop.gains import STABLE, gains, spectral_radius
 from workbench.simulation.closed_loop.gears import Gears
 from workbench.simulation.closed_loop.limits import Limits, OverLimit
 from workbench.simulation.closed_loop.machine import machine
@@ -42,7 +43,7 @@ from workbench.simulation.closed_loop.mechanics import mechanics
 from workbench.simulation.closed_loop.motion import hold, motion
 from workbench.simulation.closed_loop.rest import rest
 from workbench.simulation.closed_loop.runs import Task, World, simulate
-from workbench.simulation.closed_loop.simulation import run
+from workbench.simulation.closed_loop.simulation import first_step, run
 
 FREE = Loop(coulomb=0.0, viscous=0.0)
 LATE = Loop(drive_period=1e-3, delay=1e-3)  # 1 ms hold, 1 ms delay
@@ -227,6 +228,48 @@ def test_a_torque_acts_after_its_delay():
     assert not np.array_equal(soft[6], stiff[6])
 
 
+def test_a_delay_may_end_within_a_step():
+    """0.3 of a step of the first torque, 0.7 of the second; whole steps have one."""
+    old, new = np.array([1.0]), np.array([2.0])
+    within = Delay(1.3, 2)
+    assert within.kept == 1
+    assert [within.acting([old, new], i)[0] for i in range(2)] == pytest.approx([1.0, 0.3 * 1 + 0.7 * 2])
+    assert [Delay(1.0, 2).acting([old, new], i)[0] for i in range(2)] == [1.0, 2.0]
+    assert Delay(0.0, 2).acting([new], 0)[0] == 2.0
+
+
+def test_a_delay_is_what_it_is_at_any_step():
+    """Rounded up to whole steps, 0.5 ms were 0.75 at two steps of a drive that samples every 3 ms."""
+    truth, nominal, moved, q = short("kr500", length=0.3)
+    loop = Loop(position_period=3e-3, drive_period=3e-3, delay=5e-4, coulomb=0.0)
+    tuned = gains(truth, drives(truth, q[0], loop), loop, q)
+    coarse, fine = (
+        run(truth, nominal, moved, loop=loop, tuned=tuned, step=step).tool[:, :3, 3]
+        for step in (7.5e-4, 1e-4)
+    )
+    assert np.linalg.norm(coarse - fine, axis=1).max() < 1e-5
+
+
+def test_gains_bear_all_of_a_path():
+    """Folded, stretched, folded: nine times the inertia in the middle of the path."""
+    robot = load_robot("kr500")
+    folded, stretched = np.radians([[0, -130, 150, 0, 0, 0], [0, 0, 0, 0, 0, 0]])
+    q = np.concatenate([np.linspace(folded, stretched, 20), np.linspace(stretched, folded, 20)])
+    truth = mechanics(robot, Path(np.linspace(0, 8, 40), q=q), q, Conditions())
+    drive = drives(truth, q[0], robot.loop)
+    whole, start = gains(truth, drive, robot.loop, q), gains(truth, drive, robot.loop, q[:1])
+    for pose in (folded, stretched):
+        assert spectral_radius(truth, drive, robot.loop, whole, pose, robot.loop.gain_margin, 0.0) <= STABLE
+    assert spectral_radius(truth, drive, robot.loop, start, stretched, 1.0, 0.0) > STABLE
+    assert whole.kp == pytest.approx(start.kp)  # it is the position loop that has to be slower
+    assert whole.kv[0] < 0.5 * start.kv[0]
+
+
+def test_a_drive_is_no_slower_than_its_position_loop():
+    with pytest.raises(ValidationError, match=r"no longer than position_period, 0\.001 s"):
+        Loop(position_period=1e-3, drive_period=3e-3)
+
+
 def test_the_velocity_is_filtered():
     loop = Loop(velocity_filter=7.5e-4)
     none = np.zeros(1)
@@ -374,17 +417,17 @@ def test_a_limit_below_the_weight_is_mended_in_the_urdf():
 
 
 def test_a_step_that_is_too_long_is_halved_by_itself():
-    ripple = GearKinematicError(Where(joint="joint_1", order=800.0)), [2e-4, 0.0]
+    ripple = GearKinematicError(Where(joint="joint_1", order=800.0)), [3e-4, 0.0]
     robot = extended(load_robot("kr500"), [ripple])
     path = line(0.1, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.2, period=0.01))
     command = compensate(robot, path, HEAVY)
-    loop = Loop(drive_period=5e-3, delay=0.0, velocity_filter=0.0)
+    loop = Loop(position_period=5e-3, drive_period=5e-3, delay=0.0, velocity_filter=0.0)
     world = World(robot, robot, HEAVY, HEAVY, None, loop)
     task = Task("a coarse one", path, command.q_command, command.X_desired, settled=True)
     done = simulate(world, task)
-    assert done.step < loop.drive_period
+    assert done.step < first_step(loop)
     whole = simulate(world, replace(task, settled=False))
-    assert whole.step == loop.drive_period
+    assert whole.step == first_step(loop) == 5e-4
     assert np.linalg.norm(done.tool[:, :3, 3] - whole.tool[:, :3, 3], axis=1).max() > 1e-6
 
 

@@ -92,10 +92,12 @@ class _Search:
         off = np.einsum("ntij,nti->ntj", result.line.target, np.nan_to_num(result.residual))[poses]
         seen = self.problem.seen[poses]
         self.off = off[:, t]
-        self.clipped = _clipped(self.off)
         self.others = np.hstack([_clipped(off[:, i], seen[:, i]) for i in others])
         self.always = np.ones((len(poses), 1))
         self.beside = np.hstack([self.always, self.others])
+        own = _clipped(self.off)
+        shared = self.beside @ np.linalg.lstsq(self.beside, own, rcond=None)[0]
+        self.clipped = shared + _clipped(own - shared)  # one wild point moves nothing
         self.best = max(self._likeliest(*_steps(len(poses))), self._likeliest(*_intervals(len(poses))))
 
     def _likeliest(self, start: NDArray[np.int64], end: NDArray[np.int64]) -> tuple[float, int, int, int]:

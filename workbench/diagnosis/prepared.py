@@ -35,6 +35,7 @@ from .torque_noise import torque_noise
 from .wild_points import (
     Acting,
     Cleaned,
+    Mended,
     clean,
     least_sigma,
     robust_fit,
@@ -75,6 +76,11 @@ class Prepared:
         """The noise was stated or measured: the residual can be judged by it."""
         return self.noise.source != "residual"
 
+    @property
+    def least(self) -> Array:
+        """(T,) [m] one sigma per axis that a point has in any case."""
+        return least_sigma(self.problem, self.covariance if self.noise_known else None)
+
     def with_noise_of(self, result: Fit) -> Prepared:
         """The same with the noise that a better fit leaves, and geometry fitted to that."""
         covariance, noise = from_residual(result)
@@ -88,6 +94,14 @@ class Prepared:
         geometry = fit(replace(self.geometry.model, problem=problem), self.geometry.state, covariance)
         part = replace(self, problem=problem, covariance=covariance, geometry=geometry)
         return part if self.noise_known else part.with_noise_of(geometry)
+
+    def mended(self, found: Mended) -> Prepared:
+        """The same without what was found to be wild beside causes."""
+        problem, start = _measured_only(found.problem), self.geometry.state
+        covariance, noise, _ = _noise(problem, self.known_effects, start)
+        faults = (*self.faults, *found.faults)
+        sound = _Sound(problem, self.known_effects, start, covariance, noise, faults, ())
+        return replace(_fitted(sound), notes=self.notes, spare=self.spare)
 
     def with_given(self, given: tuple[Given, ...]) -> Prepared:
         """The same with numbers that are known by other means, geometry fitted beside them."""

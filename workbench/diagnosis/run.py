@@ -21,9 +21,11 @@ from .given import search_with_given
 from .off_form import with_own_forms
 from .prepared import Prepared, Progress, prepare
 from .result import Diagnosis
+from .wild_points import wild_beside
 from .worth import worth_it
 
 Given = Campaign | str | Path
+CLEANED_AGAIN = 2  # times: what causes were explained by wild points hides others
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,16 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
     test = test or prepared.spare
     progress("testing causes")
     candidates, not_testable = testable(prepared.problem)
-    found = search_with_given(prepared, candidates, partial(_search, seed=seed), progress)
+    search = partial(_search, seed=seed)
+    found = search_with_given(prepared, candidates, search, progress)
+    for _ in range(CLEANED_AGAIN):
+        wild = wild_beside(found.selection.fit, prepared.least)
+        if not wild.faults:
+            break
+        progress("testing causes without wild points")
+        prepared = prepared.mended(wild)
+        candidates, not_testable = testable(prepared.problem)
+        found = search_with_given(prepared, candidates, search, progress)
     progress("writing down what was found")
     missing = (*not_testable, *found.not_testable)
     parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)

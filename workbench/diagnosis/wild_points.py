@@ -1,7 +1,8 @@
 """Wild points, swapped and frozen targets: found, mended or left out, and named.
 
 First what is grossly off once the rigid robot was placed, so that no fit ever sees it (`without_gross`);
-then, on a robust fit of the geometry, what is off by several times the noise (`clean`).
+then, on a robust fit of the geometry, what is off by several times the noise (`clean`); and once more beside
+the causes that were found, since what these explain hides what is less far off (`wild_beside`).
 """
 
 from __future__ import annotations
@@ -54,14 +55,31 @@ def clean(result: Fit, noise: Covariance, known_effects: Acting, least: Array) -
     for count in range(ROUNDS):
         if count:
             result = robust_fit(problem, result.state, noise, known_effects)
-        length = np.linalg.norm(result.residual, axis=2)
-        limit = wild_limit(problem, length, least)
-        limit[no_outliers(result, np.asarray((length > limit).any(axis=1)))] = np.inf
-        found = mended(problem, result.line.prediction.points, limit)
+        found = mended(problem, result.line.prediction.points, _limit(result, least))
         if not found.faults:
             break
         problem, faults = found.problem, [*faults, *found.faults]
     return Cleaned(problem, result, tuple(faults))
+
+
+def wild_beside(result: Fit, least: Array) -> Mended:
+    """What is wild beside the causes of a fit. least: as in `clean`."""
+    problem, faults = result.model.problem, list[FaultFound]()
+    for _ in range(ROUNDS):
+        found = mended(problem, result.line.prediction.points, _limit(result, least))
+        if not found.faults:
+            break
+        problem, faults = found.problem, [*faults, *found.faults]
+        result = fit(replace(result.model, problem=problem), result.state, result.noise, tolerance=ROUGH)
+    return Mended(problem, tuple(faults))
+
+
+def _limit(result: Fit, least: Array) -> Array:
+    """(N, T) distance [m] from which a point is wild; infinite of poses that are off as a cause has it."""
+    length = np.linalg.norm(result.residual, axis=2)
+    limit = wild_limit(result.model.problem, length, least)
+    limit[no_outliers(result, np.asarray((length > limit).any(axis=1)))] = np.inf
+    return limit
 
 
 def robust_fit(problem: Problem, start: State, noise: Covariance, known_effects: Acting = ()) -> Fit:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 from ..files.measure import AboveZero
 
@@ -10,7 +10,7 @@ from ..files.measure import AboveZero
 class Loop(BaseModel):
     """A sampled cascade: position loop and velocity loop (PI) on the motor's encoder. SI units."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     position_period: float = Field(default=0.004, ge=1e-4, le=0.05)
     """sampling of the position loop [s]"""
@@ -37,7 +37,7 @@ class Loop(BaseModel):
     friction_known: float = Field(default=0.9, ge=0, le=1.5)
     """share of the friction that is fed forward"""
     coulomb: float = Field(default=0.01, ge=0, le=0.5)
-    """friction of a drive as a share of the weight of the stretched arm that it moves"""
+    """friction of a drive as a share of the weight of the arm that it moves, stretched as a path starts"""
     stiction: float = Field(default=1.2, ge=1, le=5)
     """how much higher friction is at rest"""
     stribeck_speed: AboveZero = 0.02
@@ -52,6 +52,14 @@ class Loop(BaseModel):
     """polytropic exponent of a gas compensator in a fast stroke"""
     gas_time: AboveZero = 60.0
     """time in which its heat leaves [s]"""
+
+    @field_validator("drive_period")
+    @classmethod
+    def _not_longer(cls, period: float, info: ValidationInfo) -> float:
+        outer = info.data.get("position_period")
+        if outer is not None and period > outer:
+            raise ValueError(f"should be no longer than position_period, {outer:g} s")
+        return period
 
     @property
     def cycles(self) -> int:

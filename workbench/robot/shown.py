@@ -15,8 +15,13 @@ from .urdf import read_urdf
 
 def bare_text(robot: Robot) -> str:
     """Links, joints and masses from the base on, without anything to look at."""
-    urdf = read_urdf(robot.urdf)
-    return plain_text(urdf, read_chain(urdf, robot.flange, robot.base))
+    return _bare(robot.urdf, robot.flange, robot.base, robot.urdf.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=8)
+def _bare(path: Path, flange: str, base: str, _changed: int) -> str:
+    urdf = read_urdf(path)
+    return plain_text(urdf, read_chain(urdf, flange, base))
 
 
 def shown_text(robot: Robot) -> str:

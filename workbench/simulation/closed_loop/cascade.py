@@ -9,6 +9,7 @@ was measured at the same instant: the filter's lag is known, and so is the delay
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -110,6 +111,27 @@ def set_points(motion: Motion, torque: Array, drive: Drives, loop: Loop) -> SetP
     return SetPoints(curve(t), np.where(seen[:, None] < 0, 0.0, curve(np.maximum(seen, 0.0), 1)), feed)
 
 
-def steps_of_delay(loop: Loop, step: float) -> int:
-    """Integration steps between a sample and its torque."""
-    return int(np.ceil(loop.delay / step - 1e-9))
+@dataclass(frozen=True)
+class Delay:
+    """From a sample to its torque, in steps of an integration that has `parts` of them in a drive period.
+
+    A step in which one torque takes over from another has both, each for its share of it."""
+
+    steps: float
+    parts: int
+
+    @property
+    def kept(self) -> int:
+        """Torques that are on their way."""
+        return -(-int(np.ceil(self.steps - 1e-9)) // self.parts)
+
+    def acting(self, torques: Sequence[Array], i: int) -> Array:
+        """The torque over the i-th step of a drive period. torques: `kept` that are on their way, oldest
+        first, and the one sampled now."""
+        late = int(np.floor(self.steps + 1e-9))
+        share = max(self.steps - late, 0.0)
+        new = torques[self.kept + (i - late) // self.parts]
+        if share < 1e-9:
+            return new
+        old = torques[self.kept + (i - late - 1) // self.parts]
+        return new if old is new else share * old + (1 - share) * new

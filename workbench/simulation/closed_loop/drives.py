@@ -55,8 +55,9 @@ def drives(mechanics: Mechanics, q: Array, loop: Loop) -> Drives:
         assumed.append(f"{names}: drive's inertia not stated, taken as half of the arm's that it moves")
     scale = STANDARD_GRAVITY * np.where(arm.prismatic, mass, np.sqrt(inertia * mass))
     friction = (
-        f"friction: {100 * loop.coulomb:g} % of the weight of the stretched arm as Coulomb, "
-        f"{100 * loop.viscous:g} % at 1 rad/s as viscous, {100 * loop.load_side:g} % of it behind the gear"
+        f"friction: {100 * loop.coulomb:g} % of the weight of the arm, stretched as the path starts, as "
+        f"Coulomb, {100 * loop.viscous:g} % at 1 rad/s as viscous, {100 * loop.load_side:g} % of it behind "
+        "the gear"
     )
     stiffness = np.array([law.stiffest if law else 0.0 for law in mechanics.axial])
     given = np.array([joint.data.damping for joint in robot.joints])

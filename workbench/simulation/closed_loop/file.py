@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...correction.conditions import Conditions
 from ...correction.paths import load_path
 from ...files.digest import digests
 from ...files.faults import Fault, InputError
+from ...files.table_write import number_text, table_text
 from ...report.folder import json_bytes, write_together
 from ...report.numbers import mm
 from ...robot.description import Robot, load_robot
@@ -20,6 +23,8 @@ from .limits import OnLimit
 from .proof import SPEEDS, verify
 from .runs import FeedForward
 from .verification import COMMAND_NAMES, Verification, perfect_said, step_said, sweep_said
+
+DIGITS = 9  # of errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +43,7 @@ class Verified:
         """What a user should know, for the terminal."""
         found = self.found
         lines = [found.caveat] if found.same else []
-        lines += [f"{found.robot.title}, {found.path.title}: {len(found.path)} samples in closed loop"]
+        lines += [f"{found.robot.title}, {found.path.title}: {found.judged} in closed loop"]
         for series in found.series:
             lines.append(
                 f"  {f'at {series.speed:.3g} m/s, mm':<30}"
@@ -85,8 +90,9 @@ def verify_file(
 ) -> Verified:
     """Reads a path, a model and the truth (default: the model), simulates, and writes the result.
 
-    Into `out` (None: nowhere): `verify.json`, `verify.html`, `scene.html`. beside: files that the other
-    arguments were read from. Raises `InputError` with all faults of the files; nothing is written then.
+    Into `out` (None: nowhere): `verify.json`, `verify.html`, `scene.html`, `errors.csv`. beside: files that
+    the other arguments were read from. Raises `InputError` with all faults of the files; nothing is written
+    then.
     """
     faults: list[Fault] = []
     robots: list[Robot] = []
@@ -128,7 +134,7 @@ def verify_file(
 
 
 def write_verification(found: Verification, folder: Path) -> tuple[Path, ...]:
-    """Writes `verify.json`, `verify.html`, `scene.html`, all of them or none; their paths."""
+    """Writes `verify.json`, `verify.html`, `scene.html`, `errors.csv`, all of them or none; their paths."""
     from .page import page
     from .scene import scene
 
@@ -136,5 +142,21 @@ def write_verification(found: Verification, folder: Path) -> tuple[Path, ...]:
         "verify.json": json_bytes(found.to_json()),
         "verify.html": page(found).encode(),
         "scene.html": scene(found).encode(),
+        "errors.csv": _errors(found).encode(),
     }
     return write_together({folder / name: data for name, data in made.items()})
+
+
+def _errors(found: Verification) -> str:
+    """A row for each speed and point: when it is passed, where the tool should be and how far each command
+    has it from there, in mm."""
+    names = [name for name in COMMAND_NAMES if any(name in series.trials for series in found.series)]
+    header = ["speed_m_s", "t_s", *(f"{axis}_mm" for axis in "xyz")]
+    header += [f"{name}_{axis}_mm" for name in names for axis in "xyz"]
+    rows = []
+    for series in found.series:
+        errors = [1e3 * series.trials[name].error for name in names]
+        speed = np.full(len(series.time), series.speed)
+        values = np.column_stack([speed, series.time, 1e3 * found.X[:, :3, 3], *errors])
+        rows += [[number_text(value, DIGITS) for value in row] for row in values.tolist()]
+    return table_text(header, rows)

@@ -3,9 +3,9 @@
 The velocity loop is sized for the drive alone, which is what a motor feels above the arm's first mode. What
 hold, filter and delay take of its phase at the crossover, and the integral, leave the stated margin:
 ω T + atan(ω_i/ω) = 90° − margin. Then the whole arm is put on it: the sampled loop, elastic arm and all
-joints at once, has to stay stable with `gain_margin` times the gains and with `delay_margin` more delay, at
-each of some poses. Where it does not, the joint that moves most in the least stable motion is slowed until
-it does.
+joints at once, has to stay stable with `gain_margin` times the gains and with `delay_margin` more delay,
+where along the path each drive moves most and least inertia. Where it does not, the joint that moves most in
+the least stable motion is slowed until it does.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ import numpy as np
 
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
-from .cascade import Cascade, Gains
+from .cascade import Cascade, Delay, Gains
 from .drives import Drives
 from .machine import Machine, machine, mass_matrix
 from .mechanics import Mechanics
 
 INTEGRAL = 0.2  # of the velocity loop's crossover: 11° of its phase
+LOOKED = 60  # poses of a path
 SLOWER = 0.85  # per round
 ROUNDS = 120
-FINE = 4  # steps of the linear model per drive period
+FINE, FINEST = 4, 2.5e-4  # steps of the linear model in a drive period, at least; how long one may be [s]
 UNMOVED = 1e-9  # of the largest: how little a drive moves that takes no part
 STABLE = 1 - 1e-7  # largest size of an eigenvalue over a position period
 
@@ -35,8 +36,8 @@ def crossover(loop: Loop) -> float:
     return float((np.pi / 2 - np.radians(loop.phase_margin_deg) - np.arctan(INTEGRAL)) / lag)
 
 
-def gains(mechanics: Mechanics, drive: Drives, loop: Loop, poses: Array) -> Gains:
-    """Gains that are stable with their margins at poses (P, n)."""
+def gains(mechanics: Mechanics, drive: Drives, loop: Loop, q: Array) -> Gains:
+    """Gains that are stable with their margins along joints q (N, n)."""
     most = crossover(loop)
     n = mechanics.arm.n
     asked = np.full((n, 2), 2 * np.pi * loop.position_hz)
@@ -44,7 +45,10 @@ def gains(mechanics: Mechanics, drive: Drives, loop: Loop, poses: Array) -> Gain
     if most <= 0:
         raise ValueError("no phase is left for a velocity loop")
     scale = np.ones(n)
-    models = [_Linear(machine(mechanics, drive), drive, loop, q) for q in poses]
+    built = machine(mechanics, drive)
+    poses, felt = _extremes(built, q)
+    models = [_Linear(built, drive, loop, pose) for pose in poses]
+    drive = replace(drive, arm=np.maximum(drive.arm, felt - drive.rotor))
     for _ in range(ROUNDS):
         found = _at(loop, drive, asked, most, scale)
         worst = _least_stable(models, found, loop)
@@ -54,6 +58,14 @@ def gains(mechanics: Mechanics, drive: Drives, loop: Loop, poses: Array) -> Gain
     else:
         raise ArithmeticError("no gains are stable with the margins asked")
     return replace(found, notes=_notes(mechanics, found))
+
+
+def _extremes(built: Machine, q: Array) -> tuple[Array, Array]:
+    """Joints (P, n) where a drive moves most and least inertia, of `LOOKED` at along joints q (N, n), and the
+    most (n,)."""
+    some = q[np.unique(np.linspace(0, len(q) - 1, LOOKED).round().astype(int))]
+    felt = np.array([np.diag(mass_matrix(built, pose))[built.motors] for pose in some])
+    return some[np.unique([felt.argmax(axis=0), felt.argmin(axis=0)])], felt.max(axis=0)
 
 
 def _at(loop: Loop, drive: Drives, asked: Array, most: float, scale: Array) -> Gains:
@@ -102,7 +114,8 @@ class _Linear:
 
     def __init__(self, built: Machine, drive: Drives, loop: Loop, q: Array) -> None:
         self.loop, self.n = loop, len(q)
-        h = self.h = loop.drive_period / FINE
+        self.parts = max(FINE, int(np.ceil(loop.drive_period / FINEST - 1e-9)))
+        h = self.h = loop.drive_period / self.parts
         M = mass_matrix(built, q)
         size = len(M)
         K, D = np.zeros(size), np.zeros(size)
@@ -120,12 +133,11 @@ class _Linear:
     def least_stable(self, gains: Gains, factor: float, later: float) -> tuple[float, int]:
         """Size of the largest eigenvalue over a position period, and the joint that moves most in it."""
         loop, n = self.loop, self.n
-        late = int(np.ceil((loop.delay + later) / self.h - 1e-9))
-        kept = -(-late // FINE)  # torques on their way
-        states = 2 * self.size + (4 + kept) * n
+        delay = Delay((loop.delay + later) / self.h, self.parts)
+        states = 2 * self.size + (4 + delay.kept) * n
         Z = np.eye(states)
         x = Z[: 2 * self.size]
-        rest = [Z[2 * self.size + k * n : 2 * self.size + (k + 1) * n] for k in range(4 + kept)]
+        rest = [Z[2 * self.size + k * n : 2 * self.size + (k + 1) * n] for k in range(4 + delay.kept)]
         cascade = Cascade(loop, gains, *rest[:4])
         waiting = rest[4:]  # oldest first
         none = np.zeros((n, states))
@@ -135,10 +147,8 @@ class _Linear:
                 cascade.correct(none)
             torque, cascade.integral = cascade.torque(cascade.correction, none)
             waiting = [*waiting, factor * torque]
-            for i in range(FINE):
-                # of the torques sampled at ticks −kept … 0, the one that is `late` steps old
-                u = waiting[kept + (i - late) // FINE]
-                x = self.free @ x + self.driven @ u
+            for i in range(self.parts):
+                x = self.free @ x + self.driven @ delay.acting(waiting, i)
             waiting = waiting[1:]
         parts = [x, cascade.before, cascade.speed, cascade.integral, cascade.correction, *waiting]
         values, vectors = np.linalg.eig(np.concatenate(parts))

@@ -43,19 +43,23 @@ class Line:
     cause: str
 
 
-def figures(error: Array, across: Array, z: Array) -> Figures:
-    """From errors (N, 3), their part across the path (N, 3), and along the normal (N,) [m]."""
+def figures(error: Array, across: Array, z: Array, time: Array) -> Figures:
+    """From errors (N, 3), their part across the path (N, 3), and along the normal (N,) [m]; samples count by
+    the time (N,) [s] of the path that each stands for."""
     size, beside = 1e3 * np.linalg.norm(error, axis=1), 1e3 * np.linalg.norm(across, axis=1)
+    share = np.gradient(time)
+    share /= share.sum()
+    height = float(share @ z)
     return Figures(
-        float(size.mean()),
-        float(np.sqrt((size**2).mean())),
-        float(np.quantile(size, 0.95)),
+        float(share @ size),
+        float(np.sqrt(share @ size**2)),
+        float(np.quantile(size, 0.95, weights=share, method="inverted_cdf")),
         float(size.max()),
-        float(np.sqrt((beside**2).mean())),
+        float(np.sqrt(share @ beside**2)),
         float(beside.max()),
-        float(1e3 * np.abs(z - z.mean()).mean()),
+        float(1e3 * share @ np.abs(z - height)),
         float(1e3 * np.ptp(z)),
-        float(1e3 * abs(z.mean())),
+        1e3 * abs(height),
     )
 
 

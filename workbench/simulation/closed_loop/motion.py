@@ -1,17 +1,19 @@
 """What is commanded, over time: the path's joints as smooth motion from rest to rest.
 
-Joints run through the samples of the command as a cubic spline. The path's own time is slowed at both ends
-by a quintic ramp, so that the arm starts and ends at rest. As controllers do, a filter over a few
-milliseconds bounds the jerk, where a command steps or turns sharply; its kernel has no second moment, so
-curves are not cut.
+Joints run through the samples of the command as a cubic spline, which ends at corners. The path's own time is
+slowed at both ends by a quintic ramp, so that the arm starts and ends at rest. As controllers do, a filter
+over a few milliseconds bounds the jerk, where a command steps or turns sharply; its kernel has no second
+moment, so curves are not cut.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, PPoly
 from scipy.ndimage import gaussian_filter1d
 
 from ...robot.kinematics import Array
@@ -21,6 +23,7 @@ TRAIL = 0.05
 RAMP = 0.5
 FILTER = 0.006  # s
 PERIOD = 2.5e-4  # s: of the tables, half of the finest step
+NO_CORNERS = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,19 +49,35 @@ class Motion:
         return self.period * (len(self.q) - 1)
 
 
-def motion(time: Array, q: Array, sided: bool = False) -> Motion:
-    """Command from joints q (N, n) at times (N,) of the path. sided: the side of approach matters."""
+def curve(time: Array, q: Array, corners: NDArray[np.int64]) -> PPoly:
+    """Joints (…, n) over the path's time, from those q (N, n) at times (N,): cubic splines from corner to
+    corner (C,)."""
+    ends = [0, *corners.tolist(), len(time) - 1]
+    parts = [
+        CubicSpline(time[a : b + 1], q[a : b + 1], bc_type="natural" if b > a + 1 else "not-a-knot")
+        for a, b in pairwise(ends)
+    ]
+    order = max(len(part.c) for part in parts)
+    c = [np.concatenate([np.zeros((order - len(part.c), *part.c.shape[1:])), part.c]) for part in parts]
+    return PPoly(np.concatenate(c, axis=1), time)
+
+
+def motion(time: Array, q: Array, sided: bool = False, corners: NDArray[np.int64] = NO_CORNERS) -> Motion:
+    """Command from joints q (N, n) at times (N,) of the path. sided: the side of approach matters; corners:
+    samples (C,) in which the way turns off at once."""
     length = float(time[-1] - time[0])
     ramp = min(RAMP, 0.4 * length)
     steps = int(np.ceil((LEAD + length + ramp + TRAIL) / (4 * PERIOD)))
     t = np.asarray(PERIOD * np.arange(4 * steps + 1), float)
     phase, rate, change = _phase(t - LEAD, length, ramp)
-    spline = CubicSpline(time - time[0], q, bc_type="natural" if len(time) > 2 else "not-a-knot")
-    first, second = spline(phase, 1), spline(phase, 2)
-    place, v = spline(phase), first * rate[:, None]
+    way = curve(time - time[0], q, corners)
+    first, second = way(phase, 1), way(phase, 2)
+    place, v = way(phase), first * rate[:, None]
     a = second * rate[:, None] ** 2 + first * change[:, None]
     side = first_sides(place) if sided else np.zeros(place.shape[1])
     place, v, a = (_filtered(x, FILTER / PERIOD) for x in (place, v, a))
+    if len(corners):  # where the velocity steps
+        a = np.gradient(v, PERIOD, axis=0)
     return Motion(PERIOD, place, v, a, side, _instants(time - time[0], length, ramp) + LEAD)
 
 

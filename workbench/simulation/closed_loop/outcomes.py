@@ -12,7 +12,8 @@ from .runs import Outcome
 from .verification import Repeats, Series, Trial
 
 
-def trial(name: str, done: Outcome, p: Array, lines: Sequence[tuple[str, int, float]]) -> Trial:
+def trial(name: str, done: Outcome, p: Array, time: Array, lines: Sequence[tuple[str, int, float]]) -> Trial:
+    """A run judged at the path's places p (N, 3) [m], at its own times (N,) [s]."""
     error = done.tool[:, :3, 3] - p
     across = beside(error, tangents(p))
     return Trial(
@@ -21,27 +22,21 @@ def trial(name: str, done: Outcome, p: Array, lines: Sequence[tuple[str, int, fl
         across,
         done.links,
         done.motor,
-        figures(error, across, error @ normal(p)),
+        figures(error, across, error @ normal(p), time),
         main_lines(done.time, across, done.q, lines),
         done.real_time_factor,
     )
 
 
 def orders(truth: Robot, belief: Robot) -> list[tuple[str, int, float]]:
-    """Gear orders that may show: of the joints' ratios, and of the effects of truth and belief."""
+    """Gear orders that may show: of the effects of truth and belief."""
     names = truth.joint_names
-    out = [
-        (f"{joint.name}, {k} per motor turn", j, k * abs(joint.data.gear_ratio))
-        for j, joint in enumerate(truth.joints)
-        if joint.data.gear_ratio
-        for k in (1, 2, 4)
-    ]
     stated = {(i.joint, i.order) for i in (*truth.effects, *belief.effects) if i.order and i.joint in names}
-    for joint_name, order in sorted(stated):
-        assert joint_name is not None
-        assert order is not None
-        out.append((f"{joint_name}, {order:g} per joint turn", names.index(joint_name), order))
-    return out
+    return [
+        (f"{joint}, {order:g} per joint turn", names.index(joint), order)
+        for joint, order in sorted(stated)
+        if joint is not None and order is not None
+    ]
 
 
 def accuracy(series: Series, repeated: list[Outcome], p: Array) -> tuple[Repeats, ...]:

@@ -55,7 +55,7 @@ def headline(found: Verification) -> str:
 def _lead(found: Verification) -> list[str]:
     said = [
         "The simulated robot ran the path in closed loop: sampled controller, drives, gears, springs, "
-        f"friction and loads, {len(found.path)} samples. Commands were corrected by what the model knows.",
+        f"friction and loads, {found.judged}. Commands were corrected by what the model knows.",
         f"Beside every residual stands the {found.repeatability.said}.",
     ]
     perfect = perfect_said(found.slow)
@@ -129,7 +129,7 @@ def _repeats(found: Verification) -> Table:
 
 def _left(found: Verification) -> Table:
     return Table(
-        "The highest lines in the corrected path's error.",
+        "The highest peaks in the spectrum of the corrected path's error, above 3.5 cycles along it.",
         ("Speed", "Frequency, Hz", "Amplitude, µm", "Runs with the gear of"),
         [
             [

@@ -122,7 +122,7 @@ def _spectra(series: Series) -> Figure:
     if lines:
         named = f", {lines[0].cause}" if lines[0].cause else ""
         said = (
-            f"the highest line left is {significant(1e3 * lines[0].amplitude_mm, 2)} µm at "
+            f"the highest peak left is {significant(1e3 * lines[0].amplitude_mm, 2)} µm at "
             f"{significant(lines[0].frequency_hz, 2)} Hz"
         )
         said += named

@@ -14,6 +14,7 @@ from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from .runs import World
+from .ways import way_of
 
 LEAST_TOLD = 1e-9  # rad, m: by which a command has to differ to be run beside another
 LONGEST = 60.0  # s that a run may take in the simulated world
@@ -34,7 +35,14 @@ class Plans:
         self.expected_mm = 0.0
         # geometry and the nominal joints are the same at every speed
         self.geometry = self._compensate(self.path, world.belief, world.conditions, "geometry")
-        self.desired = self.geometry.X_desired
+        rows, q = self.geometry.X_desired, self.geometry.q_nominal
+        self.way = way_of(world.belief, self.path, rows, q, world.tool)
+        if self.way.uneven:
+            where = self.path.place(self.way.uneven[0])
+            more = f", nor on {len(self.way.uneven) - 1} more" if len(self.way.uneven) > 1 else ""
+            self.notes.append(
+                f"behind {where} the arm cannot run straight to the next row{more}: its joints run evenly"
+            )
 
     def _compensate(self, path: Path, robot: Robot, conditions: Conditions, method: str) -> Compensation:
         world = self.world
@@ -50,7 +58,7 @@ class Plans:
         )
 
     def commands(self, path: Path) -> dict[str, Array]:
-        """Joints (N, n) of each variant."""
+        """Joints (M, n) of each variant along the way."""
         world = self.world
         everything = self._compensate(path, world.belief, world.conditions, "exact")
         self.notes += everything.lines()[1:]
@@ -62,11 +70,11 @@ class Plans:
         if world.truth is not world.belief:
             best = self._compensate(path, world.truth, world.true_conditions, "exact")
             out["perfect"] = best.q_command
-        return out
+        return {name: self.way.command(q) for name, q in out.items()}
 
     def at_speeds(self, speeds: Sequence[float] | None) -> tuple[list[tuple[Path, float]], list[str]]:
         """The path at each tool speed, slowest first: its time stretched, within what a run may last."""
-        p, time = self.desired[:, :3, 3], self.path.time
+        p, time = self.way.rows[:, :3, 3], self.path.time
         own = float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
         if own <= 0:
             place = self.path.file or self.path.title or "path"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from .outcomes import accuracy, orders, trial
 from .plans import Plans
 from .repeatability import repeatability
 from .runs import FEED_FORWARD, FeedForward, World, simulate_all
+from .simulation import first_step
 from .sweep import swept
 from .tasks import others, repeated, settling
 from .verification import COMMAND_NAMES, Series, Verification
@@ -77,38 +79,43 @@ def verify(
     plans = Plans(world, path, start, seed)
     timed, notes = plans.at_speeds(speeds)
     commands = [plans.commands(p) for p, _ in timed]
+    way = plans.way
+    timed = [(way.along(p), speed) for p, speed in timed]
+    world = replace(world, corners=way.corners)
     extra = FEED_FORWARD[1 : FEED_FORWARD.index(feed_forward) + 1]
     try:
-        settled = simulate_all(world, settling(plans.desired, timed, commands), workers, progress)
-        tasks = others(plans.desired, timed, commands, settled, extra)
+        settled = simulate_all(world, settling(way.X, timed, commands), workers, progress)
+        tasks = others(way.X, timed, commands, settled, extra)
         tasks += repeated(truth, tasks[-1], commands[-1], repeats, seed)
         done = simulate_all(world, tasks, workers, progress)
-        left = swept(world, plans.desired, path, commands[-1], workers, progress) if sweep else None
+        left = swept(world, way, path, commands[-1], workers, progress) if sweep else None
     except OverLimit as over:
         raise InputError(_over(path, over, truth)) from None
-    p = plans.desired[:, :3, 3]
+    p = way.X[:, :3, 3]
     lines = orders(truth, belief)
     series, place = [], 0
-    for (_, speed), variants, first in zip(timed, commands, settled, strict=True):
+    for (at, speed), variants, first in zip(timed, commands, settled, strict=True):
         names = [name for name in (*variants, *extra) if name != "corrected"]
         outcomes = {"corrected": first} | dict(zip(names, done[place:], strict=False))
         place += len(names)
-        trials = {name: trial(name, outcomes[name], p, lines) for name in COMMAND_NAMES if name in outcomes}
-        refined = first.step < 0.99 * world.loop.drive_period
+        trials = {
+            name: trial(name, outcomes[name], p, at.time, lines) for name in COMMAND_NAMES if name in outcomes
+        }
+        refined = first.step < 0.99 * first_step(world.loop)
         series.append(
             Series(speed, first.time - first.time[0], trials, first.step, 1e6 * first.change, refined)
         )
     return Verification(
         robot=truth,
         path=path,
-        X=plans.desired,
+        X=way.X,
         normal=normal(p),
         series=tuple(series),
         repeats=accuracy(series[-1], done[place:], p),
         expected_mm=plans.expected_mm,
         same=truth is belief,
         repeatability=repeatability(truth, plans.geometry.q_nominal),
-        modes=_modes(world, path, commands[0]["corrected"]),
+        modes=_modes(world, timed[0][0], commands[0]["corrected"]),
         sweep=left,
         notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *settled[0].notes, *done[0].notes])),
     )

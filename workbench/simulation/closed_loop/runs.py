@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...correction.conditions import Conditions
 from ...correction.paths import Path
@@ -21,8 +22,8 @@ from .gains import gains
 from .lag import with_loop_lead
 from .limits import OnLimit
 from .mechanics import Mechanics, mechanics
-from .motion import Motion, motion
-from .simulation import Run, run
+from .motion import NO_CORNERS, Motion, motion
+from .simulation import Run, first_step, run
 
 FeedForward = Literal["static", "elastic", "loop"]
 FEED_FORWARD: tuple[FeedForward, ...] = ("static", "elastic", "loop")
@@ -33,7 +34,7 @@ HALVINGS = 3
 @dataclass(frozen=True, eq=False)
 class World:
     """What all runs have in common: the simulated robot, its loads, what is believed of both, the
-    controller."""
+    controller; corners: (C,) samples in which the path turns off at once."""
 
     truth: Robot
     belief: Robot
@@ -42,13 +43,14 @@ class World:
     tool: Array | None
     loop: Loop
     on_limit: OnLimit = "saturate"
+    corners: NDArray[np.int64] = field(default_factory=lambda: NO_CORNERS)
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
     """One run: `q` (N, n) commanded along the path; `offset` (n,) of the encoders; said: for progress.
 
-    X: (N, 4, 4) desired tool poses. step: [s] of the integration, None: the drive period. ahead: by what the
+    X: (N, 4, 4) desired tool poses. step: [s] of the integration, None: `first_step`. ahead: by what the
     drives lead, beside the command. settled: the step is halved until that changes little."""
 
     said: str
@@ -84,9 +86,9 @@ def simulate(world: World, task: Task) -> Outcome:
     truth = mechanics(world.truth, task.path, task.q, world.true_conditions)
     believed = mechanics(world.belief, task.path, task.q, world.conditions)
     nominal = nominal_mechanics(world.belief, believed)
-    moved = motion(task.path.time, task.q, truth.sided)
-    poses = task.q[[0, len(task.q) // 2, -1]]
-    tuned = gains(truth, drives(truth, task.q[0], world.loop), world.loop, poses)
+    corners = world.corners[world.corners < len(task.q) - 1]
+    moved = motion(task.path.time, task.q, truth.sided, corners)
+    tuned = gains(truth, drives(truth, task.q[0], world.loop), world.loop, task.q)
 
     def at(robot: Mechanics, moved: Motion, step: float, offset: Array | None = None) -> Run:
         on_limit = world.on_limit if robot is truth else "saturate"
@@ -102,7 +104,7 @@ def simulate(world: World, task: Task) -> Outcome:
             on_limit=on_limit,
         )
 
-    step = task.step or world.loop.drive_period
+    step = task.step or first_step(world.loop)
     if task.ahead != "static":
         known = world.belief, task.path, task.q, world.conditions, world.tool, world.loop
         moved = with_elastic_lead(moved, *known)
@@ -118,6 +120,9 @@ def simulate(world: World, task: Task) -> Outcome:
         if change <= LARGE_CHANGE[0] and _rms(moves) <= LARGE_CHANGE[1] * _rms(error):
             break
         done, step = finer, step / 2
+    else:
+        if task.settled:
+            done = replace(done, notes=(*done.notes, _unsettled(change)))
     return Outcome(
         moved.sample_times,
         done.tool,
@@ -129,6 +134,10 @@ def simulate(world: World, task: Task) -> Outcome:
         step,
         change,
     )
+
+
+def _unsettled(change: float) -> str:
+    return f"the simulation has not settled: half its step still moves the tool by {1e6 * change:.2g} µm"
 
 
 def _rms(values: Array) -> float:

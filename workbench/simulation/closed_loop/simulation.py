@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from math import ceil
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -11,7 +12,7 @@ from scipy.interpolate import CubicHermiteSpline
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
 from ...robot.rotations import tool_pose
-from .cascade import Cascade, Gains, SetPoints, set_points, steps_of_delay
+from .cascade import Cascade, Delay, Gains, SetPoints, set_points
 from .control import feed_forward
 from .drives import Drives, drives
 from .dynamics import Along, Dynamics
@@ -24,6 +25,7 @@ from .motion import Motion, interpolated
 from .rest import rest
 
 WILD = 1e6  # rad/s, m/s: no drive turns so fast
+LONGEST_STEP = 5e-4  # s: of the integration; a stiff arm moves too far in a slow drive's period
 STILL = 1e-9  # rad, m: frames that move less along a path stay
 
 
@@ -49,6 +51,11 @@ class Run:
         return float(self.times[-1] / max(self.wall, 1e-9))
 
 
+def first_step(loop: Loop) -> float:
+    """[s] of an integration to begin with: a whole part of the drive period."""
+    return loop.drive_period / ceil(loop.drive_period / LONGEST_STEP - 1e-9)
+
+
 def run(
     truth: Mechanics,
     nominal: Mechanics,
@@ -67,7 +74,7 @@ def run(
 
     nominal: what the controller's feed-forward knows. loop: the controller (default: the robot's own);
     tuned: its gains (default: made for the start of the motion). step: [s] of the integration, at most
-    (default: the drive period). at_rest: it starts loaded and at rest; else with all springs slack.
+    (default: `first_step`). at_rest: it starts loaded and at rest; else with all springs slack.
     reaction: of the gear errors on the motors. offset: (n,) of the joints' encoders (repeatability). Raises
     OverLimit where a drive is asked for too much and `on_limit` is "stop", ArithmeticError where the arm
     finds no rest.
@@ -78,7 +85,7 @@ def run(
     if offset is not None:
         motion = replace(motion, q=motion.q + offset)
     told = set_points(motion, feed_forward(nominal, motion, loop), drive, loop)
-    parts = 1 if step is None else int(np.ceil(loop.drive_period / step - 1e-9))
+    parts = ceil(loop.drive_period / (step or first_step(loop)) - 1e-9)
     step = loop.drive_period / parts
     built = machine(truth, drive)
     count = (len(told.q) - 1) * parts
@@ -128,13 +135,13 @@ def _run(
 ) -> tuple[Array, Array]:
     """States (M, 2 V) of the plant after every step, and torques asked for (T, n)."""
     loop, motors = cascade.loop, dynamics.machine.motors
-    late, ticks, size = steps_of_delay(loop, dynamics.h), len(told.q) - 1, dynamics.size
-    kept, counts = -(-late // parts), bool(drive.count.any())
+    delay, ticks, size = Delay(loop.delay / dynamics.h, parts), len(told.q) - 1, dynamics.size
+    counts = bool(drive.count.any())
     torque_limit, speed_limit = limits
     states = np.empty((ticks * parts + 1, 2 * size))
     states[0, :size], states[0, size:] = dynamics.q, dynamics.v
     asked = np.empty((ticks, len(hold)))
-    waiting = [hold] * kept
+    waiting = [hold] * delay.kept
     for tick in range(ticks):
         now = tick * loop.drive_period
         seen = dynamics.q[motors]
@@ -152,7 +159,7 @@ def _run(
         waiting.append(cut)
         for i in range(parts):
             k = tick * parts + i
-            dynamics.advance(waiting[kept + (i - late) // parts], k)
+            dynamics.advance(delay.acting(waiting, i), k)
             states[k + 1, :size], states[k + 1, size:] = dynamics.q, dynamics.v
         waiting.pop(0)
     return states, asked

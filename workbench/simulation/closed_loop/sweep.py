@@ -13,6 +13,7 @@ from ...robot.description import Robot
 from ...robot.kinematics import Array
 from .runs import Outcome, Task, World, simulate_all
 from .verification import Sweep
+from .ways import Way
 
 SWEEP_SPEEDS = (0.01, 0.03, 0.1, 0.3, 0.6, 1.0)  # m/s
 LONGEST = 30.0  # s that a run of the sweep may take in the simulated world: the path is cut there
@@ -20,7 +21,7 @@ LONGEST = 30.0  # s that a run of the sweep may take in the simulated world: the
 
 def swept(
     world: World,
-    X: Array,
+    way: Way,
     path: Path,
     commands: dict[str, Array],
     workers: int,
@@ -28,8 +29,7 @@ def swept(
 ) -> Sweep:
     """The corrected and the uncorrected path at all speeds, and on an arm that does not yield.
 
-    X: (N, 4, 4) desired tool poses; commands: (N, n) joints of each variant. Drives over
-    their limits saturate.
+    commands: (M, n) joints of each variant along the way. Drives over their limits saturate.
     """
     world = replace(world, on_limit="saturate")
     stiff = rigid(world.truth)
@@ -37,13 +37,15 @@ def swept(
     still = compensate(
         stiff, replace(path), world.conditions, tool=world.tool, start=commands["uncorrected"][0]
     )
+    stiffly = way.command(still.q_command)
+    along, X = way.along(path), way.X
     elastic, rigids = [], []
     for speed in SWEEP_SPEEDS:
-        timed, kept = _at(path, X, speed)
+        timed, kept = _at(along, X, speed)
         for name, ahead in (("uncorrected", "static"), ("corrected", "static"), ("corrected", "elastic")):
             said = f"{speed:g} m/s, {ahead} feed-forward, {name}"
             elastic.append(Task(said, timed, commands[name][:kept], X[:kept], ahead=ahead))  # type: ignore[arg-type]
-        rigids.append(Task(f"{speed:g} m/s, rigid", timed, still.q_command[:kept], X[:kept]))
+        rigids.append(Task(f"{speed:g} m/s, rigid", timed, stiffly[:kept], X[:kept]))
     done = simulate_all(world, elastic, workers, progress)
     left = [_rms(outcome, task) for outcome, task in zip(done, elastic, strict=True)]
     floor = [

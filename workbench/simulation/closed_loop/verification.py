@@ -106,7 +106,8 @@ class Sweep:
 
 @dataclass(frozen=True, eq=False)
 class Verification:
-    """The closed loop's verdict on a path. X: (N, 4, 4) desired tool poses; normal: (3,) of R_a, R_z.
+    """The closed loop's verdict on a path. X: (M, 4, 4) desired tool poses along it, between its rows too
+    where they are far apart; normal: (3,) of R_a, R_z.
 
     series: slowest first. expected_mm: RMS that the belief itself expects of the corrected path, slow.
     same: the simulated robot is the model itself. repeatability: of the tool, by data sheet and joints.
@@ -135,6 +136,12 @@ class Verification:
         return SAME if self.same else ""
 
     @property
+    def judged(self) -> str:
+        """At how many points, in words."""
+        rows, points = len(self.path), len(self.X)
+        return f"{rows} samples" if rows == points else f"{rows} rows, judged at {points} points along them"
+
+    @property
     def slow(self) -> Series:
         """The slowest speed: nearly without dynamics."""
         return self.series[0]
@@ -151,6 +158,7 @@ class Verification:
             "robot": self.robot.name,
             "path": self.path.title,
             "samples": len(self.path),
+            "judged_at": len(self.X),
             "normal": [round(float(x), 6) for x in self.normal],
             "speeds": [
                 {
