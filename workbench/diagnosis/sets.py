@@ -20,7 +20,7 @@ EXPLAINS = 1.0  # log Bayes factor from which a component explains anything at a
 EXCHANGES = 4  # rounds of them
 AT_ONCE = 4  # members that are weighed together: of as many, one changes
 STRONGEST, PAIRS = 6, 3  # members in the place of which two are tried, and how many such pairs
-ABOUT = 5.0  # log odds that the estimate of a pair's may be off
+ABOUT, SHARE = 5.0, 0.02  # log odds that the estimate of a pair's may be off, and of those that it has
 CLEARLY = 0.5  # log odds by which another component must be likelier to take a member's place
 
 Mask = NDArray[np.bool_]
@@ -107,7 +107,8 @@ class Competition:
         """The likeliest pairs beside a set, if about as likely as a member was. Of each two the evidence
         together counts, and what the prior and the freedom of each cost by itself."""
         weights = self.beside(rest)
-        least = weights.pop(instead_of.component).log_odds - ABOUT
+        own = weights.pop(instead_of.component).log_odds
+        least = own - max(ABOUT, SHARE * own)  # the forms of a pair are others than those of each alone
         if len(weights) < 2:
             return
         alone = [Member(k, weight.form, weight.scale) for k, weight in weights.items()]
