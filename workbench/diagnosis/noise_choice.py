@@ -34,6 +34,7 @@ BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for 
 RIGID = 0.1  # of the noise: measured targets change their distances by more
 EXACT, BEYOND = 1e-9, 100.0  # of the variance that one part would have alone: what is fitted lies between
 CLEARLY = 20.0  # twice the log likelihood that a further part of the noise must bring
+LESS = 0.8  # times the noise of a turn: by less it is as stated
 WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
 
@@ -165,6 +166,19 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
         "Whether that is noise cannot be judged; only what depends on something can be found."
     )
     return new, Noise(sigma, "residual", sentence)
+
+
+def of_turns(result: Fit) -> Covariance | None:
+    """The noise of a 6-D measurement with that of its turning part, which nobody states, from the residual of
+    a fit; None where it is no smaller than that of three points of the stated noise: a model's errors turn
+    the tool too."""
+    problem, noise = result.model.problem, result.noise
+    if not problem.campaign.six_dof or not np.isinf(noise.dof):
+        return None
+    r = result.point_residual[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
+    free = np.sqrt(r.size / max(r.size - result.rank, 1))
+    turn = float(np.sqrt(np.mean(r[:, 3:6] ** 2))) * free
+    return replace(noise, turn_ratio=noise.turn_ratio * turn) if turn < LESS else None
 
 
 def _parts(result: Fit) -> Covariance:

@@ -28,7 +28,7 @@ from ..robot.kinematics import Array
 from .copies import without_copies
 from .moved_setup import LEAST_BEFORE, jump, split_setup, step_in_time
 from .moved_target import reseated
-from .noise_choice import choose, from_residual, rigid_targets, without_wild_repeats
+from .noise_choice import choose, from_residual, of_turns, rigid_targets, without_wild_repeats
 from .rarely_seen import without_rarely_seen
 from .result import FaultFound, Noise
 from .torque_noise import torque_noise
@@ -86,6 +86,24 @@ class Prepared:
         covariance, noise = from_residual(result)
         geometry = fit(self.geometry.model, self.geometry.state, covariance)
         return replace(self, covariance=covariance, noise=noise, geometry=geometry)
+
+    def with_turns_of(self, result: Fit) -> Prepared | None:
+        """The same with the noise of a 6-D measurement's turns that a better fit leaves; None where that is
+        as stated."""
+        covariance = of_turns(result)
+        if covariance is None:
+            return None
+        geometry = fit(self.geometry.model, self.geometry.state, covariance)
+        nominal = fit(self.nominal.model, self.nominal.state, covariance, geometry=False)
+        share = covariance.turn_ratio
+        note = f"Turns of the 6-D measurement scatter {share:.2g} times as points of the stated noise would"
+        return replace(
+            self,
+            covariance=covariance,
+            geometry=geometry,
+            nominal=nominal,
+            notes=(*self.notes, f"{note}: that is used."),
+        )
 
     def some(self, poses: NDArray[np.int64]) -> Prepared:
         """Some of the poses as if there were no others: where nobody knows the noise, with their own."""

@@ -13,7 +13,7 @@ from ..effects.unnamed import products, unnamed
 from ..effects.unnamed.joints import Product
 from ..identification.fit import ROUGH, Fit, refit
 from ..identification.heldout import heldout
-from ..identification.noise import Covariance
+from ..identification.noise import Covariance, log_precision
 from .acts_through import needs_of
 from .chosen import Chosen, Member
 from .components import Component, cause_components, line_component, nameless_components
@@ -52,8 +52,7 @@ class Round:
         """log evidence of the data, up to what is the same for every set and every scatter beyond what was
         `stated`: the likelihood of its own fit, and what members and scatter cost."""
         more = np.count_nonzero(beyond_all(self.found, stated))
-        size = np.abs(np.einsum("nkk->nk", self.found.whitener))
-        own = float(np.log(size[size > 0]).sum()) - 0.5 * self.found.chi2
+        own = log_precision(self.found.whitener) - 0.5 * self.found.chi2
         cost = self.competition.cost(Chosen(self.competition.reduced, self.members))
         return own + cost - 0.5 * CLEAR * more
 

@@ -102,6 +102,9 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
 def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tuple[Prepared, Selection]:
     """The causes that explain the data, and the noise that they leave where there was none."""
     selection = compete(prepared, candidates)
+    finer = prepared.with_turns_of(selection.fit)
+    if finer is not None:
+        prepared, selection = finer, compete(finer, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
     selection = worth_it(selection, seed)

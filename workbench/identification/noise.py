@@ -113,6 +113,14 @@ def whitener(problem: Problem, covariance: Covariance, axial: Array | None, turn
     return np.asarray(W * covariance.weight[:, None, None])
 
 
+def log_precision(W: Array) -> float:
+    """Half the log determinant of the data's precision, of a whitener (N, D, K): triangular, or of a 6-D
+    measurement's orthogonal motions."""
+    triangular = W.shape[1] == W.shape[2]
+    size = np.abs(np.einsum("nkk->nk", W)) if triangular else np.linalg.norm(W, axis=2)
+    return float(np.log(size[size > 0]).sum())
+
+
 def body_motion(problem: Problem) -> Array:
     """(N, 3T, 6) motion of the points on a pose's last body per its shift and turn about their centroid; 0 of
     others, and of what was not seen."""

@@ -23,7 +23,7 @@ from ..noise import Covariance, stated_noise
 from ..own_base import own_base
 from ..parameters import body_motion
 from .left_out import Leaver, tempered
-from .tempering import temper
+from .tempering import is_overstated, temper
 from .tool import ToolMotion, tool_motion, tool_points, tool_problem
 
 SAMPLES = 100  # poses within the limits that say which directions move the tool
@@ -49,7 +49,9 @@ def uncertainty(result: Fit) -> Uncertainty | None:
     at = tool_motion(told, acting)
     known = stated_noise(problem) is not None or bool(np.isfinite(result.noise.dof))
     on_flange = np.isin(np.arange(problem.seen.shape[1]), gauge.chosen)
-    tempering, variance = temper(Leaver(result, on_flange), known)
+    leaver = Leaver(result, on_flange)
+    known = known and not is_overstated(leaver)
+    tempering, variance = temper(leaver, known)
     rows = _rows(result, gauge, at.names, variance)
     if not kept.measured:
         as_fitted = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))

@@ -12,6 +12,7 @@ from .bound import LEVEL, length_bound
 from .left_out import Leaver, LeftOut, joined
 
 WILD = 0.99  # quantile of the squared errors above which they do not count in a mean
+LESS = 0.85  # of the errors that are expected: by less an instrument's noise is as stated
 MOST_GROWTH = 20.0
 MOST_VARIANCE = 100.0
 
@@ -59,6 +60,17 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     factor = Tempering(rest, 1.0, 0.0).stretch(both, instrument_known)
     growth = _growth(Tempering(rest, factor, 0.0), list(leaver.by_end(variance)), instrument_known)
     return Tempering(rest, factor, growth), variance
+
+
+def is_overstated(leaver: Leaver) -> bool:
+    """Whether poses left out are nearer than the instrument's noise lets expect: then nobody knows how much
+    of what is left is the instrument's."""
+    out = leaver.by_position(1.0)
+    squared = (out.error**2).sum(axis=1)
+    usual = squared <= np.quantile(squared, WILD)
+    share = squared[usual].mean() / _expected(out, instrument_known=True)[usual].mean()
+    by_chance = 3 * np.sqrt(2 / (3 * len(squared)))
+    return bool(share < min(LESS, 1 - by_chance))
 
 
 def _variance(leaver: Leaver, instrument_known: bool) -> float:
