@@ -42,8 +42,8 @@ def component(key):
 
 
 def certain(poses):
-    """What is there is seen in every part."""
-    return [1.0] * 9
+    """What is there is seen in every part, and none shows it by itself."""
+    return [(1.0, 0.0)] * 9
 
 
 @pytest.fixture(scope="module")
@@ -104,11 +104,24 @@ def test_parts_make_no_name_surer():
 def test_a_part_does_not_deny_what_it_could_not_show():
     """Two of four parts find nothing: one would hardly have, one surely."""
     every, members = [component(RATIO)], [Member(0, 0, 1.0)]
-    could = iter([[1.0], [0.1], [0.9], [1.0]])
+    could = iter([[(1.0, 0.0)], [(0.1, 0.0)], [(0.9, 0.0)], [(1.0, 0.0)]])
     parts = said_by_parts([{0: 1.0}], [], [], [{0: 1.0}])
     (share,) = replicated(parts, every, members, [{0: 1.0}], lambda _: next(could))
     assert share[0] == pytest.approx((1.0 + 0.9 + 0.1 + 1.0) / 4)
     assert share[None] == pytest.approx((0.1 + 0.9) / 4)
+
+
+def test_a_line_that_a_part_shows_is_not_denied_by_a_search_that_lost_its_way():
+    """Two parts have something else for it, or nothing; beside all others the line is as plain there. A cause
+    that is like others has no such witness."""
+    line = ("gear_kinematic_error", Where(joint="joint_1", order=200.0))
+    every, members = [component(line), component(RATIO)], [Member(0, 0, 1.0), Member(1, 0, 1.0)]
+    parts = said_by_parts([{0: 1.0}, {1: 1.0}], [], [{1: 0.9, 0: 0.1}], [{0: 1.0}, {1: 1.0}])
+    plain = lambda _: [(1.0, 0.98), (1.0, 0.98)]  # noqa: E731
+    whole = [{0: 1.0}, {1: 1.0}]
+    found, other = replicated(parts, every, members, whole, plain)
+    assert found[0] == pytest.approx((1.0 + 0.98 + 0.98 + 1.0) / 4)
+    assert other[1] == pytest.approx((1.0 + 0.0 + 0.9 + 1.0) / 4)
 
 
 def test_what_all_parts_find_joins_the_set(competition):

@@ -29,6 +29,7 @@ from .replication import (
     renamed,
     replicated,
     searched_in_parts,
+    shown_by,
 )
 from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted
 from .scatter import beyond_all
@@ -129,10 +130,11 @@ def _as_parts_have_it(
     competition = best.competition
     reduced, components = competition.reduced, competition.components
 
-    def seen_in(poses: Index) -> list[float]:
+    def seen_in(poses: Index) -> list[tuple[float, float]]:
         own = [components[member.component] for member in members]
         part = reduce(best.at, own, reduced.noise_dof, poses)
-        return power(reduced, part, members, components)
+        may = power(reduced, part, members, components)
+        return list(zip(may, shown_by(part, own, members), strict=True))
 
     shares = replicated(parts, components, members, shares, seen_in)
     members, shares = _renamed_at_no_loss(best, members, shares)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import chndtr
+from scipy.special import chndtr, expit
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
@@ -22,7 +22,7 @@ POSES_PER_JOINT = 10  # different joint positions, per joint, from which parts o
 LARGE = 1000  # points from which parts are worth processes of their own
 
 Search = Callable[[Index], tuple[Sequence[Component], Sequence[Shares]]]
-Power = Callable[[Index], Sequence[float]]
+Seen = Callable[[Index], Sequence[tuple[float, float]]]
 
 
 @dataclass(frozen=True)
@@ -73,26 +73,32 @@ def replicated(
     components: Sequence[Component],
     members: Sequence[Member],
     shares: Sequence[Shares],
-    power: Power,
+    seen: Seen,
 ) -> list[Shares]:
     """The shares where the model does not fit to the noise, and the likelihood is far too sure: those of the
-    parts, averaged, for members of which these say less. power: of some poses, for each member how likely
-    they would show it: what they cannot show they do not deny."""
-    known, powers = _known(components), [power(part.poses) for part in parts]
+    parts, averaged, for members of which these say less. seen: of some poses, for each member how likely they
+    would show it, and how likely they do beside all others. What they cannot show they do not deny; and a
+    line in a gear, which is like nothing else, is denied by no search that lost its way among other causes.
+    """
+    known, told = _known(components), [seen(part.poses) for part in parts]
     out = [dict(share) for share in shares]
     for i, member in enumerate(members):
         if components[member.component].nameless:
             continue
         k = known[bare(components[member.component].key)]  # of a line it does not matter which
-        every = [part.of(k) for part in parts]
-        mean = _mean(
-            share if k in share else {None: chance[i], k: 1 - chance[i]}
-            for share, chance in zip(every, powers, strict=True)
-        )
+        line = components[member.component].key[1].order is not None
+        mean = _mean(_of_part(part.of(k), k, *of[i], line) for part, of in zip(parts, told, strict=True))
         own = mean.pop(k, 0.0)
         if own < out[i][member.component]:
             out[i] = {**mean, member.component: own}
     return out
+
+
+def _of_part(share: Shares, k: int, chance: float, shown: float, line: bool) -> Shares:
+    """What a part says of component k."""
+    if line and shown > share.get(k, 0.0):
+        return {None: 1 - shown, k: shown}
+    return share if k in share else {None: chance, k: 1 - chance}
 
 
 def agreed(parts: Sequence[Part], components: Sequence[Component]) -> dict[int, Shares]:
@@ -144,6 +150,15 @@ def power(
         weight = member.scale**2 * d / (1 + member.scale**2 * d)
         out.append(exceeds(weight, shift, cost))
     return out
+
+
+def shown_by(part: Reduced, components: Sequence[Component], members: Sequence[Member]) -> list[float]:
+    """For each member the probability that a part's own poses give it beside all others. part: reduced
+    equations of the members' own components alone, in their order."""
+    there = [replace(member, component=i) for i, member in enumerate(members)]
+    competition, chosen = Competition(part, components), Chosen(part, there)
+    weights = (competition.beside(chosen, i)[i] for i in range(len(there)))
+    return [float(expit(weight.log_odds)) for weight in weights]
 
 
 def exceeds(weight: Array, shift: Array, limit: float) -> float:
