@@ -32,6 +32,7 @@ from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .stages import geometry_alone, pose_errors, rms_mm, stages_of
+from .wider import widened
 
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
 
@@ -60,7 +61,8 @@ def assemble(parts: Parts) -> Diagnosis:
     left, beyond = _left(prepared, selection)
     best = stages[-1].heldout_rms_mm
     with_names = stages[stages.index(base) + len(groups)].heldout_rms_mm
-    findings = [_finding(parts, *group) for group in groups]
+    wider = widened(selection)
+    findings = [_finding(parts, *group, wider.get(group[0].key, 1.0)) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = base.heldout_rms_mm - with_names
     rounded = rounded_joints(final, prepared.noise, beyond)
@@ -207,8 +209,8 @@ def _beside_what_is_found(findings: list[Finding]) -> list[Finding]:
     ]
 
 
-def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
-    """One cause. own: numbers of its effects in the fit."""
+def _finding(parts: Parts, effect: Effect, own: list[int], wider: float) -> Finding:
+    """One cause. own: numbers of its effects in the fit; wider: on its standard deviations."""
     final, selection = parts.selection.fit, parts.selection
     found = standing(selection, effect)
     rivals = found.rivals
@@ -220,7 +222,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
     )
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
-    parameters, sentence = _describe(final, own)
+    parameters, sentence = _describe(final, own, wider)
     strongest = max((i for i in own if final.model.effects[i].key == effect.key), key=final.wald)
     return Finding(
         cause=effect.cause,
@@ -306,7 +308,7 @@ def _handicap(components: Sequence[Component], own: int, other: int | None) -> f
     return float(np.exp(max(components[own].log_odds - components[other].log_odds, 0.0)))
 
 
-def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], str]:
+def _describe(final: Fit, own: Sequence[int], wider: float) -> tuple[tuple[Parameter, ...], str]:
     """Parameters and sentence; further parts of one cause carry their order or form in the name."""
     parameters: list[Parameter] = []
     sentences: list[str] = []
@@ -317,7 +319,7 @@ def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], st
         effect = final.model.effects[i].beside(there)
         values, covariance = final.effect_values(i)
         sentences.append(effect.sentence(values))
-        for p in effect.report(values, covariance):
+        for p in effect.report(values, wider**2 * covariance):
             clash = n > 0 and any(p.name == other.name for other in parameters)
             mark = f"order {effect.where.order:g}" if effect.where.order is not None else effect.variant
             parameters.append(replace(p, name=f"{p.name} ({mark})") if clash else p)
