@@ -100,7 +100,7 @@ def with_a_forearm_that_bends(folder, seed: int):
     return replace(plans[1], points=simulate(plans[0], truth, seed=seed).points, noise_sigma=2e-5)
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_a_link_that_does_not_bend_alike_in_all_directions_has_its_name(tmp_path, seed):
     """Each was "something that no known cause explains"."""
     outcome = diagnose(with_a_forearm_that_bends(tmp_path / "real", seed))
@@ -119,7 +119,10 @@ def stiffer(problem: Problem) -> np.ndarray:
     return out
 
 
-@pytest.mark.parametrize(("name", "load", "seed"), [("kr500", 400.0, 2), ("6R", 60.0, 1)])
+@pytest.mark.parametrize(
+    ("name", "load", "seed"),
+    [("kr500", 400.0, 2), pytest.param("6R", 60.0, 1, marks=pytest.mark.slow)],
+)
 def test_a_joint_that_stiffens_otherwise_than_in_proportion_has_its_name(name, load, seed):
     """Each was "something that no known cause explains", or lost motion of less than nothing."""
     diagnosis = found(measured(name, joints=stiffer, loads=(load,), seed=seed))

@@ -343,7 +343,7 @@ def test_the_command_line_warns_of_a_zero_that_is_off(tmp_path, capsys):
     assert "warning: elbow_joint stands -3.09° from where its numbers say" in err
 
 
-@pytest.mark.parametrize("degrees", [3.0, -4.0])
+@pytest.mark.parametrize("degrees", [3.0, pytest.param(-4.0, marks=pytest.mark.slow)])
 def test_a_joint_with_its_zero_some_degrees_off_is_fitted_and_told(degrees):
     campaign = turn(2, degrees)(honest("ur5"))
     (said,) = check_plausible(problem_of(campaign))

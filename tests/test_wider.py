@@ -1,4 +1,4 @@
-"""Where a robot yields in many places, the sizes of those that were found are less sure than their fit says."""
+"""Where a robot yields in many places, sizes of those found are less sure than their fit says."""
 
 from __future__ import annotations
 
