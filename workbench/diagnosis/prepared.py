@@ -35,7 +35,6 @@ from .torque_noise import torque_noise
 from .wild_points import (
     Acting,
     Cleaned,
-    Mended,
     clean,
     least_sigma,
     robust_fit,
@@ -113,7 +112,7 @@ class Prepared:
         part = replace(self, problem=problem, covariance=covariance, geometry=geometry)
         return part if self.noise_known else part.with_noise_of(geometry)
 
-    def mended(self, found: Mended) -> Prepared:
+    def mended(self, found: Cleaned) -> Prepared:
         """The same without what was found to be wild beside causes."""
         problem, start = _measured_only(found.problem), self.geometry.state
         covariance, noise, _ = _noise(problem, self.known_effects, start)

@@ -17,10 +17,10 @@ from ..identification.fit import Fit
 from .candidates import testable
 from .competition import Selection, compete
 from .findings import Parts, assemble
-from .given import search_with_given
+from .given import Searched, search_with_given
 from .off_form import with_own_forms
 from .prepared import Prepared, Progress, prepare
-from .result import Diagnosis
+from .result import Diagnosis, NotTestable
 from .wild_points import wild_beside
 from .worth import worth_it
 
@@ -82,21 +82,24 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
     campaigns.clear()  # of a large one, parts stand in `prepared`: the whole takes room
     test = test or prepared.spare
     progress("testing causes")
-    candidates, not_testable = testable(prepared.problem)
-    search = partial(_search, seed=seed)
-    found = search_with_given(prepared, candidates, search, progress)
+    found, not_testable = _searched(prepared, seed, progress)
     for _ in range(CLEANED_AGAIN):
         wild = wild_beside(found.selection.fit, prepared.least)
         if not wild.faults:
             break
         progress("testing causes without wild points")
         prepared = prepared.mended(wild)
-        candidates, not_testable = testable(prepared.problem)
-        found = search_with_given(prepared, candidates, search, progress)
+        found, not_testable = _searched(prepared, seed, progress)
     progress("writing down what was found")
     missing = (*not_testable, *found.not_testable)
     parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)
     return Outcome(assemble(parts), found.prepared.problem, found.selection.fit, found.prepared)
+
+
+def _searched(prepared: Prepared, seed: int, progress: Progress) -> tuple[Searched, tuple[NotTestable, ...]]:
+    """The search for all that these data can show, and what they cannot."""
+    candidates, missing = testable(prepared.problem)
+    return search_with_given(prepared, candidates, partial(_search, seed=seed), progress), tuple(missing)
 
 
 def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tuple[Prepared, Selection]:

@@ -7,7 +7,7 @@ the causes that were found, since what these explain hides what is less far off 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
@@ -41,7 +41,7 @@ Acting = tuple[tuple[Effect, Array], ...]
 
 @dataclass(frozen=True)
 class Cleaned:
-    """The problem without its data faults, a robust geometry fit of it, and what was found."""
+    """The problem without its data faults, the fit that showed them, and what was found."""
 
     problem: Problem
     fit: Fit
@@ -51,27 +51,28 @@ class Cleaned:
 def clean(result: Fit, noise: Covariance, known_effects: Acting, least: Array) -> Cleaned:
     """Finds data faults and mends them or leaves the points out, from a `robust_fit`. least: (T,) [m] one
     sigma per axis that a point has in any case: what is within it is not wild."""
+    return _in_rounds(result, least, lambda problem, at: robust_fit(problem, at, noise, known_effects))
+
+
+def wild_beside(result: Fit, least: Array) -> Cleaned:
+    """The same beside the causes of a fit."""
+    model, noise = result.model, result.noise
+    return _in_rounds(
+        result, least, lambda problem, at: fit(replace(model, problem=problem), at, noise, tolerance=ROUGH)
+    )
+
+
+def _in_rounds(result: Fit, least: Array, again: Callable[[Problem, State], Fit]) -> Cleaned:
+    """What is wild at a fit, then at the fit without it, and so on."""
     problem, faults = result.model.problem, list[FaultFound]()
     for count in range(ROUNDS):
         if count:
-            result = robust_fit(problem, result.state, noise, known_effects)
+            result = again(problem, result.state)
         found = mended(problem, result.line.prediction.points, _limit(result, least))
         if not found.faults:
             break
         problem, faults = found.problem, [*faults, *found.faults]
     return Cleaned(problem, result, tuple(faults))
-
-
-def wild_beside(result: Fit, least: Array) -> Mended:
-    """What is wild beside the causes of a fit. least: as in `clean`."""
-    problem, faults = result.model.problem, list[FaultFound]()
-    for _ in range(ROUNDS):
-        found = mended(problem, result.line.prediction.points, _limit(result, least))
-        if not found.faults:
-            break
-        problem, faults = found.problem, [*faults, *found.faults]
-        result = fit(replace(result.model, problem=problem), result.state, result.noise, tolerance=ROUGH)
-    return Mended(problem, tuple(faults))
 
 
 def _limit(result: Fit, least: Array) -> Array:

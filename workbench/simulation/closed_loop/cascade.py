@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, floor
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -120,16 +122,21 @@ class Delay:
     steps: float
     parts: int
 
-    @property
+    @cached_property
     def kept(self) -> int:
         """Torques that are on their way."""
-        return -(-int(np.ceil(self.steps - 1e-9)) // self.parts)
+        return -(-ceil(self.steps - 1e-9) // self.parts)
+
+    @cached_property
+    def _late(self) -> tuple[int, float]:
+        """Whole steps, and the share of one that is left."""
+        late = floor(self.steps + 1e-9)
+        return late, max(self.steps - late, 0.0)
 
     def acting(self, torques: Sequence[Array], i: int) -> Array:
         """The torque over the i-th step of a drive period. torques: `kept` that are on their way, oldest
         first, and the one sampled now."""
-        late = int(np.floor(self.steps + 1e-9))
-        share = max(self.steps - late, 0.0)
+        late, share = self._late
         new = torques[self.kept + (i - late) // self.parts]
         if share < 1e-9:
             return new

@@ -71,18 +71,20 @@ def motion(time: Array, q: Array, sided: bool = False, corners: NDArray[np.int64
     t = np.asarray(PERIOD * np.arange(4 * steps + 1), float)
     phase, rate, change = _phase(t - LEAD, length, ramp)
     way = curve(time - time[0], q, corners)
-    first, second = way(phase, 1), way(phase, 2)
-    place, v = way(phase), first * rate[:, None]
-    a = second * rate[:, None] ** 2 + first * change[:, None]
+    first = way(phase, 1)
+    place, v = way(phase), _filtered(first * rate[:, None])
     side = first_sides(place) if sided else np.zeros(place.shape[1])
-    place, v, a = (_filtered(x, FILTER / PERIOD) for x in (place, v, a))
     if len(corners):  # where the velocity steps
         a = np.gradient(v, PERIOD, axis=0)
+    else:
+        a = _filtered(way(phase, 2) * rate[:, None] ** 2 + first * change[:, None])
+    place = _filtered(place)
     return Motion(PERIOD, place, v, a, side, _instants(time - time[0], length, ramp) + LEAD)
 
 
-def _filtered(x: Array, width: float) -> Array:
-    """x (K, n) through a symmetric filter, `width` in instants, that leaves parabolas as they are."""
+def _filtered(x: Array) -> Array:
+    """x (K, n) through a symmetric filter that leaves parabolas as they are."""
+    width = FILTER / PERIOD
     one = gaussian_filter1d(x, width, axis=0, mode="nearest")
     return np.asarray(2 * one - gaussian_filter1d(x, np.sqrt(2) * width, axis=0, mode="nearest"))
 

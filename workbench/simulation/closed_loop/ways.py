@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...correction.file import TOLERANCE_MM
-from ...correction.inverse import newton
+from ...correction.inverse import Tip, newton
 from ...correction.paths import Path
-from ...correction.programs.arcs import circles
+from ...correction.programs.arcs import circles, swept
 from ...correction.programs.base import Program
 from ...correction.programs.thin import COARSEST, thinned
 from ...correction.trajectory import rigid
 from ...correction.trouble import ranges_of
 from ...robot.description import Robot
-from ...robot.kinematics import Array, frames
+from ...robot.kinematics import Arm, Array, frames
 from ...robot.rigid_plant import arrays
 from ...robot.rotations import angle_between, from_vectors, pose, straight, tool_pose, vectors
 from .motion import curve
@@ -37,12 +37,13 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """N rows with what is between them: M samples, each with its leg (M,), the row before, and its share of
-    that leg. X: (M, 4, 4) wanted tool poses; corners: (C,) samples in which the tool turns off at once;
-    uneven: rows (K,) behind which the arm cannot run as the tool should, its joints run evenly there."""
+    """N rows with what is between them, for the nominal arm and its tip: M samples, each with its leg (M,),
+    the row before, and its share of that leg. X: (M, 4, 4) wanted tool poses; corners: (C,) samples in which
+    the tool turns off at once; uneven: rows (K,) behind which the arm cannot run as the tool should, its
+    joints run evenly there."""
 
-    robot: Robot
-    tool: Array | None
+    arm: Arm
+    tip: Tip
     rows: Array
     leg: Index
     share: Array
@@ -77,8 +78,7 @@ class Way:
 
     def _between(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
         """The same, and which samples (M,) the arm reaches as the tool should."""
-        arm, tip = rigid(arrays(self.robot), tool_pose(self.tool), ranges_of(self.robot))
-        told = tip.pose(frames(arm, q))
+        told = self.tip.pose(frames(self.arm, q))
         off = told[:, :3, 3] - self.rows[:, :3, 3]
         turn = vectors(told[:, :3, :3] @ self.rows[:, :3, :3].transpose(0, 2, 1))
         leg, share = self.leg, self.share[:, None]
@@ -88,7 +88,7 @@ class Way:
 
         even = at(q)
         X = pose(self.X[:, :3, 3] + at(off), from_vectors(at(turn)) @ self.X[:, :3, :3])
-        joints, there = newton(arm, tip, X, even)
+        joints, there = newton(self.arm, self.tip, X, even)
         legs = np.isin(leg, leg[~there])
         on_row = (self.share == 0) | (self.share == 1)
         return np.where((legs | on_row)[:, None], even, joints), ~legs
@@ -115,7 +115,7 @@ def way_of(robot: Robot, path: Path, X: Array, q: Array, tool: Array | None) -> 
     leg = np.append(np.repeat(np.arange(len(count)), count), len(count) - 1)
     first = np.concatenate([[0], np.cumsum(count)])
     share = np.append((np.arange(first[-1]) - first[leg[:-1]]) / count[leg[:-1]], 1.0)
-    found = Way(robot, tool, X, leg, share, _at(X, leg, share, round_), first[bends])
+    found = Way(arm, tip, X, leg, share, _at(X, leg, share, round_), first[bends])
     there = found._between(q)[1]
     return replace(found, uneven=tuple(np.unique(leg[~there]).tolist()))
 
@@ -152,14 +152,12 @@ def _at(X: Array, leg: Index, share: Array, round_: Array) -> Array:
     if len(bent):
         here, s = leg[bent], share[bent, None]
         centre, axis = round_[here, :3], round_[here, 3:]
-        start, end = X[here, :3, 3] - centre, X[here + 1, :3, 3] - centre
-        up = [(v * axis).sum(axis=1, keepdims=True) for v in (start, end)]
-        flat = [v - h * axis for v, h in zip((start, end), up, strict=True)]
-        size = [np.linalg.norm(v, axis=1, keepdims=True) for v in flat]
-        across = np.cross(axis, flat[0])
-        angle = np.arctan2((flat[1] * across).sum(axis=1), (flat[1] * flat[0]).sum(axis=1))[:, None]
-        turned = np.cos(s * angle) * flat[0] + np.sin(s * angle) * across
-        radius = (1 - s) + s * size[1] / size[0]
-        height = (1 - s) * up[0] + s * up[1]
-        out[bent, :3, 3] = centre + radius * turned + height * axis
+        start, end = (X[rows, :3, 3] for rows in (here, here + 1))
+        angle = swept(centre, axis, start, end)[:, None]
+
+        def turned(by: Array) -> Array:
+            return np.asarray((from_vectors(by * axis) @ (start - centre)[..., None])[..., 0])
+
+        # rows lie on the circle within the tolerance: what they are off goes in evenly
+        out[bent, :3, 3] = centre + turned(s * angle) + s * (end - centre - turned(angle))
     return out

@@ -13,7 +13,7 @@ import numpy as np
 from ...effects.acting import Acting
 from ...robot.compensator import CompensatorLaw
 from ...robot.kinematics import Array, frames, twists
-from ...robot.rotations import vectors
+from ...robot.rotations import body_jacobian, vectors
 from .coil import nearest_coil
 from .content import Content
 
@@ -40,11 +40,9 @@ def kept_of(content: Content, carries: frozenset[str]) -> Kept:
 
     "coil" carries a compensator as a coil spring, "gas" as it is.
     """
-    law: CompensatorLaw | None = None
-    if content.compensator is not None:
-        law = (
-            content.compensator if "gas" in carries else nearest_coil(content) if "coil" in carries else None
-        )
+    law = content.compensator
+    if law is not None and "gas" not in carries:
+        law = nearest_coil(content) if "coil" in carries else None
     return Kept(content.acting(carries | {"compensator"}), "spring" in carries, law)
 
 
@@ -64,9 +62,8 @@ def refitted(content: Content, kept: Kept) -> Content:
         arm = content.problem.arm
         where = frames(arm, content.problem.q)
         twist = twists(where.geometry_axes, where.geometry_origin)[:, :, 6:-6]  # of the joints' own
-        turns = twist[:, 3:]
-        shifts = twist[:, :3] + np.cross(turns, where.p[-1][:, :, None], axis=1)
-        J = np.concatenate([shifts, LEVER * turns], axis=1).reshape(left.size, -1) / NEAR
+        shifts = body_jacobian(where.p[-1]) @ twist
+        J = np.concatenate([shifts, LEVER * twist[:, 3:]], axis=1).reshape(left.size, -1) / NEAR
         gone = (arm.geometry - own)[1:-1].ravel() / LIKELY
         A = np.vstack([J, np.eye(J.shape[1]) / LIKELY])
         b = np.concatenate([left.ravel() / NEAR, -gone])
