@@ -13,6 +13,7 @@ from ..files.faults import Fault, InputError
 
 MANIFEST = "package.xml"
 UPWARDS = 6  # folders above the URDF in which its package and those beside it are looked for
+WORKSPACE = 4  # folders above the URDF up to that of all repositories: .../ROBOT/urdf/TYPE in each
 DOWNWARDS = 3  # folders below an entry of ROS_PACKAGE_PATH
 Given = Mapping[str, Path]
 
@@ -33,8 +34,9 @@ def package_folder(name: str, beside: Path, given: Given | None = None) -> Path 
     """The folder of a package, None where it is not found.
 
     Looked for as `given`; upwards from the folder `beside` and in the folders next to those on the way; in
-    ROS_PACKAGE_PATH; in the `share` of AMENT_PREFIX_PATH. A folder is the package that its package.xml
-    says, else the one that it is called.
+    ROS_PACKAGE_PATH; in the `share` of AMENT_PREFIX_PATH; inside of the folders next to those on the way, as
+    repositories of one workspace have it. A folder is the package that its package.xml says, else the one
+    that it is called.
     """
     if given and name in given:
         return given[name]
@@ -48,6 +50,9 @@ def package_folder(name: str, beside: Path, given: Given | None = None) -> Path 
         for folder in _down(root, DOWNWARDS):
             if _package_name(folder) == name:
                 return folder
+    for folder in _neighbours(beside.resolve()):
+        if _package_name(folder) == name:
+            return folder
     return next((folder for folder in _around(beside.resolve()) if folder.name == name), None)
 
 
@@ -76,6 +81,14 @@ def _around(folder: Path) -> Iterator[Path]:
     yield from above
     for place in above[1:]:
         yield from _inside(place)
+
+
+def _neighbours(folder: Path) -> Iterator[Path]:
+    """What is inside of the folders next to it and to those above, up to the repositories of a workspace."""
+    for place in [*folder.parents][:WORKSPACE]:
+        if place != place.parent:
+            for inner in _inside(place):
+                yield from _inside(inner)
 
 
 def _down(folder: Path, depth: int) -> Iterator[Path]:
