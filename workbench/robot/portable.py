@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..files.faults import read_text
 from .packages import mesh_file
+from .urdf import xml_root
 
 FOLDER = "urdf"  # beside the file that names it
 
@@ -19,7 +20,7 @@ def carried(urdf: Path, folder: Path) -> tuple[str, str]:
     away from them is shown with plain links. Raises `InputError` where the URDF cannot be read.
     """
     name = f"{FOLDER}/{urdf.name}"
-    root = ET.fromstring(read_text(urdf))
+    root = xml_root(read_text(urdf), urdf)
     place = (folder / name).parent.resolve()
     for mesh in root.iter("mesh"):
         if (file := mesh_file(mesh.get("filename", ""), urdf.parent)) is not None:

@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from xml.parsers import expat
 
 from ..files.faults import Fault, InputError, read_text
 from ..files.measure import beyond
@@ -15,6 +16,7 @@ from ..files.measure import beyond
 WORLD = "world"  # by convention the URDF's name for the ground, and Drake's own
 MOVING = ("revolute", "continuous", "prismatic")
 LOOSE = ("floating", "planar")
+XACRO = "xacro:"  # prefix of the elements that xacro makes others of
 BEYOND = "is not finite or beyond all measure"
 NO_LIMIT = 1e6  # rad or m, rad/s or m/s, N·m or N: a farther limit holds nothing
 Vector3 = tuple[float, float, float]
@@ -61,11 +63,8 @@ def read_urdf(path: Path) -> Urdf:
 
 def parse_urdf(text: str, path: Path) -> Urdf:
     """The elements of a URDF's text; `path` is where it stands. See `read_urdf`."""
-    try:
-        root = ET.fromstring(text)
-    except ET.ParseError as error:
-        raise InputError(Fault(str(path), f"is not XML: {error}")) from None
-    if any("ros.org/wiki/xacro" in item.tag for item in root.iter()):
+    root = xml_root(text, path)
+    if any(item.tag.startswith(XACRO) for item in root.iter()):
         raise InputError(Fault(str(path), "is xacro, not yet a URDF", f"workbench init {path} expands it"))
     if root.tag != "robot":
         raise InputError(Fault(str(path), f"is <{root.tag}>, not a URDF's <robot>", "name the URDF"))
@@ -97,6 +96,21 @@ def parse_urdf(text: str, path: Path) -> Urdf:
     if faults:
         raise InputError(faults)
     return urdf
+
+
+def xml_root(text: str, path: Path) -> ET.Element:
+    """The root of an XML text, its names with their prefixes as they are written: old URDFs have some that
+    they never declare, and ROS reads them. Raises `InputError`."""
+    tree, parser = ET.TreeBuilder(), expat.ParserCreate()
+    parser.StartElementHandler = tree.start
+    parser.EndElementHandler = tree.end
+    parser.CharacterDataHandler = tree.data
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        mend = "mend it there, or take the file anew from where it is published"
+        raise InputError(Fault(str(path), f"is not XML: {error}", mend)) from None
+    return tree.close()
 
 
 def _free_the_world(root: ET.Element) -> None:

@@ -13,12 +13,15 @@ from xml.sax.saxutils import escape
 from ..files.faults import Fault, InputError, read_text
 from .meshes import HOW
 from .packages import Given, package_folder
+from .urdf import XACRO
 
+COMMENT = re.compile("<!--.*?-->", re.DOTALL)
 LACKING = re.compile(r"Package not found: ([\w.-]+)")
 
 
 def is_xacro(path: Path) -> bool:
-    return path.suffix == ".xacro"
+    """By its name, or by its elements: many a file that is called .urdf is xacro."""
+    return path.suffix == ".xacro" or f"<{XACRO}" in COMMENT.sub("", read_text(path))
 
 
 def expanded(path: Path, arguments: Mapping[str, str], given: Given | None = None) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...files.faults import Fault, InputError, read_text
 from ...robot.kinematics import Array
+from ...robot.urdf import xml_root
 from .content import Content
 from .simulated import elastic_tree
 from .text import number, numbers
@@ -103,7 +104,8 @@ def _coil(model: ET.Element, coil: Coil) -> None:
 def _pictures(content: Content, meshes: Mapping[str, object], at: str) -> dict[str, list[ET.Element]]:
     """The <visual>s of the URDF's links that are meshes."""
     found: dict[str, list[ET.Element]] = {}
-    for link in ET.fromstring(read_text(content.robot.urdf)).findall("link"):
+    urdf = content.robot.urdf
+    for link in xml_root(read_text(urdf), urdf).findall("link"):
         name = link.get("name", "")
         for i, visual in enumerate(link.findall("visual")):
             mesh, origin = visual.find("geometry/mesh"), visual.find("origin")

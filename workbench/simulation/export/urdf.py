@@ -13,6 +13,7 @@ from ...robot.kinematics import Array
 from ...robot.plants import rigid_arm_plant
 from ...robot.rigid_plant import rigid_twin
 from ...robot.rotations import zyx_angles
+from ...robot.urdf import xml_root
 from .content import Content
 from .text import numbers, xml_comment
 from .tree import tree_of
@@ -23,7 +24,7 @@ Files = Mapping[str, str | bytes]
 def write(content: Content, header: list[str]) -> Files:
     """NAME.urdf and the meshes that it names by relative path. Everything else stays as the user has it."""
     robot = content.robot
-    root = ET.fromstring(read_text(robot.urdf))
+    root = xml_root(read_text(robot.urdf), robot.urdf)
     nominal = rigid_twin(robot)
     for joint in tree_of(robot, rigid_arm_plant(content.arm)).joints:
         if joint.name not in robot.joint_names:
@@ -51,7 +52,7 @@ def notes(content: Content) -> list[str]:
 
 def mesh_files(urdf: Path) -> dict[str, Path]:
     """File name as the URDF writes it → the file, of the meshes beside it."""
-    root = ET.fromstring(read_text(urdf))
+    root = xml_root(read_text(urdf), urdf)
     names = {mesh.get("filename", "") for mesh in root.iter("mesh")}
     found = {}
     for name in sorted(names):
