@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pinocchio
 import pytest
 import urdf_example as example
 
@@ -15,9 +16,11 @@ from workbench.robot.kinematics import frames
 from workbench.robot.meshes import mesh_files
 from workbench.robot.new_robot import new_robot
 from workbench.robot.packages import given_packages, package_folder
+from workbench.robot.portable import carried
 from workbench.robot.rigid_plant import arrays
 from workbench.robot.shown import shown_text, urdf_notes
 from workbench.robot.urdf import parse_urdf
+from workbench.robot.xacro_files import is_xacro
 
 HERE = Path("acme.urdf")
 SOME = np.array([0.4, -0.3, 0.8, -1.2, 0.5, 2.0])
@@ -98,13 +101,16 @@ def test_a_broken_mesh_is_left_out(tmp_path):
     assert 0 < str(made.files[Path("acme.urdf")]).count("cone") <= 3
 
 
-@pytest.mark.parametrize("variable", ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "--package", "sibling"])
+@pytest.mark.parametrize(
+    "variable", ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "--package", "sibling", "workspace"]
+)
 def test_packages_are_found(tmp_path, monkeypatch, variable):
     place = {
         "AMENT_PREFIX_PATH": "prefix/share/parts",
         "ROS_PACKAGE_PATH": "ws/src/vendor/other_name",
         "--package": "somewhere",
         "sibling": "src/parts_of_it",
+        "workspace": "other_repository/parts_of_it",
     }[variable]
     folder = tmp_path / place
     folder.mkdir(parents=True)
@@ -128,6 +134,21 @@ def test_a_package_option_that_is_none():
         given_packages(["ur_description"])
     with pytest.raises(InputError, match="no folder"):
         given_packages(["ur=/nowhere/at/all"])
+
+
+def test_the_urdf_of_a_new_robot_is_one_for_ros(tmp_path):
+    """It wants effort and velocity of every limit, and bounds of a revolute joint; zero says: not known."""
+    text = example.robot(example.arm())
+    text = text.replace('effort="90"', 'effort="0"').replace('lower="-3" upper="3"', "", 1)
+    (tmp_path / "acme.urdf").write_text(text)
+    made = new_robot(tmp_path / "acme.urdf")
+    plain = str(made.files[Path("acme.urdf")])
+    other = pinocchio.buildModelFromXML(plain)
+    assert [other.joints[i].nq for i in range(1, 7)] == [2, 1, 1, 1, 1, 2]  # turning on: cosine and sine
+    (tmp_path / "plain.urdf").write_text(plain)
+    read = load_robot(toml(tmp_path, "plain.urdf"))
+    assert read.joints == load_robot(toml(tmp_path, "acme.urdf")).joints
+    assert read.joints[0].effort == np.inf
 
 
 def test_gravity_on_a_wall(tmp_path):
@@ -267,6 +288,14 @@ def test_what_is_wrong_with_a_chain_is_said(tmp_path, old, new, said):
         arrays(published(tmp_path, text.replace(old, new, 1)))
 
 
+def test_prefixes_that_nobody_declared(tmp_path):
+    """Of a simulator's extensions, in old URDFs: ROS reads them."""
+    extension = '<gazebo reference="flange"><sensor:camera name="rgb"><hfov>50</hfov></sensor:camera>'
+    robot = published(tmp_path, example.robot(example.arm() + extension + "</gazebo>"))
+    assert len(robot.joints) == 6
+    assert "<sensor:camera" in carried(robot.urdf, tmp_path)[1]
+
+
 def test_mesh_files_prefer_visuals(tmp_path):
     urdf = example.package(tmp_path / "cloned")
     tree = parse_urdf(urdf.read_text(), urdf)
@@ -307,6 +336,17 @@ def test_xacro(tmp_path):
         new_robot(source)
     with pytest.raises(InputError, match="no such file"):
         new_robot(tmp_path / "none.xacro")
+
+
+def test_xacro_that_is_called_urdf(tmp_path):
+    """As many are; what is xacro in a comment alone is none."""
+    source = tmp_path / "acme.urdf"
+    head = '<robot name="acme" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="world"/>'
+    lift = '<xacro:property name="lift" value="0.5"/>'
+    source.write_text(f"{head}{lift}{example.arm(xyz='0 0 ${lift}')}</robot>")
+    assert 'xyz="0.0 0.0 0.5"' in str(new_robot(source, base="world").files[Path("acme.urdf")])
+    source.write_text(f"{head}<!-- {lift}\n-->{example.arm()}</robot>")
+    assert not is_xacro(source)
 
 
 def test_a_xacro_file_that_asks_for_more_says_what_it_takes(tmp_path):

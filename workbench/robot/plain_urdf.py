@@ -38,7 +38,7 @@ def plain_text(urdf: Urdf, chain: Chain, pictures: Pictures | None = None, besid
         if link == chain.base:
             continue
         source = urdf.joints[link]
-        kind = urdf.kind(link) if link in moving else "fixed"
+        kind = _kind(moving[link]) if link in moving else "fixed"
         joint = ET.SubElement(root, "joint", name=source.get("name", ""), type=kind)
         ET.SubElement(joint, "parent", link=urdf.parent(link) or "")
         ET.SubElement(joint, "child", link=link)
@@ -96,13 +96,21 @@ def _add_inertial(body: ET.Element, urdf: Urdf, link: str) -> None:
     ET.SubElement(inertial, "inertia", {key: repr(v) for key, v in zip(MOMENTS, values, strict=True)})
 
 
+def _bounded(moving: MovingJoint) -> bool:
+    return bool(np.isfinite(moving.upper - moving.lower))
+
+
+def _kind(moving: MovingJoint) -> str:
+    """Its type: a revolute joint has bounds, in ROS it is no joint without them."""
+    return "continuous" if moving.kind == "revolute" and not _bounded(moving) else moving.kind
+
+
 def _add_limit(joint: ET.Element, moving: MovingJoint) -> None:
-    most = {key: getattr(moving, key) for key in ("effort", "velocity")}
-    keys = {key: repr(value) for key, value in most.items() if np.isfinite(value)}
+    """Its limits. Effort and velocity belong to them in ROS, which refuses the file else: 0 where unknown."""
     bounds = {key: repr(getattr(moving, key)) for key in ("lower", "upper")}
-    bounds = bounds if np.isfinite(moving.upper - moving.lower) else {}
-    if bounds or (keys and joint.get("type") == "continuous"):
-        ET.SubElement(joint, "limit", {**bounds, **keys})
+    most = {key: getattr(moving, key) for key in ("effort", "velocity")}
+    keys = {key: repr(value if np.isfinite(value) else 0.0) for key, value in most.items()}
+    ET.SubElement(joint, "limit", {**(bounds if _bounded(moving) else {}), **keys})
 
 
 def _add_visuals(body: ET.Element, urdf: Urdf, link: str, pictures: Pictures, beside: Path | None) -> None:
