@@ -97,7 +97,7 @@ def test_a_broken_mesh_is_left_out(tmp_path):
     urdf = example.package(tmp_path / "cloned")
     (tmp_path / "cloned/meshes/part.dae").write_text("<COLLADA")
     made = new_robot(urdf)
-    assert any("1 meshes cannot be read" in note for note in made.notes)
+    assert any("1 meshes are empty or cannot be read" in note for note in made.notes)
     assert 0 < str(made.files[Path("acme.urdf")]).count("cone") <= 3
 
 
@@ -345,8 +345,13 @@ def test_xacro_that_is_called_urdf(tmp_path):
     lift = '<xacro:property name="lift" value="0.5"/>'
     source.write_text(f"{head}{lift}{example.arm(xyz='0 0 ${lift}')}</robot>")
     assert 'xyz="0.0 0.0 0.5"' in str(new_robot(source, base="world").files[Path("acme.urdf")])
+    source.write_text("<<<<<<< HEAD\n" + source.read_text())
+    with pytest.raises(InputError, match=r"is not XML: .* line 1, column 1; mend it there"):
+        new_robot(source)
     source.write_text(f"{head}<!-- {lift}\n-->{example.arm()}</robot>")
     assert not is_xacro(source)
+    with pytest.raises(InputError, match="is no xacro: nothing in it takes lift; leave"):
+        new_robot(source, arguments={"lift": "0.5"})
 
 
 def test_a_xacro_file_that_asks_for_more_says_what_it_takes(tmp_path):
@@ -355,6 +360,9 @@ def test_a_xacro_file_that_asks_for_more_says_what_it_takes(tmp_path):
     rest = '<xacro:arg name="lift" default="0"/><link name="$(arg model)"/>'
     source.write_text(f"{head}{rest}</robot>")
     with pytest.raises(InputError, match=r"NAME:=VALUE behind the file; it takes model, lift$"):
+        new_robot(source)
+    source.write_text(f"{head.replace('acme', '$(arg place)', 1)}{rest}</robot>")
+    with pytest.raises(InputError, match=r"given as place:=VALUE behind the file; it takes model, lift$"):
         new_robot(source)
 
 
@@ -384,6 +392,18 @@ def test_what_a_xacro_file_names_counts_from_its_own_folder(tmp_path, monkeypatc
     (folder / "acme.xacro").write_text(f'{top}<xacro:include filename="parts/arm.xacro"/></robot>')
     monkeypatch.chdir(tmp_path)
     assert len(new_robot(Path("acme & Co/acme.xacro")).chain.joints) == 6
+
+
+def test_meshes_of_the_machine_that_expanded_the_urdf(tmp_path):
+    """Its files are not here, their package is."""
+    urdf = example.package(tmp_path / "cloned")
+    text = urdf.read_text()
+    urdf.write_text(text.replace("package://", "file:///opt/maker/install/parts/share/"))
+    made = new_robot(urdf)
+    assert any(path.suffix == ".obj" for path in made.files)
+    assert not any("not there" in note for note in made.notes)
+    urdf.write_text(text.replace("package://acme_description", "file:///opt/maker/share/elsewhere"))
+    assert "say --package elsewhere=DIR" in new_robot(urdf).notes[0]
 
 
 def test_a_package_that_is_there_is_not_asked_for(tmp_path):

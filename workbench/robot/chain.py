@@ -58,7 +58,7 @@ def read_chain(urdf: Urdf, flange: str, base: str | None = None) -> Chain:
     """
     for key, link in (("flange", flange), ("base", base)):
         if link is not None and link not in urdf.links:
-            mend = f"mend `{key}` in the robot's TOML; it has: {', '.join(urdf.links)}"
+            mend = f"mend --{key}, or `{key}` in the robot's TOML; it has: {', '.join(urdf.links)}"
             raise InputError(Fault(str(urdf.path), f"has no link {link!r}", mend))
     way = list(urdf.above(flange))
     if base is not None and base not in way:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .chain import Chain
-from .packages import Given, mesh_file
+from .packages import Given, in_package, mesh_file
 from .urdf import Urdf, vector
 
 FACES = 24_000  # of a whole robot: a scene with its loaded twin and many points stays under 5 MB
@@ -71,9 +71,8 @@ def mesh_notes(meshes: MeshFiles) -> list[str]:
     files, notes = dict(meshes), []
     missing = [name for (name, _), file in files.items() if file is None]
     if missing:
-        packages = sorted({name.split("/")[2] for name in missing if name.startswith("package://")})
-        there = {name.split("/")[2] for (name, _), file in files.items() if file is not None and "//" in name}
-        lacking = [name for name in packages if name not in there]
+        there = {in_package(name)[0] for (name, _), file in files.items() if file is not None}
+        lacking = sorted({in_package(name)[0] for name in missing} - there - {""})
         mend = f"; say --package {lacking[0]}=DIR, or set ROS_PACKAGE_PATH" if lacking else ""
         what = f"{len(missing)} of {len(files)} meshes are not there ({missing[0]}"
         notes.append(f"{what}{', ...' if len(missing) > 1 else ''}); only pictures need them{mend}")
@@ -108,7 +107,7 @@ def unreadable(meshes: MeshFiles, shown: Pictures) -> list[str]:
     """A line on the meshes that are there but came to nothing."""
     files = dict(meshes)
     broken = sorted({str(files[key]) for key, parts in shown.items() if not parts})
-    return [f"{len(broken)} meshes cannot be read ({broken[0]})"] if broken else []
+    return [f"{len(broken)} meshes are empty or cannot be read ({broken[0]})"] if broken else []
 
 
 def _library() -> bool:

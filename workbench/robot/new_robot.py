@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..files.faults import read_text
+from ..files.faults import Fault, InputError, read_text
 from ..files.toml import toml_text
 from .chain import Chain, read_chain
 from .guess import Guess, guess_flange
@@ -43,9 +43,14 @@ def new_robot(
     """A robot from a URDF or a xacro file.
 
     flange, base: links; None: guessed, the root. arguments: of the xacro file. given: folders of packages.
-    Raises `InputError` where the file has no arm, or several and nobody says which.
+    Raises `InputError` where the file has no arm, or several and nobody says which, and where there are
+    arguments that nothing takes.
     """
-    text = expanded(source, arguments or {}, given) if is_xacro(source) else read_text(source)
+    xacro = is_xacro(source)
+    if arguments and not xacro:
+        what = f"is no xacro: nothing in it takes {', '.join(arguments)}"
+        raise InputError(Fault(str(source), what, "leave them out, or name the xacro file"))
+    text = expanded(source, arguments or {}, given) if xacro else read_text(source)
     urdf = parse_urdf(text, source)
     guess = guess_flange(urdf, base) if flange is None else Guess(flange, "as said")
     chain = read_chain(urdf, guess.flange, base)

@@ -59,15 +59,28 @@ def package_folder(name: str, beside: Path, given: Given | None = None) -> Path 
 def mesh_file(uri: str, beside: Path, given: Given | None = None) -> Path | None:
     """The file that a mesh's filename in a URDF in the folder `beside` names; None where there is none."""
     scheme, colon, rest = uri.partition("://")
-    if not colon:
-        path: Path | None = beside / uri
-    elif scheme in ("package", "model"):
-        name, _, inside = unquote(rest).partition("/")
-        folder = package_folder(name, beside, given)
-        path = None if folder is None else folder / inside
-    else:
-        path = Path("/" + unquote(rest).lstrip("/")) if scheme == "file" else None
-    return path if path is not None and path.is_file() else None
+    path = beside / uri
+    if colon:
+        path = Path("/" + unquote(rest).lstrip("/"))
+        name, inside = in_package(uri)
+        if name and not (scheme == "file" and path.is_file()):
+            folder = package_folder(name, beside, given)
+            return folder / inside if folder is not None and (folder / inside).is_file() else None
+        if scheme != "file":
+            return None
+    return path if path.is_file() else None
+
+
+def in_package(uri: str) -> tuple[str, str]:
+    """Name of the package and the file in it, of `package://NAME/FILE` and of `file:///.../share/NAME/FILE`,
+    where a package is installed on the machine that expanded the URDF; "" where there is none."""
+    scheme, _, rest = unquote(uri).partition("://")
+    if scheme == "file":
+        rest = rest.partition("/share/")[2]
+    elif scheme not in ("package", "model"):
+        rest = ""
+    name, _, inside = rest.partition("/")
+    return name, inside
 
 
 def _entries(variable: str) -> list[Path]:

@@ -13,9 +13,10 @@ from xml.sax.saxutils import escape
 from ..files.faults import Fault, InputError, read_text
 from .meshes import HOW
 from .packages import Given, package_folder
-from .urdf import XACRO
+from .urdf import XACRO, xml_root
 
 COMMENT = re.compile("<!--.*?-->", re.DOTALL)
+ASKED = re.compile(r"Undefined substitution argument ([\w.-]+)")
 LACKING = re.compile(r"Package not found: ([\w.-]+)")
 
 
@@ -26,8 +27,7 @@ def is_xacro(path: Path) -> bool:
 
 def expanded(path: Path, arguments: Mapping[str, str], given: Given | None = None) -> str:
     """The URDF that a xacro file makes with these arguments. Raises `InputError`."""
-    if not path.is_file():
-        raise InputError(Fault(str(path), "no such file", "check the path"))
+    xml_root(read_text(path), path)  # says where it is none: xacro does not
     if importlib.util.find_spec("xacrodoc") is None:
         raise InputError(Fault(str(path), "is xacro", f"{HOW}, or in ROS: xacro {path} > robot.urdf"))
     import xacrodoc
@@ -49,7 +49,8 @@ def expanded(path: Path, arguments: Mapping[str, str], given: Given | None = Non
             message = " ".join(str(error).split()) or type(error).__name__
             lacking = LACKING.search(message)
             if lacking is None:
-                mend = "arguments are given as NAME:=VALUE behind the file" + _own_arguments(path)
+                name = asked[1] if (asked := ASKED.search(message)) else "NAME"
+                mend = f"arguments are given as {name}:=VALUE behind the file" + _own_arguments(path)
                 raise InputError(Fault(str(path), f"xacro says: {message}", mend)) from None
             name = lacking[1]
             folder = package_folder(name, path.resolve().parent, given)
