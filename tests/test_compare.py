@@ -436,7 +436,7 @@ def unplaced() -> Change:
     """A function of 36 weights in the place of much that is likelier."""
     rivals = tuple(rival(f"link_{k}", 0.3 - k / 100, k % 2 > 0) for k in range(1, 4))
     size = (Parameter("size", 2e-4, 1e-5, "rad"),)
-    where, label = Where(), "a dependence on order of measurement"
+    where, label = Where(), "a dependence on the order of measurement"
     return Change(
         label, "unknown", where, "surroundings", "possible", "june", False, 0.011, 0.5, size, 0.04, rivals
     )
@@ -451,13 +451,13 @@ def test_what_cannot_be_placed_takes_one_clause_and_its_candidates_come_by_proba
     assert (shown["what"], shown["parameters"]) == ("something that cannot be placed", [])
     assert shown["lines"][1] == (
         "it may be: link_1 (29.0 %), link_2 in all campaigns (28.0 %), link_3 (27.0 %), "
-        "a dependence on order of measurement (1.1 %)"
+        "a dependence on the order of measurement (1.1 %)"
     )
     (told,) = replace(nothing(), changes=(change,)).to_json()["changes"]
     assert not told["placed"]
     likelier = replace(change, rivals=(rival("link_2", 0.015),))
     assert (
-        "not decided: a dependence on order of measurement changed by"
+        "not decided: a dependence on the order of measurement changed by"
         in headline([likelier], 0.026, [], False).lower()
     )
 

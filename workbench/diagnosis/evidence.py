@@ -11,6 +11,7 @@ from ..robot.kinematics import Array
 from .result import Evidence
 
 FAINTEST = 1e-6  # share of its largest size below which an effect says nothing of a pose
+CURVE = 40  # points of the curve of a function without a name, each a mean over poses near by
 WEAKEST = 0.02  # share of the median pose's strength below which a pose says nothing of an effect
 
 
@@ -46,19 +47,22 @@ def evidence(result: Fit, effect: Effect, values: Array) -> Evidence:
 
 
 def structure_evidence(result: Fit, function: Unnamed) -> Evidence:
-    """The part of the data that a function without a name takes, against its variable."""
+    """The part of the data that a function without a name takes beyond geometry, frames and targets, against
+    its variable; its sign is that along the direction in which it moves most."""
     problem = result.model.problem
-    moved, r = _taken(result, function)
+    moved, data = _taken(result, function)
     sigma = result.usual * 1e3
     length = np.maximum(np.linalg.norm(moved, axis=1), 1e-12)
-    part, before = length * sigma, (moved * r).sum(axis=1) / length * sigma
+    main = np.linalg.svd(moved, full_matrices=False)[2][0]
+    along = np.where(moved @ main < 0, -1.0, 1.0)
+    part, before = (along * (moved * of).sum(axis=1) / length * sigma for of in (moved, data))
     turn, unit = (np.degrees(1.0), "deg") if function.unit == "rad" else (1.0, function.unit)
     x = function.x(problem) * turn
-    order = np.argsort(x)
+    near = np.array_split(np.argsort(x), max(min(CURVE, len(x) // 5), 1))
+    curve = np.array([(x[some].mean(), part[some].mean()) for some in near])
     return Evidence(
-        function.variable, unit, "error along the structure", "mm", x, before, before - part, x[order],
-        part[order],
-    )  # fmt: skip
+        function.variable, unit, "error along the structure", "mm", x, before, before - part, *curve.T
+    )
 
 
 def _taken(result: Fit, function: Unnamed) -> tuple[Array, Array]:
@@ -66,9 +70,18 @@ def _taken(result: Fit, function: Unnamed) -> tuple[Array, Array]:
     for effect, values in zip(result.model.effects, result.state.values, strict=True):
         if (effect.key, effect.variant) == (function.key, function.variant):
             G = result.model.effect_jacobian(result.line, effect, values)
-            moved = np.matmul(result.whitener, (G @ values)[..., None])[..., 0]
+            moved = _beyond(result, np.matmul(result.whitener, (G @ values)[..., None])[..., 0])
             return moved, result.r + moved
     flat = result.whitened(function).reshape(result.r.size, -1)
     scale = np.linalg.norm(flat, axis=0) + 1e-300
     solution = np.linalg.lstsq(flat / scale, result.r.ravel(), rcond=1e-8)[0]
-    return ((flat / scale) @ solution).reshape(result.r.shape), result.r
+    return _beyond(result, ((flat / scale) @ solution).reshape(result.r.shape)), result.r
+
+
+def _beyond(result: Fit, moved: Array) -> Array:
+    """(N, D) whitened motions without what geometry, frames and targets make of them."""
+    n = result.columns.background
+    J = (result.J[:, :, :n] * result.columns.prior[:n]).reshape(-1, n)
+    held = np.concatenate([moved.ravel(), np.zeros(n)])
+    made = J @ np.linalg.lstsq(np.vstack([J, np.eye(n)]), held, rcond=None)[0]
+    return moved - made.reshape(moved.shape)

@@ -96,6 +96,8 @@ def headline(
     gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
     if verdict == "unknown":
         left = "Something is left that no known cause explains"
+        if any(f.cause == UNKNOWN and f.rivals for f in findings):
+            left = "Something is left whose cause is not decided"
         first, then = (said, left) if brought_mm > best / 2 else (left, said)  # what is most of it leads
         return f"{first}{f'; {then[0].lower()}{then[1:]}' if then else ''}. {gain}"
     return f"{said}. {gain}"

@@ -18,7 +18,7 @@ from .chosen import Shares
 from .competition import Selection
 from .components import Component
 from .evidence import structure_evidence
-from .headline import listed
+from .headline import listed, words_of
 from .priors import PRIORS
 from .remainder import Remainder
 from .result import Finding, Rival
@@ -55,6 +55,13 @@ def nameless_of(selection: Selection, worth_mm: float) -> list[Finding]:
         found.append(_plain(structure, f"What is left {structure}.", effect.where, worth))
     ordered = sorted(found, key=lambda finding: -finding.gain_mm)
     return [_as_one(ordered, max(worth_mm, 0.0))] if found else []
+
+
+def _in_words(component: Component) -> str:
+    """A component as people say it."""
+    cause, where = component.key
+    at = "" if where.order is None else f" at {where.order:.4g} cycles per turn"
+    return component.label if component.nameless else words_of(cause, where) + at
 
 
 def _with_names(components: Sequence[Component], share: Shares) -> tuple[Rival, ...]:

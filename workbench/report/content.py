@@ -13,6 +13,7 @@ from typing import Any
 
 from scipy.stats import maxwell
 
+from ..diagnosis.headline import listed, words_of
 from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
 from ..effects.base import UNKNOWN
 from ..effects.place import Parameter
@@ -65,6 +66,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "campaign": diagnosis.campaign,
         "verdict": _verdict(diagnosis),
         "summary": _summary(diagnosis),
+        "next": _next(diagnosis),
         "proof": list(diagnosis.proof) if diagnosis.proof else None,
         "revealed": asdict(diagnosis.revealed) if diagnosis.revealed else None,
         "tiles": _tiles(diagnosis),
@@ -148,6 +150,21 @@ def _summary(diagnosis: Diagnosis) -> str:
     return " ".join(said)
 
 
+def _next(diagnosis: Diagnosis) -> str:
+    """What to do next, in a sentence: what would decide the largest open cause, or what to record."""
+    for finding in sorted(diagnosis.causes, key=lambda finding: -finding.gain_mm):
+        offered = [decision(one) for one in to_decide(finding)][:1] or [finding.separate_by or ""]
+        if offered[0]:
+            return f"To decide {words_of(finding.cause, finding.where)}: {offered[0]} (under Causes)."
+    if any(finding.cause == UNKNOWN for finding in diagnosis.causes):
+        whys = [item.why for item in diagnosis.not_testable if item.why.startswith("no column")]
+        steps = ["repeat ten poses five times", *dict.fromkeys(why.partition(": ")[2] for why in whys)]
+        return f"What has no name may get one in a campaign with more in it: {listed(steps)}."
+    if diagnosis.verdict == "named" and not diagnosis.proof:
+        return "Correct programs with this model: workbench compensate PATH.csv --model model.toml."
+    return ""
+
+
 def _remainder(diagnosis: Diagnosis) -> str:
     """What any smooth model could still gain, and whether what is left looks like noise."""
     last, best = diagnosis.stages[-1].heldout_rms_mm, diagnosis.ceiling_mm
@@ -223,7 +240,7 @@ def _cause(finding: Finding, number: int) -> Content:
         "sentence": finding.sentence,
         "structure": "" if (finding.structure or "") in finding.sentence else _sentence(finding.structure),
         "equation": finding.equation,
-        "gain": "" if unknown else f"{mm(finding.gain_mm)} mm",
+        "gain": "" if unknown and finding.gain_mm <= 0 else f"{mm(finding.gain_mm)} mm",
         "p": f"probability {probability(finding.probability)}",
         "parameters": [_parameter(parameter) for parameter in finding.parameters],
         "rivals": _rivals(finding),

@@ -190,7 +190,7 @@ def _evidence_title(cause: str, seen: Evidence) -> str:
     scale = axis_scale([before], seen.y_unit)
     first = significant(before * scale.factor)
     if cause == "unknown":
-        return f"What is left has an RMS of {first} {scale.unit} and is not the same all along {seen.x_name}"
+        return f"What is left has an RMS of {first} {scale.unit} and goes with {seen.x_name}"
     said = change(first, significant(after * scale.factor), scale.unit, falls=after < before)
     return f"With this cause in the model, the RMS of {seen.y_name} {said}"
 

@@ -61,7 +61,7 @@ class Uncertainty(_Table):
     flange_load: Numbers = Field(default=(), min_length=0, max_length=3)
     """N, N, N·m: least and largest force, and largest moment, on the flange while it was measured"""
     measured_mm: tuple[str, ...] = ()
-    """where the first of the points was measured, in the base frame: a place on each line, some of them"""
+    """where the points' mean was measured, in the nominal robot's base: a place on each line, some of them"""
 
     @field_validator("measured_mm")
     @classmethod

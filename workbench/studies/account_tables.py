@@ -67,7 +67,7 @@ def needs_table(judged: Judged) -> Table:
                 found = [
                     significant(x) if math.isfinite(x) else MISSING for x in judged.needed(account.name, key)
                 ]
-                needed = f"{found[1]} ({found[0]} … {found[2]})"
+                needed = MISSING if MISSING in found else f"{found[1]} ({found[0]} … {found[2]})"
                 rows.append([account.words, prior.words, prior.range, needed, prior.why])
     head = ("Account", "Free value", "Allowed", "Needed (5 … 95 %)", "Why this range")
     also = "; ".join(f"{prior.words}, {prior.range}" for prior in common.values())

@@ -35,7 +35,7 @@ class Clock(Unnamed, DirectEffect):
 
     @property
     def variable(self) -> str:
-        return "time" if self.variant.endswith("time") else "order of measurement"
+        return "time" if self.variant.endswith("time") else "the order of measurement"
 
     @property
     def unit(self) -> str:

@@ -67,7 +67,7 @@ class Product(Unnamed, TransmissionEffect):
 
     @property
     def variable(self) -> str:
-        return f"{self.where.joint} with {self.where.other} and joint no. {self.third + 1:g}"
+        return f"{self.where.joint} with {self.where.other} and axis {self.third + 1:g}"
 
     def x(self, problem: Problem) -> Array:
         return np.asarray(problem.q[:, problem.joint(self.where.other)])
@@ -101,7 +101,7 @@ class Tilt(Unnamed, DirectEffect):
 
     @property
     def variable(self) -> str:
-        return f"{self.where.joint} (tilt)"
+        return f"{self.where.joint} (its axis wobbles)"
 
     def x(self, problem: Problem) -> Array:
         return np.asarray(problem.q[:, problem.joint(self.where.joint)])

@@ -15,7 +15,7 @@ from ...effects.acting import Acting
 from ...effects.base import Effect
 from ...robot.equilibrium import NoRest
 from ...robot.kinematics import Array
-from ...robot.rotations import skew, vectors
+from ...robot.rotations import from_vectors, skew, vectors
 from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
 from ..fit import Fit, fit, start_state
 from ..model import Model
@@ -79,7 +79,7 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
         flange_load=_numbers(np.array(flange_load(problem))),
         instrument_inside=not known,
-        measured_mm=_some(at.points[:, 0]),
+        measured_mm=_some((at.points.mean(axis=1) - base[:3]) @ from_vectors(base[3:])),
     )
 
 

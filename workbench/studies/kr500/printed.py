@@ -61,6 +61,7 @@ def by_name() -> dict[str, float]:
     largest = {f"printed_{key}_max_mm": values[1] for key, values in ERRORS.items() if len(values) > 1}
     k4, k5 = np.abs(EQUATIONS["(19)"] / EQUATIONS["(18)"] - 1)[3:5]
     k1 = np.array([K[0] for K in EQUATIONS.values()])
+    halves = np.exp(np.abs(np.log(EQUATIONS["(21)"] / EQUATIONS["(20)"])))
     return {
         **means,
         **largest,
@@ -68,6 +69,8 @@ def by_name() -> dict[str, float]:
         "printed_step_mm": means["printed_theory_mm"] - means["printed_constant_mm"],
         "printed_step_k4": float(k4),
         "printed_step_k5": float(k5),
+        "printed_halves_k4": float(halves[3]),
+        "printed_halves_k5": float(halves[4]),
         "printed_k1_agree": float(np.log(k1).std(ddof=1)),
         "printed_k1_ratio": float(TABLE_1[:, 0].max() / TABLE_1[:, 0].min()),
         "printed_largest_constant": ERRORS["constant"][1] / ERRORS["constant"][0],

@@ -30,6 +30,7 @@ ODDS_SAY = (
     Claim(
         "several_left", "more than one account is not excluded by odds of 100 to 1", lambda n: n["left"] > 1
     ),
+    Claim("odds_too", "odds of 100 to 1 exclude sag alone", lambda n: n["sag_left"] == 0),
 )
 """Of the accounts' draws, drawn again out of themselves."""
 
@@ -44,8 +45,9 @@ def stands(numbers: Mapping[str, float], judged: Judged, arms: Draws, hidden: Dr
 
 
 def _odds(judged: Judged) -> dict[str, float]:
-    """Accounts that are left."""
-    return {"left": float(sum(not judged.excluded(name, ODDS) for name in OWN))}
+    """Accounts that are left, and whether sag alone is one of them."""
+    left = [name for name in OWN if not judged.excluded(name, ODDS)]
+    return {"left": float(len(left)), "sag_left": float("sag" in left)}
 
 
 def of_run() -> tuple[Claim, ...]:

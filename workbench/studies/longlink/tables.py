@@ -34,6 +34,8 @@ def two_tables(seed: int, count: int) -> Chapter:
         numbers |= {f"scatter_{name}_mm": scatter, f"away_{name}": (BEFORE - size.mean()) / scatter}
         numbers[f"above_{name}"] = float(len(size) / count)
         numbers[f"z_{name}"] = z_largest(error[kept])
+    numbers["ranges"] = float(len(POSES))
+    numbers["ranges_near"] = float(sum(abs(numbers[f"away_{name}"]) < 2 for name in POSES))
 
     q = ARM.poses(count, seed)
     whole = moved(TABLE_3, q)

@@ -72,7 +72,12 @@ OF_ODDS = (
     Claim(
         "still",
         "counted from the base, the other joints would yield less than a quarter of our model's",
-        lambda n: not n["base_sag_high"] > 0.25,
+        lambda n: n["base_sag_high"] <= 0.25,
+    ),
+    Claim(
+        "yielding",
+        "counted from the base, the other joints may yield a quarter of our model's or more",
+        lambda n: n["base_sag_high"] > 0.25,
     ),
 )
 """Of the accounts' draws, drawn again out of themselves."""
