@@ -156,6 +156,19 @@ def test_names_exchanged_at_a_part_of_the_poses(order, stated):
     assert "exchange them there in the column target" in said
 
 
+def test_names_exchanged_of_targets_stated_roughly():
+    """Stated 6 mm off, so that the nearly equal distances change places: no pose has them as stated."""
+
+    def mixed(z):
+        z[18:] = z[18:][:, [1, 0, 2]]
+        return z
+
+    places = ((0.148, 0.001, 0.048), (-0.086, 0.136, 0.076), (-0.058, -0.156, 0.123))
+    rough = tuple(replace(one, xyz=xyz) for one, xyz in zip(honest().targets, places, strict=True))
+    with pytest.raises(InputError, match="T1 and T2 are exchanged at 22 of 40 poses"):
+        check_plausible(problem_of(replace(points(honest(), mixed), targets=rough)))
+
+
 def test_targets_stated_for_one_another_keep_their_points():
     one, two, three = honest().targets
     renamed = replace(honest(), targets=(replace(one, xyz=two.xyz), replace(two, xyz=one.xyz), three))
@@ -214,6 +227,16 @@ def test_an_inaccurate_robot_is_no_mistake(tmp_path, seed):
     found = judge(problem_of(simulate(plan, truth, seed=seed)))
     assert not found.refused
     assert found.misfit.total < 0.01
+
+
+def test_zeros_and_lengths_off_everywhere_are_fitted_and_told():
+    """Every joint some degrees and every length some millimetres off: 18 mm, 4 % of the spread."""
+    plan, rng = honest("ur5"), np.random.default_rng(5)
+    geometry = random_geometry(problem_of(plan).arm, rng, 4e-3, 3e-2)
+    rough = problem_of(simulate(plan, Truth(geometry=geometry, sigma=3e-5), seed=5))
+    assert judge(rough).misfit.middle > 0.02
+    (said,) = check_plausible(rough)
+    assert said.startswith("The geometry is up to")
 
 
 def alarms(folder, seed, cause):

@@ -20,6 +20,7 @@ from ...robot.kinematics import Array
 from .conventions import counted_otherwise
 from .exchanged import exchanged_names
 from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
+from .inaccurate import FARTHEST_TURN, inaccurate
 from .misfit import USUAL, Misfit, Sample, misfit, sample
 
 FEWEST = 8  # poses: with fewer, frame and targets explain too much for a judgement
@@ -31,7 +32,6 @@ RIGHT = 0.012  # of the spread at most, then
 SCALE = 0.02  # from which another size is no error of an instrument
 ROUGHLY = 6  # iterations in which the
 LIKELY = 12  # likeliest mistakes are told from the others
-FARTHEST_ZERO = np.radians(6.0)  # a joint mastered wrong or a belt some teeth off: fitted, not refused
 WITHIN = np.radians(1.0)  # rad or m, beyond a joint's limit that is none
 HEAVY = 2.0  # times the moving links: no arm carries that
 AS_GOOD = 1.3  # times the best misfit: mistakes that the data do not tell apart
@@ -44,19 +44,22 @@ Mistake = tuple[Hypothesis, ...]
 class Plausible:
     """misfit: of the robot as it is; mistakes: one or two at once that explain it, the likeliest first, each
     with what it leaves; scale: without these, how much larger the points are than the robot; zero: without
-    these, a joint and how far its zero is off [rad], where that alone explains it."""
+    these, a joint and how far its zero is off [rad], where that alone explains it; geometry: without these,
+    how far the geometry is off, where that explains it."""
 
     misfit: Misfit
     mistakes: tuple[tuple[Mistake, float], ...] = ()
     scale: float = 1.0
     zero: tuple[str, float] | None = None
+    geometry: str | None = None
 
     @property
     def refused(self) -> bool:
         """The points are not of this robot in these poses, whatever the reason."""
         m = self.misfit
-        off = m.middle > REFUSED and m.middle * m.spread > SMALL and self.zero is None
-        return bool(self.mistakes) or off or self.scale != 1.0
+        off = m.middle > REFUSED and m.middle * m.spread > SMALL
+        fitted = self.zero is not None or self.geometry is not None
+        return bool(self.mistakes) or (off and not fitted) or self.scale != 1.0
 
 
 def check_plausible(problem: Problem) -> list[str]:
@@ -93,6 +96,8 @@ def _placed(problem: Problem) -> tuple[Problem, list[str]]:
             f"{joint} stands {np.degrees(off):+.2f}° from where its numbers say: its zero is fitted. It may"
         )
         return problem, [f"{told} be mastered wrong, or a belt or gear is some teeth off."]
+    if found.geometry is not None:
+        return problem, [found.geometry]
     if not found.refused:
         far = f"Targets are found up to {_length(m.displaced * m.spread + USUAL)} from where the campaign "
         return problem, [far + "states them: the measured places are used."] if m.displaced else []
@@ -133,6 +138,11 @@ def judge(problem: Problem) -> Plausible:
         return Plausible(now)
     every, enough = list(hypotheses(problem)), min(CLEARER * now.total, RIGHT)
     tried = _tried(data, every)
+    if _least(tried) > enough and now.middle > REFUSED and _scale(data, enough) == 1.0:
+        off = inaccurate(problem, data, enough)
+        if off is not None:
+            zero = _zero(problem, data, enough)
+            return Plausible(now, zero=zero, geometry=None if zero else off)
     if _least(tried) > enough and now.middle > REFUSED:
         tried = [((h,), misfit(h.undo(data)).total) for h in exchanged_names(problem)]
     if _least(tried) > enough and now.middle > REFUSED:
@@ -176,7 +186,7 @@ def _zero(problem: Problem, data: Sample, enough: float) -> tuple[str, float] | 
     for j in np.flatnonzero(~arm.prismatic):
         one = np.eye(arm.n)[j]
         found = minimize_scalar(
-            partial(_left_at, data=data, one=one), bounds=(-FARTHEST_ZERO, FARTHEST_ZERO), method="bounded"
+            partial(_left_at, data=data, one=one), bounds=(-FARTHEST_TURN, FARTHEST_TURN), method="bounded"
         )
         shift = float(found.x)
         best = min(best, (misfit(data.changed(q=data.q + shift * one)).total, arm.names[j], shift))

@@ -26,6 +26,17 @@ def exchanged_names(problem: Problem) -> Iterator[Hypothesis]:
     if len(moving) < 3 or len({problem.on[i] for i in moving}) > 1:
         return
     order = _orders(c.points[:, moving], problem.stated_targets[moving])
+    ways, one = np.unique(order, axis=0), np.arange(len(moving))
+    if (ways == one).all(axis=1).any():
+        ways = one[None]
+    # where no pose is as stated, the places are not known that well: at some way the names are right
+    for way in ways if len(ways) < len(order) else ():
+        yield from _exchanged(problem, moving, order[:, np.argsort(way)])
+
+
+def _exchanged(problem: Problem, moving: list[int], order: NDArray[np.int64]) -> Iterator[Hypothesis]:
+    """That the names of targets `moving` are exchanged where an order of (N, T) is not theirs."""
+    c = problem.campaign
     wrong = np.flatnonzero((order != np.arange(len(moving))).any(axis=1))
     if not 0 < len(wrong) < len(order):
         return

@@ -17,8 +17,8 @@ FRAME = 6  # numbers of an instrument's place
 def enough_poses(problem: Problem) -> list[str]:
     """A remark where the poses say little more than the geometry itself. Raises InputError where they do not
     even identify that: 4 numbers per turning joint, 2 per sliding one, 6 for base and tool."""
-    poses, measured, hand = _counted(problem)
-    geometry = _links(problem) + hand
+    poses, _, hand = _counted(problem)
+    measured, geometry = measured_and_needed(problem)
     if measured >= ROOM * geometry or not hand:
         return []
     wanted = math.ceil(ROOM * geometry / hand)
@@ -30,10 +30,16 @@ def enough_poses(problem: Problem) -> list[str]:
     return [f"{said}: what these poses do not show may well be there. {wanted} poses would show it."]
 
 
+def measured_and_needed(problem: Problem) -> tuple[int, int]:
+    """How many numbers its different poses measure, and how many the geometry has."""
+    _, measured, hand = _counted(problem)
+    return measured, _links(problem) + hand
+
+
 def too_few_alone(problem: Problem) -> bool:
     """Whether the poses do not identify the geometry by themselves."""
-    _, measured, hand = _counted(problem)
-    return bool(hand) and measured < _links(problem) + hand
+    measured, needed = measured_and_needed(problem)
+    return bool(_counted(problem)[2]) and measured < needed
 
 
 def enough_beside_others(problem: Problem) -> list[str]:
