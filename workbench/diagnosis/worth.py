@@ -124,7 +124,7 @@ def _gains_mm(selection: Selection, seed: int) -> dict[Key, float]:
     return {
         effect.key: max(
             without(fit, [*beside, *own], seed) - without(fit, beside, seed)
-            for beside in (nameless, [*nameless, *weaker])
+            for beside in ([], nameless, [*nameless, *weaker])
         )
         for effect, own, weaker in _by_strength(selection)
     }
@@ -154,7 +154,7 @@ def more_than_a_form(selection: Selection) -> Selection:
         np.einsum("ndp,p->nd", fit.J[:, :, part], values)
         for part, values in zip(fit.columns.effect, fit.state.values, strict=True)
     ]
-    made = [np.sum([each[i] for i in own], axis=0) for _, own in groups]
+    made = [_seen(fit, np.sum([each[i] for i in own], axis=0)) for _, own in groups]
     prices, surest = _prices(selection), dict[Key, float]()
     for k, (effect, _) in enumerate(groups):
         others = [*made[:k], *made[k + 1 :]]
@@ -162,6 +162,12 @@ def more_than_a_form(selection: Selection) -> Selection:
             beyond = min(_beyond(made[k], other) for other in others)
             surest[effect.key] = float(expit(0.5 * (beyond - prices[effect.key])))
     return _no_surer(selection, surest)
+
+
+def _seen(fit: Fit, made: Array) -> Array:
+    """What is seen of something made of the points (N, D), beside what frames, targets and geometry take."""
+    background = fit.J[:, :, : fit.columns.background].reshape(made.size, -1)
+    return made - (background @ np.linalg.lstsq(background, made.ravel())[0]).reshape(made.shape)
 
 
 def _beyond(its: Array, other: Array) -> float:
