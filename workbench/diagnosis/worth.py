@@ -165,9 +165,12 @@ def more_than_a_form(selection: Selection) -> Selection:
 
 
 def _seen(fit: Fit, made: Array) -> Array:
-    """What is seen of something made of the points (N, D), beside what frames, targets and geometry take."""
-    background = fit.J[:, :, : fit.columns.background].reshape(made.size, -1)
-    return made - (background @ np.linalg.lstsq(background, made.ravel())[0]).reshape(made.shape)
+    """What is seen of something made of the points (N, D), beside what frames, targets and geometry take of
+    it within their priors."""
+    n = fit.columns.background
+    J = fit.J[:, :, :n].reshape(made.size, n) * fit.columns.prior[:n]
+    taken = J @ np.linalg.solve(J.T @ J + np.eye(n), J.T @ made.ravel())
+    return made - taken.reshape(made.shape)
 
 
 def _beyond(its: Array, other: Array) -> float:
