@@ -16,6 +16,7 @@ from ..effects.place import Parameter
 from ..identification.fit import Fit, fit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
+from .also_yields import is_held
 from .ceiling import ceiling_mm
 from .chosen import Shares
 from .competition import Selection
@@ -32,7 +33,6 @@ from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .stages import geometry_alone, pose_errors, rms_mm, stages_of
-from .wider import widened
 
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
 
@@ -61,8 +61,7 @@ def assemble(parts: Parts) -> Diagnosis:
     left, beyond = _left(prepared, selection)
     best = stages[-1].heldout_rms_mm
     with_names = stages[stages.index(base) + len(groups)].heldout_rms_mm
-    wider = widened(selection)
-    findings = [_finding(parts, *group, wider.get(group[0].key, 1.0)) for group in groups]
+    findings = [_finding(parts, *group) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = base.heldout_rms_mm - with_names
     rounded = rounded_joints(final, prepared.noise, beyond)
@@ -168,15 +167,24 @@ def _perhaps_changed(problem: Problem) -> list[str]:
 
 
 def _carried(selection: Selection) -> list[str]:
-    """A remark on effects of known forms that the model has in it without their being named."""
+    """Remarks on effects of known forms that the model has in it without their being named."""
     effects = [selection.fit.model.effects[i] for i in selection.nameless]
-    labels = dict.fromkeys(effect.label for effect in effects if effect.cause != UNKNOWN)
-    if not labels:
-        return []
-    return [
-        "The model carries what has no name by effects of known forms as well, which the data do not settle "
-        f"(model.toml has their numbers, no finding does): {', '.join(labels)}."
-    ]
+    known = [effect for effect in effects if effect.cause != UNKNOWN]
+    held = dict.fromkeys(effect.label for effect in known if is_held(effect))
+    labels = dict.fromkeys(effect.label for effect in known if not is_held(effect))
+    said = []
+    if labels:
+        said.append(
+            "The model carries what has no name by effects of known forms as well, which the data do not "
+            f"settle (model.toml has their numbers, no finding does): {', '.join(labels)}."
+        )
+    if held:
+        said.append(
+            "An arm that yields where it was found to yields elsewhere too, by less than can be told apart: "
+            f"{len(held)} other places are in the model, each held to the size of those that were found, and "
+            "sizes and bounds allow for them."
+        )
+    return said
 
 
 def _left(prepared: Prepared, selection: Selection) -> tuple[Remainder, Remainder]:
@@ -209,8 +217,8 @@ def _beside_what_is_found(findings: list[Finding]) -> list[Finding]:
     ]
 
 
-def _finding(parts: Parts, effect: Effect, own: list[int], wider: float) -> Finding:
-    """One cause. own: numbers of its effects in the fit; wider: on its standard deviations."""
+def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
+    """One cause. own: numbers of its effects in the fit."""
     final, selection = parts.selection.fit, parts.selection
     found = standing(selection, effect)
     rivals = found.rivals
@@ -222,7 +230,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int], wider: float) -> Find
     )
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
-    parameters, sentence = _describe(final, own, wider)
+    parameters, sentence = _describe(final, own)
     strongest = max((i for i in own if final.model.effects[i].key == effect.key), key=final.wald)
     return Finding(
         cause=effect.cause,
@@ -308,7 +316,7 @@ def _handicap(components: Sequence[Component], own: int, other: int | None) -> f
     return float(np.exp(max(components[own].log_odds - components[other].log_odds, 0.0)))
 
 
-def _describe(final: Fit, own: Sequence[int], wider: float) -> tuple[tuple[Parameter, ...], str]:
+def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], str]:
     """Parameters and sentence; further parts of one cause carry their order or form in the name."""
     parameters: list[Parameter] = []
     sentences: list[str] = []
@@ -319,7 +327,7 @@ def _describe(final: Fit, own: Sequence[int], wider: float) -> tuple[tuple[Param
         effect = final.model.effects[i].beside(there)
         values, covariance = final.effect_values(i)
         sentences.append(effect.sentence(values))
-        for p in effect.report(values, wider**2 * covariance):
+        for p in effect.report(values, covariance):
             clash = n > 0 and any(p.name == other.name for other in parameters)
             mark = f"order {effect.where.order:g}" if effect.where.order is not None else effect.variant
             parameters.append(replace(p, name=f"{p.name} ({mark})") if clash else p)

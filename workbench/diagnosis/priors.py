@@ -28,7 +28,6 @@ class Priors:
     by_data: the same, were no other cause less likely before the data; listed: share of the probability that
     the cause and its rivals must cover, faintest_rival: probability below which a rival is not worth a word;
     absent: probability of nothing there from which a cause is not reported.
-    others: size of yields that were not found, over that of those that were, where these are several.
     joint_yields, tilt_yields: usual motion of a yield [rad] at the campaign's largest load; of a link that
     bends, the latter is the tilt of the line from its root to its end."""
 
@@ -56,7 +55,6 @@ class Priors:
     listed: float = 0.97
     absent: float = 0.2
     faintest_rival: float = 0.01
-    others: float = 0.3
     joint_yields: float = 2e-4
     tilt_yields: float = 5e-5
 

@@ -14,6 +14,7 @@ from ..campaign.known import with_known
 from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..identification.fit import Fit
+from .also_yields import with_what_also_yields
 from .candidates import testable
 from .competition import Selection, compete
 from .findings import Parts, assemble
@@ -110,8 +111,10 @@ def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tupl
         prepared, selection = finer, compete(finer, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
+    noise, known = prepared.covariance, prepared.noise_known
     selection = worth_it(selection, seed)
-    return prepared, with_own_forms(selection, prepared.covariance, prepared.noise_known, seed)
+    selection = with_what_also_yields(selection, candidates, noise, known, seed)
+    return prepared, with_own_forms(selection, noise, known, seed)
 
 
 def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> list[Campaign]:

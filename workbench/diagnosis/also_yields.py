@@ -1,0 +1,64 @@
+"""The rest of an arm that yields in several places: all of it does.
+
+Where an arm was found to yield in several places, these are often not a few faults: it yields everywhere a
+little, most of it too little to be found place by place. What that does goes into the places that were found,
+two springs into one, and makes of their sizes what they are not. So the others stand in the fit as well,
+without a name, each held by a prior as wide as those are large that were found: ridge regression (Hoerl &
+Kennard 1970) with a ridge that the data set (empirical Bayes).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects.base import Effect
+from ..effects.kinds import LinearYield
+from ..identification.fit import Fit, refit
+from ..identification.heldout import heldout
+from ..identification.noise import Covariance
+from .competition import Selection
+from .components import Key, usual
+from .rounds import BETTER
+from .scatter import with_scatter
+from .stages import rms_mm
+
+MANY = 3  # places that were found to yield: not a few faults, but an arm that yields
+
+
+def with_what_also_yields(
+    selection: Selection, candidates: Sequence[Effect], noise: Covariance, noise_known: bool, seed: int
+) -> Selection:
+    """The selection with all candidates that yield in the fit, where poses held out are predicted better with
+    them, or no worse where many were found. noise: without the scatter that the search took for noise."""
+    fit = selection.fit
+    found = [i for i, effect in enumerate(fit.model.effects) if isinstance(effect, LinearYield)]
+    others = _others(fit, found, candidates)
+    if not others:
+        return selection
+    whole = refit(fit, [*fit.model.effects, *others])
+    if noise_known:
+        whole = replace(whole, noise=with_scatter(whole, noise))
+        whole = refit(whole, whole.model.effects)
+    error, before = (rms_mm(heldout(one, seed=seed)) for one in (whole, fit))
+    wanted = BETTER if len(found) < MANY else 1 / BETTER
+    return replace(selection, fit=whole) if error < wanted * before else selection
+
+
+def is_held(effect: Effect) -> bool:
+    """Whether an effect of a fit is there because others of its kind were found."""
+    return isinstance(effect, LinearYield) and np.isfinite(effect.held)
+
+
+def _others(fit: Fit, found: Sequence[int], candidates: Sequence[Effect]) -> list[Effect]:
+    """The candidates that yield and are not in the fit, each held to the size of those that were found, in
+    their usual sizes; none where none was."""
+    sizes = [fit.effect_values(i)[0] / usual(fit, fit.model.effects[i]) for i in found]
+    size = float(np.sqrt(np.mean(np.square(sizes)))) if found else 0.0
+    there, others = {effect.key for effect in fit.model.effects}, dict[Key, LinearYield]()
+    for effect in candidates:
+        if isinstance(effect, LinearYield) and effect.key not in there:
+            others.setdefault(effect.key, replace(effect, held=size * float(usual(fit, effect)[0])))
+    return list(others.values()) if size > 0 else []
