@@ -70,18 +70,9 @@ def _taken(result: Fit, function: Unnamed) -> tuple[Array, Array]:
     for effect, values in zip(result.model.effects, result.state.values, strict=True):
         if (effect.key, effect.variant) == (function.key, function.variant):
             G = result.model.effect_jacobian(result.line, effect, values)
-            moved = _beyond(result, np.matmul(result.whitener, (G @ values)[..., None])[..., 0])
+            moved = result.beyond_background(np.matmul(result.whitener, (G @ values)[..., None])[..., 0])
             return moved, result.r + moved
     flat = result.whitened(function).reshape(result.r.size, -1)
     scale = np.linalg.norm(flat, axis=0) + 1e-300
     solution = np.linalg.lstsq(flat / scale, result.r.ravel(), rcond=1e-8)[0]
-    return _beyond(result, ((flat / scale) @ solution).reshape(result.r.shape)), result.r
-
-
-def _beyond(result: Fit, moved: Array) -> Array:
-    """(N, D) whitened motions without what geometry, frames and targets make of them."""
-    n = result.columns.background
-    J = (result.J[:, :, :n] * result.columns.prior[:n]).reshape(-1, n)
-    held = np.concatenate([moved.ravel(), np.zeros(n)])
-    made = J @ np.linalg.lstsq(np.vstack([J, np.eye(n)]), held, rcond=None)[0]
-    return moved - made.reshape(moved.shape)
+    return result.beyond_background(((flat / scale) @ solution).reshape(result.r.shape)), result.r

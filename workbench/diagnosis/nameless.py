@@ -42,7 +42,7 @@ def nameless_of(selection: Selection, worth_mm: float) -> list[Finding]:
             own = _unknown(selection.fit, function, share[member.component], worth)
             found.append(replace(own, rivals=_with_names(selection.components, share)))
     for member in selection.unrepeated:
-        label = selection.components[member.component].label
+        label = _in_words(selection.components[member.component])
         worth = selection.worth_mm(member)
         structure = f"looks like {label} in one {part} and not in another (it makes {worth:.3f} mm RMS)"
         found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))

@@ -154,7 +154,7 @@ def more_than_a_form(selection: Selection) -> Selection:
         np.einsum("ndp,p->nd", fit.J[:, :, part], values)
         for part, values in zip(fit.columns.effect, fit.state.values, strict=True)
     ]
-    made = [_seen(fit, np.sum([each[i] for i in own], axis=0)) for _, own in groups]
+    made = [fit.beyond_background(np.sum([each[i] for i in own], axis=0)) for _, own in groups]
     prices, surest = _prices(selection), dict[Key, float]()
     for k, (effect, _) in enumerate(groups):
         others = [*made[:k], *made[k + 1 :]]
@@ -162,15 +162,6 @@ def more_than_a_form(selection: Selection) -> Selection:
             beyond = min(_beyond(made[k], other) for other in others)
             surest[effect.key] = float(expit(0.5 * (beyond - prices[effect.key])))
     return _no_surer(selection, surest)
-
-
-def _seen(fit: Fit, made: Array) -> Array:
-    """What is seen of something made of the points (N, D), beside what frames, targets and geometry take of
-    it within their priors."""
-    n = fit.columns.background
-    J = fit.J[:, :, :n].reshape(made.size, n) * fit.columns.prior[:n]
-    taken = J @ np.linalg.solve(J.T @ J + np.eye(n), J.T @ made.ravel())
-    return made - taken.reshape(made.shape)
 
 
 def _beyond(its: Array, other: Array) -> float:
