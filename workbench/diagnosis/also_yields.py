@@ -38,13 +38,28 @@ def with_what_also_yields(
     others = _others(fit, found, candidates)
     if not others:
         return selection
-    whole = refit(fit, [*fit.model.effects, *others])
+    whole = _giving(fit, others)
     if noise_known:
         whole = replace(whole, noise=with_scatter(whole, noise))
-        whole = refit(whole, whole.model.effects)
+        whole = _giving(whole, [e for e in whole.model.effects if is_held(e)])
     error, before = (rms_mm(heldout(one, seed=seed)) for one in (whole, fit))
     wanted = BETTER if len(found) < MANY else 1 / BETTER
     return replace(selection, fit=whole) if error < wanted * before else selection
+
+
+def _giving(fit: Fit, others: Sequence[Effect]) -> Fit:
+    """With those of the others in the fit that give under their load, not against it."""
+    effects = [effect for effect in fit.model.effects if effect not in others]
+    while True:
+        whole = refit(fit, [*effects, *others])
+        against = [
+            effect
+            for i, effect in enumerate(whole.model.effects)
+            if effect in others and whole.effect_values(i)[0][0] < effect.params[0].lower
+        ]
+        if not against:
+            return whole
+        others = [effect for effect in others if effect not in against]
 
 
 def is_held(effect: Effect) -> bool:
