@@ -20,11 +20,13 @@ from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from .competition import Selection
-from .components import Key, usual
+from .components import Key, bare, usual
 from .rounds import BETTER
 from .scatter import with_scatter
 from .stages import rms_mm
+from .worth import VOUCHED, no_surer
 
+SURELY = 3.0  # standard deviations
 MANY = 3  # places that were found to yield: not a few faults, but an arm that yields
 
 
@@ -32,7 +34,8 @@ def with_what_also_yields(
     selection: Selection, candidates: Sequence[Effect], noise: Covariance, noise_known: bool, seed: int
 ) -> Selection:
     """The selection with all candidates that yield in the fit, where poses held out are predicted better with
-    them, or no worse where many were found. noise: without the scatter that the search took for noise."""
+    them, or no worse where many were found; no place is named then that the data do not tell from these.
+    noise: without the scatter that the search took for noise."""
     fit = selection.fit
     found = [i for i, effect in enumerate(fit.model.effects) if isinstance(effect, LinearYield)]
     others = _others(fit, found, candidates)
@@ -44,7 +47,28 @@ def with_what_also_yields(
         whole = _giving(whole, [e for e in whole.model.effects if is_held(e)])
     error, before = (rms_mm(heldout(one, seed=seed)) for one in (whole, fit))
     wanted = BETTER if len(found) < MANY else 1 / BETTER
-    return replace(selection, fit=whole) if error < wanted * before else selection
+    return _as_sure_as_beside(replace(selection, fit=whole)) if error < wanted * before else selection
+
+
+def _as_sure_as_beside(selection: Selection) -> Selection:
+    """No yield named for sure that the data do not tell from what yields beside it, most of all from what
+    goes with it closest."""
+    fit, surest, instead = selection.fit, dict[Key, float](), dict[Key, int]()
+    components = {bare(component.key): k for k, component in enumerate(selection.components)}
+    held = [i for i, effect in enumerate(fit.model.effects) if is_held(effect)]
+    for effect, own in selection.groups:
+        if isinstance(effect, LinearYield) and max(map(fit.wald, own)) < SURELY**2:
+            closest = max(held, key=lambda i: _correlation(fit, own[0], i), default=None)
+            surest[effect.key] = VOUCHED
+            if closest is not None and (key := fit.model.effects[closest].key) in components:
+                instead[effect.key] = components[key]
+    return no_surer(selection, surest, instead)
+
+
+def _correlation(fit: Fit, i: int, j: int) -> float:
+    """Size of the correlation of the first numbers of two effects."""
+    a, b = (fit.columns.effect[k].start for k in (i, j))
+    return float(abs(fit.covariance[a, b]) / np.sqrt(fit.covariance[a, a] * fit.covariance[b, b]))
 
 
 def _giving(fit: Fit, others: Sequence[Effect]) -> Fit:

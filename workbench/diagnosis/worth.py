@@ -3,7 +3,7 @@ too sure, none is surer than by that."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -98,7 +98,7 @@ def no_shadow(kept: Selection, error: float, seed: int) -> Selection:
         )
         if effect.by_loads and makes < PRIORS.shadow * beyond:
             surest[effect.key] = VOUCHED
-    return _no_surer(kept, surest)
+    return no_surer(kept, surest)
 
 
 def _made(without_it: float, with_it: float) -> float:
@@ -143,7 +143,7 @@ def as_sure_as_its_gain(selection: Selection, seed: int) -> Selection:
             continue
         alone = [*selection.nameless, *weaker]
         surest[effect.key] = max(_chance(fit, beside, own, seed) for beside in ([], alone)) ** (2 * tried)
-    return _no_surer(selection, surest)
+    return no_surer(selection, surest)
 
 
 def more_than_a_form(selection: Selection) -> Selection:
@@ -161,7 +161,7 @@ def more_than_a_form(selection: Selection) -> Selection:
         if others:
             beyond = min(_beyond(made[k], other) for other in others)
             surest[effect.key] = float(expit(0.5 * (beyond - prices[effect.key])))
-    return _no_surer(selection, surest)
+    return no_surer(selection, surest)
 
 
 def _beyond(its: Array, other: Array) -> float:
@@ -181,15 +181,18 @@ def _prices(selection: Selection) -> dict[Key, float]:
     return out
 
 
-def _no_surer(selection: Selection, surest: dict[Key, float]) -> Selection:
-    """With these probabilities for causes that are surer. What has no name, or else nothing, gets the rest; a
-    cause that leaves nearly all of it is faint."""
-    components = selection.components
-    rest = next((m.component for m in selection.members if components[m.component].nameless), None)
+def no_surer(
+    selection: Selection, surest: Mapping[Key, float], instead: Mapping[Key, int] | None = None
+) -> Selection:
+    """With these probabilities for causes that are surer. What stands for a cause `instead`, of the
+    components, gets the rest, or else what has no name, or nothing; a cause that leaves nearly all of it is
+    faint."""
+    components, instead = selection.components, instead or {}
+    nameless = next((m.component for m in selection.members if components[m.component].nameless), None)
     shares = [dict(share) for share in selection.shares]
     for share, member in zip(shares, selection.members, strict=True):
         k = member.component
-        most = surest.get(bare(components[k].key), 1.0)
+        most, rest = surest.get(bare(components[k].key), 1.0), instead.get(bare(components[k].key), nameless)
         if share[k] > most:
             share[rest] = share.get(rest, 0.0) + share[k] - most
             share[k] = most
