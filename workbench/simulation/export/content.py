@@ -23,6 +23,7 @@ from ...robot.loads import Loads
 from ...robot.rigid_plant import arrays
 
 GRID = 200  # poses that are drawn where no campaign says any
+IDLE = 1e-6  # m at the flange, at most: a spring that might as well be stiff
 Part = tuple[Effect, Array]
 
 
@@ -43,8 +44,15 @@ class Content:
 
     @cached_property
     def kinds(self) -> tuple[str, ...]:
-        """What each effect of the model is: see `kind_of`."""
-        return tuple(kind_of(item, self.problem) for item in self.extended.acting)
+        """What each effect of the model is: see `kind_of`; "idle": a spring that moves the flange by next to
+        nothing, which costs a simulator its step."""
+        kinds = (kind_of(item, self.problem) for item in self.extended.acting)
+        pairs = zip(self.extended.acting, kinds, strict=True)
+        return tuple("idle" if kind == "spring" and self._idle(item) else kind for item, kind in pairs)
+
+    def _idle(self, spring: Part) -> bool:
+        stiff, soft = (self.flange(Acting(parts), rigid=True)[0] for parts in ((), (spring,)))
+        return float(np.linalg.norm(soft - stiff, axis=1).max()) < IDLE
 
     def acting(self, kinds: frozenset[str]) -> Acting:
         """The effects of some kinds."""
