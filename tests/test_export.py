@@ -400,6 +400,16 @@ def test_the_header_weighs_what_is_left_out(tmp_path):
     assert str(item) in (tmp_path / "cylindrical.urdf").read_text(encoding="utf-8")
 
 
+def test_springs_that_move_nothing_are_left_out(tmp_path):
+    """They would ask for steps of microseconds."""
+    stiff = EffectRecord(cause="bearing_tilt", joint="joint_5", values={"compliance": 1e-14})
+    written = export(model(tmp_path, "kr500", (*YIELDS, stiff)), "sdf", tmp_path / "out")
+    tilts = {item.what: item for item in written.cost.items if "bearing_tilt" in item.what}
+    assert tilts["bearing_tilt(joint_2)"].carried
+    assert not tilts["bearing_tilt(joint_5)"].carried
+    assert tilts["bearing_tilt(joint_5)"].max_mm < 1e-3
+
+
 def test_a_robot_of_which_nothing_was_identified_is_written_as_it_is(tmp_path):
     robot = load_robot("kr500")
     assert not written_as(robot, "urdf", LOAD).arm.geometry.any()
