@@ -15,7 +15,6 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.base import Effect
-from ..effects.kinds import LinearYield
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
@@ -37,7 +36,7 @@ def with_what_also_yields(
     them, or no worse where many were found; no place is named then that the data do not tell from these.
     noise: without the scatter that the search took for noise."""
     fit = selection.fit
-    found = [i for i, effect in enumerate(fit.model.effects) if isinstance(effect, LinearYield)]
+    found = [i for i, effect in enumerate(fit.model.effects) if effect.in_proportion]
     others = _others(fit, found, candidates)
     if not others:
         return selection
@@ -57,7 +56,7 @@ def _as_sure_as_beside(selection: Selection) -> Selection:
     components = {bare(component.key): k for k, component in enumerate(selection.components)}
     held = [i for i, effect in enumerate(fit.model.effects) if is_held(effect)]
     for effect, own in selection.groups:
-        if isinstance(effect, LinearYield) and max(map(fit.wald, own)) < SURELY**2:
+        if effect.in_proportion and max(map(fit.wald, own)) < SURELY**2:
             closest = max(held, key=lambda i: _correlation(fit, own[0], i), default=None)
             surest[effect.key] = VOUCHED
             if closest is not None and (key := fit.model.effects[closest].key) in components:
@@ -88,7 +87,7 @@ def _giving(fit: Fit, others: Sequence[Effect]) -> Fit:
 
 def is_held(effect: Effect) -> bool:
     """Whether an effect of a fit is there because others of its kind were found."""
-    return isinstance(effect, LinearYield) and np.isfinite(effect.held)
+    return bool(np.isfinite(effect.held))
 
 
 def _others(fit: Fit, found: Sequence[int], candidates: Sequence[Effect]) -> list[Effect]:
@@ -96,8 +95,8 @@ def _others(fit: Fit, found: Sequence[int], candidates: Sequence[Effect]) -> lis
     their usual sizes; none where none was."""
     sizes = [fit.effect_values(i)[0] / usual(fit, fit.model.effects[i]) for i in found]
     size = float(np.sqrt(np.mean(np.square(sizes)))) if found else 0.0
-    there, others = {effect.key for effect in fit.model.effects}, dict[Key, LinearYield]()
+    there, others = {effect.key for effect in fit.model.effects}, dict[Key, Effect]()
     for effect in candidates:
-        if isinstance(effect, LinearYield) and effect.key not in there:
+        if effect.in_proportion and effect.key not in there:
             others.setdefault(effect.key, replace(effect, held=size * float(usual(fit, effect)[0])))
     return list(others.values()) if size > 0 else []

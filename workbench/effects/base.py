@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
@@ -102,7 +102,9 @@ class Effect(ABC):
     well. depends: what any form of it depends on (one form: `uses`). smooth: a smooth function of its joint's
     angle, so that several of them can draw any such function.
     always: every machine has it, whether its model states it or not. axial: it moves its joint along the
-    joint's own axis, and nothing else. by_loads: it is how an arm bends under its loads, or may be.
+    joint's own axis, and nothing else. by_loads: it is how an arm bends under its loads, or may be;
+    in_proportion: to them, by one number. held: prior standard deviation of its numbers, where what was found
+    elsewhere in the arm holds them.
     in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
     whole of a quantity from which the parameter is the model's difference → its unit (`of_whole`); reading:
     how that is done, as `separate` has it, which is not asked for where it was done.
@@ -110,6 +112,7 @@ class Effect(ABC):
 
     where: Where = NOWHERE
     variant: str = ""
+    held: float = field(default=np.inf, kw_only=True, compare=False, repr=False)
 
     cause: ClassVar[str]
     title: ClassVar[str]
@@ -126,6 +129,7 @@ class Effect(ABC):
     always: ClassVar[bool] = False
     axial: ClassVar[bool] = False
     by_loads: ClassVar[bool] = False
+    in_proportion: ClassVar[bool] = False
     in_drake: ClassVar[str]
     wholes: ClassVar[Mapping[str, str]] = {}
     reading: ClassVar[str] = ""
@@ -192,7 +196,8 @@ class Effect(ABC):
         allowed = np.array([(p.upper - p.lower) / 2 for p in self.params])
         typical = np.array([p.typical for p in self.params])
         spread = np.array([np.nan if p.spread is None else p.spread for p in self.params])
-        return np.where(np.isfinite(spread), spread, np.where(np.isfinite(allowed), allowed, 1e3 * typical))
+        usual = np.where(np.isfinite(spread), spread, np.where(np.isfinite(allowed), allowed, 1e3 * typical))
+        return np.asarray(np.minimum(usual, self.held))
 
     def finer(self) -> Sequence[Effect]:
         """The same effect with other settings, to choose from once it is accepted."""

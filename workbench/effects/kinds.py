@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -82,12 +81,8 @@ class TransmissionEffect(DirectEffect):
         return Drawn(x, x_name, x_unit, size, name, unit, curve)
 
 
-@dataclass(frozen=True)
 class YieldEffect(Effect):
-    """A slot that yields under its own wrench. held: prior standard deviation of its numbers, where what
-    yields elsewhere in the arm holds them."""
-
-    held: float = field(default=np.inf, kw_only=True, compare=False, repr=False)
+    """A slot that yields under its own wrench."""
 
     acts: ClassVar[Acts] = "yielding"
     by_loads: ClassVar[bool] = True
@@ -124,8 +119,7 @@ class YieldEffect(Effect):
         per_unit = np.abs(self.law(problem.arm, wrench, np.zeros(len(self.params)))[2])
         share = per_unit / np.array([MOST_SHIFT] * 3 + [MOST_TURN] * 3)[:, None]
         most = share.max(axis=(0, 1), initial=0.0)
-        possible = np.minimum(super().prior(problem), 1 / np.maximum(most, 1e-300))
-        return np.asarray(np.minimum(possible, self.held))
+        return np.asarray(np.minimum(super().prior(problem), 1 / np.maximum(most, 1e-300)))
 
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
         return self.under(line, line.prediction.load.local, values)
@@ -174,6 +168,7 @@ class LinearYield(YieldEffect):
     load_name, load_unit: what it is drawn against, C · wrench: its turn, or its shift where it has one.
     """
 
+    in_proportion: ClassVar[bool] = True
     load_name: ClassVar[str] = "overturning moment"
     load_unit: ClassVar[str] = "N·m"
 
