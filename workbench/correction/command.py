@@ -29,6 +29,7 @@ EXACT = "exact"
 BANDWIDTH_HZ = 10.0
 COARSE = 8  # samples per cycle of a ripple, below which straight motion between them misses it
 SHOWS_MM = 0.01  # left between samples, from which it is worth a word
+PLACE = 0.5  # of the uncorrected error: when less is left by another base, that is worth a word
 ROUGH = 1e-8  # rad, m: near enough to rest to tell the uncorrected error
 
 
@@ -75,6 +76,17 @@ class Compensation:
         return 1e3 * np.linalg.norm(self.before[:, :3], axis=1)
 
     @property
+    def before_anew_mm(self) -> Array:
+        """(N,) the same once the base or the work object is taken anew with the uncorrected tool: beside the
+        rigid motion that brings it nearest to the path (Kabsch's)."""
+        wanted = self.X_desired[:, :3, 3]
+        drawn = wanted - self.before[:, :3]
+        near, far = wanted - wanted.mean(axis=0), drawn - drawn.mean(axis=0)
+        U, _, Vt = np.linalg.svd(near.T @ far)
+        R = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+        return np.asarray(1e3 * np.linalg.norm(near - far @ R.T, axis=1))
+
+    @property
     def after_mm(self) -> Array:
         """(N,) distance of the corrected tool from the path."""
         return 1e3 * np.linalg.norm(self.after[:, :3], axis=1)
@@ -104,6 +116,12 @@ class Compensation:
             f"{_size(self.before_mm)} uncorrected, {_size(self.after_mm)} corrected",
             "that is what the model leaves of its own errors; what to expect of the robot: workbench predict",
         ]
+        anew = self.before_anew_mm
+        if np.square(anew).mean() < PLACE**2 * np.square(self.before_mm).mean():
+            found.append(
+                f"most of the uncorrected error is where base and tool stand: {_size(anew)} once the base or "
+                "the work object is taken anew"
+            )
         if self.between_mm > SHOWS_MM:
             found.append(
                 f"that is at its points: run straight from one to the next, up to {self.between_mm:.2g} mm "
