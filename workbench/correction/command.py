@@ -119,8 +119,8 @@ class Compensation:
         anew = self.before_anew_mm
         if np.square(anew).mean() < PLACE**2 * np.square(self.before_mm).mean():
             found.append(
-                f"most of the uncorrected error is where base and tool stand: {_size(anew)} once the base or "
-                "the work object is taken anew"
+                f"most of the uncorrected error is the same all along the path: {_size(anew)} once the base "
+                "or the work object is taken anew"
             )
         if self.between_mm > SHOWS_MM:
             found.append(
