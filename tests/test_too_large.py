@@ -28,7 +28,7 @@ def test_no_arm_grows_by_millimetres_per_metre(growth):
     assert found.verdict == "unknown"
     (cause,) = found.causes
     assert cause.cause == UNKNOWN
-    assert "looks like thermal_growth, but of a size that it has on no machine" in cause.structure
+    assert "looks like thermal growth, but of a size that it has on no machine" in cause.structure
 
 
 @pytest.mark.parametrize("share", [0.1, 1.5])

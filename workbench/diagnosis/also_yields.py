@@ -20,12 +20,12 @@ from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from .competition import Selection
 from .components import Key, bare, usual
+from .off_form import SURELY, of_itself
 from .rounds import BETTER
 from .scatter import with_scatter
 from .stages import rms_mm
 from .worth import VOUCHED, no_surer
 
-SURELY = 3.0  # standard deviations
 MANY = 3  # places that were found to yield: not a few faults, but an arm that yields
 
 
@@ -56,7 +56,7 @@ def _as_sure_as_beside(selection: Selection) -> Selection:
     components = {bare(component.key): k for k, component in enumerate(selection.components)}
     held = [i for i, effect in enumerate(fit.model.effects) if is_held(effect)]
     for effect, own in selection.groups:
-        if effect.in_proportion and max(map(fit.wald, own)) < SURELY**2:
+        if effect.in_proportion and of_itself(fit, effect.key) < SURELY**2:
             closest = max(held, key=lambda i: _correlation(fit, own[0], i), default=None)
             surest[effect.key] = VOUCHED
             if closest is not None and (key := fit.model.effects[closest].key) in components:

@@ -48,9 +48,11 @@ def nameless_of(selection: Selection, worth_mm: float) -> list[Finding]:
         found.append(_plain(structure, f"What is left {structure}.", NOWHERE, worth))
     for effect in {e.key: e for e in selection.fit.model.effects if e.key in selection.against}.values():
         why = "of a size that it has on no machine: something else does this"
-        if effect.acts == "yielding":
+        if effect.key in selection.beside.values():
+            why = "by nothing but what real ones have beside that form: something else does this"
+        elif effect.acts == "yielding":
             why = "with less than no compliance: something else gives way"
-        structure = f"looks like {effect.label}, but {why}"
+        structure = f"looks like {words_of(*effect.key)}, but {why}"
         worth = selection.gains_mm[effect.key]
         found.append(_plain(structure, f"What is left {structure}.", effect.where, worth))
     ordered = sorted(found, key=lambda finding: -finding.gain_mm)

@@ -31,7 +31,7 @@ def with_own_forms(selection: Selection, noise: Covariance, noise_known: bool, s
     where without it more than noise is left, and with it poses held out are predicted better. noise: without
     the scatter that the search took for noise. What yields against its load, or is of a size that it has
     on no machine, is none of the causes, though something is there: it has no name, and goes where they do
-    without it."""
+    without it. Nor is one that does what it does by what stands beside its form alone."""
     against = frozenset(
         effect.key for effect, own in selection.groups if _against_physics(selection.fit, own)
     )
@@ -50,10 +50,18 @@ def with_own_forms(selection: Selection, noise: Covariance, noise_known: bool, s
     error, better = rms_mm(heldout(whole, seed=seed)), 1 / BETTER if against else BETTER
     if error > better * rms_mm(heldout(fit, seed=seed)):
         return selection
-    found = replace(selection, fit=whole, beside=beside, against=frozenset())
     off = set(beside.values())
+    beside_it = frozenset(key for key in off if of_itself(whole, key) < SURELY**2)
+    found = replace(selection, fit=whole, beside=beside, against=frozenset())
     gains_mm = {e.key: without(whole, own, seed) - error for e, own in found.groups if e.key in off}
-    return replace(found, gains_mm={**selection.gains_mm, **gains_mm})
+    found = replace(found, gains_mm={**selection.gains_mm, **gains_mm})
+    return replace(found, faint=found.faint | beside_it, against=beside_it)
+
+
+def of_itself(fit: Fit, key: Key) -> float:
+    """What a cause's own numbers are in a fit, without what stands beside its form: squared, in standard
+    deviations."""
+    return max(fit.wald(i) for i, effect in enumerate(fit.model.effects) if effect.key == key)
 
 
 def _against_physics(fit: Fit, own: Sequence[int]) -> bool:

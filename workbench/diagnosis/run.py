@@ -112,9 +112,8 @@ def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tupl
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)
     noise, known = prepared.covariance, prepared.noise_known
-    selection = worth_it(selection, seed)
-    selection = with_what_also_yields(selection, candidates, noise, known, seed)
-    return prepared, with_own_forms(selection, noise, known, seed)
+    selection = with_own_forms(worth_it(selection, seed), noise, known, seed)
+    return prepared, with_what_also_yields(selection, candidates, noise, known, seed)
 
 
 def _all_loaded(campaigns: Given | Sequence[Given], known: Sequence[str]) -> list[Campaign]:
