@@ -126,6 +126,41 @@ def test_what_fits_nothing_is_refused(spoil):
     assert any(word in str(caught.value) for word in ("none of the usual mistakes", "a robot of 0.87"))
 
 
+def moved(z):
+    turn = np.array([[0.96, -0.28, 0.0], [0.28, 0.96, 0.0], [0.0, 0.0, 1.0]])
+    return np.concatenate([z[:18], z[18:] @ turn.T + 0.2])
+
+
+IN_PART = {
+    "an instrument moved": (moved, "the instrument or the tool stands elsewhere at the poses 19 … 40"),
+    "first in metres": (
+        lambda z: np.concatenate([z[:22] / 1e3, z[22:]]),
+        "at the poses 1 … 22 the numbers of the points fit the robot only if they are metres",
+    ),
+    "rows of others": (
+        lambda z: np.concatenate([z[:12], np.roll(z[12:], 3, axis=0)]),
+        "the poses 13 … 40 do not fit the robot, all others do",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", IN_PART)
+def test_a_mistake_of_a_part_of_the_poses_says_which(case):
+    spoil, said = IN_PART[case]
+    with pytest.raises(InputError) as caught:
+        check_plausible(problem_of(points(honest(), spoil)))
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("poses", [10, 15])
+@pytest.mark.parametrize("count", [1, 3])
+def test_few_poses_with_shuffled_points_are_refused(poses, count):
+    """However freely so few numbers are fitted, geometry as of machines does not explain them."""
+    few = measured("ur5", poses=poses, loads=(), targets=count)
+    assert not judge(problem_of(few)).refused
+    assert judge(problem_of(points(few, shuffled))).refused
+
+
 def test_targets_stated_for_one_another_are_only_remarked():
     one, two, three = honest().targets
     renamed = replace(honest(), targets=(replace(one, xyz=two.xyz), replace(two, xyz=one.xyz), three))

@@ -20,6 +20,7 @@ from ...robot.kinematics import Array
 from .conventions import counted_otherwise
 from .exchanged import exchanged_names
 from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
+from .in_part import in_part, named, not_fitting
 from .inaccurate import FARTHEST_TURN, inaccurate
 from .misfit import USUAL, Misfit, Sample, misfit, sample
 
@@ -45,13 +46,14 @@ class Plausible:
     """misfit: of the robot as it is; mistakes: one or two at once that explain it, the likeliest first, each
     with what it leaves; scale: without these, how much larger the points are than the robot; zero: without
     these, a joint and how far its zero is off [rad], where that alone explains it; geometry: without these,
-    how far the geometry is off, where that explains it."""
+    how far the geometry is off, where that explains it; part: the poses that alone do not fit, if not all."""
 
     misfit: Misfit
     mistakes: tuple[tuple[Mistake, float], ...] = ()
     scale: float = 1.0
     zero: tuple[str, float] | None = None
     geometry: str | None = None
+    part: str | None = None
 
     @property
     def refused(self) -> bool:
@@ -105,7 +107,7 @@ def _placed(problem: Problem) -> tuple[Problem, list[str]]:
     if m.share <= SUSPECT:
         size = f"targets are {_length(m.displaced * m.spread)} from where they are stated"
     if not found.mistakes:
-        raise InputError(Fault(str(campaign.path), *_nothing_fits(problem, size, found.scale)))
+        raise InputError(Fault(str(campaign.path), *_nothing_fits(problem, size, found)))
     (best, left), *others = found.mistakes
     if best[0].table == "targets" and not any(target.fixed for target in campaign.targets):
         return _restated(problem, best[0]), [f"{best[0].what[0].upper()}{best[0].what[1:]}: {best[0].mend}."]
@@ -145,13 +147,17 @@ def judge(problem: Problem) -> Plausible:
             return Plausible(now, zero=zero, geometry=None if zero else off)
     if _least(tried) > enough and now.middle > REFUSED:
         tried = [((h,), misfit(h.undo(data)).total) for h in exchanged_names(problem)]
+    part = not_fitting(data, now.spread, SUSPECT) if _least(tried) > enough and now.middle > REFUSED else None
+    if part is not None:
+        tried = _tried(data, list(in_part(problem, data, part, every)))
+        return Plausible(now, _likeliest(problem, data, tried, enough), part=named(problem, data, part))
     if _least(tried) > enough and now.middle > REFUSED:
         tried = [((h,), left) for h, left in counted_otherwise(problem, data, enough)]
     if _least(tried) > enough and now.middle > REFUSED:
         tried = _two_at_once(data, every, enough)
     if _least(tried) > enough and now.middle > REFUSED and not np.isfinite(data.stated).all():
         tried = [((h,), misfit(h.undo(data), turns=True).total) for h in every]
-    fits = _likeliest(problem, data, [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))])
+    fits = _likeliest(problem, data, tried, enough)
     if fits or max(now.middle, now.displaced) < REFUSED:
         return Plausible(now, fits)
     scale = _scale(data, enough)
@@ -160,10 +166,10 @@ def judge(problem: Problem) -> Plausible:
 
 
 def _likeliest(
-    problem: Problem, data: Sample, fits: list[tuple[Mistake, float]]
+    problem: Problem, data: Sample, tried: list[tuple[Mistake, float]], enough: float
 ) -> tuple[tuple[Mistake, float], ...]:
-    """Mistakes that the data do not tell apart: those whose mend leaves the fewest joints beyond their
-    limits, the simplest and best first."""
+    """Mistakes that leave `enough` at most and that the data do not tell apart: those whose mend leaves the
+    fewest joints beyond their limits, the simplest and best first."""
     lower, upper = np.array([(joint.lower, joint.upper) for joint in problem.robot.joints]).T
 
     def rank(one: tuple[Mistake, float]) -> tuple[bool, int, int, float]:
@@ -176,6 +182,7 @@ def _likeliest(
         # what only changes the stated places is no reason to send anyone away
         return one[0][0].table != "targets", outside, sum(h.parts for h in one[0]), one[1]
 
+    fits = [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))]
     ranked = sorted(((rank(one), one) for one in fits), key=lambda pair: pair[0])
     return tuple(one for order, one in ranked if order[:2] == ranked[0][0][:2])
 
@@ -240,9 +247,15 @@ def _without_a_bad_target(data: Sample, now: Misfit) -> Misfit:
     return now
 
 
-def _nothing_fits(problem: Problem, size: str, scale: float) -> tuple[str, str]:
+def _nothing_fits(problem: Problem, size: str, found: Plausible) -> tuple[str, str]:
     """What is wrong and how to mend it where none of the usual mistakes explains it."""
-    robot = problem.robot
+    robot, scale = problem.robot, found.scale
+    if found.part is not None:
+        what = f"{size}: {found.part} do not fit the robot, all others do, and no usual mistake explains it"
+        return (
+            what,
+            "mend what changed there (joints, rows, units, tool, instrument), or leave these poses out",
+        )
     if scale != 1.0:
         what = f"{size}; they fit a robot of {scale:.4g} times its size: a wrong unit, or another robot"
         return what, f"check the unit of the points, and that this is a {robot.title}"
