@@ -23,6 +23,7 @@ from workbench.campaign.problem import Problem
 from workbench.diagnosis.off_form import _against_physics
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
+from workbench.studies.blind.cases import draw_case
 
 MODELS = Path(__file__).resolve().parents[1] / "models"
 FOOT = 0.9  # m below the base
@@ -142,3 +143,11 @@ def test_no_spring_pushes_back(on_a_pedestal):
     assert fitted.state.values[1][0] < 0
     assert not _against_physics(fitted, [0])
     assert _against_physics(fitted, [0, 1])
+
+
+def test_what_only_stands_beside_a_form_names_nothing(tmp_path):
+    """A tool that slips on the flange was named a last link that bends, with a compliance of no size."""
+    diagnosis = diagnose(draw_case("unknown-slip/0", 32, tmp_path).campaign).diagnosis
+    assert diagnosis.verdict == "unknown"
+    assert [cause.cause for cause in diagnosis.causes] == ["unknown"]
+    assert "by nothing but what real ones have beside that form" in diagnosis.causes[0].structure
