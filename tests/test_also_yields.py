@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 from diagnosis_cases import measured
 
 from workbench.diagnosis.also_yields import is_held
+from workbench.diagnosis.competition import Selection
 from workbench.diagnosis.run import diagnose
+from workbench.effects.joint_compliance import JointCompliance
+from workbench.effects.place import Where
 
 SOFT = tuple(f"joint_compliance:joint=joint_{j},relative=0.8" for j in (2, 3, 4))
 EVERYWHERE = (
@@ -45,3 +51,12 @@ def test_what_is_held_has_the_size_of_what_was_found():
     sizes = [fit.columns.prior[fit.columns.effect[i]] for i in held(outcome)]
     assert len(sizes) >= 3
     assert np.isfinite(sizes).all()
+
+
+def test_what_is_held_has_no_name_though_the_search_had_one_for_its_place():
+    """A member that brought nothing leaves the fit, and its place may come back as one that also yields."""
+    soft = JointCompliance(Where(joint="joint_6"))
+    member = SimpleNamespace(component=0)
+    found = SimpleNamespace(components=[SimpleNamespace(key=soft.key)], members=[member], faint=frozenset())
+    assert Selection.named(found, soft)
+    assert not Selection.named(found, replace(soft, held=1e-6))

@@ -64,9 +64,10 @@ class Selection:
     against: frozenset[Key] = frozenset()
 
     def named(self, effect: Effect) -> bool:
-        """Whether an effect of the fit stands for a member that has a name."""
+        """Whether an effect of the fit stands for a member that has a name, and is not held by others."""
         keys = [bare(self.components[m.component].key) for m in self.members]
-        return effect.cause != UNKNOWN and effect.key in keys and effect.key not in self.faint
+        named = effect.cause != UNKNOWN and effect.key in keys and effect.key not in self.faint
+        return named and not np.isfinite(effect.held)
 
     @property
     def groups(self) -> list[Group]:
