@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 from diagnosis_cases import measured
 
-from workbench.diagnosis.also_yields import is_held
 from workbench.diagnosis.competition import Selection
 from workbench.diagnosis.run import diagnose
 from workbench.effects.joint_compliance import JointCompliance
@@ -24,7 +23,7 @@ EVERYWHERE = (
 
 
 def held(outcome):
-    return [i for i, effect in enumerate(outcome.fit.model.effects) if is_held(effect)]
+    return [i for i, effect in enumerate(outcome.fit.model.effects) if effect.is_held]
 
 
 def test_a_single_soft_joint_is_all_that_yields():

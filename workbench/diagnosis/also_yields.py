@@ -43,7 +43,7 @@ def with_what_also_yields(
     whole = _giving(fit, others)
     if noise_known:
         whole = replace(whole, noise=with_scatter(whole, noise))
-        whole = _giving(whole, [e for e in whole.model.effects if is_held(e)])
+        whole = _giving(whole, [e for e in whole.model.effects if e.is_held])
     error, before = (rms_mm(heldout(one, seed=seed)) for one in (whole, fit))
     wanted = BETTER if len(found) < MANY else 1 / BETTER
     return _as_sure_as_beside(replace(selection, fit=whole)) if error < wanted * before else selection
@@ -54,7 +54,7 @@ def _as_sure_as_beside(selection: Selection) -> Selection:
     goes with it closest."""
     fit, surest, instead = selection.fit, dict[Key, float](), dict[Key, int]()
     components = {bare(component.key): k for k, component in enumerate(selection.components)}
-    held = [i for i, effect in enumerate(fit.model.effects) if is_held(effect)]
+    held = [i for i, effect in enumerate(fit.model.effects) if effect.is_held]
     for effect, own in selection.groups:
         if effect.in_proportion and of_itself(fit, effect.key) < SURELY**2:
             closest = max(held, key=lambda i: _correlation(fit, own[0], i), default=None)
@@ -83,11 +83,6 @@ def _giving(fit: Fit, others: Sequence[Effect]) -> Fit:
         if not against:
             return whole
         others = [effect for effect in others if effect not in against]
-
-
-def is_held(effect: Effect) -> bool:
-    """Whether an effect of a fit is there because others of its kind were found."""
-    return bool(np.isfinite(effect.held))
 
 
 def _others(fit: Fit, found: Sequence[int], candidates: Sequence[Effect]) -> list[Effect]:

@@ -67,7 +67,7 @@ class Selection:
         """Whether an effect of the fit stands for a member that has a name, and is not held by others."""
         keys = [bare(self.components[m.component].key) for m in self.members]
         named = effect.cause != UNKNOWN and effect.key in keys and effect.key not in self.faint
-        return named and not np.isfinite(effect.held)
+        return named and not effect.is_held
 
     @property
     def groups(self) -> list[Group]:

@@ -16,7 +16,6 @@ from ..effects.place import Parameter
 from ..identification.fit import Fit, fit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
-from .also_yields import is_held
 from .ceiling import ceiling_mm
 from .chosen import Shares
 from .competition import Selection
@@ -170,8 +169,8 @@ def _carried(selection: Selection) -> list[str]:
     """Remarks on effects of known forms that the model has in it without their being named."""
     effects = [selection.fit.model.effects[i] for i in selection.nameless]
     known = [effect for effect in effects if effect.cause != UNKNOWN]
-    held = dict.fromkeys(effect.label for effect in known if is_held(effect))
-    labels = dict.fromkeys(effect.label for effect in known if not is_held(effect))
+    held = dict.fromkeys(effect.label for effect in known if effect.is_held)
+    labels = dict.fromkeys(effect.label for effect in known if not effect.is_held)
     said = []
     if labels:
         said.append(

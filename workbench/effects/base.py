@@ -166,6 +166,11 @@ class Effect(ABC):
         return False
 
     @property
+    def is_held(self) -> bool:
+        """Whether it is there because of others of its kind, which hold its numbers."""
+        return bool(np.isfinite(self.held))
+
+    @property
     def free(self) -> bool:
         """Whether it is a free function: its numbers are weights, each held by a spread."""
         return all(p.spread is not None for p in self.params)
