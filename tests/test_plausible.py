@@ -152,8 +152,8 @@ def test_a_mistake_of_a_part_of_the_poses_says_which(case):
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize("poses", [10, 15])
-@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("poses", [10, pytest.param(15, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [pytest.param(1, marks=pytest.mark.slow), 3])
 def test_few_poses_with_shuffled_points_are_refused(poses, count):
     """However freely so few numbers are fitted, geometry as of machines does not explain them."""
     few = measured("ur5", poses=poses, loads=(), targets=count)
