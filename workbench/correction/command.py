@@ -13,7 +13,7 @@ from ..effects.acting import Shares
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from ..robot.kinematics import Array
-from ..robot.rotations import tool_pose
+from ..robot.rotations import nearest_turn, tool_pose
 from .between import left_between
 from .conditions import Conditions, stated_conditions
 from .extended_arm import parts
@@ -78,13 +78,11 @@ class Compensation:
     @property
     def before_anew_mm(self) -> Array:
         """(N,) the same once the base or the work object is taken anew with the uncorrected tool: beside the
-        rigid motion that brings it nearest to the path (Kabsch's)."""
+        rigid motion that brings it nearest to the path."""
         wanted = self.X_desired[:, :3, 3]
         drawn = wanted - self.before[:, :3]
         near, far = wanted - wanted.mean(axis=0), drawn - drawn.mean(axis=0)
-        U, _, Vt = np.linalg.svd(near.T @ far)
-        R = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
-        return np.asarray(1e3 * np.linalg.norm(near - far @ R.T, axis=1))
+        return np.asarray(1e3 * np.linalg.norm(near - far @ nearest_turn(far, near).T, axis=1))
 
     @property
     def after_mm(self) -> Array:

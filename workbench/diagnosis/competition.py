@@ -47,7 +47,8 @@ class Selection:
     misfit: the noise is none that was known, or something has no name: the likelihood is too sure; agreed:
     causes that parts of the data then find by themselves; gains_mm: what each cause brings on poses held out,
     once that was looked at; beside: effects of the fit that a cause has beside its form, and whose; against:
-    causes without a name that would be springs of less than no compliance, or too large to be true."""
+    causes without a name that would be springs of less than no compliance, too large to be true, or nothing
+    but what stands beside their form."""
 
     fit: Fit
     components: tuple[Component, ...]

@@ -9,6 +9,7 @@ import numpy as np
 from ..campaign import Campaign
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
+from ..robot.rotations import nearest_turn
 
 FEWEST = 8  # points, from which a frame fitted to them says something
 EXPLAINED = 0.5  # of the error at most is left with the frame fitted anew, where the frame is what is wrong
@@ -46,7 +47,7 @@ def elsewhere(campaign: Campaign, predicted: Array, own: list[str]) -> list[Else
         if name in own or here.sum() < FEWEST:
             continue
         a, b = predicted[here], campaign.points[here]
-        R = _rotation(a, b)
+        R = nearest_turn(a - a.mean(axis=0), b - b.mean(axis=0))
         anew = b.mean(axis=0) + (a - a.mean(axis=0)) @ R.T
         before, left = (float(np.mean(np.linalg.norm(b - one, axis=1))) for one in (a, anew))
         if left < EXPLAINED * before:
@@ -54,12 +55,6 @@ def elsewhere(campaign: Campaign, predicted: Array, own: list[str]) -> list[Else
             turn = float(np.arccos(np.clip((np.trace(R) - 1) / 2, -1.0, 1.0)))
             found.append(Elsewhere(name, shift, turn, before, left))
     return found
-
-
-def _rotation(a: Array, b: Array) -> Array:
-    """(3, 3) that turns points a (M, 3) about their middle onto b as well as any."""
-    u, _, vt = np.linalg.svd((b - b.mean(axis=0)).T @ (a - a.mean(axis=0)))
-    return np.asarray(u @ np.diag([1.0, 1.0, np.linalg.det(u) * np.linalg.det(vt)]) @ vt)
 
 
 def nothing_new(campaign: Campaign, fitted: Fit) -> list[str]:

@@ -150,17 +150,17 @@ def more_than_a_form(selection: Selection) -> Selection:
     """No name surer than by what it makes of the points beyond the form of any other cause: the share of what
     that makes, whichever in each pose, by which no form is truer."""
     fit, groups = selection.fit, selection.groups
+    if len(groups) < 2:
+        return selection
     each = [
         np.einsum("ndp,p->nd", fit.J[:, :, part], values)
         for part, values in zip(fit.columns.effect, fit.state.values, strict=True)
     ]
-    made = [fit.beyond_background(np.sum([each[i] for i in own], axis=0)) for _, own in groups]
+    made = [*fit.beyond_background(np.array([np.sum([each[i] for i in own], axis=0) for _, own in groups]))]
     prices, surest = _prices(selection), dict[Key, float]()
     for k, (effect, _) in enumerate(groups):
-        others = [*made[:k], *made[k + 1 :]]
-        if others:
-            beyond = min(_beyond(made[k], other) for other in others)
-            surest[effect.key] = float(expit(0.5 * (beyond - prices[effect.key])))
+        beyond = min(_beyond(made[k], other) for other in [*made[:k], *made[k + 1 :]])
+        surest[effect.key] = float(expit(0.5 * (beyond - prices[effect.key])))
     return no_surer(selection, surest)
 
 

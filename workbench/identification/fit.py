@@ -157,12 +157,13 @@ class Fit:
         return float(self.state.given[i]), float(np.sqrt(self.covariance[at, at]))
 
     def beyond_background(self, moved: Array) -> Array:
-        """What is seen of whitened motions (N, D): without what frames, targets and geometry take of them
-        within their priors."""
+        """What is seen of whitened motions (..., N, D): of each without what frames, targets and geometry
+        take of it within their priors."""
         n = self.columns.background
         J = (self.J[:, :, :n] * self.columns.prior[:n]).reshape(-1, n)
-        taken = J @ np.linalg.solve(J.T @ J + np.eye(n), J.T @ moved.ravel())
-        return np.asarray(moved - taken.reshape(moved.shape))
+        flat = moved.reshape(-1, len(J)).T
+        taken = J @ np.linalg.solve(J.T @ J + np.eye(n), J.T @ flat)
+        return np.asarray(moved - taken.T.reshape(moved.shape))
 
     def wald(self, i: int) -> float:
         """Squared size of the model's i-th effect in standard deviations."""

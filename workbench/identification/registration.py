@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames, frames
-from ..robot.rotations import body_jacobian, from_vectors
+from ..robot.rotations import body_jacobian, from_vectors, nearest_turn
 
 STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists
 UNKNOWN_TARGET = 1.0  # m, how far an unknown target may be from its frame
@@ -135,8 +135,7 @@ def _kabsch(seen: Sight, targets: Array) -> tuple[Array, Array]:
     weight = np.ones(len(a))
     R = np.eye(3)
     for _ in range(5):
-        u, _s, vt = np.linalg.svd((weight[:, None] * (b - cb)).T @ (a - ca))
-        R = u @ np.diag([1.0, 1.0, np.linalg.det(u) * np.linalg.det(vt)]) @ vt
+        R = nearest_turn(a - ca, weight[:, None] * (b - cb))
         off = np.linalg.norm(b - cb - (a - ca) @ R.T, axis=1)
         weight = 1 / (off + np.median(off) + 1e-9)
         weight /= weight.sum()

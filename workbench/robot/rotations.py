@@ -90,6 +90,12 @@ def angle_between(A: Array, B: Array) -> Array:
     return np.asarray((Rotation.from_matrix(A).inv() * Rotation.from_matrix(B)).magnitude())
 
 
+def nearest_turn(a: Array, b: Array) -> Array:
+    """(3, 3) that turns points a (M, 3) about zero onto b as well as any (Kabsch's)."""
+    u, _, vt = np.linalg.svd(b.T @ a)
+    return np.asarray(u @ np.diag([1.0, 1.0, np.linalg.det(u) * np.linalg.det(vt)]) @ vt)
+
+
 def cross(a: Array, b: Array) -> Array:
     """Cross product over the last axis with broadcasting (three times as fast as NumPy's)."""
     a, b = np.broadcast_arrays(a, b)

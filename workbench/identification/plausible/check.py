@@ -140,22 +140,26 @@ def judge(problem: Problem) -> Plausible:
         return Plausible(now)
     every, enough = list(hypotheses(problem)), min(CLEARER * now.total, RIGHT)
     tried = _tried(data, every)
-    if _least(tried) > enough and now.middle > REFUSED and _scale(data, enough) == 1.0:
+
+    def unexplained() -> bool:
+        return _least(tried) > enough and now.middle > REFUSED
+
+    if unexplained() and _scale(data, enough) == 1.0:
         off = inaccurate(problem, data, enough)
         if off is not None:
             zero = _zero(problem, data, enough)
             return Plausible(now, zero=zero, geometry=None if zero else off)
-    if _least(tried) > enough and now.middle > REFUSED:
+    if unexplained():
         tried = [((h,), misfit(h.undo(data)).total) for h in exchanged_names(problem)]
-    part = not_fitting(data, now.spread, SUSPECT) if _least(tried) > enough and now.middle > REFUSED else None
-    if part is not None:
-        tried = _tried(data, list(in_part(problem, data, part, every)))
-        return Plausible(now, _likeliest(problem, data, tried, enough), part=named(problem, data, part))
-    if _least(tried) > enough and now.middle > REFUSED:
+    if unexplained():
+        part = not_fitting(data, now.spread, SUSPECT)
+        if part is not None:
+            tried = _tried(data, list(in_part(problem, data, part, every)))
+            return Plausible(now, _likeliest(problem, data, tried, enough), part=named(problem, data, part))
         tried = [((h,), left) for h, left in counted_otherwise(problem, data, enough)]
-    if _least(tried) > enough and now.middle > REFUSED:
+    if unexplained():
         tried = _two_at_once(data, every, enough)
-    if _least(tried) > enough and now.middle > REFUSED and not np.isfinite(data.stated).all():
+    if unexplained() and not np.isfinite(data.stated).all():
         tried = [((h,), misfit(h.undo(data), turns=True).total) for h in every]
     fits = _likeliest(problem, data, tried, enough)
     if fits or max(now.middle, now.displaced) < REFUSED:

@@ -17,8 +17,8 @@ FRAME = 6  # numbers of an instrument's place
 def enough_poses(problem: Problem) -> list[str]:
     """A remark where the poses say little more than the geometry itself. Raises InputError where they do not
     even identify that: 4 numbers per turning joint, 2 per sliding one, 6 for base and tool."""
-    poses, _, hand = _counted(problem)
-    measured, geometry = measured_and_needed(problem)
+    poses, measured, hand = _counted(problem)
+    geometry = _links(problem) + hand
     if measured >= ROOM * geometry or not hand:
         return []
     wanted = math.ceil(ROOM * geometry / hand)
@@ -39,7 +39,7 @@ def measured_and_needed(problem: Problem) -> tuple[int, int]:
 def too_few_alone(problem: Problem) -> bool:
     """Whether the poses do not identify the geometry by themselves."""
     measured, needed = measured_and_needed(problem)
-    return bool(_counted(problem)[2]) and measured < needed
+    return 0 < measured < needed
 
 
 def enough_beside_others(problem: Problem) -> list[str]:

@@ -47,12 +47,14 @@ class Content:
         """What each effect of the model is: see `kind_of`; "idle": a spring that moves the flange by next to
         nothing, which costs a simulator its step."""
         kinds = (kind_of(item, self.problem) for item in self.extended.acting)
-        pairs = zip(self.extended.acting, kinds, strict=True)
-        return tuple("idle" if kind == "spring" and self._idle(item) else kind for item, kind in pairs)
+        stiff = self.flange(Acting(()), rigid=True)[0]
 
-    def _idle(self, spring: Part) -> bool:
-        stiff, soft = (self.flange(Acting(parts), rigid=True)[0] for parts in ((), (spring,)))
-        return float(np.linalg.norm(soft - stiff, axis=1).max()) < IDLE
+        def idle(spring: Part) -> bool:
+            soft = self.flange(Acting((spring,)), rigid=True)[0]
+            return float(np.linalg.norm(soft - stiff, axis=1).max()) < IDLE
+
+        pairs = zip(self.extended.acting, kinds, strict=True)
+        return tuple("idle" if kind == "spring" and idle(item) else kind for item, kind in pairs)
 
     def acting(self, kinds: frozenset[str]) -> Acting:
         """The effects of some kinds."""
