@@ -23,7 +23,7 @@ from workbench.measurement.design.causes import factors, named_causes
 from workbench.measurement.design.fedorov import gains, information
 from workbench.measurement.design.prior_information import from_campaign, from_robot
 from workbench.measurement.design.settle import found_by
-from workbench.measurement.design.t_optimal import design_space, t_criterion
+from workbench.measurement.design.t_optimal import design_space
 
 HEAVY = {"heavy": (250.0, (0.15, 0.0, 0.1))}
 
@@ -186,7 +186,7 @@ def test_the_t_criterion_is_exact(campaign):
         from_campaign(campaign), "payload:variant=mass,joint_compliance:joint=joint_2", 60
     )
     rest = np.arange(10)
-    each = t_criterion(space, pair).with_each(rest)
+    (each,) = space.criterion_with_each(rest, [pair])
     for x in (20, 50, 70):
         (whole,) = space.criterion(space.measured(np.append(rest, x)), [pair])
         assert each[x] == pytest.approx(whole, rel=1e-6)

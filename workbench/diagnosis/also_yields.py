@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.base import Effect
-from ..identification.fit import Fit, refit
+from ..identification.fit import ROUGH, TOLERANCE, Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from .competition import Selection
@@ -40,10 +40,10 @@ def with_what_also_yields(
     others = _others(fit, found, candidates)
     if not others:
         return selection
-    whole = _giving(fit, others)
+    whole = _giving(fit, others, ROUGH)
     if noise_known:
         whole = replace(whole, noise=with_scatter(whole, noise))
-        whole = _giving(whole, [e for e in whole.model.effects if e.is_held])
+    whole = _giving(whole, [effect for effect in whole.model.effects if effect.is_held], TOLERANCE)
     error, before = (rms_mm(heldout(one, seed=seed)) for one in (whole, fit))
     wanted = BETTER if len(found) < MANY else 1 / BETTER
     return _as_sure_as_beside(replace(selection, fit=whole)) if error < wanted * before else selection
@@ -70,11 +70,11 @@ def _correlation(fit: Fit, i: int, j: int) -> float:
     return float(abs(fit.covariance[a, b]) / np.sqrt(fit.covariance[a, a] * fit.covariance[b, b]))
 
 
-def _giving(fit: Fit, others: Sequence[Effect]) -> Fit:
+def _giving(fit: Fit, others: Sequence[Effect], tolerance: float) -> Fit:
     """With those of the others in the fit that give under their load, not against it."""
     effects = [effect for effect in fit.model.effects if effect not in others]
     while True:
-        whole = refit(fit, [*effects, *others])
+        whole = refit(fit, [*effects, *others], tolerance)
         against = [
             effect
             for i, effect in enumerate(whole.model.effects)

@@ -1,13 +1,15 @@
 """Records that discriminate between rival causes: T-optimal for the pair that is hardest to tell.
 
 λ, the T-criterion of Atkinson and Fedorov (1975), is the squared size of a cause, in standard deviations,
-that frames, targets, geometry and the rival together cannot explain. With F their whitened rows and Y those
-of the cause, in its typical size and averaged over the directions of its p parameters,
+that frames, targets, geometry and the rival together cannot explain, in its typical size and averaged over
+the directions of its p parameters. With F the whitened rows of frames, targets and geometry, Y those of all
+effects, and K what is known before, these leave of the effects
 
-    λ = tr(YᵀY − YᵀF (K + FᵀF)⁻¹ FᵀY) / p
+    L = YᵀY − YᵀF (K + FᵀF)⁻¹ FᵀY,    λ = tr(L_ii − L_ij (L_jj + 1/w²)⁻¹ L_ji) / p
 
-and a further record with rows F_x, Y_x adds exactly tr(Eᵀ S⁻¹ E)/p, with E = Y_x − F_x β the discrepancy of
-the cause there from the best imitation so far, S = I + F_x V F_xᵀ, V = (K + FᵀF)⁻¹.
+of cause i beside rival j with prior w, and a further record with rows F_x, Y_x adds exactly Eᵀ S⁻¹ E to L,
+with E = Y_x − F_x β the discrepancy of the effects there from the best imitation so far, S = I + F_x V F_xᵀ,
+V = (K + FᵀF)⁻¹.
 """
 
 from __future__ import annotations
@@ -77,13 +79,45 @@ class DesignSpace:
 
     def criterion(self, data: Array, pairs: Sequence[Pair]) -> Array:
         """λ of each cause beside its rival."""
-        left, out = self.left(data), []
+        return self._of_pairs(self.left(data), pairs)
+
+    def criterion_with_each(self, rest: Records, pairs: Sequence[Pair]) -> Array:
+        """(len(pairs), C) λ of each cause beside its rival, of the plan `rest` with each candidate added."""
+        return self._of_pairs(self._left_with_each(rest), pairs)
+
+    def _of_pairs(self, left: Array, pairs: Sequence[Pair]) -> Array:
+        """(len(pairs), ...) λ of each cause beside its rival, of what is `left` (..., g, g)."""
+        out = []
         for effect, rival in pairs:
             i, j = self.columns(effect) - self.background, self.columns(rival) - self.background
-            S = left[np.ix_(j, j)] + WIDE**-2 * np.eye(len(j))
-            cross = left[np.ix_(j, i)]
-            out.append((np.trace(left[np.ix_(i, i)]) - np.sum(cross * np.linalg.solve(S, cross))) / len(i))
+            S = left[..., j[:, None], j] + WIDE**-2 * np.eye(len(j))
+            cross = left[..., j[:, None], i]
+            own = np.trace(left[..., i[:, None], i], axis1=-2, axis2=-1)
+            out.append((own - np.sum(cross * np.linalg.solve(S, cross), axis=(-2, -1))) / len(i))
         return np.maximum(out, 0.0)
+
+    @cached_property
+    def _by_part(self) -> tuple[Array, Array, Array, Array]:
+        """Rows of the background F (C, D, b) and of the effects Y (C, D, g); prior and measured information K
+        (b, b) and FᵀY of what was measured (b, g)."""
+        b = self.background
+        F, Y = self.rows[:, :, :b], self.rows[:, :, b:]
+        K = self.before[:b, :b] + np.diag(prior_precision(self.names[:b]))
+        scale = unit_scale(F, K)
+        return F * scale, Y, K * np.outer(scale, scale), self.before[:b, b:] * scale[:, None]
+
+    def _left_with_each(self, rest: Records) -> Array:
+        """(C, g, g) what is `left` of the plan `rest` with each candidate added."""
+        F, Y, K, measured = self._by_part
+        b = len(K)
+        f, y = F[rest].reshape(-1, b), Y[rest].reshape(-1, Y.shape[2])
+        V = np.linalg.inv(K + f.T @ f)
+        c = measured + f.T @ y
+        beta = V @ c
+        left = self.before[b:, b:] + y.T @ y - c.T @ beta
+        S = np.matmul(F @ V, F.swapaxes(1, 2)) + np.eye(F.shape[1])
+        E = Y - F @ beta
+        return np.asarray(left + np.matmul(E.swapaxes(1, 2), np.linalg.solve(S, E)))
 
 
 def design_space(new: Sensitivity, before: Sensitivity | None) -> DesignSpace:
@@ -94,65 +128,21 @@ def design_space(new: Sensitivity, before: Sensitivity | None) -> DesignSpace:
     return DesignSpace(names, new.on(names), was)
 
 
-@dataclass(frozen=True)
-class TCriterion:
-    """λ of one cause beside one rival. F: (C, D, P) rows of background and rival, Y: (C, D, p) of the cause;
-    K: (P, P) prior and measured information, c: (P, p) FᵀY and own: tr YᵀY of what was measured."""
-
-    F: Array
-    Y: Array
-    K: Array
-    c: Array
-    own: float
-
-    def with_each(self, rest: Records) -> Array:
-        """(C,) λ of the plan `rest` with each candidate added."""
-        P, p = self.c.shape
-        F, Y = self.F[rest].reshape(-1, P), self.Y[rest].reshape(-1, p)
-        V = np.linalg.inv(self.K + F.T @ F)
-        c = self.c + F.T @ Y
-        beta = V @ c
-        value = self.own + float(np.sum(Y**2)) - float(np.sum(c * beta))
-        S = np.matmul(self.F @ V, self.F.swapaxes(1, 2)) + np.eye(self.F.shape[1])
-        E = self.Y - self.F @ beta
-        gain = np.sum(E * np.linalg.solve(S, E), axis=(1, 2))
-        return np.asarray((value + gain) / p)
-
-
-def t_criterion(space: DesignSpace, pair: Pair) -> TCriterion:
-    """The criterion of a pair, ready for the exchange."""
-    cause, rival = pair
-    i = space.columns(cause)
-    f = np.concatenate([np.arange(space.background), space.columns(rival)])
-    F, K = space.rows[:, :, f], space.before[np.ix_(f, f)]
-    K = K + np.diag(prior_precision([space.names[k] for k in f]))
-    scale = unit_scale(F, K)
-    return TCriterion(
-        F=F * scale,
-        Y=space.rows[:, :, i],
-        K=K * np.outer(scale, scale),
-        c=space.before[np.ix_(f, i)] * scale[:, None],
-        own=float(np.trace(space.before[np.ix_(i, i)])),
-    )
-
-
 def t_optimal(space: DesignSpace, pairs: Sequence[Pair], count: int, search: Search) -> Records:
     """`count` records with the largest λ of the hardest of these pairs. Those that are hard on average
     steer the exchange; what turns out harder then joins them, and the exchange goes on."""
     C = len(space.rows)
     average = space.before + count / C * information(space.rows)
     steering = [int(k) for k in np.argsort(space.criterion(average, pairs))[:STEERING]]
-    criteria = [t_criterion(space, pairs[k]) for k in steering]
 
     def cost(rest: Records) -> Array:
-        return np.asarray(-np.min([one.with_each(rest) for one in criteria], axis=0))
+        return -space.criterion_with_each(rest, [pairs[k] for k in steering]).min(axis=0)
 
     chosen = fedorov.search(cost, C, count, search.starts, search.seed)
-    while len(criteria) < MOST_STEERING:
+    while len(steering) < MOST_STEERING:
         worst = int(np.argmin(space.criterion(space.measured(chosen), pairs)))
         if worst in steering:
             break
         steering.append(worst)
-        criteria.append(t_criterion(space, pairs[worst]))
         chosen = fedorov.improve(cost, chosen)[1]
     return chosen
