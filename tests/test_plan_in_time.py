@@ -30,7 +30,7 @@ def loaded():
 
 def test_a_plan_keeps_to_its_time():
     """A slow robot stops on its way, and this is worth more than its best poses alone."""
-    made = plan(replace(load_robot("irb120"), payloads=HEAVY), minutes=6, cell=SLOW)
+    made = plan(replace(load_robot("irb120"), payloads=HEAVY), minutes=6, cell=SLOW, quick=True)
     assert 5 < made.drive.total_s / 60 < 6.4
     assert made.stops > 0
     assert made.over_poses > 1.2
@@ -43,7 +43,7 @@ def test_a_plan_keeps_to_its_time():
 def test_a_target_that_takes_too_long_is_left_out(tmp_path, capsys):
     """Reflectors that are moved by hand: what is measured, and for how long, stands in what is written."""
     (tmp_path / "cell.toml").write_text("schema = 1\n[driving]\nreflector_s = 60\n")
-    call = ["plan", "irb120", "--minutes", "12", "--format", "krl", "--json"]
+    call = ["plan", "irb120", "--minutes", "12", "--quick", "--format", "krl", "--json"]
     assert main([*call, "--cell", str(tmp_path / "cell.toml"), "--out", str(tmp_path)]) == 0
     facts = json.loads(capsys.readouterr().out)
     measured, left_out = facts["drive"]["targets"], facts["targets_left_out"]
@@ -86,7 +86,7 @@ def test_an_arm_is_worked_warm_where_there_is_time_for_it():
     def made(wait):
         cell = CellData(driving=DrivingData(warm_up_min=wait))
         told = "thermal_growth,gear_ratio:joint=joint_2"
-        return plan(load_robot("irb120"), tell=told, minutes=5, cell=cell)
+        return plan(load_robot("irb120"), tell=told, minutes=5, cell=cell, quick=True)
 
     quick = made(0.5)
     assert quick.drive.total_s < 5.5 * 60

@@ -52,22 +52,24 @@ class Collisions:
         return np.array(found, dtype=bool)
 
     def clear_way(self, start: Array, end: Array) -> bool:
-        """Whether the straight joint motion between two poses (n,) is free: from look to look no two bodies
-        move farther on each other than they are apart, or than a share of the clearance."""
+        """Whether the straight joint motion between two poses (n,) is free: to either side of a look no two
+        bodies move farther on each other than they are apart there, or than a share of the clearance."""
         way = self._drakes(np.array([start, end]))
         if not self.checker.CheckEdgeCollisionFree(way[0], way[1]):
             return False
-        travel, done = self.travel(np.abs(end - start)), 0.0
-        least = max(SHARE * self.clearance, LEAST)
-        while done < 1.0:
-            near = self.checker.CalcRobotClearance(way[0] + (way[1] - way[0]) * done, NEAR)
+        travel, least = self.travel(np.abs(end - start)), max(SHARE * self.clearance, LEAST)
+        unseen = [(0.0, 1.0)]
+        while unseen:
+            first, last = unseen.pop()
+            at = (first + last) / 2
+            near = self.checker.CalcRobotClearance(way[0] + (way[1] - way[0]) * at, NEAR)
             apart = near.distances()
             if np.min(apart, initial=0.0) < 0:
                 return False
             own, other = (np.fromiter(map(int, k), int) for k in (near.robot_indices(), near.other_indices()))
             pairs = travel[self.slots[own], self.slots[other]]
-            step = np.min(np.maximum(apart, least) / pairs, initial=NEAR / travel.max())
-            done += float(step)
+            seen = float(np.min(np.maximum(apart, least) / pairs, initial=NEAR / travel.max()))
+            unseen += [(a, b) for a, b in ((first, at - seen), (at + seen, last)) if a < b]
         return True
 
     def travel(self, turned: Array) -> Array:

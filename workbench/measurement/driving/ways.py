@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +18,7 @@ class Ways:
     """Straight joint motions of one robot in its cell."""
 
     reach: Reach
+    _known: dict[tuple[bytes, bytes], bool] = field(default_factory=dict, init=False, repr=False)
 
     def time(self, start: Array, end: Array) -> Array:
         """[s] from poses start (..., n) to end (..., n)."""
@@ -25,7 +26,15 @@ class Ways:
 
     def clear(self, *stops: Array) -> bool:
         """Whether the straight ways through these poses (n,) are free."""
-        return all(self.reach.collisions.clear_way(a, b) for a, b in pairwise(stops))
+        return all(self._clear(a, b) for a, b in pairwise(stops))
+
+    def _clear(self, start: Array, end: Array) -> bool:
+        """Looked at once: plans of one campaign are tried by the dozen, and have most of their ways in
+        common."""
+        key = (start.tobytes(), end.tobytes())
+        if key not in self._known:
+            self._known[key] = self.reach.collisions.clear_way(start, end)
+        return self._known[key]
 
     def to(self, start: Array, approach: Array, end: Array) -> list[Array] | None:
         """Poses (n,) by which the way from start to where the last motion to `end` begins is free; over `end`
