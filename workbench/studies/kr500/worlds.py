@@ -161,8 +161,7 @@ def posed(w: World, problem: Problem, law: Law, moment: bool) -> Poses:
     smr = problem.stated_targets[0]
     load = np.array([values[f"mass_{axis}"] for axis in "xyz"]) if moment else smr
     all_of = _moves(true, smr, half)
-    made = [_moves(one, place, half)[:, 1:-1, 5] for place in (smr, load) for one in (problem, true)]
-    J = [columns.transpose(0, 2, 1) for columns in made]
+    J = [_jacobian(one, place, half) for place in (smr, load) for one in (problem, true)]
     return Poses(
         np.einsum("nsci,nsc->ni", all_of, motion[half:] - motion[:half]),
         (J[0], J[1]),
@@ -181,9 +180,19 @@ def both(w: World, law: Law, moment: bool) -> tuple[Poses, Poses]:
 def _moves(problem: Problem, place: Array, count: int) -> Array:
     """(count, S, 6, 3) what the motions of all slots move a place (3,) [m] of the flange by, in the
     first poses."""
+    axes = problem.rigid.axes[:count]
+    turns = np.cross(axes[:, :, 3:], _levers(problem, place, count)[:, :, None])
+    return np.concatenate([axes[:, :, :3], turns], axis=2)
+
+
+def _jacobian(problem: Problem, place: Array, count: int) -> Array:
+    """(count, 3, n) [m/rad] what the joints move a place (3,) [m] of the flange by, in the first poses."""
+    turns = np.cross(problem.rigid.axes[:count, 1:-1, 5], _levers(problem, place, count)[:, 1:-1])
+    return turns.transpose(0, 2, 1)
+
+
+def _levers(problem: Problem, place: Array, count: int) -> Array:
+    """(count, S, 3) [m] from each slot to a place (3,) [m] of the flange, in the first poses."""
     where = problem.rigid
-    p = (where.p[-1] + where.R[-1] @ place)[:count]
-    axes, out = where.axes[:count], np.empty((count, *where.axes.shape[1:]))
-    out[:, :, :3] = axes[:, :, :3]
-    out[:, :, 3:] = np.cross(axes[:, :, 3:], (p[:, None] - where.origin[:count])[:, :, None])
-    return out
+    p = where.p[-1] + where.R[-1] @ place
+    return np.asarray(p[:count, None] - where.origin[:count])
