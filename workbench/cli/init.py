@@ -113,7 +113,9 @@ def _text(made: NewRobot, folder: Path, measured: bool) -> str:
     guessed = "" if made.flange.why == "as said" else f" (guessed: {made.flange.why}; --flange says another)"
     joints = made.chain.joints
     lines = [f"{made.name}: {len(joints)} joints from {made.chain.base} to {made.flange.flange}{guessed}"]
-    lines += [f"  {i}  {joint.name:<28} {_range(joint)}" for i, joint in enumerate(joints, 1)]
+    lines += [
+        f"  {i}  {joint.name:<24} {joint.link:<20} {_range(joint)}" for i, joint in enumerate(joints, 1)
+    ]
     campaign, next_ = ("campaign", "campaign") if measured else ("campaign template", made.name)
     lines += [
         f"Written to {folder}: robot, {campaign}, README.md with the next steps.",

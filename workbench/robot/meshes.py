@@ -74,7 +74,8 @@ def mesh_notes(meshes: MeshFiles) -> list[str]:
         there = {in_package(name)[0] for (name, _), file in files.items() if file is not None}
         lacking = sorted({in_package(name)[0] for name in missing} - there - {""})
         mend = f"; say --package {lacking[0]}=DIR, or set ROS_PACKAGE_PATH" if lacking else ""
-        what = f"{len(missing)} of {len(files)} meshes are not there ({missing[0]}"
+        of = f"{len(missing)} of {len(files)} meshes" if len(files) > 1 else "the only mesh"
+        what = f"{of} {'is' if len(missing) == 1 else 'are'} not there ({missing[0]}"
         notes.append(f"{what}{', ...' if len(missing) > 1 else ''}); only pictures need them{mend}")
     kinds = {file.suffix.lower() for file in files.values() if file is not None}
     strange = sorted(kinds - {*CONVERTED})
@@ -107,7 +108,8 @@ def unreadable(meshes: MeshFiles, shown: Pictures) -> list[str]:
     """A line on the meshes that are there but came to nothing."""
     files = dict(meshes)
     broken = sorted({str(files[key]) for key, parts in shown.items() if not parts})
-    return [f"{len(broken)} meshes are empty or cannot be read ({broken[0]})"] if broken else []
+    many = f"{len(broken)} meshes are" if len(broken) > 1 else "a mesh is"
+    return [f"{many} empty or cannot be read ({broken[0]})"] if broken else []
 
 
 def _library() -> bool:

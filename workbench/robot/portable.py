@@ -6,9 +6,8 @@ import os
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-from ..files.faults import read_text
 from .packages import mesh_file
-from .urdf import xml_root
+from .urdf import read_root
 
 FOLDER = "urdf"  # beside the file that names it
 
@@ -20,7 +19,7 @@ def carried(urdf: Path, folder: Path) -> tuple[str, str]:
     away from them is shown with plain links. Raises `InputError` where the URDF cannot be read.
     """
     name = f"{FOLDER}/{urdf.name}"
-    root = xml_root(read_text(urdf), urdf)
+    root = read_root(urdf)
     place = (folder / name).parent.resolve()
     for mesh in root.iter("mesh"):
         if (file := mesh_file(mesh.get("filename", ""), urdf.parent)) is not None:
