@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .chain import Chain
-from .packages import Given, in_package, mesh_file
+from .packages import Given, finder, in_package, mesh_file
 from .urdf import Urdf, vector
 
 FACES = 24_000  # of a whole robot: a scene with its loaded twin and many points stays under 5 MB
@@ -55,11 +55,13 @@ def mesh_files(
     Of a link with shapes of the first of `kinds` these count; where their files lack, the next as well.
     """
     out: list[tuple[Key, Path | None]] = []
+    beside = urdf.path.parent
+    find = finder(beside, given)
     for link in urdf.below(chain.base):
         for kind in kinds:
             shapes = urdf.links[link].findall(f"{kind}/geometry/*")
             keys = [mesh_key(shape) for shape in shapes if shape.tag == "mesh"]
-            found = [mesh_file(key[0], urdf.path.parent, given) for key in keys]
+            found = [mesh_file(key[0], beside, find) for key in keys]
             out += zip(keys, found, strict=True)
             if shapes and None not in found:
                 break

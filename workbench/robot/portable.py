@@ -6,7 +6,7 @@ import os
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-from .packages import mesh_file
+from .packages import finder, mesh_file
 from .urdf import read_root
 
 FOLDER = "urdf"  # beside the file that names it
@@ -20,8 +20,8 @@ def carried(urdf: Path, folder: Path) -> tuple[str, str]:
     """
     name = f"{FOLDER}/{urdf.name}"
     root = read_root(urdf)
-    place = (folder / name).parent.resolve()
+    place, find = (folder / name).parent.resolve(), finder(urdf.parent)
     for mesh in root.iter("mesh"):
-        if (file := mesh_file(mesh.get("filename", ""), urdf.parent)) is not None:
+        if (file := mesh_file(mesh.get("filename", ""), urdf.parent, find)) is not None:
             mesh.set("filename", Path(os.path.relpath(file.resolve(), place)).as_posix())
     return name, ET.tostring(root, encoding="unicode") + "\n"

@@ -12,7 +12,7 @@ from xml.sax.saxutils import escape
 
 from ..files.faults import Fault, InputError
 from .meshes import HOW
-from .packages import Given, package_folder
+from .packages import Given, finder
 from .urdf import XACRO, read_xml, xml_root
 
 COMMENT = re.compile("<!--.*?-->", re.DOTALL)
@@ -33,13 +33,14 @@ def expanded(path: Path, text: str, arguments: Mapping[str, str], given: Given |
     import xacrodoc
     from xacrodoc import packages
 
-    def find(name: str) -> str:
-        folder = package_folder(name, path.resolve().parent, given)
-        if folder is None:
-            raise packages.PackageNotFoundError(name)
+    find = finder(path.resolve().parent, given)
+
+    def place(name: str) -> str:
+        if (folder := find(name)) is None:
+            raise LookupError(f"Package not found: {name}")
         return folder.as_posix()
 
-    packages.get_path = find  # what xacrodoc gives to xacro's $(find NAME)
+    packages.get_path = place  # what xacrodoc gives to xacro's $(find NAME)
     try:
         # included where it is: names of files in it count from there, wherever one stands
         document = xacrodoc.XacroDoc.from_includes(
