@@ -370,6 +370,8 @@ FOLLOWS = behind("f", "revolute", "palm", "right", '<mimic joint="drive"/>')
         (behind("spindle", "continuous", "tool0", "mill"), "tool0", True),
         (behind("turn", "revolute", "tool0", "mount") + behind("drive", "prismatic", "mount", "left"),
          "tool0", True),
+        (behind("l", "revolute", "tool0", "left") + behind("m", "fixed", "left", "left_ee_link")
+         + behind("r", "revolute", "tool0", "right"), "tool0", True),
         # nothing says that this is no axis
         (behind("turn", "revolute", LAST, "mount"), "mount", False),
         (behind("gripper_roll", "revolute", LAST, "hand"), "hand", False),

@@ -51,7 +51,8 @@ def _arms(urdf: Urdf, link: str, joints: int) -> list[str]:
         for child in urdf.children(member)
         if urdf.kind(child) in MOVING and any(_free(urdf, below) for below in urdf.below(child))
     ]
-    if joints >= ARM and len(flanged := [c for c in moving if any(map(_named, urdf.below(c)))]) == 1:
+    flanged = [child for child in moving if any(map(_named, urdf.below(child)))]
+    if joints >= ARM and len(flanged) == 1 and not any(map(_named, group)):
         moving = flanged  # the other branches are levers
     loose = [c for m in group for c in urdf.children(m) if urdf.kind(c) in ("floating", "planar")]
     if len(moving) > 1 and joints < ARM:
