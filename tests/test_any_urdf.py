@@ -415,7 +415,7 @@ def test_what_is_wrong_with_a_urdf_is_said():
         (
             '<axis xyz="1 0 0"/>',
             '<mimic joint="elbow_joint"/>',
-            '(mimic); .* write type="fixed"',
+            '(mimic, times 1); .* write type="fixed"',
         ),
         ('type="continuous"', 'type="planar"', "no moving joint|is 'planar'"),
     ],
