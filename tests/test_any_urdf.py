@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import urdf_example as example
 
 from workbench import InputError, load_robot
 from workbench.report.scene import Shown, scene_of
+from workbench.robot import packages
 from workbench.robot.guess import guess_flange
 from workbench.robot.kinematics import frames
 from workbench.robot.meshes import mesh_files
@@ -21,6 +23,7 @@ from workbench.robot.rigid_plant import arrays
 from workbench.robot.shown import shown_text, urdf_notes
 from workbench.robot.urdf import parse_urdf
 from workbench.robot.xacro_files import is_xacro
+from workbench.simulation.export import export
 
 HERE = Path("acme.urdf")
 SOME = np.array([0.4, -0.3, 0.8, -1.2, 0.5, 2.0])
@@ -97,7 +100,7 @@ def test_a_broken_mesh_is_left_out(tmp_path):
     urdf = example.package(tmp_path / "cloned")
     (tmp_path / "cloned/meshes/part.dae").write_text("<COLLADA")
     made = new_robot(urdf)
-    assert any("1 meshes are empty or cannot be read" in note for note in made.notes)
+    assert any("a mesh is empty or cannot be read" in note for note in made.notes)
     assert 0 < str(made.files[Path("acme.urdf")]).count("cone") <= 3
 
 
@@ -250,6 +253,142 @@ def test_an_impossible_inertia_keeps_its_mass(tmp_path):
     )
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('value="6.0"', 'value="1e5"', "elbow_link with 100000 kg; state"),
+        (
+            'value="0.6"',
+            'value="1e-9"',
+            "wrist_3_link with 1e-09 kg, wrist_3_link with a radius of gyration of",
+        ),
+        ('value="0.6"', 'value="0"', "wrist_3_link with 0 kg; state"),
+        ('xyz="0.05 0 0.1"', 'xyz="50 0 100"', "shoulder_pan_link with its centre of mass 112 m away, "),
+        ('izz="0.01"', 'izz="0.01"', None),
+        ('value="0.6"', "", "wrist_3_link with 0 kg; state"),
+    ],
+)
+def test_weights_that_no_arm_has_are_told(tmp_path, old, new, said):
+    (tmp_path / "acme.urdf").write_text(example.robot(example.arm()).replace(old, new))
+    notes = [note for note in new_robot(tmp_path / "acme.urdf").notes if "weights that no arm has" in note]
+    assert [said in note for note in notes] == ([] if said is None else [True])
+
+
+def test_no_weights_at_all_are_nothing_odd(tmp_path):
+    (tmp_path / "acme.urdf").write_text(re.sub("<inertial>.*?</inertial>", "", example.robot(example.arm())))
+    assert not any("weights" in note for note in new_robot(tmp_path / "acme.urdf").notes)
+
+
+@pytest.mark.parametrize("encoding", ["iso-8859-1", "utf-8-sig", "utf-16", "cp1252", "utf-8", None])
+def test_a_urdf_is_read_in_the_encoding_that_it_says(tmp_path, encoding):
+    """None: Latin-1 that says nothing, or that it is UTF-8; a warning tells it."""
+    text = (
+        re.sub(r"<(visual|collision)>.*?</\1>", "", example.robot(example.arm()))
+        .replace("wrist_3_link", "H\u00e4nd")
+        .replace("<robot", "<!-- \u00fc --><robot")
+    )
+    head = f'<?xml version="1.0" encoding="{encoding.removesuffix("-sig")}"?>\n' if encoding else ""
+    (tmp_path / "acme.urdf").write_bytes((head + text).encode(encoding or "cp1252"))
+    made = new_robot(tmp_path / "acme.urdf")
+    assert made.chain.joints[-1].link == "H\u00e4nd"
+    assert any("read as Latin-1" in note for note in made.notes) == (encoding is None)
+    robot = load_robot(toml(tmp_path, "acme.urdf"))
+    assert any("read as Latin-1" in note for note in urdf_notes(robot)) == (encoding is None)
+    assert "H\u00e4nd" in carried(robot.urdf, tmp_path)[1]
+
+
+def test_an_encoding_that_nobody_knows(tmp_path):
+    (tmp_path / "acme.urdf").write_text('<?xml version="1.0" encoding="klingon"?>\n<robot/>')
+    with pytest.raises(InputError, match="says encoding 'klingon', which nobody knows; save it as UTF-8"):
+        new_robot(tmp_path / "acme.urdf")
+
+
+def test_xacro_in_another_encoding_is_refused(tmp_path):
+    (tmp_path / "acme.xacro").write_bytes(
+        b'<?xml version="1.0" encoding="latin-1"?>\n<robot><!-- \xfc --></robot>'
+    )
+    with pytest.raises(InputError, match="is not all UTF-8, and xacro reads nothing else; save the file"):
+        new_robot(tmp_path / "acme.xacro")
+
+
+def test_a_mesh_that_lacks_is_one(tmp_path):
+    text = example.robot(example.arm(package="elsewhere").replace("part.dae", "cone.stl"))
+    (tmp_path / "acme.urdf").write_text(text)
+    assert new_robot(tmp_path / "acme.urdf").notes[0].startswith("the only mesh is not there (")
+
+
+@pytest.mark.parametrize("to", ["urdf", "sdf"])
+def test_an_exported_robot_finds_its_meshes(tmp_path, to):
+    """Below the URDF, beside it, of the same name elsewhere, and by their full path."""
+    urdf = example.package(tmp_path / "cloned")
+    text = urdf.read_text()
+    for where in ("parts/cone.stl", "../meshes/cone.stl", "../other/cone.stl", f"{tmp_path}/part.dae"):
+        text = text.replace(f"package://acme_description/meshes/{Path(where).name}", where, 2)
+        example.stl(urdf.parent / where, facets=len(where))
+    urdf.write_text(text)
+    folder = tmp_path / "elsewhere/out"
+    (file, *_) = export(load_robot(toml(tmp_path, urdf)), to, folder).files
+    named = re.findall('filename="(.*?)"|<uri>(.*?)</uri>', file.read_text())
+    files = {a or b for a, b in named if "package://" not in a}
+    assert all(
+        (folder / name).is_file() and (folder / name).resolve().is_relative_to(folder) for name in files
+    )
+    sizes = sorted((folder / name).stat().st_size for name in files)
+    assert sizes == sorted(path.stat().st_size for path in carried_files(urdf))
+
+
+def carried_files(urdf):
+    """The mesh files that a URDF names by their place."""
+    names = {name for name in re.findall('filename="(.*?)"', urdf.read_text()) if "://" not in name}
+    assert len(names) == 4
+    return [urdf.parent / name for name in names]
+
+
+def behind(name, kind, parent, child, more=""):
+    """A joint and the link that it moves."""
+    return (
+        f'<link name="{child}"/><joint name="{name}" type="{kind}"><parent link="{parent}"/>'
+        f'<child link="{child}"/><axis xyz="0 0 1"/><limit lower="0" upper="0.05" effort="1" velocity="1"/>'
+        f"{more}</joint>"
+    )
+
+
+LAST, PALM = "wrist_3_link", behind("palm", "fixed", "wrist_3_link", "palm")
+FOLLOWS = behind("f", "revolute", "palm", "right", '<mimic joint="drive"/>')
+
+
+@pytest.mark.parametrize(
+    ("tool", "flange", "named"),
+    [
+        # a finger that slides, and none that follows it; one in a hand that turns
+        (behind("drive", "prismatic", LAST, "left"), LAST, False),
+        (PALM + behind("drive", "revolute", "palm", "left") + FOLLOWS,
+         "palm", False),
+        # chains of joints that say what they are
+        (behind("jaw_1", "revolute", LAST, "a") + behind("b", "revolute", "a", "c"), LAST, False),
+        # a spindle, and a rotating mount with a finger, on what is called a flange
+        (behind("spindle", "continuous", "tool0", "mill"), "tool0", True),
+        (behind("turn", "revolute", "tool0", "mount") + behind("drive", "prismatic", "mount", "left"),
+         "tool0", True),
+        (behind("l", "revolute", "tool0", "left") + behind("m", "fixed", "left", "left_ee_link")
+         + behind("r", "revolute", "tool0", "right"), "tool0", True),
+        # nothing says that this is no axis
+        (behind("turn", "revolute", LAST, "mount"), "mount", False),
+        (behind("gripper_roll", "revolute", LAST, "hand"), "hand", False),
+    ],
+)  # fmt: skip
+def test_what_moves_in_a_tool_is_no_axis(tool, flange, named):
+    text = example.robot(example.arm())
+    end = text.index("</robot>") if named else text.index('<link name="flange"/>')
+    assert guess_flange(parse_urdf(f"{text[:end]}{tool}</robot>", HERE)).flange == flange
+
+
+def test_levers_beside_an_arm_do_not_end_it():
+    """The rods of a parallelogram that nothing follows: the branch with the flange goes on."""
+    text = example.robot(example.arm() + behind("lever", "revolute", "shoulder_lift_link", "rod"))
+    assert guess_flange(parse_urdf(text, HERE)).flange == "tool0"
+
+
 def wrong(text):
     with pytest.raises(InputError) as caught:
         guess_flange(parse_urdf(text, HERE))
@@ -276,7 +415,7 @@ def test_what_is_wrong_with_a_urdf_is_said():
         (
             '<axis xyz="1 0 0"/>',
             '<mimic joint="elbow_joint"/>',
-            '(mimic); .* write type="fixed"',
+            '(mimic, times 1); .* write type="fixed"',
         ),
         ('type="continuous"', 'type="planar"', "no moving joint|is 'planar'"),
     ],
@@ -311,7 +450,16 @@ XACRO = """<robot name="acme" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <link name="world"/><xacro:acme height="$(arg lift)"/></robot>"""
 
 
-def test_xacro(tmp_path):
+def count_runs(monkeypatch):
+    """A list that grows with each time that xacro works a file through."""
+    import xacro
+
+    runs, process = [], xacro.process_doc
+    monkeypatch.setattr(xacro, "process_doc", lambda *a, **keys: (runs.append(a), process(*a, **keys)))
+    return runs
+
+
+def test_xacro(tmp_path, monkeypatch):
     example.package(tmp_path / "src/cloned")
     parts = tmp_path / "src/parts"
     (parts / "urdf").mkdir(parents=True)
@@ -323,7 +471,9 @@ def test_xacro(tmp_path):
     )
     source = tmp_path / "src/cloned/urdf/acme.urdf.xacro"
     source.write_text(XACRO)
+    runs = count_runs(monkeypatch)
     made = new_robot(source, arguments={"lift": "0.5"}, base="world")
+    assert len(runs) == 2, "once, and once more for xacrodoc to see that nothing is left to be done"
     assert made.name == "acme"
     assert 'xyz="0.0 0.0 0.5"' in str(made.files[Path("acme.urdf")])
     assert any(path.suffix == ".obj" for path in made.files)
@@ -349,7 +499,7 @@ def test_xacro_that_is_called_urdf(tmp_path):
     with pytest.raises(InputError, match=r"is not XML: .* line 1, column 1; mend it there"):
         new_robot(source)
     source.write_text(f"{head}<!-- {lift}\n-->{example.arm()}</robot>")
-    assert not is_xacro(source)
+    assert not is_xacro(source, source.read_text())
     with pytest.raises(InputError, match="is no xacro: nothing in it takes lift; leave"):
         new_robot(source, arguments={"lift": "0.5"})
 
@@ -411,5 +561,14 @@ def test_a_package_that_is_there_is_not_asked_for(tmp_path):
     urdf = example.package(tmp_path / "cloned")
     (tmp_path / "cloned/meshes/part.dae").unlink()
     (note,) = new_robot(urdf).notes[:1]
-    assert "meshes are not there" in note
+    assert "1 of 2 meshes is not there" in note
     assert "--package" not in note
+
+
+def test_a_package_is_looked_for_once(tmp_path, monkeypatch):
+    """However many meshes are in it: the walk among folders may be long."""
+    asked = []
+    monkeypatch.setattr(packages, "package_folder", lambda name, **_: asked.append(name))
+    (tmp_path / "acme.urdf").write_text(example.robot(example.arm()))
+    new_robot(tmp_path / "acme.urdf")
+    assert asked == ["acme_description"]

@@ -65,6 +65,7 @@ def test_the_tutorial_does_what_it_says(measured, monkeypatch, capsys):
         assert main(command.split()) == 0, command
         said[command.split()[0]] = capsys.readouterr()
     assert "6 joints from base_link to tool0 (guessed: by its name" in said["init"].out
+    assert re.search(r"3  elbow_joint +elbow_link +revolute, -172 .. 172°", said["init"].out), "for --flange"
     assert "stand at 0: finger_1, finger_2" in said["init"].err
     facts = json.loads((folder / "seen/check.json").read_text())
     assert facts["n_poses"] == 45

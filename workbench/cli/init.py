@@ -112,8 +112,11 @@ def _text(made: NewRobot, folder: Path, measured: bool) -> str:
     """What was made, and what to do next. measured: both tables were given."""
     guessed = "" if made.flange.why == "as said" else f" (guessed: {made.flange.why}; --flange says another)"
     joints = made.chain.joints
-    lines = [f"{made.name}: {len(joints)} joints from {made.chain.base} to {made.flange.flange}{guessed}"]
-    lines += [f"  {i}  {joint.name:<28} {_range(joint)}" for i, joint in enumerate(joints, 1)]
+    many = f"{len(joints)} joints" if len(joints) > 1 else "1 joint"
+    lines = [f"{made.name}: {many} from {made.chain.base} to {made.flange.flange}{guessed}"]
+    lines += [
+        f"  {i}  {joint.name:<24} {joint.link:<20} {_range(joint)}" for i, joint in enumerate(joints, 1)
+    ]
     campaign, next_ = ("campaign", "campaign") if measured else ("campaign template", made.name)
     lines += [
         f"Written to {folder}: robot, {campaign}, README.md with the next steps.",

@@ -67,6 +67,11 @@ def read_text(path: Path, encoding: str = "utf-8") -> str:
     """The file's text; `InputError` when it is missing, a folder, endless, not in that encoding, or holds
     characters that act in a terminal. A byte order mark says the encoding itself: UTF-8 or UTF-16.
     """
+    return text_of(read_bytes(path), path, encoding)
+
+
+def read_bytes(path: Path) -> bytes:
+    """What is in the file; `InputError` when it is missing, a folder, or endless."""
     try:
         if stat.S_ISCHR(path.stat().st_mode):
             raise InputError(Fault(str(path), "is a device, not a file", "name a file"))
@@ -85,6 +90,11 @@ def read_text(path: Path, encoding: str = "utf-8") -> str:
         raise InputError(Fault(repr(str(path)), f"is no path ({error})")) from None
     if len(content) > LARGEST:
         raise InputError(Fault(str(path), f"is larger than {LARGEST >> 20} MB", "split it"))
+    return content
+
+
+def text_of(content: bytes, path: Path, encoding: str = "utf-8") -> str:
+    """The text of a file's content. See `read_text`."""
     text = _decoded(path, content, encoding).replace("\r\n", "\n").replace("\r", "\n")
     if (found := CONTROL.search(text)) is not None:
         line = text.count("\n", 0, found.start()) + 1

@@ -71,7 +71,7 @@ def read_chain(urdf: Urdf, flange: str, base: str | None = None) -> Chain:
         joint = urdf.joints[link]
         place, kind = f"{urdf.path}: joint {joint.get('name')!r}", urdf.kind(link)
         if (mimic := joint.find("mimic")) is not None and kind in MOVING:
-            what = f"follows {mimic.get('joint')!r} (mimic)"
+            what = f"follows {mimic.get('joint')!r} (mimic, times {mimic.get('multiplier', '1')})"
             faults.append(Fault(place, what, _OWN))
         elif kind in MOVING:
             chain.append(_moving_joint(joint, link, place, faults))
@@ -87,8 +87,9 @@ def read_chain(urdf: Urdf, flange: str, base: str | None = None) -> Chain:
 
 _OWN = (
     'between base and flange every joint has to be its own: write type="fixed" where it stood still, or take '
-    "<mimic> out and give it a column in the poses; of a telescope, write one joint that moves as far as all "
-    "its stages together, the others fixed"
+    "<mimic> out and give it a column in the poses (`plan` and `compensate` then move it by itself, which no "
+    "drive does); of a telescope, write one joint that moves as far as all its stages together, the others "
+    "fixed"
 )
 
 

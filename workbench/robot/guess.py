@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from ..files.faults import Fault, InputError
 from .urdf import MOVING, Urdf
 
-ARM = 2  # joints from which a part is an arm, and what branches behind it a gripper
+ARM = 2  # joints from which a part is an arm, and what branches behind it a gripper; a tool has no more
+WRIST = 5  # joints behind which a last one that slides is a finger: arms slide nearer to the base
+GRIPPER = re.compile(r"(?!.*(wrist|roll|pitch|yaw|rot)).*(finger|gripper|jaw|knuckle|claw)", re.IGNORECASE)
 NAMES = (r"(.*[_/-])?tool0", r"(.*[_/-])?flange(_link)?", r".*(link_ee|ee_link|tool_flange|mounting_plate)")
 
 
@@ -49,12 +51,15 @@ def _arms(urdf: Urdf, link: str, joints: int) -> list[str]:
         for child in urdf.children(member)
         if urdf.kind(child) in MOVING and any(_free(urdf, below) for below in urdf.below(child))
     ]
+    flanged = [child for child in moving if any(map(_named, urdf.below(child)))]
+    if joints >= ARM and len(flanged) == 1 and not any(map(_named, group)):
+        moving = flanged  # the other branches are levers
     loose = [c for m in group for c in urdf.children(m) if urdf.kind(c) in ("floating", "planar")]
     if len(moving) > 1 and joints < ARM:
         found = [end for child in moving for end in _arms(urdf, child, 1)]
         most = max(_depth(urdf, end) for end in found)
         return [end for end in found if _depth(urdf, end) >= max(ARM + 1, most // 2)] or found
-    if len(moving) == 1 and not _fingers(urdf, moving[0], joints):
+    if len(moving) == 1 and not _tool(urdf, moving[0], joints):
         return _arms(urdf, moving[0], joints + 1)
     if joints:
         return [here]
@@ -66,15 +71,31 @@ def _free(urdf: Urdf, link: str) -> bool:
     return urdf.kind(link) in MOVING and urdf.joints[link].find("mimic") is None
 
 
-def _fingers(urdf: Urdf, link: str, joints: int) -> bool:
-    """A joint at the end that others follow belongs to a gripper."""
-    name = urdf.joints[link].get("name")
-    followed = any(
-        mimic.get("joint") == name
-        for joint in urdf.joints.values()
-        if (mimic := joint.find("mimic")) is not None
-    )
-    return followed and joints > ARM and sum(_free(urdf, name) for name in urdf.below(link)) == 1
+def _tool(urdf: Urdf, link: str, joints: int) -> bool:
+    """Whether what moves this link is no axis of the arm of so many joints before it: a joint that says so by
+    its name, the last ones behind a link that is called a flange, and a last one that others follow or that
+    slides behind a wrist."""
+    if joints <= ARM:
+        return False
+    name, last = urdf.joints[link].get("name", ""), sum(_free(urdf, below) for below in urdf.below(link))
+    mimics = (joint.find("mimic") for joint in urdf.joints.values())
+    followed = any(mimic is not None and mimic.get("joint") == name for mimic in mimics)
+    finger = followed or (urdf.kind(link) == "prismatic" and joints >= WRIST)
+    return bool(GRIPPER.match(name)) or (last == 1 and finger) or (last <= ARM and _on_flange(urdf, link))
+
+
+def _on_flange(urdf: Urdf, link: str) -> bool:
+    """One of the links that are fixed together to carry this one is called a flange."""
+    for carrier in list(urdf.above(link))[1:]:
+        if _named(carrier):
+            return True
+        if carrier not in urdf.joints or urdf.kind(carrier) in MOVING:
+            break
+    return False
+
+
+def _named(link: str) -> bool:
+    return any(re.fullmatch(pattern, link, re.IGNORECASE) for pattern in NAMES)
 
 
 def _depth(urdf: Urdf, link: str) -> int:
@@ -102,4 +123,5 @@ def _flange_behind(urdf: Urdf, last: str) -> Guess:
         shaped = any(urdf.links[link].find(kind) is not None for kind in ("visual", "collision"))
         if urdf.parent(link) == last and not shaped:
             return Guess(link, f"the frame that is fixed to the last moving link {last!r}")
-    return Guess(last, "the last moving link")
+    tool = any(urdf.kind(link) in MOVING for link in urdf.below(last)[1:])
+    return Guess(last, "the last link before what moves in a tool" if tool else "the last moving link")

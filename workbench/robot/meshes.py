@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .chain import Chain
-from .packages import Given, in_package, mesh_file
+from .packages import Given, finder, in_package, mesh_file
 from .urdf import Urdf, vector
 
 FACES = 24_000  # of a whole robot: a scene with its loaded twin and many points stays under 5 MB
@@ -55,11 +55,13 @@ def mesh_files(
     Of a link with shapes of the first of `kinds` these count; where their files lack, the next as well.
     """
     out: list[tuple[Key, Path | None]] = []
+    beside = urdf.path.parent
+    find = finder(beside, given)
     for link in urdf.below(chain.base):
         for kind in kinds:
             shapes = urdf.links[link].findall(f"{kind}/geometry/*")
             keys = [mesh_key(shape) for shape in shapes if shape.tag == "mesh"]
-            found = [mesh_file(key[0], urdf.path.parent, given) for key in keys]
+            found = [mesh_file(key[0], beside, find) for key in keys]
             out += zip(keys, found, strict=True)
             if shapes and None not in found:
                 break
@@ -74,7 +76,8 @@ def mesh_notes(meshes: MeshFiles) -> list[str]:
         there = {in_package(name)[0] for (name, _), file in files.items() if file is not None}
         lacking = sorted({in_package(name)[0] for name in missing} - there - {""})
         mend = f"; say --package {lacking[0]}=DIR, or set ROS_PACKAGE_PATH" if lacking else ""
-        what = f"{len(missing)} of {len(files)} meshes are not there ({missing[0]}"
+        of = f"{len(missing)} of {len(files)} meshes" if len(files) > 1 else "the only mesh"
+        what = f"{of} {'is' if len(missing) == 1 else 'are'} not there ({missing[0]}"
         notes.append(f"{what}{', ...' if len(missing) > 1 else ''}); only pictures need them{mend}")
     kinds = {file.suffix.lower() for file in files.values() if file is not None}
     strange = sorted(kinds - {*CONVERTED})
@@ -107,7 +110,8 @@ def unreadable(meshes: MeshFiles, shown: Pictures) -> list[str]:
     """A line on the meshes that are there but came to nothing."""
     files = dict(meshes)
     broken = sorted({str(files[key]) for key, parts in shown.items() if not parts})
-    return [f"{len(broken)} meshes are empty or cannot be read ({broken[0]})"] if broken else []
+    many = f"{len(broken)} meshes are" if len(broken) > 1 else "a mesh is"
+    return [f"{many} empty or cannot be read ({broken[0]})"] if broken else []
 
 
 def _library() -> bool:

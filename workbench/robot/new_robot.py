@@ -8,14 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..files.faults import Fault, InputError, read_text
+from ..files.faults import Fault, InputError
 from ..files.toml import toml_text
 from .chain import Chain, read_chain
 from .guess import Guess, guess_flange
 from .meshes import mesh_files, mesh_notes, pictures, unreadable
 from .packages import Given
 from .plain_urdf import left_out, plain_text
-from .urdf import parse_urdf
+from .urdf import parse_urdf, read_xml
 from .xacro_files import expanded, is_xacro
 
 MESHES = "meshes"
@@ -46,12 +46,14 @@ def new_robot(
     Raises `InputError` where the file has no arm, or several and nobody says which, and where there are
     arguments that nothing takes.
     """
-    xacro = is_xacro(source)
+    text, read_as = read_xml(source)
+    xacro = is_xacro(source, text)
     if arguments and not xacro:
         what = f"is no xacro: nothing in it takes {', '.join(arguments)}"
         raise InputError(Fault(str(source), what, "leave them out, or name the xacro file"))
-    text = expanded(source, arguments or {}, given) if xacro else read_text(source)
-    urdf = parse_urdf(text, source)
+    if xacro:
+        text = expanded(source, text, arguments or {}, given)
+    urdf = parse_urdf(text, source, read_as)
     guess = guess_flange(urdf, base) if flange is None else Guess(flange, "as said")
     chain = read_chain(urdf, guess.flange, base)
     name = name or _name(source, arguments or {})

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
-from functools import cache
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, partial
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -16,6 +16,7 @@ UPWARDS = 6  # folders above the URDF in which its package and those beside it a
 WORKSPACE = 4  # folders above the URDF up to that of all repositories: .../ROBOT/urdf/TYPE in each
 DOWNWARDS = 3  # folders below an entry of ROS_PACKAGE_PATH
 Given = Mapping[str, Path]
+Find = Callable[[str], Path | None]
 
 
 def given_packages(texts: list[str]) -> dict[str, Path]:
@@ -56,7 +57,12 @@ def package_folder(name: str, beside: Path, given: Given | None = None) -> Path 
     return next((folder for folder in _around(beside.resolve()) if folder.name == name), None)
 
 
-def mesh_file(uri: str, beside: Path, given: Given | None = None) -> Path | None:
+def finder(beside: Path, given: Given | None = None) -> Find:
+    """`package_folder` from there, for one file: each package is looked for once, among many folders."""
+    return cache(partial(package_folder, beside=beside, given=given))
+
+
+def mesh_file(uri: str, beside: Path, find: Find) -> Path | None:
     """The file that a mesh's filename in a URDF in the folder `beside` names; None where there is none."""
     scheme, colon, rest = uri.partition("://")
     path = beside / uri
@@ -64,7 +70,7 @@ def mesh_file(uri: str, beside: Path, given: Given | None = None) -> Path | None
         path = Path("/" + unquote(rest).lstrip("/"))
         name, inside = in_package(uri)
         if name and not (scheme == "file" and path.is_file()):
-            folder = package_folder(name, beside, given)
+            folder = find(name)
             return folder / inside if folder is not None and (folder / inside).is_file() else None
         if scheme != "file":
             return None

@@ -19,6 +19,9 @@ from .urdf import MOVING, Urdf, number, origin_of, vector
 
 BONE = 0.035  # m, radius of the cylinder that stands for a link without a picture
 GREY = "0.72 0.74 0.76 1"
+LIGHTEST, HEAVIEST = 1e-3, 5e3  # kg of what moves with a joint: of a hobby servo, of the largest arms
+FARTHEST = 5.0  # m from a link to its centre of mass, or as radius of gyration
+SHOWN = 6  # of them are named
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -55,13 +58,42 @@ def plain_text(urdf: Urdf, chain: Chain, pictures: Pictures | None = None, besid
 def left_out(urdf: Urdf, chain: Chain) -> list[str]:
     """What of the URDF does not count as it says, a line each."""
     below = urdf.below(chain.base)
-    own, notes = {joint.name for joint in chain.joints}, []
+    own, notes = {joint.name for joint in chain.joints}, [*urdf.notes]
     moving = [urdf.joints[link].get("name", "") for link in below[1:] if urdf.kind(link) in MOVING]
     if still := [name for name in moving if name not in own]:
         notes.append(f"these joints beside the arm stand at 0: {', '.join(still)}")
     if bad := [link for link in below if _mass(urdf, link) > 0 and _inertia(urdf, link) is None]:
         notes.append(f"inertia that no body can have, taken as a point's: {', '.join(bad)}")
+    if odd := _odd_weights(urdf, chain):
+        more = f" and {len(odd) - SHOWN} more" if len(odd) > SHOWN else ""
+        notes.append(
+            f"weights that no arm has, taken as they are: {', '.join(odd[:SHOWN])}{more}; state what the "
+            "links weigh, in kg and m, or no masses if that is unknown: how the arm sags follows from them"
+        )
     return notes
+
+
+def _odd_weights(urdf: Urdf, chain: Chain) -> list[str]:
+    """What moves with a joint and weighs next to nothing or more than the largest arms, where the URDF has
+    masses at all; and links whose mass is far from them."""
+    ends = [*(joint.link for joint in chain.joints[1:]), None]
+    masses = {}
+    for joint, end in zip(chain.joints, ends, strict=True):
+        behind = set() if end is None else set(urdf.below(end))
+        masses[joint.link] = sum(_mass(urdf, link) for link in urdf.below(joint.link) if link not in behind)
+    if not any(masses.values()):
+        return []
+    odd = [f"{link} with {kg:g} kg" for link, kg in masses.items() if not LIGHTEST <= kg <= HEAVIEST]
+    for link in urdf.below(chain.base):
+        if (mass := _mass(urdf, link)) > 0:
+            place = f"{urdf.path}: link {link!r} inertial"
+            inertial = urdf.links[link].find("inertial")
+            assert inertial is not None
+            away = float(np.linalg.norm(origin_of(inertial, place)[0]))
+            spread = float(np.sqrt(max((_inertia(urdf, link) or [0.0])[:3]) / mass))
+            odd += [f"{link} with its centre of mass {away:.3g} m away"] if away > FARTHEST else []
+            odd += [f"{link} with a radius of gyration of {spread:.3g} m"] if spread > FARTHEST else []
+    return odd
 
 
 def _mass(urdf: Urdf, link: str) -> float:

@@ -6,9 +6,8 @@ import os
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-from ..files.faults import read_text
-from .packages import mesh_file
-from .urdf import xml_root
+from .packages import finder, mesh_file
+from .urdf import read_root
 
 FOLDER = "urdf"  # beside the file that names it
 
@@ -20,9 +19,9 @@ def carried(urdf: Path, folder: Path) -> tuple[str, str]:
     away from them is shown with plain links. Raises `InputError` where the URDF cannot be read.
     """
     name = f"{FOLDER}/{urdf.name}"
-    root = xml_root(read_text(urdf), urdf)
-    place = (folder / name).parent.resolve()
+    root = read_root(urdf)
+    place, find = (folder / name).parent.resolve(), finder(urdf.parent)
     for mesh in root.iter("mesh"):
-        if (file := mesh_file(mesh.get("filename", ""), urdf.parent)) is not None:
+        if (file := mesh_file(mesh.get("filename", ""), urdf.parent, find)) is not None:
             mesh.set("filename", Path(os.path.relpath(file.resolve(), place)).as_posix())
     return name, ET.tostring(root, encoding="unicode") + "\n"

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
-from ..files.faults import Fault, InputError, read_text
+from ..files.faults import BYTE_ORDER_MARKS, Fault, InputError, read_bytes, text_of
 from ..files.measure import beyond
 
 WORLD = "world"  # by convention the URDF's name for the ground, and Drake's own
@@ -18,18 +18,23 @@ MOVING = ("revolute", "continuous", "prismatic")
 LOOSE = ("floating", "planar")
 XACRO = "xacro:"  # prefix of the elements that xacro makes others of
 BEYOND = "is not finite or beyond all measure"
+DECLARED = re.compile(rb"""^\s*<\?xml[^>]*?\sencoding\s*=\s*["']([\w.:-]+)""")
+UTF8 = ("utf-8", "utf8", "us-ascii", "ascii")
+STAND_IN = "cp1252"  # for text that is not the UTF-8 that it should be: Latin-1 with quotation marks
 NO_LIMIT = 1e6  # rad or m, rad/s or m/s, N·m or N: a farther limit holds nothing
 Vector3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Urdf:
-    """The elements of a URDF: links by name, joints by the link that they carry, colours by material."""
+    """The elements of a URDF: links by name, joints by the link that they carry, colours by material; `notes`
+    say how its text was taken where it is not as it should be."""
 
     path: Path
     links: dict[str, ET.Element]
     joints: dict[str, ET.Element]
     colours: dict[str, str]
+    notes: tuple[str, ...] = ()
 
     def parent(self, link: str) -> str | None:
         """The link that carries this one; None for a root."""
@@ -58,10 +63,11 @@ class Urdf:
 
 def read_urdf(path: Path) -> Urdf:
     """The elements of a URDF. Raises `InputError` with every fault of its tree."""
-    return parse_urdf(read_text(path), path)
+    text, notes = read_xml(path)
+    return parse_urdf(text, path, notes)
 
 
-def parse_urdf(text: str, path: Path) -> Urdf:
+def parse_urdf(text: str, path: Path, notes: tuple[str, ...] = ()) -> Urdf:
     """The elements of a URDF's text; `path` is where it stands. See `read_urdf`."""
     root = xml_root(text, path)
     if any(item.tag.startswith(XACRO) for item in root.iter()):
@@ -91,11 +97,41 @@ def parse_urdf(text: str, path: Path) -> Urdf:
         names.add(name)
         joints[child] = joint
     colours = {item.get("name", ""): _colour(item) for item in root.findall("material")}
-    urdf = Urdf(path, links, joints, {name: colour for name, colour in colours.items() if colour})
+    urdf = Urdf(path, links, joints, {name: colour for name, colour in colours.items() if colour}, notes)
     faults += [] if faults else _circles(urdf)
     if faults:
         raise InputError(faults)
     return urdf
+
+
+def read_xml(path: Path) -> tuple[str, tuple[str, ...]]:
+    """The text of an XML file, in the encoding that its byte order mark or its declaration says, else UTF-8;
+    and what is to be said of that. Raises `InputError`."""
+    content = read_bytes(path)
+    declared = DECLARED.match(content)
+    encoding = "utf-8" if declared is None else declared[1].decode("ascii").lower()
+    notes: tuple[str, ...] = ()
+    if encoding in UTF8 and not content.startswith(tuple(BYTE_ORDER_MARKS)) and not _is_utf8(content):
+        content = content.decode(STAND_IN, "replace").encode()
+        notes = ("is not UTF-8, nor says what else: read as Latin-1, letters beyond ASCII may be wrong",)
+    try:
+        return text_of(content, path, encoding), notes
+    except (LookupError, UnicodeError):
+        what = f"says encoding {encoding!r}, which nobody knows"
+        raise InputError(Fault(str(path), what, "save it as UTF-8 and say so in its first line")) from None
+
+
+def _is_utf8(content: bytes) -> bool:
+    try:
+        content.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def read_root(path: Path) -> ET.Element:
+    """The root of an XML file. Raises `InputError`."""
+    return xml_root(read_xml(path)[0], path)
 
 
 def xml_root(text: str, path: Path) -> ET.Element:

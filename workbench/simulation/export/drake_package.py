@@ -17,7 +17,7 @@ from .content import Content, Part
 from .sdf import sdf_of
 from .simulated import Simulated, simulated
 from .text import commented
-from .urdf import Files, mesh_files, xml_text
+from .urdf import Files, contents, mesh_files, xml_text
 
 MODULE = Path(extended_robot.__file__).parent
 
@@ -54,7 +54,7 @@ def write(content: Content, header: list[str]) -> Files:
     for file in sorted(MODULE.glob("*.py")):
         said = commented(header) if file.stem == "__init__" else ""
         files[f"{MODULE.name}/{file.name}"] = said + file.read_text(encoding="utf-8")
-    return files | {mesh: path.read_bytes() for mesh, path in meshes.items()}
+    return files | contents(meshes)
 
 
 def effects(content: Content, whole: Simulated) -> bytes:

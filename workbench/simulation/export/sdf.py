@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
 
 import numpy as np
 
-from ...files.faults import Fault, InputError, read_text
+from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
-from ...robot.urdf import xml_root
+from ...robot.urdf import read_root
 from .content import Content
 from .simulated import elastic_tree
 from .text import number, numbers
 from .tree import LEAST, Body, Coil, Joint, Tree
-from .urdf import Files, mesh_files, rpy, xml_text
+from .urdf import Files, Meshes, contents, mesh_files, rpy, xml_text
 
 DRAKE = "http://drake.mit.edu"  # the name space of Drake's own elements
 DRIVES = frozenset({"revolute", "prismatic"})
@@ -24,12 +23,10 @@ def write(content: Content, header: list[str]) -> Files:
     """NAME.sdf and its meshes."""
     meshes = mesh_files(content.robot.urdf)
     root = sdf_of(content, elastic_tree(content), meshes)
-    return {f"{content.robot.name}.sdf": xml_text(root, header)} | {
-        k: p.read_bytes() for k, p in meshes.items()
-    }
+    return {f"{content.robot.name}.sdf": xml_text(root, header), **contents(meshes)}
 
 
-def sdf_of(content: Content, tree: Tree, meshes: Mapping[str, object], at: str = "") -> ET.Element:
+def sdf_of(content: Content, tree: Tree, meshes: Meshes, at: str = "") -> ET.Element:
     """The <sdf> element; `at` goes before the meshes' names. Raises `InputError` where links and joints share
     names, which SDF does not know."""
     twice = {body.name for body in tree.bodies} & {joint.name for joint in tree.joints}
@@ -101,21 +98,20 @@ def _coil(model: ET.Element, coil: Coil) -> None:
     _put(spring, "drake:linear_spring_damper_damping", "0")
 
 
-def _pictures(content: Content, meshes: Mapping[str, object], at: str) -> dict[str, list[ET.Element]]:
+def _pictures(content: Content, meshes: Meshes, at: str) -> dict[str, list[ET.Element]]:
     """The <visual>s of the URDF's links that are meshes."""
     found: dict[str, list[ET.Element]] = {}
-    urdf = content.robot.urdf
-    for link in xml_root(read_text(urdf), urdf).findall("link"):
+    for link in read_root(content.robot.urdf).findall("link"):
         name = link.get("name", "")
         for i, visual in enumerate(link.findall("visual")):
             mesh, origin = visual.find("geometry/mesh"), visual.find("origin")
-            if mesh is None or mesh.get("filename") not in meshes:
+            if mesh is None or (written := mesh.get("filename", "")) not in meshes:
                 continue
             element = ET.Element("visual", {"name": f"{name}_{i}"})
             if origin is not None:
                 _put(element, "pose", f"{origin.get('xyz', '0 0 0')} {origin.get('rpy', '0 0 0')}")
             shape = ET.SubElement(ET.SubElement(element, "geometry"), "mesh")
-            _put(shape, "uri", f"{at}{mesh.get('filename')}")
+            _put(shape, "uri", f"{at}{meshes[written][0]}")
             if mesh.get("scale"):
                 _put(shape, "scale", str(mesh.get("scale")))
             found.setdefault(name, []).append(element)

@@ -8,23 +8,24 @@ from pathlib import Path
 
 import numpy as np
 
-from ...files.faults import read_text
 from ...robot.kinematics import Array
 from ...robot.plants import rigid_arm_plant
 from ...robot.rigid_plant import rigid_twin
 from ...robot.rotations import zyx_angles
-from ...robot.urdf import xml_root
+from ...robot.urdf import read_root
 from .content import Content
 from .text import numbers, xml_comment
 from .tree import tree_of
 
 Files = Mapping[str, str | bytes]
+Meshes = Mapping[str, tuple[str, Path]]
+MESHES = "meshes"  # folder beside what is exported
 
 
 def write(content: Content, header: list[str]) -> Files:
     """NAME.urdf and the meshes that it names by relative path. Everything else stays as the user has it."""
     robot = content.robot
-    root = xml_root(read_text(robot.urdf), robot.urdf)
+    root, meshes = read_root(robot.urdf), mesh_files(robot.urdf)
     nominal = rigid_twin(robot)
     for joint in tree_of(robot, rigid_arm_plant(content.arm)).joints:
         if joint.name not in robot.joint_names:
@@ -36,8 +37,10 @@ def write(content: Content, header: list[str]) -> Files:
         carrier = nominal.plant.GetBodyByName(joint.parent).body_frame()
         X = before.CalcPose(nominal.context, carrier).inverse().GetAsMatrix4() @ joint.pose
         _place(element, X)
-    meshes = {name: path.read_bytes() for name, path in mesh_files(robot.urdf).items()}
-    return {f"{robot.name}.urdf": xml_text(root, header), **meshes}
+    for mesh in root.iter("mesh"):
+        if (written := mesh.get("filename", "")) in meshes:
+            mesh.set("filename", meshes[written][0])
+    return {f"{robot.name}.urdf": xml_text(root, header), **contents(meshes)}
 
 
 def notes(content: Content) -> list[str]:
@@ -50,15 +53,30 @@ def notes(content: Content) -> list[str]:
     )
 
 
-def mesh_files(urdf: Path) -> dict[str, Path]:
-    """File name as the URDF writes it → the file, of the meshes beside it."""
-    root = xml_root(read_text(urdf), urdf)
-    names = {mesh.get("filename", "") for mesh in root.iter("mesh")}
-    found = {}
-    for name in sorted(names):
-        if "://" not in name and ".." not in Path(name).parts and (urdf.parent / name).is_file():
-            found[name] = urdf.parent / name
+def mesh_files(urdf: Path) -> Meshes:
+    """File name as the URDF writes it → its name beside what is exported, and the file, of the meshes that
+    are named by their place: one below the URDF keeps its name, one elsewhere comes into `meshes`. A name
+    with a scheme, as package://, counts from anywhere."""
+    names = {mesh.get("filename", "") for mesh in read_root(urdf).iter("mesh")}
+    files = {name: urdf.parent / name for name in sorted(names) if name and "://" not in name}
+    files = {name: file for name, file in files.items() if file.is_file()}
+    found = {name: (name, file) for name, file in files.items() if _below(name)}
+    for name, file in files.items():
+        if not _below(name):
+            free = f"{MESHES}/{file.name}"
+            if free in {taken for taken, _ in found.values()}:
+                free = f"{MESHES}/{len(found)}_{file.name}"
+            found[name] = free, file
     return found
+
+
+def contents(meshes: Meshes) -> dict[str, bytes]:
+    """The mesh files by their names beside what is exported."""
+    return {name: file.read_bytes() for name, file in meshes.values()}
+
+
+def _below(name: str) -> bool:
+    return not (Path(name).is_absolute() or ".." in Path(name).parts)
 
 
 def xml_text(root: ET.Element, header: list[str]) -> str:
