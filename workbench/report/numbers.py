@@ -104,10 +104,11 @@ def percent(value: float, places: int = 1) -> str:
 
 
 def probability(value: float) -> str:
-    """A probability as `98.2 %`; nothing that was computed is certain: `> 99.9 %`, `< 0.1 %`."""
+    """A probability as `98 %`, with a decimal at the ends alone: `99.4 %`, `0.3 %`; nothing that was computed
+    is certain: `> 99.9 %`, `< 0.1 %`."""
     if value > 0.999:
         return "> 99.9 %"
-    return "< 0.1 %" if value < 0.001 else percent(value, 1)
+    return "< 0.1 %" if value < 0.001 else percent(value, 0 if 0.01 <= value < 0.99 else 1)
 
 
 def p_value(value: float) -> str:
