@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..effects import called
 from ..effects.place import Parameter
 
 MISSING = "–"
@@ -202,5 +203,5 @@ def size(value: float, unit: str, name: str = "") -> str:
 
 
 def words(identifier: str) -> str:
-    """`half_width` as people write it: `half width`."""
-    return identifier.replace("_", " ")
+    """`half_width` as people write it: `half width`; a cause as it is called."""
+    return called(identifier)

@@ -231,8 +231,8 @@ def anew_said(found: Verification) -> str:
     if left is None:
         return ""
     return (
-        f"Most of the uncorrected error is the same all along the path: {mm(left)} mm RMS are left of it once "
-        "the base or the work object is taken anew"
+        f"Most of the uncorrected error is the same all along the path: {mm(left)} mm RMS are left of it "
+        "once the base or the work object is taken anew"
     )
 
 
