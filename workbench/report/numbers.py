@@ -184,8 +184,13 @@ def quantity(parameter: Parameter) -> Quantity:
     if not known:
         return Quantity(significant(shown), "", "", chosen.unit, also)
     places = _places(1.96 * std * chosen.factor)
-    low, high = (decimals(end * chosen.factor, places) for end in parameter.interval)
-    return Quantity(decimals(shown, places), low, high, chosen.unit, also)
+    low, high = (_rounded(end * chosen.factor, places) for end in parameter.interval)
+    return Quantity(_rounded(shown, places), low, high, chosen.unit, also)
+
+
+def _rounded(value: float, places: int) -> str:
+    """Decimals, or with negative places tens and hundreds, rounded as well."""
+    return decimals(round(value, places), places)
 
 
 def _places(half: float) -> int:
@@ -199,7 +204,7 @@ def size(value: float, unit: str, name: str = "") -> str:
     if not math.isfinite(value):
         return MISSING
     chosen = scale(value, unit, name)
-    return join(significant(value * chosen.factor, 2), chosen.unit)
+    return join(significant(float(f"{value * chosen.factor:.2g}"), 2), chosen.unit)
 
 
 def words(identifier: str) -> str:
