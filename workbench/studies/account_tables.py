@@ -139,8 +139,9 @@ def _stands(found: Standing) -> str:
 def _odds(found: Evidence, best: float) -> str:
     if not math.isfinite(found.log10):
         return "−∞"
-    places = 0 if found.error >= 1 else 1
-    return f"{decimals(found.log10 - best, places)} ± {decimals(found.error, places)}"
+    places = 1 if found.error < 1 else 0 if found.error < 100 else -1
+    odds, error = (decimals(round(x, places), places) for x in (found.log10 - best, found.error))
+    return f"{odds} ± {error}"
 
 
 def _share(value: float) -> str:
