@@ -28,6 +28,7 @@ from workbench import (
     redrawn,
     tornado,
 )
+from workbench.studies.accounts import Standing
 from workbench.studies.evidence import evidence
 
 PRINTED = np.array([0.5, -0.3])
@@ -170,8 +171,18 @@ def test_tables_and_figure_say_what_was_judged(judged: Judged) -> None:
     assert odds["near"][2].startswith("0.0 ±")
     [[account, value, allowed, needed, _]] = needs_table(judged).rows
     assert needed.startswith("0.")
-    assert (account, value, allowed) == ("moved", "middle", "−3.00 … 3.00")
+    assert (account, value, allowed) == ("moved", "middle", "−3 … 3")
     assert "near" in odds_figure(judged).title
+    assert "more" not in odds_figure(judged).title
+
+
+def test_of_accounts_within_the_error_of_the_odds_those_count_that_reproduce_the_print(
+    judged: Judged, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Judged, "excluded", lambda *_: False)
+    monkeypatch.setattr(Judged, "standing", lambda _, name: Standing(0.5 * (name != "wide"), 1.0))
+    title = odds_figure(judged).title
+    assert title.endswith("has the highest odds; 1 more that reproduces the print is within their error")
 
 
 def headline(values: Mapping[str, float], seed: int) -> dict[str, float]:
@@ -197,7 +208,10 @@ def test_a_headline_over_draws_and_what_carries_it(tmp_path: Path) -> None:
     some = draws.only(draws.values["a"] > 1.5)
     assert (some.count, some.values["a"].min() > 1.5) == (100, True)
     assert some.range("error")[0] > low
+    assert draws.carrier("constant") is None
+    assert draws.only(np.arange(200) < 4).carrier("error") is None
     figure = tornado(draws, "error", "carried", "error, mm")
+    assert figure.title.startswith("Error: 5.0 (")
     assert "the large one (8" in figure.title or "the large one (9" in figure.title
     assert figure.alt.index("the large one") < figure.alt.index("the small one")  # widest first
 
@@ -250,7 +264,9 @@ def test_a_prior_that_is_no_range_is_refused(ends: tuple[float, float]) -> None:
 def test_a_logarithmic_prior_has_its_middle_between() -> None:
     prior = Prior("mass", 1.0, 100.0, "kg", log=True)
     assert prior.middle == pytest.approx(10.0)
-    assert prior.range == "1.00 … 100 kg, uniform in its logarithm"
+    assert prior.range == "1 … 100 kg, log-uniform"
+    assert Prior("stiffness", 1e6, 2e7, "N·m/rad", log=True).range == "1 … 20 MN·m/rad, log-uniform"
+    assert Prior("place", -0.2, 0.2, "m").range == "−200 … 200 mm"
 
 
 def test_draws_are_led_to_a_print_far_from_their_middle(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from workbench.campaign import Target
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.components import at_once
 from workbench.diagnosis.evidence import evidence
-from workbench.effects import catalogue, rivals, separation, separation_beside
+from workbench.effects import called, catalogue, rivals, separation, separation_beside
 from workbench.effects.gravity_compensator import GravityCompensator
 from workbench.effects.kinds import (
     DirectEffect,
@@ -35,6 +35,7 @@ from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.noise import required_noise
 from workbench.measurement.design import settle
+from workbench.report.numbers import words
 from workbench.robot.compensator import compensator_law
 from workbench.robot.description import load_robot
 from workbench.robot.elastic_plant import elastic_twin
@@ -428,3 +429,9 @@ def test_a_coil_is_the_same_spring_for_any_number_of_poses():
     law = compensator_law(robot, arrays(robot))
     springs = {replace(law, charge=np.full(count, 0.9)).coil for count in (1, 20, 30, 60)}
     assert springs == {replace(law, charge=0.9).coil}
+
+
+def test_a_cause_is_called_what_the_field_calls_it() -> None:
+    assert called("joint_map") == words("joint_map") == "transmission error over the angle"
+    assert called("gear_ratio") == "gear ratio"
+    assert called("half_width") == "half width"

@@ -160,7 +160,7 @@ def test_the_verdict_on_a_terminal(folder, capsys, tmp_path):
         capsys, "diagnose", folder / "one/campaign.toml", "--out", tmp_path / "new" / "folder"
     )
     assert status == 0
-    assert "NAMED     gear_kinematic_error (joint_4 at 200 cycles per turn)" in out
+    assert "NAMED       gear_kinematic_error (joint_4 at 200 cycles per turn)" in out
     assert f"{tmp_path}/new/folder/index.html" in out
     assert {path.name for path in (tmp_path / "new/folder").iterdir()} == FILES
     assert len(out.splitlines()) < 25

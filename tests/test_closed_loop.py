@@ -240,6 +240,18 @@ def test_what_stays_is_not_said_to_fall():
     assert "falls from" in whole_page(proof())
 
 
+def test_what_is_the_same_all_along_the_path_is_said():
+    """Uncorrected, the tool is 3 mm beside its path everywhere: another base takes that; not so a wave."""
+    found, wave = proof(), np.sin(np.linspace(0, 30, len(proof().X)))
+    for error, left in ((np.full_like(wave, 3e-3), 0.0), (3e-3 * wave, None)):
+        before = replace(found.slow.trials["uncorrected"], error=np.outer(error, [0.0, 0.0, 1.0]))
+        trials = {**found.slow.trials, "uncorrected": before}
+        seen = replace(found, series=(replace(found.slow, trials=trials),))
+        assert seen.anew_rms_mm == (left if left is None else pytest.approx(left, abs=1e-6))
+        for text in (whole_page(seen), Verified(seen, ()).text):
+            assert ("same all along the path" in text) == (left is not None)
+
+
 def test_half_the_step_changes_nothing():
     series = proof().series[0]
     assert 1e-3 * series.step_change_um < 0.005 * series.trials["corrected"].figures.rms_mm

@@ -450,8 +450,8 @@ def test_what_cannot_be_placed_takes_one_clause_and_its_candidates_come_by_proba
     shown = said_of(replace(nothing(), changes=(change,)))["changes"][0]
     assert (shown["what"], shown["parameters"]) == ("something that cannot be placed", [])
     assert shown["lines"][1] == (
-        "it may be: link_1 (29.0 %), link_2 in all campaigns (28.0 %), link_3 (27.0 %), "
-        "a dependence on the order of measurement (1.1 %)"
+        "it may be: link_1 (29 %), link_2 in all campaigns (28 %), link_3 (27 %), "
+        "a dependence on the order of measurement (1 %)"
     )
     (told,) = replace(nothing(), changes=(change,)).to_json()["changes"]
     assert not told["placed"]

@@ -85,4 +85,4 @@ def test_no_change_is_its_own_rival_on_the_page():
     change = replace(unplaced(), probability=0.352, rivals=rivals)
     comparison = replace(nothing(), changes=(change,))
     (line,) = [text for text in said_of(comparison)["changes"][0]["lines"] if text.startswith("or instead")]
-    assert line == "or instead: gear_ratio (56.8 %), link_1 (6.9 %)"
+    assert line == "or instead: gear ratio (57 %), link_1 (7 %)"

@@ -26,6 +26,7 @@ from workbench.measurement.design import decide
 from workbench.measurement.design.discrimination_plan import LEVELS
 from workbench.report.content import _given as content_row
 from workbench.report.content import content
+from workbench.report.numbers import mm
 from workbench.report.terminal import short_verdict
 from workbench.robot.equilibrium import NoRest
 
@@ -198,7 +199,7 @@ def test_what_was_given_and_is_confirmed_is_a_finding():
     assert said["verdict"]["label"] == "Given and confirmed"
     assert "beyond what was given" in said["no_cause"]
     assert "With what was given in it as well" in said["summary"]
-    assert f"and what was given {with_given.heldout_rms_mm:.4f}" in short_verdict(found, None)
+    assert f"and what was given {mm(with_given.heldout_rms_mm)}" in short_verdict(found, None)
 
 
 def test_a_reading_that_was_given_is_not_asked_for_again():

@@ -160,6 +160,7 @@ def test_summary_of_noise_from_the_residual_judges_nothing() -> None:
 def test_unknown_cause_shows_its_structure() -> None:
     said = content(example.unknown())
     left: dict[str, str] = said["causes"][-1]
+    assert left["status_label"] == "Unexplained"
     assert left["structure"] == "Depends on joint_3."
     assert left["gain"] == ""
     assert "More is left than the noise explains" in said["remainder"]

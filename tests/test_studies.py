@@ -30,6 +30,17 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.Captu
         main(["study", "kr5000"])
 
 
+@pytest.mark.parametrize(
+    ("there", "said"), [("rx170", "holds the study rx170"), ("", "holds another result")]
+)
+def test_two_results_are_not_mixed_in_one_folder(
+    there: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "result.json").write_text(json.dumps({"schema": 1} | ({"study": there} if there else {})))
+    assert main(["study", "kr120", "--quick", "--out", str(tmp_path)]) == 2
+    assert said in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_a_study_is_a_folder_to_read(name: str) -> None:
     """Short files and functions, with the words beside them."""

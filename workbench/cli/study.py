@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from ..files.faults import Fault, InputError
 from ..studies import PUBLISHED
 from .arguments import (
     Commands,
@@ -110,12 +112,25 @@ def run(arguments: argparse.Namespace) -> None:
 
     everything, folder = arguments.name == "all", arguments.out
     check_folder(folder)
+    if not everything:
+        _check_unmixed(folder, arguments.name)
     found = run_published(PUBLISHED if everything else (arguments.name,), _asked(arguments))
     if arguments.json:
         results = [study.to_json() for study in found]
         print(json.dumps(results if everything else results[0]))
     else:
         print("\n\n".join(study.text for study in found), f"open {folder}/index.html", sep="\n\n")
+
+
+def _check_unmixed(folder: Path, name: str) -> None:
+    """Raises InputError where a study would mix its files with those of another result."""
+    there = {"study": name}
+    with suppress(OSError, ValueError):
+        there = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    if there.get("study") != name:
+        what = f"the study {there['study']}" if "study" in there else "another result"
+        mend = "give another folder with --out, or remove this one first"
+        raise InputError(Fault(str(folder), f"holds {what}", mend))
 
 
 def _asked(arguments: argparse.Namespace) -> StudyRun:
@@ -177,11 +192,13 @@ def run_study(script: Script) -> NoReturn:
     """A study's script as a program of its own: `python my_study.py [--quick] [--out DIR] ...`."""
     module = sys.modules[script.__module__]
     parser = argparse.ArgumentParser(description=module.__doc__)
-    _script_options(parser, f"reports/{Path(module.__file__ or 'study/study.py').resolve().parent.name}")
+    name = Path(module.__file__ or "study/study.py").resolve().parent.name
+    _script_options(parser, f"reports/{name}")
 
     def action() -> None:
         given = parser.parse_args()
         check_folder(given.out)
+        _check_unmixed(given.out, name)
         from ..studies.running import run_script  # only now: a wrong call is answered at once
 
         found = run_script(script, _asked(given))

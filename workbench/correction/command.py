@@ -77,12 +77,8 @@ class Compensation:
 
     @property
     def before_anew_mm(self) -> Array:
-        """(N,) the same once the base or the work object is taken anew with the uncorrected tool: beside the
-        rigid motion that brings it nearest to the path."""
-        wanted = self.X_desired[:, :3, 3]
-        drawn = wanted - self.before[:, :3]
-        near, far = wanted - wanted.mean(axis=0), drawn - drawn.mean(axis=0)
-        return np.asarray(1e3 * np.linalg.norm(near - far @ nearest_turn(far, near).T, axis=1))
+        """(N,) the same once the base or the work object is taken anew with the uncorrected tool."""
+        return anew_mm(self.X_desired[:, :3, 3], -self.before[:, :3])
 
     @property
     def after_mm(self) -> Array:
@@ -109,13 +105,17 @@ class Compensation:
 
     def lines(self) -> list[str]:
         """What a user should know, a line each."""
+        return [*self._expected(), *self.remarks()]
+
+    def _expected(self) -> list[str]:
+        """What the model expects of the path."""
         found = [
             f"{len(self.path)} samples, {self.path.time[-1] - self.path.time[0]:.6g} s: the model expects "
             f"{_size(self.before_mm)} uncorrected, {_size(self.after_mm)} corrected",
             "that is what the model leaves of its own errors; what to expect of the robot: workbench predict",
         ]
         anew = self.before_anew_mm
-        if np.square(anew).mean() < PLACE**2 * np.square(self.before_mm).mean():
+        if mostly_place(self.before_mm, anew):
             found.append(
                 f"most of the uncorrected error is the same all along the path: {_size(anew)} once the base "
                 "or the work object is taken anew"
@@ -125,12 +125,29 @@ class Compensation:
                 f"that is at its points: run straight from one to the next, up to {self.between_mm:.2g} mm "
                 "are left halfway, which only closer points correct"
             )
-        found += [f"left out: {item}" for item in self.left_out]
+        return found
+
+    def remarks(self) -> list[str]:
+        """What is left out, what is not well, and what was chosen or taken from elsewhere."""
+        found = [f"left out: {item}" for item in self.left_out]
         for kind in dict.fromkeys(trouble.kind for trouble in self.troubles):
             here = [trouble for trouble in self.troubles if trouble.kind == kind]
             more = f", and {len(here) - 1} more of this kind" if len(here) > 1 else ""
             found.append(f"{kind}: {self.path.place(here[0].index)}: {here[0].what}{more}")
         return [*found, *self.notes]
+
+
+def anew_mm(wanted: Array, error: Array) -> Array:
+    """(N,) [mm] what is left of the errors (N, 3) [m] along a path of points (N, 3) [m] once the base or the
+    work object is taken anew: beside the rigid motion that brings the path nearest to what was drawn."""
+    drawn = wanted + error
+    near, far = wanted - wanted.mean(axis=0), drawn - drawn.mean(axis=0)
+    return np.asarray(1e3 * np.linalg.norm(near - far @ nearest_turn(far, near).T, axis=1))
+
+
+def mostly_place(error_mm: Array, anew_mm: Array) -> bool:
+    """Whether most of an error (N,) is the same all along the path."""
+    return bool(np.square(anew_mm).mean() < PLACE**2 * np.square(error_mm).mean())
 
 
 def _size(error_mm: Array) -> str:

@@ -27,6 +27,12 @@ def catalogue() -> dict[str, type[Effect]]:
     return found
 
 
+def called(cause: str) -> str:
+    """A cause as people say it: `gear ratio`; the id's own words where the catalogue has no such cause."""
+    kind = catalogue().get(cause)
+    return kind.called if kind is not None and kind.called else cause.replace("_", " ")
+
+
 def line(joint: str, order: float) -> Effect:
     """The effect that carries a line of any `order` [cycles per joint turn] in a joint's error."""
     (kind,) = (kind for kind in catalogue().values() if kind.ordered)

@@ -91,7 +91,8 @@ class Slopes(Protocol):
 class Effect(ABC):
     """One cause at one place.
 
-    cause: id of the cause. title: for people. equation: typst mathematics. separate: rival cause → the
+    cause: id of the cause. title: for people. called: what the field calls it, where its id does not say it
+    (`called`). equation: typst mathematics. separate: rival cause → the
     measurement that tells it apart (in words, with the {fields} of `words`; `separation` reads both sides).
     variant: forms of the same cause share cause and place and differ in this; they are never each other's
     rivals. settings: names of
@@ -116,6 +117,7 @@ class Effect(ABC):
 
     cause: ClassVar[str]
     title: ClassVar[str]
+    called: ClassVar[str] = ""
     equation: ClassVar[str] = ""
     separate: ClassVar[Mapping[str, str]] = {}
     settings: ClassVar[tuple[str, ...]] = ()

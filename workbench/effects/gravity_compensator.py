@@ -183,7 +183,9 @@ class GravityCompensator(LoadEffect):
             word = "above" if values[0] > 0 else "below"
             return f"The exponent of the compensator's gas is {abs(values[0]):.2f} {word} the model's."
         if self.variant == "temperature":
-            return f"The compensator's pressure changes by {values[0]:.2%} per K (sealed gas: 0.34 %)."
+            return (
+                f"The compensator's pressure changes by {100 * values[0]:.2f} % per K (sealed gas: 0.34 %)."
+            )
         what = "gas charge" if self.kind == "gas" else "spring rate"
         word = "higher" if values[0] > 0 else "lower"
-        return f"The compensator's {what} is {abs(values[0]):.1%} {word} than the model's."
+        return f"The compensator's {what} is {100 * abs(values[0]):.1f} % {word} than the model's."

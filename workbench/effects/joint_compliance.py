@@ -98,6 +98,6 @@ class JointCompliance(AxialYield, LinearYield):
             word = "softer" if values[0] > 0 else "stiffer"
             change = abs(1 / (1 + values[0]) - 1)
             less = "less" if values[0] > 0 else "more"
-            return f"{self.where.joint} is {word} than the model: {change:.1%} {less} stiffness."
+            return f"{self.where.joint} is {word} than the model: {100 * change:.1f} % {less} stiffness."
         unit = "µm per N" if self.sliding else "µrad per N·m"
         return f"{self.where.joint} yields {values[0] * 1e6:.3g} {unit}; the model has it rigid."

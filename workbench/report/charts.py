@@ -91,18 +91,27 @@ def curves(
 
 
 def histogram(
-    name: str, title: str, values: ArrayLike, label: str, marks: Mapping[str, float], bins: int = 45
+    name: str,
+    title: str,
+    values: ArrayLike,
+    label: str,
+    marks: Mapping[str, float],
+    bins: int = 45,
+    log: bool = False,
 ) -> Figure:
     """How values (M,) are spread, with named marks as upright lines."""
     given = np.asarray(values, dtype=float)
     ends = [*given, *marks.values()]
-    edges = np.linspace(min(ends), max(ends), bins + 1)
+    edges = (np.geomspace if log else np.linspace)(min(ends), max(ends), bins + 1)
     with drawing(name, 2.5) as (axes, svg):
         share = 100 * np.histogram(given, edges)[0] / max(len(given), 1)
         axes.stairs(share, edges, fill=True, alpha=0.35, color=MIDDLE)
         axes.stairs(share, edges, color=MIDDLE, lw=1.2)
         for colour, (key, value) in zip((BEFORE, AFTER, NOISE, MODEL), marks.items(), strict=False):
             axes.axvline(value, color=colour, lw=2, label=key)
+        if log:
+            axes.set_xscale("log")
+            plain_log(axes.xaxis)
         axes.set(xlabel=label, ylabel="% of cases", ylim=(0, None))
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=max(len(marks), 1))
     said = "; ".join(f"{key}: {value:.4g}" for key, value in marks.items())

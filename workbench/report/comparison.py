@@ -21,12 +21,14 @@ from ..diagnosis.changes.result import (
 )
 from ..diagnosis.changes.words import hidden_size, tells, with_std
 from ..diagnosis.headline import listed
+from ..effects import catalogue
 from ..effects.place import Parameter
 from . import charts
 from .drawing import Figure
 from .folder import json_bytes, write_together
 from .markup import render
-from .numbers import axis_scale, mm, percent, probability, quantity, size
+from .numbers import axis_scale, mm, percent, probability, quantity, size, words
+from .numbers import scale as unit_scale
 
 LISTED = 12  # of what did not change, on the terminal
 TRACKS = 4  # curves of one chart
@@ -77,15 +79,17 @@ def said_of(comparison: Comparison) -> dict[str, Any]:
     return {
         "title": comparison.title,
         "headline": comparison.headline,
+        "clauses": comparison.headline.removesuffix(".").split("; "),
         "verdict": "changed" if comparison.changed else "unchanged",
         "campaigns": [[c, str(n)] for c, n in zip(comparison.campaigns, comparison.n_poses, strict=True)],
         "changes": [_change(change) for change in comparison.changes],
         "within": _within(comparison),
         "unchanged": [_row(u) for u in _geometry(comparison)],
         "causes": [_row(u) for u in comparison.unchanged if u.cause != "geometry"],
-        "unseen": [[u.label, f"{NOT_TOLD} {u.same_as}"] for u in comparison.unseen],
+        "unseen": [[_in_words(u.label), f"{NOT_TOLD} {_in_words(u.same_as)}"] for u in comparison.unseen],
         "repeats": [
-            [r.label, r.status, f"within {percent(r.share, 0)} of its size"] for r in comparison.repeats
+            [_in_words(r.label), r.status, f"within {percent(r.share, 0)} of its size"]
+            for r in comparison.repeats
         ],
         "apart": apart,
         "apart_lines": [" · ".join(filter(None, row)) for row in apart],
@@ -121,7 +125,7 @@ def _change(change: Change) -> dict[str, Any]:
             f"{when}: {_each(one)}" for when, one in (("before", change.before), ("after", change.after))
         ]
     ways = [
-        f"{way.label}{'' if way.change else ' in all campaigns'} ({probability(way.probability)})"
+        f"{_in_words(way.label)}{'' if way.change else ' in all campaigns'} ({probability(way.probability)})"
         for way in change.ways
         if not (change.placed and way is change)
     ]
@@ -135,7 +139,7 @@ def _change(change: Change) -> dict[str, Any]:
     else:
         lines.append("no thirty of these poses would show such a change again: measure more targets or loads")
     return {
-        "what": change.label if change.placed else "something that cannot be placed",
+        "what": _in_words(change.label) if change.placed else "something that cannot be placed",
         "status": change.status,
         "when": _when(change),
         "parameters": [
@@ -143,6 +147,14 @@ def _change(change: Change) -> dict[str, Any]:
         ],
         "lines": lines,
     }
+
+
+def _in_words(label: str) -> str:
+    """`gear_ratio(joint_2)` as `gear ratio (joint_2)`; another label as it is."""
+    cause, bracket, where = label.partition("(")
+    if cause not in catalogue():
+        return label
+    return f"{words(cause)} ({where}" if bracket else words(cause)
 
 
 def _each(numbers: Sequence[Parameter]) -> str:
@@ -169,7 +181,7 @@ def _row(item: Unchanged) -> list[str]:
     """Number, difference, the least that would have been seen, and how far that moves the targets."""
     unit = item.number.unit
     return [
-        item.label,
+        _in_words(item.label),
         quantity(item.number).interval,
         size(item.detectable, unit, item.number.name),
         f"{mm(item.detectable_mm)} mm",
@@ -246,9 +258,10 @@ def chart(tracks: Sequence[Track], labels: Sequence[str]) -> list[Figure]:
         own = [track for track in tracks if track.unit == unit]
         for first in range(0, len(own), TRACKS):
             some = own[first : first + TRACKS]
-            scale = axis_scale([v for t in some for v in (*t.values, t.limit)], unit)
+            shown = [v for t in some for v in (*t.values, t.limit)]
+            scale = unit_scale(max(map(abs, shown)), unit) if unit == "1" else axis_scale(shown, unit)
             series: Mapping[str, charts.Series] = {
-                t.label: charts.Series(
+                _in_words(t.label): charts.Series(
                     [scale.factor * v for v in t.values],
                     [scale.factor * (v - 1.96 * s) for v, s in zip(t.values, t.stds, strict=True)],
                     [scale.factor * (v + 1.96 * s) for v, s in zip(t.values, t.stds, strict=True)],
@@ -260,7 +273,7 @@ def chart(tracks: Sequence[Track], labels: Sequence[str]) -> list[Figure]:
             figures.append(
                 charts.curves(
                     f"chart{len(figures) + 1}",
-                    "Each number against the first campaign, with its 95 % interval",
+                    f"{listed(list(series))} against the first campaign, with 95 % intervals",
                     range(1, len(labels) + 1),
                     series,
                     f"campaign ({names})",

@@ -235,8 +235,8 @@ def _cause(finding: Finding, number: int) -> Content:
         "title": finding.title or words(finding.cause),
         "id": finding.cause,
         "where": place(finding.where),
-        "status": "unexplained" if unknown else finding.status,
-        "status_label": "Not in the catalogue" if unknown else finding.status.capitalize(),
+        "status": status(finding),
+        "status_label": status(finding).capitalize(),
         "sentence": finding.sentence,
         "structure": "" if (finding.structure or "") in finding.sentence else _sentence(finding.structure),
         "equation": finding.equation,
@@ -249,6 +249,11 @@ def _cause(finding: Finding, number: int) -> Content:
         "decide": [[decision(one), one.command or ""] for one in to_decide(finding)],
         "figure": f"evidence{number}" if finding.evidence is not None and len(finding.evidence.x) else "",
     }
+
+
+def status(finding: Finding) -> str:
+    """How a finding stands, in a word."""
+    return "unexplained" if finding.cause == UNKNOWN else finding.status
 
 
 def to_decide(finding: Finding) -> list[Decision]:

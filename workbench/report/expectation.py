@@ -20,6 +20,7 @@ from .drawing import AFTER, BEFORE, MIDDLE, Figure, drawing, plain_log
 from .expected_scene import expected_scene
 from .folder import json_bytes, write_together
 from .markup import render
+from .numbers import mm
 from .workspace_map import workspace_map
 
 HEAD = (
@@ -51,26 +52,36 @@ class Expected:
 
     @property
     def headline(self) -> str:
+        """The errors, in a sentence."""
         e, count = self.inside, len(self.errors.outside)
         if e is None:
             return f"None of {count} poses lies within what was measured: nothing can be said of them"
-        within, said = len(e.outside), ""
-        if within < count:
-            lie = "lies" if within == 1 else "lie"
-            said = f"{within} of {count} poses {lie} within what was measured, and what follows is of them. "
-        median, most = 1e3 * np.quantile(e.worst, [0.5, 0.95])
-        mean = 1e3 * float(e.length.mean())
-        said += (
-            f"An uncorrected program misses by {mean:.3f} mm (mean of {within} poses); after correction "
-            f"the tool stays within {median:.3f} mm at half of them, within {most:.3f} mm at 95 %"
+        median, most = (mm(1e3 * float(bound)) for bound in np.quantile(e.worst, [0.5, 0.95]))
+        return (
+            f"An uncorrected program misses by {mm(1e3 * float(e.length.mean()))} mm (mean of "
+            f"{len(e.outside)} poses); after correction the tool stays within {median} mm at half of them, "
+            f"within {most} mm at 95 %"
         )
-        if self.tolerance is not None:
-            before, after = e.share_inside(self.tolerance)
-            said += (
-                f". Inside {1e3 * self.tolerance:.3g} mm with 95 %: at {100 * after:.0f} % of these poses, "
-                f"uncorrected at {100 * before:.0f} %"
-            )
-        return said
+
+    @property
+    def scope(self) -> str:
+        """Of which poses that is; "" where of all."""
+        count, within = len(self.errors.outside), int(self.errors.measured.sum())
+        if within in (0, count):
+            return ""
+        lie = "lies" if within == 1 else "lie"
+        return f"{within} of {count} poses {lie} within what was measured; the figures are of these alone."
+
+    @property
+    def kept(self) -> str:
+        """How many poses keep to the tolerance; "" where none was given."""
+        if self.tolerance is None or self.inside is None:
+            return ""
+        before, after = self.inside.share_inside(self.tolerance)
+        return (
+            f"Inside {1e3 * self.tolerance:.3g} mm with 95 %: at {100 * after:.0f} % of these poses, "
+            f"uncorrected at {100 * before:.0f} %."
+        )
 
     @property
     def beyond_limits(self) -> list[str]:
@@ -105,7 +116,9 @@ class Expected:
 
     @property
     def text(self) -> str:
-        return "\n".join([f"{self.headline}.", *self.outside, *self.errors.notes])
+        return "\n".join(
+            [*filter(None, (self.scope, f"{self.headline}.", self.kept)), *self.outside, *self.errors.notes]
+        )
 
     def to_json(self) -> dict[str, Any]:
         e = self.errors
@@ -178,6 +191,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
         "predict.html",
         title=title,
         headline=expected.headline,
+        more=[said for said in (expected.scope, expected.kept) if said],
         words=WORDS,
         outside=expected.outside,
         notes=expected.notes,

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..effects import called
 from ..effects.place import Parameter
 
 MISSING = "–"
@@ -104,10 +105,11 @@ def percent(value: float, places: int = 1) -> str:
 
 
 def probability(value: float) -> str:
-    """A probability as `98.2 %`; nothing that was computed is certain: `> 99.9 %`, `< 0.1 %`."""
+    """A probability as `98 %`, with a decimal at the ends alone: `99.4 %`, `0.3 %`; nothing that was computed
+    is certain: `> 99.9 %`, `< 0.1 %`."""
     if value > 0.999:
         return "> 99.9 %"
-    return "< 0.1 %" if value < 0.001 else percent(value, 1)
+    return "< 0.1 %" if value < 0.001 else percent(value, 0 if 0.01 <= value < 0.99 else 1)
 
 
 def p_value(value: float) -> str:
@@ -182,8 +184,13 @@ def quantity(parameter: Parameter) -> Quantity:
     if not known:
         return Quantity(significant(shown), "", "", chosen.unit, also)
     places = _places(1.96 * std * chosen.factor)
-    low, high = (decimals(end * chosen.factor, places) for end in parameter.interval)
-    return Quantity(decimals(shown, places), low, high, chosen.unit, also)
+    low, high = (_rounded(end * chosen.factor, places) for end in parameter.interval)
+    return Quantity(_rounded(shown, places), low, high, chosen.unit, also)
+
+
+def _rounded(value: float, places: int) -> str:
+    """Decimals, or with negative places tens and hundreds, rounded as well."""
+    return decimals(round(value, places), places)
 
 
 def _places(half: float) -> int:
@@ -197,9 +204,9 @@ def size(value: float, unit: str, name: str = "") -> str:
     if not math.isfinite(value):
         return MISSING
     chosen = scale(value, unit, name)
-    return join(significant(value * chosen.factor, 2), chosen.unit)
+    return join(significant(float(f"{value * chosen.factor:.2g}"), 2), chosen.unit)
 
 
 def words(identifier: str) -> str:
-    """`half_width` as people write it: `half width`."""
-    return identifier.replace("_", " ")
+    """`half_width` as people write it: `half width`; a cause as it is called."""
+    return called(identifier)

@@ -8,10 +8,12 @@ from pathlib import Path
 
 from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound
 from ..effects.base import UNKNOWN
-from .content import decision, place, to_decide
+from .content import decision, place, status, to_decide
+from .numbers import mm
 
 FAULTS = 10  # lines of faults; the rest is counted
 POSES = 12  # by their ids in a line
+INDENT = " " * 14  # of what is said below a cause
 
 
 def fault_lines(faults: Sequence[FaultFound], word: str) -> list[str]:
@@ -47,7 +49,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     """A few lines: verdict, causes with gain, faults, and where the report lies (`folder`, if written)."""
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
-        f"noise {diagnosis.noise.sigma_mm:.4f} mm per axis ({diagnosis.noise.source})",
+        f"noise {mm(diagnosis.noise.sigma_mm)} mm per axis ({diagnosis.noise.source})",
         "",
         diagnosis.headline,
         "",
@@ -56,27 +58,28 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     if diagnosis.test:
         t = diagnosis.test
         lines.append(
-            f"  test campaign, mm mean   before {t.before_mean_mm:.4f}   after {t.after_mean_mm:.4f}"
-            f"   (max {t.after_max_mm:.4f})"
+            f"  test campaign, mm mean   before {mm(t.before_mean_mm)}   after {mm(t.after_mean_mm)}"
+            f"   (max {mm(t.after_max_mm)})"
         )
         lines += [f"    {note}" for note in t.notes]
         lines += [f"    {line}" for line in fault_lines(t.faults, "data fault of the test")]
     for finding in diagnosis.causes:
         sentence = finding.sentence or finding.structure or ""
         where = place(finding.where)
-        name = f"{finding.cause} ({where})" if where and finding.cause != UNKNOWN else finding.cause
-        lines += ["", f"  {finding.status.upper():<10}{name}   gain {finding.gain_mm * 1e3:.1f} µm"]
-        lines += [f"            {sentence}"] if sentence else []
+        name = f"{finding.cause} ({where})" if where else finding.cause
+        name = "structure" if finding.cause == UNKNOWN else name
+        lines += ["", f"  {status(finding).upper():<11} {name}   gain {finding.gain_mm * 1e3:.1f} µm"]
+        lines += [f"{INDENT}{sentence}"] if sentence else []
         if finding.rivals:
             said = [(rival.cause, place(rival.where)) for rival in finding.rivals]
             rivals = ", ".join(f"{cause} ({at})" if at else cause for cause, at in said)
             word = "may be" if finding.cause == UNKNOWN else "fits as well"
-            lines.append(f"            {word}: {rivals}")
+            lines.append(f"{INDENT}{word}: {rivals}")
         if finding.separate_by:
-            lines.append(f"            to decide: {finding.separate_by}")
+            lines.append(f"{INDENT}to decide: {finding.separate_by}")
         for one in to_decide(finding):
-            lines.append(f"            - {decision(one)}")
-            lines += [f"              {one.command}"] if one.command else []
+            lines.append(f"{INDENT}- {decision(one)}")
+            lines += [f"{INDENT}  {one.command}"] if one.command else []
     lines += [f"  {fact.sentence}" for fact in diagnosis.given]
     lines += [f"  {line}" for line in fault_lines(diagnosis.faults, "data fault")]
     causes = sorted({item.cause for item in diagnosis.not_testable if not item.where.keys()})
@@ -100,4 +103,4 @@ def _steps(diagnosis: Diagnosis) -> list[str]:
     with_names = [stage for stage in more if not stage.name.endswith(NAMELESS)]
     steps += [("with causes", stage) for stage in with_names[-1:]]
     steps += [(f"with {NAMELESS}", stage) for stage in more if stage not in with_names]
-    return [f"{name} {stage.heldout_rms_mm:.4f}" for name, stage in steps]
+    return [f"{name} {mm(stage.heldout_rms_mm)}" for name, stage in steps]

@@ -17,6 +17,7 @@ CLASSES: tuple[tuple[str, float], ...] = (
     (AFTER, 0.9), (AFTER, 0.45), (MIDDLE, 0.45), (BEFORE, 0.5), (BEFORE, 0.95),
 )  # fmt: skip
 BEYOND = 0.5  # side of a cell's square where most of its poses lie outside of what was measured
+SAME = np.array([0.8, 0.9, 1.1, 1.2])  # of the median: nearer to it is no other class
 VIEWS = ((0, 2), (0, 1))  # x over z, x over y
 
 
@@ -42,14 +43,17 @@ def workspace_map(
 
 
 def class_edges(value: Array) -> Array:
-    """(4,) [m] edges of the classes of colour: fifths of the values, to three digits."""
+    """(4,) [m] edges of the classes of colour: fifths of the values, to two digits, so far apart that what is
+    the same everywhere has one colour."""
     fifths = np.quantile(value, [0.2, 0.4, 0.6, 0.8])
-    return np.array([float(f"{edge:.3g}") for edge in fifths])
+    same = np.median(value) * SAME
+    apart = [*np.minimum(fifths, same)[:2], *np.maximum(fifths, same)[2:]]
+    return np.array([float(f"{edge:.2g}") for edge in apart])
 
 
 def class_labels(edges: Array) -> list[str]:
     """What the five classes of colour are, in millimetres."""
-    mm = [f"{1e3 * edge:.3g}" for edge in edges]
+    mm = [f"{1e3 * edge:.2g}" for edge in edges]
     return [f"< {mm[0]} mm", *(f"{a} … {b}" for a, b in pairwise(mm)), f"> {mm[-1]} mm"]
 
 

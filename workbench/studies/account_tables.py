@@ -6,7 +6,7 @@ import math
 
 from ..report import charts
 from ..report.drawing import Figure
-from ..report.numbers import MISSING, decimals, percent, probability, significant
+from ..report.numbers import MISSING, decimals, percent, probability
 from ..report.study import Table
 from .accounts import MISSED, Judged, Standing
 from .evidence import LEAST, Evidence
@@ -60,18 +60,21 @@ def odds_table(judged: Judged) -> Table:
 def needs_table(judged: Judged) -> Table:
     """Each free value of an account's own: what was allowed, and what the print makes of it."""
     common = shared(judged)
-    rows = []
+    alike: dict[tuple[str, ...], list[str]] = {}
     for account in judged.accounts:
         for key, prior in account.priors.items():
             if key not in common:
-                found = [
-                    significant(x) if math.isfinite(x) else MISSING for x in judged.needed(account.name, key)
-                ]
-                needed = MISSING if MISSING in found else f"{found[1]} ({found[0]} … {found[2]})"
-                rows.append([account.words, prior.words, prior.range, needed, prior.why])
+                found = judged.needed(account.name, key)
+                low, middle, high = map(prior.said, found)
+                needed = f"{middle} ({low} … {high})" if all(map(math.isfinite, found)) else MISSING
+                alike.setdefault((prior.words, prior.range, needed, prior.why), []).append(account.words)
+    rows = [["; ".join(accounts), *said] for said, accounts in alike.items()]
     head = ("Account", "Free value", "Allowed", "Needed (5 … 95 %)", "Why this range")
     also = "; ".join(f"{prior.words}, {prior.range}" for prior in common.values())
-    note = "Needed: median of the draws, weighted by how near they come to the print; –: none comes near."
+    note = (
+        "Needed: median of the draws, weighted by how near they come to the print, in the unit of what is "
+        "allowed; –: none comes near."
+    )
     return Table(
         "What each account was free to choose, and what it has to choose",
         head,
@@ -102,10 +105,14 @@ def odds_figure(judged: Judged, name: str = "odds") -> Figure:
     )}  # fmt: skip
     shares = judged.probabilities()
     first = max(shares, key=lambda key: shares[key])
-    near = [key for key in shares if key != first and not judged.excluded(key, 1.0)]
-    title = f"Of the accounts, “{_words(judged, first)}” carries {probability(shares[first])}"
+    tied = [key for key in shares if key != first and not judged.excluded(key, 1.0)]
+    near = [key for key in tied if judged.standing(key).reproduced]
+    title = f"Of the accounts, “{_words(judged, first)}” has the highest odds"
     if near:
-        title += f"; {len(near)} more {'is' if len(near) == 1 else 'are'} within the error of the odds"
+        title += f"; {len(near)} more that {'reproduces' if len(near) == 1 else 'reproduce'} the print "
+        title += f"{'is' if len(near) == 1 else 'are'} within their error"
+    elif not tied:
+        title = f"Of the accounts, “{_words(judged, first)}” carries {probability(shares[first])}"
     names = [a.words for a in judged.accounts]
     return charts.rows(
         name, title, names, series, "log₁₀ of the odds to the best account, ± two standard deviations"
@@ -121,7 +128,7 @@ def _words(judged: Judged, account: str) -> str:
 
 
 def _stands(found: Standing) -> str:
-    share = percent(found.share, 0 if found.share >= 0.01 else 1)
+    share = percent(found.share, 1 if 0 < found.share < 0.01 else 0)
     if found.reproduced:
         return f"reproduces ({share})"
     if not math.isfinite(found.distance):
@@ -132,7 +139,9 @@ def _stands(found: Standing) -> str:
 def _odds(found: Evidence, best: float) -> str:
     if not math.isfinite(found.log10):
         return "−∞"
-    return f"{decimals(found.log10 - best, 1)} ± {decimals(found.error, 1)}"
+    places = 1 if found.error < 1 else 0 if found.error < 100 else -1
+    odds, error = (decimals(round(x, places), places) for x in (found.log10 - best, found.error))
+    return f"{odds} ± {error}"
 
 
 def _share(value: float) -> str:

@@ -118,8 +118,10 @@ def demo(folder: Path, seed: int, progress: Progress, quick: bool = False) -> Su
     proof = _prove(folder / "path", outcome, rig, seed, quick, progress)
     slow = proof.found.slow.trials
     before, after = slow["uncorrected"].figures.rms_mm, slow["corrected"].figures.rms_mm
+    anew = proof.found.anew_rms_mm
+    place = "" if anew is None else f" ({numbers.mm(anew)} mm once its base is taken anew)"
     words = (
-        f"In closed loop the simulated robot draws a circle {numbers.mm(before)} mm off as it is, and "
+        f"In closed loop the simulated robot draws a circle {numbers.mm(before)} mm off as it is{place}, and "
         f"{numbers.mm(after)} mm off with the commands that this model corrects (RMS)."
     )
     revealed = _revealed(rig.truth, first.diagnosis, outcome.diagnosis, (measured_then, command))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,16 +10,17 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc, rankdata
+from scipy.stats import qmc, rankdata, spearmanr
 
 from ..report import charts
 from ..report.drawing import Figure
-from ..report.numbers import percent, significant
+from ..report.numbers import join, percent, significant
 from ..robot.kinematics import Array
 from .priors import Prior
 from .study_run import StudyRun
 from .tasks import run_tasks
 
+CHANCE = 0.05  # that an assumption is said to carry a number which it does not
 Draw = Callable[[Mapping[str, float], int], Mapping[str, float]]
 
 
@@ -71,6 +73,17 @@ class Draws:
         if np.ptp(ranks) == 0:
             return dict.fromkeys(self.priors, 0.0)
         return {key: float(np.corrcoef(rankdata(v), ranks)[0, 1] ** 2) for key, v in self.values.items()}
+
+    def carrier(self, name: str) -> str | None:
+        """The assumption that carries most of a number; None where chance would make some assumption carry as
+        much of so few draws."""
+        shares = self.carries(name)
+        first = max(shares, key=lambda key: shares[key])
+        if not shares[first]:
+            return None
+        chance = float(spearmanr(self.values[first], self.numbers[name]).pvalue)
+        at_least = 2 / math.factorial(self.count)  # any order of so few draws
+        return first if max(chance, at_least) < CHANCE / len(self.values) else None
 
     def ends(self, name: str, assumption: str) -> tuple[float, float]:
         """Median of a number over the draws in the lowest, and the highest, third of an assumption."""
@@ -127,16 +140,18 @@ def tornado(draws: Draws, number: str, name: str, label: str, factor: float = 1.
     """Which assumption carries a number: its median in the lowest and the highest third of each assumption.
 
     name: of the figure; label: of the axis, with the unit; factor: from the number to the axis. The title
-    says the median, 5 to 95 %, and what carries most, unless it is given.
+    says the median, 5 to 95 %, and what carries most where the draws tell, unless it is given.
     """
     low, middle, high = (factor * end for end in draws.range(number))
     shares = draws.carries(number)
     rows = sorted(draws.priors, key=lambda key: -abs(float(np.subtract(*draws.ends(number, key)))))
-    first = max(shares, key=lambda key: shares[key])
-    said = title or (
-        f"{significant(middle)} ({significant(low)} … {significant(high)}) in {draws.count} draws; "
-        f"most goes with: {draws.priors[first].words} ({percent(shares[first], 0)} of the variance in ranks)"
-    )
+    first = draws.carrier(number)
+    most = "so few do not tell which assumption carries it"
+    if first is not None:
+        most = f"most goes with: {draws.priors[first].words} ({percent(shares[first], 0)} of the variance)"
+    what, _, unit = label.partition(", ")
+    size = join(f"{significant(middle, 2)} ({significant(low, 2)} … {significant(high, 2)})", unit)
+    said = title or f"{what[:1].upper()}{what[1:]}: {size} in {draws.count} draws; {most}"
     bars = []
     for key in rows:
         at_low, at_high = (factor * end for end in draws.ends(number, key))

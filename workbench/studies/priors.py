@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from ..report.numbers import decimals, join, significant
+from ..report.numbers import Scale, join, scale, significant
 
 
 @dataclass(frozen=True)
@@ -39,9 +40,20 @@ class Prior:
     @property
     def range(self) -> str:
         """The range in words."""
-        ends = f"{_short(self.low)} … {_short(self.high)}"
-        return join(ends, self.unit) + (", uniform in its logarithm" if self.log else "")
+        return join(f"{self.said(self.low)} … {self.said(self.high)}", self._scale.unit) + (
+            ", log-uniform" if self.log else ""
+        )
 
+    def said(self, value: float) -> str:
+        """A value in the unit in which the range is said, with no more digits than it has."""
+        number, power, exponent = significant(self._scale.factor * value).partition("·")
+        if "." in number:
+            number = number.rstrip("0").rstrip(".")
+        return number + power + exponent
 
-def _short(value: float) -> str:
-    return decimals(value, 0) if value == round(value) and abs(value) >= 100 else significant(value, 3)
+    @property
+    def _scale(self) -> Scale:
+        """A unit in which the middle of a range of magnitudes, or the end of another, is handy."""
+        if not self.unit:
+            return Scale(1.0, "")
+        return scale(math.sqrt(self.low * self.high) if self.log else max(-self.low, self.high), self.unit)

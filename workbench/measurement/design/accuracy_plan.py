@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...campaign import Campaign
+from ...report.numbers import mm
 from ..driving.block import Drive
 from .candidates import payload_counts
 from .driven_plan import DrivenPlan
@@ -59,18 +60,18 @@ class AccuracyPlan(DrivenPlan):
     @property
     def headline(self) -> str:
         """In one sentence."""
-        error = f"the calibrated model errs by {self.plan_mm:.3f} mm after them"
+        error = f"the noise leaves {mm(self.plan_mm)} mm of error in the calibrated model"
         return f"{len(self.records.poses)} poses{self.time}: {error}"
 
     @property
     def lines(self) -> list[str]:
         """What it brings."""
-        now = [] if self.now_mm is None else [f"now {self.now_mm:.4f} mm"]
+        now = [] if self.now_mm is None else [f"now {mm(self.now_mm)} mm"]
         n = len(self.records.poses)
         errors = [
             *now,
-            f"after {n} random poses {self.random_mm:.4f} mm",
-            f"after this plan {self.plan_mm:.4f} mm",
+            f"after {n} random poses {mm(self.random_mm)} mm",
+            f"after this plan {mm(self.plan_mm)} mm",
         ]
         lines = [
             f"Expected error of the calibrated model, 3-D, one sigma, from noise alone ({self.noise}): "
@@ -85,9 +86,9 @@ class AccuracyPlan(DrivenPlan):
         lines = [
             "Expected error of the calibrated model, 3-D, one sigma, from noise alone",
             f"({self.noise}):",
-            *([] if self.now_mm is None else [f"  now                    {self.now_mm:8.4f} mm"]),
-            f"  after {n:4d} random poses {self.random_mm:8.4f} mm",
-            f"  after this plan        {self.plan_mm:8.4f} mm; it takes {same} random poses for the same",
+            *([] if self.now_mm is None else [f"  now                    {mm(self.now_mm):>8} mm"]),
+            f"  after {n:4d} random poses {mm(self.random_mm):>8} mm",
+            f"  after this plan        {mm(self.plan_mm):>8} mm; it takes {same} random poses for the same",
         ]
         if self.drive is not None:
             lines.append(self.drive.text)

@@ -86,7 +86,13 @@ def named_causes(text: str) -> tuple[NamedCause, ...]:
     """The causes of `--tell`, two or more. Raises InputError."""
     found = split_causes(text)
     if len(found) < 2:
-        raise InputError(Fault("--tell", f"{text!r} names {len(found)} causes, not two", EXAMPLE))
+        raise InputError(
+            Fault(
+                "--tell",
+                f"{text!r} names {len(found) or 'no'} cause{'s' * (len(found) > 1)}, not two",
+                EXAMPLE,
+            )
+        )
     faults = [fault for item in found for fault in _faults(item)]
     if faults:
         raise InputError(faults)

@@ -22,7 +22,7 @@ from ...robot.loop import Loop
 from .limits import OnLimit
 from .proof import SPEEDS, verify
 from .runs import FeedForward
-from .verification import COMMAND_NAMES, Verification, perfect_said, step_said, sweep_said
+from .verification import COMMAND_NAMES, Verification, anew_said, perfect_said, step_said, sweep_said
 
 DIGITS = 9  # of errors
 
@@ -60,8 +60,7 @@ class Verified:
             what = f"{COMMAND_NAMES[r.name]}, {runs} at {r.speed:.3g} m/s"
             lines.append(f"  {what}: AT {mm(r.at_mm)} mm, RT {rt}")
         lines.append(f"  {found.repeatability.said}")
-        if perfect := perfect_said(found.slow):
-            lines.append(f"  {perfect}")
+        lines += [f"  {said}" for said in (anew_said(found), perfect_said(found.slow)) if said]
         if found.sweep is not None:
             lines.append(f"  {sweep_said(found.sweep)}")
         lines += [f"  note: {note}" for note in found.notes]

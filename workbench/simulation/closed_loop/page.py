@@ -9,7 +9,15 @@ from ...report.numbers import mm, significant
 from ...report.study import Table, Tile
 from .pictures import pictures, speed_text, sweep_picture
 from .repeatability import Repeatability
-from .verification import COMMAND_NAMES, Series, Verification, perfect_said, step_said, sweep_said
+from .verification import (
+    COMMAND_NAMES,
+    Series,
+    Verification,
+    anew_said,
+    perfect_said,
+    step_said,
+    sweep_said,
+)
 
 
 def page(found: Verification) -> str:
@@ -58,8 +66,7 @@ def _lead(found: Verification) -> list[str]:
         f"friction and loads, {found.judged}. Commands were corrected by what the model knows.",
         f"Beside every residual stands the {found.repeatability.said}.",
     ]
-    perfect = perfect_said(found.slow)
-    return [*said, f"{perfect}."] if perfect else said
+    return [*said, *(f"{more}." for more in (anew_said(found), perfect_said(found.slow)) if more)]
 
 
 def _tile(series: Series, repeatability: Repeatability) -> Tile:

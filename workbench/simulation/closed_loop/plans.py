@@ -61,7 +61,7 @@ class Plans:
         """Joints (M, n) of each variant along the way."""
         world = self.world
         everything = self._compensate(path, world.belief, world.conditions, "exact")
-        self.notes += everything.lines()[1:]
+        self.notes += everything.remarks()
         if not self.expected_mm:
             self.expected_mm = float(np.sqrt((everything.after_mm**2).mean()))
         out = {"uncorrected": self.geometry.q_nominal, "corrected": everything.q_command}

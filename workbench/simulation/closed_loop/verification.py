@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...correction.command import anew_mm, mostly_place
 from ...correction.paths import Path
 from ...report.numbers import mm, significant
 from ...robot.description import Robot
@@ -146,6 +147,16 @@ class Verification:
         """The slowest speed: nearly without dynamics."""
         return self.series[0]
 
+    @property
+    def anew_rms_mm(self) -> float | None:
+        """RMS of the uncorrected error, slow, once the base or the work object is taken anew; None where that
+        takes little of it."""
+        error = self.slow.trials["uncorrected"].error
+        left = anew_mm(self.X[:, :3, 3], error)
+        if not mostly_place(1e3 * np.linalg.norm(error, axis=1), left):
+            return None
+        return float(np.sqrt(np.square(left).mean()))
+
     def to_json(self) -> dict[str, Any]:
         """All numbers; lengths in mm as the keys say."""
         return {
@@ -189,6 +200,7 @@ class Verification:
             ],
             "sweep": None if self.sweep is None else self.sweep.to_json(),
             "expected_rms_mm": _short(self.expected_mm),
+            "uncorrected_anew_rms_mm": _short(self.anew_rms_mm),
             "notes": list(self.notes),
             "inputs": dict(self.inputs),
         }
@@ -211,6 +223,17 @@ def perfect_said(series: Series) -> str:
     if reached == perfect:
         return f"A model without any error would reach the same {perfect} mm"
     return f"A model without any error would reach {perfect} mm; this one comes to {ratio:.2f} times that"
+
+
+def anew_said(found: Verification) -> str:
+    """How much of the uncorrected error is the same all along the path; "" where it is little."""
+    left = found.anew_rms_mm
+    if left is None:
+        return ""
+    return (
+        f"Most of the uncorrected error is the same all along the path: {mm(left)} mm RMS are left of it "
+        "once the base or the work object is taken anew"
+    )
 
 
 def sweep_said(sweep: Sweep) -> str:

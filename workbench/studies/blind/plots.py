@@ -11,6 +11,7 @@ from scipy.stats import norm
 
 from ...report import reliability
 from ...report.drawing import AFTER, BEFORE, INK, MIDDLE, MUTED, NOISE, Figure, drawing, plain_log
+from ...report.numbers import words
 from ..case_study import Record
 from . import tally
 from .tally import Rate, by_strength, confusion, offsets
@@ -89,7 +90,7 @@ def _confusion(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> 
 
 
 def _words(name: str) -> str:
-    return name.replace("_", " ").replace("-", ", ")
+    return words(name).replace("-", ", ")
 
 
 def _strength(cases: Sequence[Record], rates: Sequence[Rate], files: Files) -> Figure | None:

@@ -98,6 +98,6 @@ def linkage_figure(draws: Draws) -> Figure:
         "by more "
         f"than {most} kN·m/rad; Table I needs {needed}"
     )
-    marks = {"Table I": float(np.log10(CHANGE_1)), "median": float(np.log10(1e3 * np.median(change)))}
-    label = "change of joint 2's stiffness over the six angles, power of ten of N·m/rad"
-    return charts.histogram("linkages", title, np.log10(1e3 * change), label, marks)
+    marks = {"Table I": 1e-3 * CHANGE_1, "median": float(np.median(change))}
+    label = "change of joint 2's stiffness over the six angles, kN·m/rad"
+    return charts.histogram("linkages", title, change, label, marks, log=True)

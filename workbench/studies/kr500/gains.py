@@ -78,7 +78,7 @@ def gains_figure(draws: Draws) -> Figure:
     )
     rows = [words for words, *_ in ROBOTS.values()] + ["printed"]
     over = [ROBOTS[name][0] for name in ROBOTS if draws.range(f"gain_{name}")[2] > GAIN]
-    title = f"Within 5 to 95 % of the draws the printed gain is reached by: {', '.join(over) or 'none'}"
+    title = f"Robots whose draws, 5 to 95 %, reach the printed gain: {', '.join(over) or 'none'}"
     series = {"median and 5 to 95 % of the draws": charts.Series(middle, low, high, charts.OURS)}
     return charts.rows("gains", title, rows, series, "what 128 cells gain over constant stiffness, %")
 
