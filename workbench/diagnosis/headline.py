@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..effects import called
 from ..effects.base import UNKNOWN
 from ..effects.place import Where
 from .prepared import Prepared
@@ -115,7 +116,7 @@ def _times(ratio: float) -> str:
 
 def words_of(cause: str, where: Where) -> str:
     """A cause and where it sits, as people say them."""
-    name = "something without a name" if cause == UNKNOWN else cause.replace("_", " ")
+    name = "something without a name" if cause == UNKNOWN else called(cause)
     return f"{name} in {where}" if str(where) else name
 
 

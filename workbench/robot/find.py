@@ -38,5 +38,6 @@ def find_robot(robot: str | Path, beside: Path | None = None) -> Path:
     if not path.is_absolute() and beside is not None:
         path = beside / path
     if not path.is_file():
-        raise InputError(Fault(str(path), "no such robot file", "check `robot = ...`"))
+        mend = "check the path" if beside is None else "check `robot = ...`"
+        raise InputError(Fault(str(path), "no such robot file", mend))
     return path
