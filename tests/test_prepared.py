@@ -39,6 +39,10 @@ def slightly(points):
     points[30:] += [2.6e-4, 0.0, 0.0]
 
 
+def late(points):
+    points[100:] += [1e-4, -4e-5, 0.0]
+
+
 def wild(points):
     points[7, 1] += [0.2, 0, 0.1]
 
@@ -53,6 +57,15 @@ def spoilt(change, **options):
     points = campaign.points.copy()
     change(points)
     return with_points(campaign, points)
+
+
+def test_a_step_that_causes_hide_is_found_beside_them():
+    """What soft joints leave of geometry alone is far more than the step makes."""
+    campaign = spoilt(late, effects=("joint_compliance:joint=joint_3,relative=0.8",), loads=(125.0, 250.0))
+    assert not prepared.prepare(campaign).faults
+    found = diagnose(campaign).diagnosis
+    assert [(fault.kind, fault.pose_id) for fault in found.faults] == [("moved_instrument", "101")]
+    assert [cause.label for cause in found.causes] == ["joint_compliance(joint_3)"]
 
 
 def test_a_plan_takes_a_moved_instrument_for_two_set_ups(tmp_path, capsys):

@@ -106,6 +106,11 @@ class Component:
         return self.key[0] == UNKNOWN
 
     @property
+    def yields(self) -> bool:
+        """Whether it gives in proportion to its load."""
+        return any(effect.in_proportion for form in self.forms for effect in form.effects)
+
+    @property
     def effect(self) -> Effect | None:
         """One of its effects; None of a change of geometry."""
         return next((effect for form in self.forms for effect in form.effects), None)

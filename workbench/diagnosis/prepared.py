@@ -26,7 +26,7 @@ from ..identification.noise import Covariance
 from ..identification.plausible import believed, check_rest, enough_poses, plausible_geometry
 from ..robot.kinematics import Array
 from .copies import without_copies
-from .moved_setup import LEAST_BEFORE, jump, split_setup, step_in_time
+from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
 from .moved_target import reseated
 from .noise_choice import choose, from_residual, of_turns, rigid_targets, without_wild_repeats
 from .rarely_seen import without_rarely_seen
@@ -114,10 +114,17 @@ class Prepared:
 
     def mended(self, found: Cleaned) -> Prepared:
         """The same without what was found to be wild beside causes."""
-        problem, start = _measured_only(found.problem), self.geometry.state
+        return self._again(_measured_only(found.problem), self.geometry.state, found.faults)
+
+    def split(self, step: Step) -> Prepared:
+        """The same with the poses from a step in time on in a set-up of their own."""
+        problem = _measured_only(split_setup(self.problem, step.first))
+        return self._again(problem, start_state(problem), (step.fault(self.problem),))
+
+    def _again(self, problem: Problem, start: State, faults: tuple[FaultFound, ...]) -> Prepared:
+        """The same of the data without further faults."""
         covariance, noise, _ = _noise(problem, self.known_effects, start)
-        faults = (*self.faults, *found.faults)
-        sound = _Sound(problem, self.known_effects, start, covariance, noise, faults, ())
+        sound = _Sound(problem, self.known_effects, start, covariance, noise, (*self.faults, *faults), ())
         return replace(_fitted(sound), notes=self.notes, spare=self.spare)
 
     def with_given(self, given: tuple[Given, ...]) -> Prepared:

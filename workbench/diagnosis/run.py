@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from .candidates import testable
 from .competition import Selection, compete
 from .findings import Parts, assemble
 from .given import Searched, search_with_given
+from .moved_setup import step_in_time
 from .off_form import with_own_forms
 from .prepared import Prepared, Progress, prepare
 from .result import Diagnosis, NotTestable
@@ -26,7 +27,7 @@ from .wild_points import wild_beside
 from .worth import worth_it
 
 Given = Campaign | str | Path
-CLEANED_AGAIN = 2  # times: what causes were explained by wild points hides others
+CLEANED_AGAIN = 2  # times: what causes were explained by data faults hides others
 
 
 @dataclass(frozen=True)
@@ -85,16 +86,27 @@ def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progr
     progress("testing causes")
     found, not_testable = _searched(prepared, seed, progress)
     for _ in range(CLEANED_AGAIN):
-        wild = wild_beside(found.selection.fit, prepared.least)
-        if not wild.faults:
+        mended = _mended(prepared, found)
+        if mended is None:
             break
-        progress("testing causes without wild points")
-        prepared = prepared.mended(wild)
+        progress("testing causes without the data faults that they hid")
+        prepared = mended
         found, not_testable = _searched(prepared, seed, progress)
     progress("writing down what was found")
     missing = (*not_testable, *found.not_testable)
     parts = Parts(found.prepared, found.selection, found.candidates, missing, seed, test, found.said)
     return Outcome(assemble(parts), found.prepared.problem, found.selection.fit, found.prepared)
+
+
+def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
+    """Without data faults that show beside what was found alone, None where there is none: wild points, or
+    else a step in time, which functions of time and order without a name would take up."""
+    wild = wild_beside(found.selection.fit, prepared.least)
+    if wild.faults:
+        return prepared.mended(wild)
+    beside = replace(found.selection.fit, noise=found.prepared.covariance).lasting
+    step = step_in_time(beside) if found.selection.nameless else None
+    return None if step is None else prepared.split(step)
 
 
 def _searched(prepared: Prepared, seed: int, progress: Progress) -> tuple[Searched, tuple[NotTestable, ...]]:

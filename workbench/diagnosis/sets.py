@@ -71,10 +71,11 @@ class Competition:
         everything = np.ones(len(self.components), bool)
         if before:
             return self._in_order(self._settled(self.search(self._again(before), everything)))
-        causes = np.array([not c.nameless for c in self.components])
+        causes, yields = np.array([(not c.nameless, c.yields) for c in self.components], bool).reshape(-1, 2).T
         found = [self.search([], everything)]
-        if causes.any() and not all(causes[m.component] for m in found[0]):
-            found.append(self.search(self.search([], causes), everything))
+        for some in (causes, yields):
+            if some.any() and not all(some[m.component] for m in found[0]):
+                found.append(self.search(self.search([], some), everything))
         return self._in_order(self._settled(max(map(self._in_order, found), key=self.score)))
 
     def _settled(self, members: list[Member]) -> list[Member]:
