@@ -450,7 +450,7 @@ def test_a_headline_begins_with_what_is_most_of_it(brought, first):
 
 
 def test_several_soft_joints_are_no_heavier_loads():
-    """Under one load, the masses of all that it bears and two stiffer joints do the same as three soft ones."""
+    """Under one load, all masses that it bears and two stiffer joints do the same as three soft ones."""
     campaign = measured(effects=tuple(f"joint_compliance:joint=joint_{j},relative=0.8" for j in (2, 3, 5)))
     causes = diagnose(campaign).diagnosis.causes
     assert {cause.label for cause in causes} == {f"joint_compliance(joint_{j})" for j in (2, 3, 5)}
