@@ -67,8 +67,8 @@ class Competition:
     def best(self, before: Sequence[str] = ()) -> list[Member]:
         """The best of three searches: everything at once; causes first, then everything; and what yields
         first, which one load hardly tells from heavier masses and stiffer joints elsewhere. Where a set was
-        found before (labels of its components), the search goes on from there. In the order of the components: two
-        searches that end at one set are one, and what follows does not hang on rounding."""
+        found before (labels of its components), the search goes on from there. In the order of the
+        components: two searches that end at one set are one, and what follows does not hang on rounding."""
         everything = np.ones(len(self.components), bool)
         if before:
             return self._in_order(self._settled(self.search(self._again(before), everything)))
