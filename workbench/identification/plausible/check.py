@@ -19,10 +19,11 @@ from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from .conventions import counted_otherwise
 from .exchanged import exchanged_names
-from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
+from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses, placed_elsewhere
 from .in_part import Part, in_part, not_fitting
 from .inaccurate import FARTHEST_TURN, inaccurate
 from .misfit import USUAL, Misfit, Sample, misfit, sample
+from .turned_otherwise import turned_otherwise
 
 FEWEST = 8  # poses: with fewer, frame and targets explain too much for a judgement
 SUSPECT = 0.005  # of the spread, from which mistakes are looked for: honest campaigns mostly keep below
@@ -149,6 +150,10 @@ def judge(problem: Problem) -> Plausible:
     def unexplained() -> bool:
         return _least(tried) > enough and now.middle > REFUSED
 
+    if unexplained():
+        tried = [((h,), misfit(h.undo(data)).total) for h in placed_elsewhere(data)]
+    if unexplained():
+        tried = [((h,), misfit(h.undo(data), turns=True).total) for h in turned_otherwise(problem, data)]
     if unexplained() and _scale(data, enough) == 1.0:
         off = inaccurate(problem, data, enough)
         if off is not None:
