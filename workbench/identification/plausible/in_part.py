@@ -41,7 +41,7 @@ class Part:
 def not_fitting(problem: Problem, data: Sample, enough: float) -> Part | None:
     """The poses of a sample of one set-up that do not fit, where the others leave no more than `enough`.
 
-    The set-up is placed by a few poses, drawn again and again, until most of the others agree (Fischler and
+    The set-up is placed by a few poses, drawn again and again, until most of the others agree (Fischler &
     Bolles 1981): however many poses are wrong, some draws have none of these.
     """
     count = len(data.rows)
@@ -107,7 +107,7 @@ def in_part(data: Sample, part: Part, every: Iterable[Hypothesis]) -> Iterator[H
 
 
 def _axes() -> Iterator[Hypothesis]:
-    """Axes of the points other than those of all others: of a whole campaign they are the instrument's frame."""
+    """Axes of the points other than those of all others: of a whole campaign they are its frame."""
     for i, j in combinations(range(3), 2):
         order = [j if k == i else i if k == j else k for k in range(3)]
         what = f"{'xyz'[i]} and {'xyz'[j]} of the points are exchanged"

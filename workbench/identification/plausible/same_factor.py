@@ -31,9 +31,9 @@ def same_factor(geometry: Fit) -> list[str]:
         return []
     robot, known = geometry.model.problem.robot, 1 / (1 + factor)
     return [
-        f"All lengths come out {1 + factor:.4f} ± {std:.4f} times those of the {robot.title}: no robot is made so. The "
-        "points are of another scale (the instrument's correction for air, a unit), or this is another size "
-        f"of robot. If it is the instrument, say scale = {known:.4f} under [known]."
+        f"All lengths come out {1 + factor:.4f} ± {std:.4f} times those of the {robot.title}: no robot is "
+        "made so. The points are of another scale (the instrument's correction for air, a unit), or this is "
+        f"another size of robot. If it is the instrument, say scale = {known:.4f} under [known]."
     ]
 
 

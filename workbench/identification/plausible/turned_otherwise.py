@@ -68,8 +68,8 @@ def _inverse(data: Sample) -> Sample:
 
 
 def _frames(points: Array) -> tuple[Array, Array]:
-    """Places (N, 3) [m] and turns (N, 3, 3) of three points (N, 3, 3), one at the origin of a frame and two on
-    its x and y; any turn where they were not seen."""
+    """Places (N, 3) [m] and turns (N, 3, 3) of three points (N, 3, 3), one at a frame's origin and two on its
+    x and y; any turn where they were not seen."""
     place, arms = points[:, 0], points[:, 1:] - points[:, :1]
     seen = np.isfinite(points).all(axis=(1, 2), keepdims=True)
     x, y = (arms / np.linalg.norm(arms, axis=2, keepdims=True)).swapaxes(0, 1)
