@@ -152,7 +152,7 @@ IN_PART = {
     ),
     "two instruments": (
         lambda z: np.where(SOME[:, None, None], z[..., [1, 2, 0]] + 0.3, z),
-        "the instrument or the tool stands elsewhere at 20 of 40 poses (1, 4, 6 … 39)",
+        "the instrument or the tool stands elsewhere at 20 of 40 poses (4, 6, 8 … 40)",
     ),
 }
 
@@ -202,13 +202,12 @@ def test_targets_stated_in_a_tool_frame_are_found(fixed):
     """300 mm off, all alike: said where they are, and used so unless they are called calibrated."""
     (x, y, z), other = honest(count=1).targets[0].xyz, honest(count=1)
     stated = replace(other, targets=(replace(other.targets[0], xyz=(x, y, z + 0.3), fixed=fixed),))
-    said = "(-0, +0, -300) mm from where they are stated".replace("-0", "+0")
     if fixed:
         with pytest.raises(InputError, match="300\\) mm from where they are stated"):
             check_plausible(problem_of(stated))
         return
     (told,) = check_plausible(problem_of(stated))
-    assert said in told
+    assert "(+0, +0, -300) mm from where they are stated" in told
 
 
 def framed(read):
@@ -250,7 +249,12 @@ READ = {
 }
 
 
-@pytest.mark.parametrize("case", READ)
+FURTHER = ("scalar first", "other angles back")
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.slow) if case in FURTHER else case for case in READ]
+)
 def test_turns_of_a_6d_measurement_read_otherwise_are_named(case):
     read, said = READ[case]
     problem = problem_of(framed(read))
