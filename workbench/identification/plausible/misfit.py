@@ -41,8 +41,9 @@ class Sample:
 
     def only(self, some: NDArray[np.int64]) -> Sample:
         """Some of its poses."""
-        rows, q, points, setup = (column[some] for column in (self.rows, self.q, self.points, self.setup))
-        return replace(self, rows=rows, q=q, points=points, setup=setup)
+        return replace(
+            self, rows=self.rows[some], q=self.q[some], points=self.points[some], setup=self.setup[some]
+        )
 
 
 @dataclass(frozen=True)
