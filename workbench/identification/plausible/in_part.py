@@ -158,5 +158,10 @@ def _off(data: Sample, placed: Placed) -> Array:
 
 
 def _spread(data: Sample, placed: Placed) -> float:
-    """[m] of the robot's points, as `Misfit.spread`."""
-    return float(np.sqrt(_robot(data, placed).reshape(-1, 3).var(axis=0).sum())) + 1e-9
+    """[m] of the points of the robot or of those measured, whichever spread less: wrong joints or a moved
+    instrument only spread them."""
+    measured = data.points[np.isfinite(data.points).all(axis=2)]
+    off = np.linalg.norm(measured - np.median(measured, axis=0), axis=1)
+    seen = np.sqrt(np.mean(np.minimum(off, 3 * np.median(off)) ** 2))  # some may be wild
+    robot = np.sqrt(_robot(data, placed).reshape(-1, 3).var(axis=0).sum())
+    return float(min(seen, robot)) + 1e-9
