@@ -152,7 +152,7 @@ IN_PART = {
     ),
     "two instruments": (
         lambda z: np.where(SOME[:, None, None], z[..., [1, 2, 0]] + 0.3, z),
-        "the instrument or the tool stands elsewhere at 20 of 40 poses (4, 6, 8 … 40)",
+        "the instrument or the tool stands elsewhere at 20 of 40 poses (",
     ),
 }
 
