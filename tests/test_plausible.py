@@ -14,10 +14,12 @@ from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared as preparation
 from workbench.diagnosis.first_look import first_look
+from workbench.diagnosis.wild_points import much_left_out
 from workbench.effects import catalogue
 from workbench.files.faults import InputError
 from workbench.identification.plausible import check_plausible, judge, plausible_geometry
 from workbench.report.first_look import check_campaign
+from workbench.robot import rotations
 from workbench.robot.description import load_robot
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
@@ -126,13 +128,16 @@ def test_what_fits_nothing_is_refused(spoil):
     assert any(word in str(caught.value) for word in ("none of the usual mistakes", "a robot of 0.87"))
 
 
+SOME = np.random.default_rng(2).permutation(40) < 20
+
+
 def moved(z):
     turn = np.array([[0.96, -0.28, 0.0], [0.28, 0.96, 0.0], [0.0, 0.0, 1.0]])
     return np.concatenate([z[:18], z[18:] @ turn.T + 0.2])
 
 
 IN_PART = {
-    "an instrument moved": (moved, "the instrument or the tool stands elsewhere at the poses 19 … 40"),
+    "an instrument moved": (moved, "the instrument or the tool stands elsewhere at the poses 1 … 18"),
     "first in metres": (
         lambda z: np.concatenate([z[:22] / 1e3, z[22:]]),
         "at the poses 1 … 22 the numbers of the points fit the robot only if they are metres",
@@ -140,6 +145,14 @@ IN_PART = {
     "rows of others": (
         lambda z: np.concatenate([z[:12], np.roll(z[12:], 3, axis=0)]),
         "the poses 13 … 40 do not fit the robot, all others do",
+    ),
+    "x and y exchanged in the middle": (
+        lambda z: np.concatenate([z[:12], z[12:25][..., [1, 0, 2]], z[25:]]),
+        "at the poses 13 … 25 x and y of the points are exchanged",
+    ),
+    "two instruments": (
+        lambda z: np.where(SOME[:, None, None], z[..., [1, 2, 0]] + 0.3, z),
+        "the instrument or the tool stands elsewhere at 20 of 40 poses (",
     ),
 }
 
@@ -150,6 +163,131 @@ def test_a_mistake_of_a_part_of_the_poses_says_which(case):
     with pytest.raises(InputError) as caught:
         check_plausible(problem_of(points(honest(), spoil)))
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5])
+def test_a_sign_turned_at_poses_here_and_there_is_named(share):
+    """However few of the points they are: none of so many is silently left out."""
+    some = np.random.default_rng(1).permutation(40) < 40 * share
+    half = joints(honest(), lambda q: q.__setitem__((some, 2), -q[some, 2]))
+    with pytest.raises(InputError) as caught:
+        check_plausible(problem_of(half))
+    (said,) = str(caught.value).splitlines()
+    assert f"at {some.sum()} of 40 poses" in said
+    assert "turns the other way round" in said
+    assert "there: turn the sign of q3" in said
+
+
+def test_so_many_points_left_out_are_told_first():
+    """Of six poses of forty nothing is told by what they have in common."""
+    few = honest()
+    points = few.points.copy()
+    points[::7] += np.random.default_rng(0).normal(0.0, 0.5, (6, 3, 3))
+    prepared = preparation.prepare(replace(few, points=points))
+    assert prepared.notes[0].startswith("18 of 120 points (15%) do not fit the robot that the others fit")
+    assert not preparation.prepare(few).notes
+
+
+def test_where_most_points_are_left_out_nothing_is_told():
+    few = problem_of(honest())
+    points = few.campaign.points.copy()
+    points[:21] = np.nan
+    left = replace(few, campaign=replace(few.campaign, points=points))
+    with pytest.raises(InputError, match=r"63 of 120 points \(52%\)"):
+        much_left_out(few, left)
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+def test_targets_stated_in_a_tool_frame_are_found(fixed):
+    """300 mm off, all alike: said where they are, and used so unless they are called calibrated."""
+    (x, y, z), other = honest(count=1).targets[0].xyz, honest(count=1)
+    stated = replace(other, targets=(replace(other.targets[0], xyz=(x, y, z + 0.3), fixed=fixed),))
+    if fixed:
+        with pytest.raises(InputError, match="300\\) mm from where they are stated"):
+            check_plausible(problem_of(stated))
+        return
+    (told,) = check_plausible(problem_of(stated))
+    assert "(+0, +0, -300) mm from where they are stated" in told
+
+
+def framed(read):
+    """A 6-D measurement whose quaternions w x y z and places were read otherwise."""
+    rng = np.random.default_rng(3)
+    plan = honest(count=1)
+    place = problem_of(plan).rigid
+    R, p = place.R[-1], place.p[-1]
+    R, p = read(R, p + rng.normal(0.0, 1e-4, p.shape))
+    points = np.stack([p, p + 0.1 * R[:, :, 0], p + 0.1 * R[:, :, 1]], axis=1)
+    shots = np.repeat(plan.shots[:, :1], 3, axis=1)
+    targets = (Target("P", (0.0, 0.0, 0.0)), Target("P_x"), Target("P_y"))
+    return replace(plan, points=points, shots=shots, targets=targets, sigma=None, six_dof=True)
+
+
+READ = {
+    "as they are": (lambda R, p: (R, p), None),
+    "scalar last": (
+        lambda R, p: (rotations.from_quaternions(rotations.quaternions(R)[:, [1, 2, 3, 0]]), p),
+        "qw comes last, not first",
+    ),
+    "scalar first": (
+        lambda R, p: (rotations.from_quaternions(rotations.quaternions(R)[:, [3, 0, 1, 2]]), p),
+        "qw comes first, not last",
+    ),
+    "turns inverted": (lambda R, p: (R.swapaxes(1, 2), p), "turn the signs of qx, qy and qz"),
+    "poses inverted": (
+        lambda R, p: (R.swapaxes(1, 2), -np.einsum("nji,nj->ni", R, p)),
+        "those of the instrument in the target's frame",
+    ),
+    "other angles": (
+        lambda R, p: (rotations.from_xyz(rotations.zyx_angles(R)[:, ::-1]), p),
+        "the turns are angles about fixed x, y, z",
+    ),
+    "other angles back": (
+        lambda R, p: (rotations.from_zyx(rotations.xyz_angles(R)[:, ::-1]), p),
+        "the turns are angles about x, y, z that turn along",
+    ),
+}
+
+
+FURTHER = ("scalar first", "other angles back")
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.slow) if case in FURTHER else case for case in READ]
+)
+def test_turns_of_a_6d_measurement_read_otherwise_are_named(case):
+    read, said = READ[case]
+    problem = problem_of(framed(read))
+    if said is None:
+        assert check_plausible(problem) == []
+        return
+    with pytest.raises(InputError) as caught:
+        check_plausible(problem)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.01, 0.99])
+def test_points_of_another_scale_are_told_with_the_factor(scale):
+    """One factor of all lengths, beside errors of half a millimetre each."""
+    plan = honest("ur5")
+    rough = random_geometry(problem_of(plan).arm, np.random.default_rng(4), 5e-4, 5e-4)
+    seen = simulate(plan, Truth(geometry=rough, sigma=3e-5), seed=4)
+    notes = preparation.prepare(points(seen, lambda z: scale * z)).notes
+    told = [note for note in notes if "All lengths come out" in note]
+    assert len(told) == (scale != 1.0)
+    for note in told:
+        assert float(note.split()[4]) == pytest.approx(scale, abs=2e-3)
+        assert f"say scale = {1 / float(note.split()[4]):.3f}" in note
+
+
+def test_wild_points_do_not_make_an_inaccurate_robot_another_one():
+    plan, rng = honest("ur5"), np.random.default_rng(5)
+    geometry = random_geometry(problem_of(plan).arm, rng, 4e-3, 3e-2)
+    rough = simulate(plan, Truth(geometry=geometry, sigma=3e-5), seed=5)
+    z = rough.points.copy()
+    z[[3, 17, 30], [0, 1, 2]] += 0.4
+    (said,) = check_plausible(problem_of(replace(rough, points=z)))
+    assert said.startswith("The geometry is up to")
 
 
 @pytest.mark.parametrize("poses", [10, pytest.param(15, marks=pytest.mark.slow)])

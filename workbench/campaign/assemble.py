@@ -160,14 +160,16 @@ def _targets(
         if name not in present:
             warnings.append(f"{points.path}: target {name!r} was never measured, left out")
     for name in present:
-        if name not in file.targets:
+        if name in file.targets:
+            continue
+        targets.append(Target(name))
+        if file.points.turned_mm is None:  # that makes targets of its own
             line = points.lines[names.index(name)]
             close = suggest(name, file.targets)
             warnings.append(
                 f"{points.path} line {line}: target {name!r} is not declared: taken on the flange, its place "
                 f"unknown; {close or f'declare [targets.{toml_key(name)}]'}"
             )
-            targets.append(Target(name))
     return tuple(targets), warnings
 
 

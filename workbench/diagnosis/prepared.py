@@ -23,7 +23,13 @@ from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit, start_state
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.plausible import believed, check_rest, enough_poses, plausible_geometry
+from ..identification.plausible import (
+    believed,
+    check_rest,
+    enough_poses,
+    plausible_geometry,
+    same_factor,
+)
 from ..robot.kinematics import Array
 from .copies import without_copies
 from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
@@ -37,6 +43,7 @@ from .wild_points import (
     Cleaned,
     clean,
     least_sigma,
+    much_left_out,
     robust_fit,
     without_gross,
     without_impossible,
@@ -184,6 +191,7 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     possible = without_impossible(problem)
     told = without_rarely_seen(possible.problem)
     problem, faults = _measured_only(told.problem), (*possible.faults, *told.faults)
+    measured = problem
     enough(problem)  # what cannot be enough is not searched for mistakes
     far = jump(problem)
     if far is not None:
@@ -204,11 +212,12 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     if step is not None:
         problem, faults = split_setup(problem, step.first), (*faults, step.fault(problem))
     problem = _measured_only(problem)
+    many = much_left_out(measured, problem)
     if step is not None or start.targets.shape[1] > len(problem.campaign.targets):
         start = start_state(problem)
     if faults or usual is not problem:
         covariance, noise, notes = _noise(problem, known_effects, start)
-    said = [*said, *enough(problem)]
+    said = [*many, *said, *enough(problem)]
     return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
 
 
@@ -273,5 +282,5 @@ def _fitted(sound: _Sound) -> Prepared:
     geometry = plausible_geometry(geometry)
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
-    notes = (*sound.notes, *rigid_targets(geometry))
+    notes = (*sound.notes, *rigid_targets(geometry), *same_factor(geometry))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)

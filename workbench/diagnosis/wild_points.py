@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..campaign import Campaign
 from ..campaign.problem import Problem
 from ..effects.base import Effect
+from ..files.faults import Fault, InputError
 from ..identification.fit import ROUGH, Fit, fit
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
@@ -35,6 +36,8 @@ GROSS = 10.0  # times what most points are off the rigid robot: no robot that is
 GROSS_SHARE = 0.1  # and of the spread of the points
 FARTHEST = 1e6  # m, rad
 MOST = 0.3  # of the points at least are right
+ROUTINE = 0.1  # of the points: so many gross errors happen in good data (Hampel et al. 1986)
+MAJORITY = 0.5  # of the points: without it nothing says which are right
 
 Acting = tuple[tuple[Effect, Array], ...]
 
@@ -301,6 +304,19 @@ def without_impossible(problem: Problem) -> Mended:
         return Mended(problem, ())
     c = replace(c, points=points).some(np.flatnonzero(possible))
     return Mended(replace(problem, campaign=c), tuple(faults))
+
+
+def much_left_out(measured: Problem, left: Problem) -> list[str]:
+    """A remark where more of the measured points are left out than is usual. Raises InputError where most
+    are."""
+    every, count = int(measured.seen.sum()), int(measured.seen.sum() - left.seen.sum())
+    if count <= ROUTINE * every:
+        return []
+    said = f"{count} of {every} points ({count / every:.0%}) do not fit the robot that the others fit"
+    if count > MAJORITY * every:
+        mend = "look at joints, rows, units, tool and instrument of those poses"
+        raise InputError(Fault(str(measured.campaign.path), f"{said}: which are right is not told", mend))
+    return [f"{said}, and are left out. All that is said here is of the others: look for one reason first."]
 
 
 def _wild_targets(problem: Problem, length: Array, limit: Array) -> Mended:

@@ -3,6 +3,7 @@
 from .check import Plausible, believed, check_plausible, judge
 from .few_poses import enough_beside_others, enough_poses, enough_together, too_few_alone
 from .machine import check_rest, plausible_geometry
+from .same_factor import same_factor
 
 __all__ = [
     "Plausible",
@@ -14,5 +15,6 @@ __all__ = [
     "enough_together",
     "judge",
     "plausible_geometry",
+    "same_factor",
     "too_few_alone",
 ]

@@ -19,10 +19,11 @@ from ...files.faults import Fault, InputError
 from ...robot.kinematics import Array
 from .conventions import counted_otherwise
 from .exchanged import exchanged_names
-from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses
-from .in_part import in_part, named, not_fitting
+from .hypotheses import LEFT_HANDED, Hypothesis, hypotheses, placed_elsewhere
+from .in_part import Part, in_part, not_fitting
 from .inaccurate import FARTHEST_TURN, inaccurate
 from .misfit import USUAL, Misfit, Sample, misfit, sample
+from .turned_otherwise import turned_otherwise
 
 FEWEST = 8  # poses: with fewer, frame and targets explain too much for a judgement
 SUSPECT = 0.005  # of the spread, from which mistakes are looked for: honest campaigns mostly keep below
@@ -139,11 +140,20 @@ def judge(problem: Problem) -> Plausible:
     if now.total <= SUSPECT:
         return Plausible(now)
     every, enough = list(hypotheses(problem)), min(CLEARER * now.total, RIGHT)
+    if now.middle <= REFUSED:  # most poses fit: of the others a mistake may have been made
+        part = not_fitting(problem, data, enough)
+        fits = _there(problem, data, part, every, enough) if part else ()
+        if part and fits:
+            return Plausible(now, fits, part=part.where)
     tried = _tried(data, every)
 
     def unexplained() -> bool:
         return _least(tried) > enough and now.middle > REFUSED
 
+    if unexplained():
+        tried = [((h,), misfit(h.undo(data)).total) for h in placed_elsewhere(data)]
+    if unexplained():
+        tried = [((h,), misfit(h.undo(data), turns=True).total) for h in turned_otherwise(problem, data)]
     if unexplained() and _scale(data, enough) == 1.0:
         off = inaccurate(problem, data, enough)
         if off is not None:
@@ -152,10 +162,10 @@ def judge(problem: Problem) -> Plausible:
     if unexplained():
         tried = [((h,), misfit(h.undo(data)).total) for h in exchanged_names(problem)]
     if unexplained():
-        part = not_fitting(data, now.spread, SUSPECT)
-        if part is not None:
-            tried = _tried(data, list(in_part(problem, data, part, every)))
-            return Plausible(now, _likeliest(problem, data, tried, enough), part=named(problem, data, part))
+        part = not_fitting(problem, data, enough)
+        if part:
+            return Plausible(now, _there(problem, data, part, every, enough), part=part.where)
+    if unexplained():
         tried = [((h,), left) for h, left in counted_otherwise(problem, data, enough)]
     if unexplained():
         tried = _two_at_once(data, every, enough)
@@ -189,6 +199,13 @@ def _likeliest(
     fits = [one for one in tried if one[1] <= min(enough, AS_GOOD * _least(tried))]
     ranked = sorted(((rank(one), one) for one in fits), key=lambda pair: pair[0])
     return tuple(one for order, one in ranked if order[:2] == ranked[0][0][:2])
+
+
+def _there(
+    problem: Problem, data: Sample, part: Part, every: Sequence[Hypothesis], enough: float
+) -> tuple[tuple[Mistake, float], ...]:
+    """The likeliest mistakes of a part of the poses."""
+    return _likeliest(problem, data, _tried(data, list(in_part(data, part, every))), enough)
 
 
 def _zero(problem: Problem, data: Sample, enough: float) -> tuple[str, float] | None:

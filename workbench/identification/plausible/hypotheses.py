@@ -17,7 +17,7 @@ from ...robot.description import load_robot
 from ...robot.find import list_robots
 from ...robot.kinematics import Arm, Array
 from ...robot.rigid_plant import arrays
-from .misfit import USUAL, Sample
+from .misfit import USUAL, Sample, misfit
 
 Undo = Callable[[Sample], Sample]
 
@@ -213,6 +213,23 @@ def _targets(problem: Problem) -> Iterator[Hypothesis]:
             continue
         what = f"the places of the targets fit only if they are {name}, not {said}"
         yield Hypothesis("targets", what, mend, _stated(range(len(moving)), factor))
+
+
+def placed_elsewhere(data: Sample) -> Iterator[Hypothesis]:
+    """That the targets sit where the points alone have them, far from where they are stated."""
+    free = misfit(data.changed(stated=np.full_like(data.stated, np.nan)), turns=True)
+    known = np.isfinite(data.stated).all(axis=1)
+    if not known.any() or not free.placed:
+        return
+    found = free.placed[0].targets
+    off = (found - data.stated)[known]
+    shift = off.mean(axis=0)
+    said = f"up to {1e3 * np.linalg.norm(off, axis=1).max():.0f} mm"
+    if np.linalg.norm(off - shift, axis=1).max() < USUAL:
+        said = f"({', '.join(f'{round(1e3 * float(part)):+d}' for part in shift)}) mm"
+    what = f"the targets sit {said} from where they are stated, as if these were places in another frame"
+    mend = "state xyz_mm in the flange's frame, not in a tool's; here they are used as found"
+    yield Hypothesis("targets", what, mend, lambda sample: sample.changed(stated=found))
 
 
 def _robots(problem: Problem) -> Iterator[Hypothesis]:

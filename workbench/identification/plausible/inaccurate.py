@@ -6,7 +6,6 @@ Fitted, such errors are gone: no mistake in a table goes away so.
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,7 +20,8 @@ from .misfit import Sample, misfit
 FARTHEST_TURN = np.radians(6.0)  # of a joint or its zero: mastered wrong, a belt some teeth off
 FARTHEST_SHIFT = 0.02  # m, of a joint: more is another variant of the robot
 EXACT = 1e-3  # m, one sigma to which points are believed: they outweigh what is expected of machines
-WILD = 5.0  # times the middle pose's misfit: poses from there on do not count
+WILD = 5.0  # times the middle pose's misfit: poses from there on do not count,
+MOST = 0.9  # where at least so many do: more than a tenth is no chance
 
 
 def inaccurate(problem: Problem, data: Sample, enough: float) -> str | None:
@@ -57,7 +57,9 @@ def _told(geometry: Fit, data: Sample, enough: float) -> str | None:
     shift, turn = np.linalg.norm(change[:, :3], axis=1), np.linalg.norm(change[:, 3:], axis=1)
     if shift.max() > FARTHEST_SHIFT or turn.max() > FARTHEST_TURN:
         return None
-    if misfit(replace(data, arm=data.arm.with_geometry(fitted))).total > enough:
+    counted = geometry.noise.weight > 0
+    nearly_all = data.only(np.flatnonzero(counted)).changed(arm=data.arm.with_geometry(fitted))
+    if counted.mean() < MOST or misfit(nearly_all).total > enough:
         return None
     names = problem.arm.names
     longest, widest = int(np.argmax(shift)), int(np.argmax(turn))

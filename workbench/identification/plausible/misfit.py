@@ -39,6 +39,12 @@ class Sample:
         """The same with other parts."""
         return replace(self, **parts)
 
+    def only(self, some: NDArray[np.int64]) -> Sample:
+        """Some of its poses."""
+        return replace(
+            self, rows=self.rows[some], q=self.q[some], points=self.points[some], setup=self.setup[some]
+        )
+
 
 @dataclass(frozen=True)
 class Misfit:
@@ -77,12 +83,16 @@ def sample(problem: Problem) -> Sample:
     return Sample(rows, tuple(moving), problem.arm, problem.q[rows], points, setup[rows], stated, on)
 
 
+def held(data: Sample) -> Array:
+    """(T,) [m] how far each target may be from where it is stated."""
+    return np.where(np.isfinite(data.stated).all(axis=1), STATED_TARGET, UNKNOWN_TARGET)
+
+
 def misfit(data: Sample, *, turns: bool = False, scale: bool = False, rounds: int = 40) -> Misfit:
     """Misfit of a sample after every set-up was placed for itself with its targets. turns: from 24 more
     directions; scale: the size of the points is free as well; rounds: iterations."""
     where = frames(data.arm, data.q)
-    known = np.isfinite(data.stated).all(axis=1)
-    prior = np.where(known, STATED_TARGET, UNKNOWN_TARGET)
+    known, prior = np.isfinite(data.stated).all(axis=1), held(data)
     placed, lengths, spreads, displaced = [], [np.zeros(0)], [], 0.0
     for k in np.unique(data.setup):
         seen = sight(where, data.points, data.on, data.setup == k)

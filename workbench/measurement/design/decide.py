@@ -281,6 +281,8 @@ def _slope(problem: Problem, effect: Effect, name: str, about: float) -> float:
         if here is None or beside is None:
             return 0.0
         slope, here = (beside - here) / (1e-6 * at), here - about
+        if slope == 0.0:  # no whole, however large, has the parameter there
+            return 0.0
         if abs(here) < 1e-9 * effect.params[0].typical:
             break
         at = at - here / slope if at - here / slope > 0 else 2 * at
