@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.special import chdtr, chdtri, log_ndtr
 
 from ...robot.kinematics import Array
 from .bound import LEVEL, length_bound
 from .left_out import Leaver, LeftOut, joined
 
-WILD = 0.99  # quantile of the squared errors above which they do not count in a mean
+WILD = 0.99  # quantile of the squared errors at which larger ones are cut in a mean
 LESS = 0.85  # of the errors that are expected: by less an instrument's noise is as stated
 MOST_GROWTH = 20.0
 MOST_VARIANCE = 100.0
@@ -50,7 +51,9 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     joint space say that are predicted from all others, as block cross-validation does (Roberts et al. 2017).
     The bounds so grow with leverage, which joints far from the data have together even where none is alone.
     The factor is the conformal quantile of error over bound (Vovk 2005, Lei 2018: it holds for a further pose
-    whatever the errors' distribution); the growth is what the ends of the joints' ranges, predicted from all
+    whatever the errors' distribution). Measured on errors with the instrument's noise, it says little of those
+    without where noise is most of them, f² (M + R) = g² M + R, so that d log f = w d log g with w = M / (M + R):
+    a factor below 1, which no measured error asks for, is taken as f^w. The growth is what the ends of the joints' ranges, predicted from all
     others, ask for beside.
     """
     variance = _variance(leaver, instrument_known)
@@ -58,6 +61,8 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     rest = _rest(out, instrument_known)
     both = joined([out, leaver.by_part(variance).inside])
     factor = Tempering(rest, 1.0, 0.0).stretch(both, instrument_known)
+    if factor < 1:
+        factor **= _robots_share(both, rest, instrument_known)
     growth = _growth(Tempering(rest, factor, 0.0), list(leaver.by_end(variance)), instrument_known)
     return Tempering(rest, factor, growth), variance
 
@@ -66,10 +71,8 @@ def is_overstated(leaver: Leaver) -> bool:
     """Whether poses left out are nearer than the instrument's noise lets expect: then nobody knows how much
     of what is left is the instrument's."""
     out = leaver.by_position(1.0)
-    squared = (out.error**2).sum(axis=1)
-    usual = squared <= np.quantile(squared, WILD)
-    share = squared[usual].mean() / _expected(out, instrument_known=True)[usual].mean()
-    by_chance = 3 * np.sqrt(2 / (3 * len(squared)))
+    share = _squared(out).mean() / _expected(out, instrument_known=True).mean()
+    by_chance = 3 * np.sqrt(2 / (3 * len(out.error)))
     return bool(share < min(LESS, 1 - by_chance))
 
 
@@ -98,17 +101,45 @@ def _variance(leaver: Leaver, instrument_known: bool) -> float:
 
 
 def _rest(out: LeftOut, instrument_known: bool) -> float:
-    """[m] what errors in the midst of the data have beside what is expected, per axis."""
+    """[m] rest: what errors e (k, 3) in the midst of the data have beside what is expected, per axis.
+
+    The excess s = mean(|e|² - tr C) / 3, C expected, is rest² but for its own scatter σ, and may be negative.
+    Where noise is large, σ hides a rest that bounds without that noise must have. As rest² >= 0, what s says
+    of it is a normal cut off at zero, whose mean is taken (Box & Tiao 1973, where a variance component is
+    estimated as negative):
+
+        rest² = s + σ φ(s/σ) / Φ(s/σ)
+
+    which is s where s is far above σ. σ is that of a mean over poses, whose points may err together.
+    """
+    excess = (_squared(out) - _expected(out, instrument_known)) / 3
+    s = float(excess.mean())
+    scatter = float(np.linalg.norm(np.bincount(out.pose, excess - s)) / len(excess))
+    if scatter == 0:
+        return float(np.sqrt(max(s, 0.0)))
+    z = s / scatter
+    hazard = np.exp(-0.5 * z**2 - 0.5 * np.log(2 * np.pi) - log_ndtr(z))
+    return float(np.sqrt(max(s + scatter * hazard, 0.0)))
+
+
+def _squared(out: LeftOut) -> Array:
+    """(k,) [m²] squared errors, wild ones cut, and as much more as that takes off the mean of a χ² of 3."""
     squared = (out.error**2).sum(axis=1)
-    usual = squared <= np.quantile(squared, WILD)
-    left = (squared - _expected(out, instrument_known))[usual].mean() / 3
-    return float(np.sqrt(max(left, 0.0)))
+    largest = chdtri(3, 1 - WILD)
+    left = chdtr(5, largest) + largest * (1 - WILD) / 3
+    return np.asarray(np.minimum(squared, np.quantile(squared, WILD)) / left)
 
 
 def _expected(out: LeftOut, instrument_known: bool) -> Array:
     """(k,) [m²] of squared errors by the fitted numbers, the joints, and the instrument where it is known."""
     covariance = out.fitted + out.scatter + out.seen * instrument_known
     return np.asarray(np.trace(covariance, axis1=-2, axis2=-1))
+
+
+def _robots_share(out: LeftOut, rest: float, instrument_known: bool) -> float:
+    """Of the squared errors that are expected, what is not the instrument's noise."""
+    own = _expected(out, instrument_known=False).mean() + 3 * rest**2
+    return float(own / (_expected(out, instrument_known).mean() + 3 * rest**2))
 
 
 def _growth(inside: Tempering, ends: list[LeftOut], instrument_known: bool) -> float:
