@@ -329,7 +329,7 @@ def test_parts_of_a_campaign_that_differ_widen_the_bound(truth):
 
 class Drawn:
     """Stands for a `Leaver` of which nothing but poses in the midst of others is looked at: 100 poses of three
-    points, whose errors are the fitted numbers', what the model lacks, and noise, `true` times as stated."""
+    points, with errors by the fitted numbers, by what the model lacks, and by noise, `true` times as stated."""
 
     def __init__(self, seed, lacks, fitted=8e-6, noise=4e-5, true=1.0):
         rng = np.random.default_rng(seed)
@@ -359,8 +359,8 @@ class Drawn:
 
 @pytest.mark.parametrize("lacks", [0.0, 8e-6, 1.6e-5, 6e-5])
 def test_bounds_without_noise_hold_where_noise_hides_what_the_model_lacks(lacks):
-    """Noise is five times what the fitted numbers err by. Cut at zero without a mean, what is lacking was found
-    in so few campaigns that bounds held at 79 % in the mean, and at 50 in one of twenty."""
+    """Noise is five times what the fitted numbers err by. Cut at zero without a mean, what is lacking was
+    found in so few campaigns that bounds held at 79 % in the mean, and at 50 in one of twenty."""
     held = np.array([Drawn(seed, lacks).held() for seed in range(100)])
     assert held.mean() > 0.92
     assert np.quantile(held, 0.05) > 0.78

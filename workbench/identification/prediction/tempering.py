@@ -51,10 +51,12 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     joint space say that are predicted from all others, as block cross-validation does (Roberts et al. 2017).
     The bounds so grow with leverage, which joints far from the data have together even where none is alone.
     The factor is the conformal quantile of error over bound (Vovk 2005, Lei 2018: it holds for a further pose
-    whatever the errors' distribution). Measured on errors with the instrument's noise, it says little of those
-    without where noise is most of them, f² (M + R) = g² M + R, so that d log f = w d log g with w = M / (M + R):
-    a factor below 1, which no measured error asks for, is taken as f^w. The growth is what the ends of the joints' ranges, predicted from all
+    whatever the errors' distribution); the growth is what the ends of the joints' ranges, predicted from all
     others, ask for beside.
+
+    Errors M of the robot are seen under noise R that is known. A factor f on what is seen is then one of g on
+    the robot's part, f² (M + R) = g² M + R: d log f = w d log g with w = M / (M + R), and says the less of g,
+    the more noise there is. Above 1 what was measured asks for it; below 1 it is taken as f^w.
     """
     variance = _variance(leaver, instrument_known)
     out = leaver.by_position(variance)
