@@ -328,8 +328,8 @@ def test_parts_of_a_campaign_that_differ_widen_the_bound(truth):
 
 
 class Drawn:
-    """Stands for a `Leaver` of which nothing but poses in the midst of others is looked at: 100 with three points
-    each, off by the fitted numbers, by what the model lacks, and by noise, `true` times as stated."""
+    """Stands for a `Leaver` of which nothing but poses in the midst of others is looked at: 100 with three
+    points each, off by the fitted numbers, by what the model lacks, and by noise, `true` times as stated."""
 
     def __init__(self, seed, lacks, fitted=8e-6, noise=4e-5, true=1.0):
         rng = np.random.default_rng(seed)

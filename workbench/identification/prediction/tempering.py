@@ -112,16 +112,17 @@ def _rest(out: LeftOut, instrument_known: bool) -> float:
 
         rest² = s + σ φ(s/σ) / Φ(s/σ)
 
-    which is s where s is far above σ. σ is that of a mean over poses, whose points may err together.
+    which is s where s is far above σ. σ is that of a mean over poses, whose points may err together, and at
+    least that of independent errors as expected: one estimated alone is small where s is, by the same chance.
     """
-    excess = (_squared(out) - _expected(out, instrument_known)) / 3
+    C = _covariance(out, instrument_known)
+    excess = (_squared(out) - np.trace(C, axis1=1, axis2=2)) / 3
     s = float(excess.mean())
-    scatter = float(np.linalg.norm(np.bincount(out.pose, excess - s)) / len(excess))
-    if scatter == 0:
-        return float(np.sqrt(max(s, 0.0)))
+    together = np.linalg.norm(np.bincount(out.pose, excess - s))
+    scatter = float(max(together, np.sqrt(2 * (C**2).sum()) / 3)) / len(excess)
     z = s / scatter
-    hazard = np.exp(-0.5 * z**2 - 0.5 * np.log(2 * np.pi) - log_ndtr(z))
-    return float(np.sqrt(max(s + scatter * hazard, 0.0)))
+    mills = np.exp(-0.5 * z**2 - 0.5 * np.log(2 * np.pi) - log_ndtr(z))
+    return float(np.sqrt(max(s + scatter * mills, 0.0)))
 
 
 def _squared(out: LeftOut) -> Array:
@@ -132,10 +133,14 @@ def _squared(out: LeftOut) -> Array:
     return np.asarray(np.minimum(squared, np.quantile(squared, WILD)) / left)
 
 
+def _covariance(out: LeftOut, instrument_known: bool) -> Array:
+    """(k, 3, 3) [m²] by the fitted numbers, the joints, and the instrument where it is known."""
+    return out.fitted + out.scatter + out.seen * instrument_known
+
+
 def _expected(out: LeftOut, instrument_known: bool) -> Array:
-    """(k,) [m²] of squared errors by the fitted numbers, the joints, and the instrument where it is known."""
-    covariance = out.fitted + out.scatter + out.seen * instrument_known
-    return np.asarray(np.trace(covariance, axis1=-2, axis2=-1))
+    """(k,) [m²] of squared errors, as far as `_covariance` knows of them."""
+    return np.asarray(np.trace(_covariance(out, instrument_known), axis1=1, axis2=2))
 
 
 def _robots_share(out: LeftOut, rest: float, instrument_known: bool) -> float:
