@@ -25,7 +25,7 @@ class LeftOut:
 
     error: (k, 3) [m] measured minus predicted; fitted: (k, 3, 3) [m²] covariance by that fit's numbers;
     scatter: (k, 3, 3) by the joints; seen: (k, 3, 3) by the instrument; beyond: (k,) [rad, 1/3 m]
-    how far a joint is outside of what that fit saw.
+    how far a joint is outside of what that fit saw; pose: (k,) which one.
     """
 
     error: Array
@@ -33,6 +33,7 @@ class LeftOut:
     scatter: Array
     seen: Array
     beyond: Array
+    pose: NDArray[np.int64]
 
     @property
     def inside(self) -> LeftOut:
@@ -63,8 +64,10 @@ class Leaver:
         error = fit.residual[here] - plain @ change
         fitted = np.einsum("ntip,ntjp->ntij", plain @ inverse, plain)
         mask = fit.model.problem.seen[here] & self.points & (fit.noise.weight[here] > 0)[:, None]
-        far = np.repeat(beyond[here][:, None], targets, axis=1)
-        return LeftOut(error[mask], fitted[mask], self.scatter[here][mask], self.seen[here][mask], far[mask])
+        of, _ = np.nonzero(mask)
+        pose = np.flatnonzero(here)[of]
+        scatter, seen = self.scatter[here][mask], self.seen[here][mask]
+        return LeftOut(error[mask], fitted[mask], scatter, seen, beyond[pose], pose)
 
     def by_position(self, variance: float, seed: int = 0) -> LeftOut:
         """Every pose once, in groups of positions drawn at random."""

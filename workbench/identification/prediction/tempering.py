@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.special import chdtr, chdtri, log_ndtr
 
 from ...robot.kinematics import Array
 from .bound import LEVEL, length_bound
 from .left_out import Leaver, LeftOut, joined
 
-WILD = 0.99  # quantile of the squared errors above which they do not count in a mean
+WILD = 0.99  # quantile of the squared errors at which larger ones are cut in a mean
 LESS = 0.85  # of the errors that are expected: by less an instrument's noise is as stated
 MOST_GROWTH = 20.0
 MOST_VARIANCE = 100.0
@@ -52,12 +53,18 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     The factor is the conformal quantile of error over bound (Vovk 2005, Lei 2018: it holds for a further pose
     whatever the errors' distribution); the growth is what the ends of the joints' ranges, predicted from all
     others, ask for beside.
+
+    Errors M of the robot are seen under noise R that is known. A factor f on what is seen is then one of g on
+    the robot's part, f² (M + R) = g² M + R: d log f = w d log g with w = M / (M + R), and says the less of g,
+    the more noise there is. Above 1 what was measured asks for it; below 1 it is taken as f^w.
     """
     variance = _variance(leaver, instrument_known)
     out = leaver.by_position(variance)
     rest = _rest(out, instrument_known)
     both = joined([out, leaver.by_part(variance).inside])
     factor = Tempering(rest, 1.0, 0.0).stretch(both, instrument_known)
+    if factor < 1:
+        factor **= _robots_share(both, rest, instrument_known)
     growth = _growth(Tempering(rest, factor, 0.0), list(leaver.by_end(variance)), instrument_known)
     return Tempering(rest, factor, growth), variance
 
@@ -66,10 +73,8 @@ def is_overstated(leaver: Leaver) -> bool:
     """Whether poses left out are nearer than the instrument's noise lets expect: then nobody knows how much
     of what is left is the instrument's."""
     out = leaver.by_position(1.0)
-    squared = (out.error**2).sum(axis=1)
-    usual = squared <= np.quantile(squared, WILD)
-    share = squared[usual].mean() / _expected(out, instrument_known=True)[usual].mean()
-    by_chance = 3 * np.sqrt(2 / (3 * len(squared)))
+    share = _squared(out).mean() / _expected(out, instrument_known=True).mean()
+    by_chance = 3 * np.sqrt(2 / (3 * len(out.error)))
     return bool(share < min(LESS, 1 - by_chance))
 
 
@@ -98,17 +103,50 @@ def _variance(leaver: Leaver, instrument_known: bool) -> float:
 
 
 def _rest(out: LeftOut, instrument_known: bool) -> float:
-    """[m] what errors in the midst of the data have beside what is expected, per axis."""
+    """[m] rest: what errors e (k, 3) in the midst of the data have beside what is expected, per axis.
+
+    The excess s = mean(|e|² - tr C) / 3, C expected, is rest² but for its own scatter σ, and may be negative.
+    Where noise is large, σ hides a rest that bounds without that noise must have. As rest² >= 0, what s says
+    of it is a normal cut off at zero, whose mean is taken (Box & Tiao 1973, where a variance component is
+    estimated as negative):
+
+        rest² = s + σ φ(s/σ) / Φ(s/σ)
+
+    which is s where s is far above σ. σ is that of a mean over poses, whose points may err together, and at
+    least that of independent errors as expected: one estimated alone is small where s is, by the same chance.
+    """
+    C = _covariance(out, instrument_known)
+    excess = (_squared(out) - np.trace(C, axis1=1, axis2=2)) / 3
+    s = float(excess.mean())
+    together = np.linalg.norm(np.bincount(out.pose, excess - s))
+    scatter = float(max(together, np.sqrt(2 * (C**2).sum()) / 3)) / len(excess)
+    z = s / scatter
+    mills = np.exp(-0.5 * z**2 - 0.5 * np.log(2 * np.pi) - log_ndtr(z))
+    return float(np.sqrt(max(s + scatter * mills, 0.0)))
+
+
+def _squared(out: LeftOut) -> Array:
+    """(k,) [m²] squared errors, wild ones cut, and as much more as that takes off the mean of a χ² of 3."""
     squared = (out.error**2).sum(axis=1)
-    usual = squared <= np.quantile(squared, WILD)
-    left = (squared - _expected(out, instrument_known))[usual].mean() / 3
-    return float(np.sqrt(max(left, 0.0)))
+    largest = chdtri(3, 1 - WILD)
+    left = chdtr(5, largest) + largest * (1 - WILD) / 3
+    return np.asarray(np.minimum(squared, np.quantile(squared, WILD)) / left)
+
+
+def _covariance(out: LeftOut, instrument_known: bool) -> Array:
+    """(k, 3, 3) [m²] by the fitted numbers, the joints, and the instrument where it is known."""
+    return out.fitted + out.scatter + out.seen * instrument_known
 
 
 def _expected(out: LeftOut, instrument_known: bool) -> Array:
-    """(k,) [m²] of squared errors by the fitted numbers, the joints, and the instrument where it is known."""
-    covariance = out.fitted + out.scatter + out.seen * instrument_known
-    return np.asarray(np.trace(covariance, axis1=-2, axis2=-1))
+    """(k,) [m²] of squared errors, as far as `_covariance` knows of them."""
+    return np.asarray(np.trace(_covariance(out, instrument_known), axis1=1, axis2=2))
+
+
+def _robots_share(out: LeftOut, rest: float, instrument_known: bool) -> float:
+    """Of the squared errors that are expected, what is not the instrument's noise."""
+    own = _expected(out, instrument_known=False).mean() + 3 * rest**2
+    return float(own / (_expected(out, instrument_known).mean() + 3 * rest**2))
 
 
 def _growth(inside: Tempering, ends: list[LeftOut], instrument_known: bool) -> float:
