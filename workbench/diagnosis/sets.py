@@ -69,7 +69,7 @@ class Competition:
         """The better of two searches: everything at once; or causes first, then everything. Where a set was
         found before (labels of its components), the search goes on from there. In the order of the
         components: two searches that end at one set are one, and what follows does not hang on rounding.
-        What no machine is without is in every set, and left out at the end where it shows nothing."""
+        What is certain to be there is in every set, and left out at the end where it shows nothing."""
         everything = np.ones(len(self.components), bool)
         if before:
             return self._showing(self._settled(self.search(self._again(before), everything)))
@@ -80,7 +80,7 @@ class Competition:
         return self._showing(self._settled(max(map(self._in_order, found), key=self.score)))
 
     def _showing(self, members: list[Member]) -> list[Member]:
-        """A set, in the order of its components, without what no machine is without, but too small to show."""
+        """A set in the order of its components, without what is certain to be there, but too small to show."""
         while there := [i for i, member in enumerate(members) if member.component in self.certain]:
             chosen = Chosen(self.reduced, members)
             own = self.forms.weigh(chosen, [members[i].component for i in there], np.array(there))
@@ -141,7 +141,7 @@ class Competition:
         return sorted(members, key=lambda member: member.component)
 
     def _again(self, labels: Sequence[str]) -> list[Member]:
-        """The components with these labels, and those that no machine is without, each in its likeliest form
+        """The components with these labels, and those that are certain to be there, each in its likeliest form
         beside the others."""
         known = {component.label: k for k, component in enumerate(self.components)}
         here = [*sorted(self.certain), *(known[label] for label in labels if label in known)]
@@ -242,7 +242,7 @@ class Competition:
         """For each member: probability of it, of each stand-in, and of nothing (None) in its place.
 
         What would help beside the whole set as well stands in for nobody by that; and nothing stands in for
-        what no machine is without.
+        what is certain to be there.
         """
         out = []
         chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.reduced, self.components)
