@@ -80,7 +80,7 @@ class Competition:
         return self._showing(self._settled(max(map(self._in_order, found), key=self.score)))
 
     def _showing(self, members: list[Member]) -> list[Member]:
-        """A set in the order of its components, without what is certain to be there, but too small to show."""
+        """A set in the order of its components, without what is certain, but too small to show."""
         while there := [i for i, member in enumerate(members) if member.component in self.certain]:
             chosen = Chosen(self.reduced, members)
             own = self.forms.weigh(chosen, [members[i].component for i in there], np.array(there))

@@ -31,7 +31,7 @@ class LinkMass(MassEffect):
     """
 
     cause: ClassVar[str] = "link_mass"
-    title: ClassVar[str] = "Mass of a link differs from the model"
+    title: ClassVar[str] = "Mass of a link, or of all links alike, differs from the model"
     reference: ClassVar[str] = "the URDF's"
     equation: ClassVar[str] = "Delta tau = J^T (m + Delta m) g (c + Delta c) - J^T m g (c)"
     reading: ClassVar[str] = "weigh the link"
