@@ -1,4 +1,4 @@
-"""Masses that the URDF has all wrong by one factor, or not at all: what the points then say, and do not say."""
+"""Masses that the URDF has all wrong by one factor, or not at all: what the points then say."""
 
 import re
 from dataclasses import replace

@@ -141,7 +141,7 @@ class Competition:
         return sorted(members, key=lambda member: member.component)
 
     def _again(self, labels: Sequence[str]) -> list[Member]:
-        """The components with these labels, and those that are certain to be there, each in its likeliest form
+        """The components with these labels, and those that are certain, each in its likeliest form
         beside the others."""
         known = {component.label: k for k, component in enumerate(self.components)}
         here = [*sorted(self.certain), *(known[label] for label in labels if label in known)]

@@ -94,7 +94,7 @@ class LinkMass(MassEffect):
         return [*each, cls(Where(), ALL, total, total, ALL_MOST * total)] if len(have) > 1 else each
 
     def _changes(self, arm: Arm) -> Iterator[tuple[int, Array, Array]]:
-        """Slots, each with mass (p,) and first moment (3, p) on the arm's axes, per unit of each parameter."""
+        """Slots, each with mass (p,) and first moment (3, p) on the arm's axes, per unit."""
         if self.variant == ALL:
             for k in range(1, arm.n + 1):
                 yield k, arm.mass[k, None], arm.moment[k][:, None]
