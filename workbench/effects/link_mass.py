@@ -113,14 +113,14 @@ class LinkMass(MassEffect):
         return replace(arm, mass=mass, moment=moment), loads
 
     def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
-        n_poses, total = len(problem.q), 0.0
+        n_poses, parts = len(problem.q), []
         for k, mass, moment in self._changes(problem.arm):
             columns = [
                 mass_wrench(problem, where, k, np.full(n_poses, m), np.broadcast_to(first, (n_poses, 3)))
                 for m, first in zip(mass, moment.T, strict=True)
             ]
-            total = total + np.stack(columns, axis=-1)
-        return np.asarray(total)
+            parts.append(np.stack(columns, axis=-1))
+        return np.asarray(sum(parts))
 
     def sentence(self, values: Array) -> str:
         if self.variant == ALL:
