@@ -143,7 +143,7 @@ class Competition:
     def _again(self, labels: Sequence[str]) -> list[Member]:
         """The components with these labels, and those that are certain, each in its likeliest form
         beside the others."""
-        known = {component.label: k for k, component in enumerate(self.components)}
+        known = {component.label: k for k, component in enumerate(self.components)} if labels else {}
         here = [*sorted(self.certain), *(known[label] for label in labels if label in known)]
         here = list(dict.fromkeys(here))
         weights = self.forms.weigh(Chosen(self.reduced, []), here)
