@@ -181,10 +181,12 @@ def weighs(case, effect, twin, direct):
         )
         for a, b in zip(twin.built.bodies, stated.built.bodies, strict=True)
     ]  # fmt: skip
-    body = case.arm.links.index(effect.where.link) if effect.where.link else len(changed) - 1
+    bodies = [case.arm.links.index(effect.where.link) if effect.where.link else len(changed) - 1]
+    if effect.variant == "all":  # every link that has a mass
+        bodies = (1 + np.flatnonzero(case.arm.mass[1:])).tolist()
     c = case.campaign
     carried = effect.where.payload in (None, c.tool_name, c.payload_names[c.poses.payload[0]])
-    assert np.flatnonzero(changed).tolist() == ([body] if carried else [])
+    assert np.flatnonzero(changed).tolist() == (bodies if carried else [])
 
 
 def nothing(case, effect, twin, direct):

@@ -111,6 +111,11 @@ class Component:
         return any(effect.in_proportion for form in self.forms for effect in form.effects)
 
     @property
+    def certain(self) -> bool:
+        """Whether no machine is without it, whatever its size: what has no name, but is always there."""
+        return self.nameless and self.effect is not None and self.effect.always
+
+    @property
     def effect(self) -> Effect | None:
         """One of its effects; None of a change of geometry."""
         return next((effect for form in self.forms for effect in form.effects), None)

@@ -34,9 +34,9 @@ class Forms:
         self._log_share = np.concatenate([[], *(component.log_shares for component in components)])
         main = np.array([form.main for _, form in forms], int)
         self._own = np.where(main < self._width, main, 0)  # 0: no companions follow
-        self._too_large = np.array([not components[k].nameless for k, _ in forms], bool)[:, None] & (
-            PRIORS.largest < SCALES
-        )
+        named = np.array([not components[k].nameless for k, _ in forms], bool)[:, None]
+        certain = np.array([components[k].certain for k, _ in forms], bool)[:, None]
+        self._ruled_out = (named & (PRIORS.largest < SCALES)) | (certain & (PRIORS.smallest > SCALES))
         ends = np.cumsum([0, *(len(component.forms) for component in components)])
         self._of = [np.arange(a, b) for a, b in pairwise(ends.tolist())]
 
@@ -57,7 +57,7 @@ class Forms:
             own = self._wrong_sign[rows[here]], self._own[rows[here]]
             table[here] = table_of(self.reduced, S, u, explained[here], *own)
         table += self._log_share[rows, None]
-        table[self._too_large[rows]] = -np.inf
+        table[self._ruled_out[rows]] = -np.inf
         most = np.maximum.reduceat(table.max(axis=1), first)
         each = np.exp(table - np.repeat(most, counts)[:, None]).sum(axis=1)
         every = np.add.reduceat(each, first)
@@ -84,7 +84,7 @@ class Forms:
             S, u = chosen.left_of(block)
             more = chosen.given_back(block, members)
             most = most_of(self.reduced, S, u, more, rest, self._own[rows[here]])
-            most[self._too_large[rows[here]]] = -np.inf
+            most[self._ruled_out[rows[here]]] = -np.inf
             table[here] = logsumexp(most, axis=1)
         table += self._log_share[rows, None]
         prior = np.array([self.components[k].log_odds for k in numbers])

@@ -33,6 +33,7 @@ class Competition:
     def __init__(self, reduced: Reduced, components: Sequence[Component], needs: Needs | None = None) -> None:
         self.reduced, self.components, self.needs = reduced, components, needs or {}
         self.forms = Forms(reduced, components)
+        self.certain = frozenset(k for k, component in enumerate(components) if component.certain)
 
     def beside(
         self, chosen: Chosen, without: int | None = None, among: Mask | None = None
@@ -68,17 +69,31 @@ class Competition:
         """The best of three searches: everything at once; causes first, then everything; and what yields
         first, which one load hardly tells from heavier masses and stiffer joints elsewhere. Where a set was
         found before (labels of its components), the search goes on from there. In the order of the
-        components: two searches that end at one set are one, and what follows does not hang on rounding."""
+        components: two searches that end at one set are one, and what follows does not hang on rounding.
+        What is certain to be there is in every set, and left out at the end where it shows nothing."""
         everything = np.ones(len(self.components), bool)
         if before:
-            return self._in_order(self._settled(self.search(self._again(before), everything)))
-        causes = np.array([not component.nameless for component in self.components], bool)
-        yields = np.array([component.yields for component in self.components], bool)
-        found = [self.search([], everything)]
+            return self._showing(self._settled(self.search(self._again(before), everything)))
+        certain = np.array([component.certain for component in self.components], bool)
+        causes = np.array([not component.nameless for component in self.components], bool) | certain
+        yields = np.array([component.yields for component in self.components], bool) | certain
+        there = self._again([])
+        found = [self.search(there, everything)]
         for some in (causes, yields):
-            if not all(some[m.component] for m in found[0]) and (begun := self.search([], some)):
+            if not all(some[m.component] for m in found[0]) and (begun := self.search(there, some)) != there:
                 found.append(self.search(begun, everything))
-        return self._in_order(self._settled(max(map(self._in_order, found), key=self.score)))
+        return self._showing(self._settled(max(map(self._in_order, found), key=self.score)))
+
+    def _showing(self, members: list[Member]) -> list[Member]:
+        """A set in the order of its components, without what is certain, but too small to show."""
+        while there := [i for i, member in enumerate(members) if member.component in self.certain]:
+            chosen = Chosen(self.reduced, members)
+            own = self.forms.weigh(chosen, [members[i].component for i in there], np.array(there))
+            least = min(range(len(there)), key=lambda n: own[n].log_odds)
+            if own[least].log_odds > 0:
+                break
+            del members[there[least]]
+        return self._in_order(members)
 
     def _settled(self, members: list[Member]) -> list[Member]:
         """A set in which no two components are likelier in the place of one: else the search goes on."""
@@ -96,6 +111,8 @@ class Competition:
         chosen, now = Chosen(self.reduced, members), self.score(members)
         takes = [chosen.explained - chosen.explained_without(i) for i in range(len(members))]
         for i in np.argsort(takes)[: -STRONGEST - 1 : -1].tolist():
+            if members[i].component in self.certain:
+                continue
             others = [member for j, member in enumerate(members) if j != i]
             rest = Chosen(self.reduced, others)
             if members[i].component not in self._open(rest, None, None):  # what it needs is gone
@@ -129,9 +146,11 @@ class Competition:
         return sorted(members, key=lambda member: member.component)
 
     def _again(self, labels: Sequence[str]) -> list[Member]:
-        """The components with these labels, each in its likeliest form beside the others."""
-        known = {component.label: k for k, component in enumerate(self.components)}
-        here = [known[label] for label in labels if label in known]
+        """The components with these labels, and those that are certain, each in its likeliest form
+        beside the others."""
+        known = {component.label: k for k, component in enumerate(self.components)} if labels else {}
+        here = [*sorted(self.certain), *(known[label] for label in labels if label in known)]
+        here = list(dict.fromkeys(here))
         weights = self.forms.weigh(Chosen(self.reduced, []), here)
         members = [Member(k, weight.form, weight.scale) for k, weight in zip(here, weights, strict=True)]
         return self.exchanged(members, self._only(*members))
@@ -206,6 +225,8 @@ class Competition:
             if own is not None:
                 weights[member.component] = own
             new = _likeliest(member, weights)
+            if own is not None and member.component in self.certain:
+                new = Member(member.component, own.form, own.scale)
             if new != member:
                 return member, new
         return None
@@ -225,7 +246,8 @@ class Competition:
     def shares(self, members: Sequence[Member]) -> list[Shares]:
         """For each member: probability of it, of each stand-in, and of nothing (None) in its place.
 
-        What would help beside the whole set as well stands in for nobody by that.
+        What would help beside the whole set as well stands in for nobody by that; and nothing stands in for
+        what is certain to be there.
         """
         out = []
         chosen, stand_ins = Chosen(self.reduced, members), StandIns(self.reduced, self.components)
@@ -237,7 +259,9 @@ class Competition:
             if member.component not in can:  # what it needs is gone
                 out.append({member.component: 0.0, None: 1.0})
                 continue
-            may = {member.component, *np.array([*anyway], int)[limit > least].tolist()}
+            may = {member.component}
+            if member.component not in self.certain:
+                may |= {*np.array([*anyway], int)[limit > least].tolist()}
             weights = self._weights(chosen, [k for k in can if k in may], i)
             logs = dict[int, float]()
             for k, w in weights.items():
