@@ -270,7 +270,7 @@ def test_no_cause_by_loads_is_sure_beside_larger_bending_without_a_name(monkeypa
         out[:, 3] = 1e-3 * np.sin(1.3 * q[:, 1] + 0.4) * np.cos(q[:, 2] - 0.3)
         return out
 
-    campaign = measured(effects=("joint_compliance:joint=joint_3,relative=0.5",), joints=joints)
+    campaign = measured(effects=("joint_compliance:joint=joint_3,relative=0.5",), joints=joints, poses=45)
     said = []
     for by_loads in (False, True):
         monkeypatch.setattr(Product, "by_loads", by_loads)

@@ -125,6 +125,7 @@ def trees(folder: Path) -> list[tuple[Path, ast.Module]]:
     return [(path, ast.parse(path.read_text(encoding="utf-8"))) for path in sorted(folder.glob("*.py"))]
 
 
+@pytest.mark.slow
 def test_a_copied_study_runs_with_its_own_chapters(tmp_path: Path) -> None:
     """A folder that lies anywhere, under any name, run as a script: what is changed in it counts."""
     copied = tmp_path / "my-robot"

@@ -162,6 +162,7 @@ def test_records_of_cells() -> None:
     assert {cut: len(named.at(w.grid.campaign, w, cut).poses.q) for cut in named.RECORDS} == named.RECORDS
 
 
+@pytest.mark.slow
 def test_page(found: Study, folder: Path) -> None:
     for name in ("index.html", "report.pdf", "scene.html", "result.json"):
         assert (folder / name).stat().st_size > 500, name
@@ -178,6 +179,7 @@ def test_page(found: Study, folder: Path) -> None:
     assert found.numbers["drake_um"] < 10
 
 
+@pytest.mark.slow
 def test_the_campaign_tells_the_robot_as_it_was_diagnosed(found: Study, folder: Path, tmp_path: Path) -> None:
     """Springs and gas are told, the soft zone and the kinematics are not; the archive keeps it so."""
     with zipfile.ZipFile(archive(folder, tmp_path / "kr500.zip")) as packed:
@@ -194,6 +196,7 @@ def test_the_campaign_tells_the_robot_as_it_was_diagnosed(found: Study, folder: 
     assert "soft" not in told
 
 
+@pytest.mark.slow
 def test_what_is_said_follows_the_claims(found: Study) -> None:
     said = "That stiffness varies is not shown" in found.headline
     assert said is found.claims["undecided"].stands
@@ -205,9 +208,11 @@ def test_what_is_said_follows_the_claims(found: Study) -> None:
     assert verdicts.rows[0][2] == "nothing missing"  # constant stiffness, load as it is
 
 
+@pytest.mark.slow
 def test_captions_stand_alone(found: Study) -> None:
     captions_stand_alone(found, "KUKA KR 500")
 
 
+@pytest.mark.slow
 def test_poses_are_counted_that_the_robot_could_stand_in(found: Study) -> None:
     poses_are_counted(found, 0.95)

@@ -28,7 +28,7 @@ from ..identification.plausible import (
     check_rest,
     enough_poses,
     plausible_geometry,
-    same_factor,
+    common_factor,
 )
 from ..robot.kinematics import Array
 from .copies import without_copies
@@ -282,5 +282,5 @@ def _fitted(sound: _Sound) -> Prepared:
     geometry = plausible_geometry(geometry)
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
-    notes = (*sound.notes, *rigid_targets(geometry), *same_factor(geometry))
+    notes = (*sound.notes, *rigid_targets(geometry), *common_factor(geometry))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)

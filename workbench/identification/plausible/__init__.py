@@ -3,7 +3,7 @@
 from .check import Plausible, believed, check_plausible, judge
 from .few_poses import enough_beside_others, enough_poses, enough_together, too_few_alone
 from .machine import check_rest, plausible_geometry
-from .same_factor import same_factor
+from .same_factor import common_factor
 
 __all__ = [
     "Plausible",
@@ -15,6 +15,6 @@ __all__ = [
     "enough_together",
     "judge",
     "plausible_geometry",
-    "same_factor",
+    "common_factor",
     "too_few_alone",
 ]

@@ -13,7 +13,7 @@ CHANCE = 1e-4  # that lengths which have nothing to do with each other look so
 TOLD = 100.0  # times what is taken for granted of a length: the data tell it
 
 
-def same_factor(geometry: Fit) -> list[str]:
+def common_factor(geometry: Fit) -> list[str]:
     """A remark where the points are larger or smaller than the robot, as by its lengths.
 
     A machine's lengths, whichever the data tell, are off independently of each other, by as much as they are:
