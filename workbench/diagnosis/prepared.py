@@ -26,9 +26,9 @@ from ..identification.noise import Covariance
 from ..identification.plausible import (
     believed,
     check_rest,
+    common_factor,
     enough_poses,
     plausible_geometry,
-    common_factor,
 )
 from ..robot.kinematics import Array
 from .copies import without_copies

@@ -10,11 +10,11 @@ __all__ = [
     "believed",
     "check_plausible",
     "check_rest",
+    "common_factor",
     "enough_beside_others",
     "enough_poses",
     "enough_together",
     "judge",
     "plausible_geometry",
-    "common_factor",
     "too_few_alone",
 ]
