@@ -127,8 +127,9 @@ def _check_unmixed(folder: Path, name: str) -> None:
     there = {"study": name}
     with suppress(OSError, ValueError):
         there = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    if there.get("study") != name:
-        what = f"the study {there['study']}" if "study" in there else "another result"
+    other = there.get("study") if isinstance(there, dict) else None
+    if other != name:
+        what = f"the study {other}" if other else "another result"
         mend = "give another folder with --out, or remove this one first"
         raise InputError(Fault(str(folder), f"holds {what}", mend))
 

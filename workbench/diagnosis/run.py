@@ -104,8 +104,9 @@ def _mended(prepared: Prepared, found: Searched) -> Prepared | None:
     wild = wild_beside(found.selection.fit, prepared.least)
     if wild.faults:
         return prepared.mended(wild)
-    beside = replace(found.selection.fit, noise=found.prepared.covariance).lasting
-    step = step_in_time(beside) if found.selection.nameless else None
+    if not found.selection.nameless:
+        return None
+    step = step_in_time(replace(found.selection.fit, noise=found.prepared.covariance).lasting)
     return None if step is None else prepared.split(step)
 
 

@@ -74,9 +74,8 @@ class Competition:
         everything = np.ones(len(self.components), bool)
         if before:
             return self._showing(self._settled(self.search(self._again(before), everything)))
-        certain = np.array([component.certain for component in self.components], bool)
-        causes = np.array([not component.nameless for component in self.components], bool) | certain
-        yields = np.array([component.yields for component in self.components], bool) | certain
+        causes = np.array([not c.nameless or c.certain for c in self.components], bool)
+        yields = np.array([c.yields or c.certain for c in self.components], bool)
         there = self._again([])
         found = [self.search(there, everything)]
         for some in (causes, yields):
@@ -149,8 +148,7 @@ class Competition:
         """The components with these labels, and those that are certain, each in its likeliest form
         beside the others."""
         known = {component.label: k for k, component in enumerate(self.components)} if labels else {}
-        here = [*sorted(self.certain), *(known[label] for label in labels if label in known)]
-        here = list(dict.fromkeys(here))
+        here = list(dict.fromkeys([*sorted(self.certain), *(known[one] for one in labels if one in known)]))
         weights = self.forms.weigh(Chosen(self.reduced, []), here)
         members = [Member(k, weight.form, weight.scale) for k, weight in zip(here, weights, strict=True)]
         return self.exchanged(members, self._only(*members))

@@ -45,33 +45,12 @@ class LinkMass(MassEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        if self.variant == ALL:
-            meaning = "masses of all links over the URDF's, minus one"
-            return (Param("relative", "1", ALL_USUAL, meaning, lower=-1.0, upper=ALL_MOST),)
         if self.variant == "mass":
             return (self._mass("added to the URDF's mass", self.usual),)
         most = 0.3 * self.usual  # a centre of mass does not leave its link
         return tuple(
             Param(f"moment_{axis}", "kg·m", 0.02 * self.usual, lower=-most, upper=most) for axis in "xyz"
         )
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return ("relative",) if self.variant == ALL else super().names
-
-    def given(self, numbers: Mapping[str, float]) -> Array:
-        return np.array([numbers.get("relative", 0.0)]) if self.variant == ALL else super().given(numbers)
-
-    def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
-        if self.variant == ALL:
-            return value / self.mass - 1
-        return super().of_whole(problem, name, value, warmth)
-
-    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
-        if self.variant == ALL:
-            (param,), size = self.params, float(values[0])
-            return (Parameter("relative", size, float(covariance[0, 0]) ** 0.5, "1", param.meaning),)
-        return super().report(values, covariance)
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
@@ -86,19 +65,17 @@ class LinkMass(MassEffect):
             usual[arm.n] = max(arm.mass[arm.n], usually_mounted(problem))
         have = [k for k in range(1, arm.n + 1) if arm.mass[k] > 0]
         each = [
-            cls(Where(link=arm.links[k]), variant, float(arm.mass[k]), float(usual[k]), float(arm.mass.sum()))
+            LinkMass(
+                Where(link=arm.links[k]), variant, float(arm.mass[k]), float(usual[k]), float(arm.mass.sum())
+            )
             for k in have
             for variant in ("mass", "com")
         ]
         total = float(arm.mass[1:].sum())
-        return [*each, cls(Where(), ALL, total, total, ALL_MOST * total)] if len(have) > 1 else each
+        return [*each, ArmMass(Where(), ALL, total, total, ALL_MOST * total)] if len(have) > 1 else each
 
     def _changes(self, arm: Arm) -> Iterator[tuple[int, Array, Array]]:
         """Slots, each with mass (p,) and first moment (3, p) on the arm's axes, per unit."""
-        if self.variant == ALL:
-            for k in range(1, arm.n + 1):
-                yield k, arm.mass[k, None], arm.moment[k][:, None]
-            return
         k = arm.slot_of_link(str(self.where.link))
         if self.variant == "mass":
             yield k, np.ones(1), (arm.moment[k] / arm.mass[k])[:, None]
@@ -123,8 +100,6 @@ class LinkMass(MassEffect):
         return np.asarray(sum(parts))
 
     def sentence(self, values: Array) -> str:
-        if self.variant == ALL:
-            return f"All links weigh {1 + values[0]:.2f} times what the URDF says."
         if self.variant == "mass":
             word = "heavier" if values[0] > 0 else "lighter"
             return f"{self.where.link} is {abs(values[0]):.1f} kg {word} than its URDF says."
@@ -132,3 +107,34 @@ class LinkMass(MassEffect):
             return f"The first moment of {self.where.link} is off by {np.linalg.norm(values):.3g} kg·m."
         shift = float(np.linalg.norm(values)) / self.mass * 1e3
         return f"The centre of mass of {self.where.link} is {short(shift)} mm off its place in the URDF."
+
+
+class ArmMass(LinkMass):
+    """The form of the whole arm: gravity of every link acts with m (1 + r) at c, r the same of all."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return ("relative",)
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        meaning = "masses of all links over the URDF's, minus one"
+        return (Param("relative", "1", ALL_USUAL, meaning, lower=-1.0, upper=ALL_MOST),)
+
+    def given(self, numbers: Mapping[str, float]) -> Array:
+        return np.array([numbers.get("relative", 0.0)])
+
+    def of_whole(self, problem: Problem, name: str, value: float, warmth: float) -> float | None:
+        return value / self.mass - 1
+
+    def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
+        (param,) = self.params
+        std = float(covariance[0, 0]) ** 0.5
+        return (Parameter("relative", float(values[0]), std, "1", param.meaning),)
+
+    def _changes(self, arm: Arm) -> Iterator[tuple[int, Array, Array]]:
+        for k in range(1, arm.n + 1):
+            yield k, arm.mass[k, None], arm.moment[k][:, None]
+
+    def sentence(self, values: Array) -> str:
+        return f"All links weigh {1 + values[0]:.2f} times what the URDF says."

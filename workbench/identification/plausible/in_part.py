@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign.problem import Problem
-from ...robot.kinematics import Array, frames
+from ...robot.kinematics import Array
 from ..registration import Placed, place, sight
 from .hypotheses import Hypothesis, Undo
 from .misfit import BOUND, Sample, held, misfit
@@ -141,21 +141,14 @@ def _placed(data: Sample, some: NDArray[np.int64], rounds: int = 40) -> Placed:
     """The set-up as some of its poses place it."""
     here = np.zeros(len(data.rows), bool)
     here[some] = True
-    seen = sight(frames(data.arm, data.q), data.points, data.on, here)
+    seen = sight(data.where, data.points, data.on, here)
     return place(seen, data.stated, held(data), turns=False, rounds=rounds)
-
-
-def _robot(data: Sample, placed: Placed) -> Array:
-    """(N, T, 3) [m] the points of the robot in its base, with the targets of a placed set-up."""
-    where = frames(data.arm, data.q)
-    return np.stack(
-        [where.p[k] + where.R[k] @ t for k, t in zip(data.on, placed.targets, strict=True)], axis=1
-    )
 
 
 def _off(data: Sample, placed: Placed) -> Array:
     """(N,) [m] how far the farthest point of each pose is from where a placed robot has it; NaN: not seen."""
-    off = np.linalg.norm(data.points - placed.t - _robot(data, placed) @ placed.R.T, axis=2)
+    robot = data.where.points(placed.targets, data.on)
+    off = np.linalg.norm(data.points - placed.t - robot @ placed.R.T, axis=2)
     seen = np.isfinite(off)
     return np.where(seen.any(axis=1), np.where(seen, off, 0.0).max(axis=1), np.nan)
 
@@ -164,5 +157,5 @@ def _spread(data: Sample, placed: Placed) -> float:
     """[m] of the points of the robot or of those measured, whichever spread less: wrong joints or a moved
     instrument only spread them."""
     seen = data.points[np.isfinite(data.points).all(axis=2)]
-    both = (seen, _robot(data, placed).reshape(-1, 3))
+    both = (seen, data.where.points(placed.targets, data.on).reshape(-1, 3))
     return min(float(np.sqrt(points.var(axis=0).sum())) for points in both) + 1e-9

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...campaign.problem import Problem
-from ...robot.kinematics import Arm, Array, frames
+from ...robot.kinematics import Arm, Array, Frames, frames
 from ..registration import STATED_TARGET, UNKNOWN_TARGET, Placed, place, sight
 
 POSES = 60  # of a set-up, evenly chosen: enough to tell a wrong robot
@@ -34,6 +35,11 @@ class Sample:
     setup: NDArray[np.int64]
     stated: Array
     on: tuple[int, ...]
+
+    @cached_property
+    def where(self) -> Frames:
+        """The frames of its joints."""
+        return frames(self.arm, self.q)
 
     def changed(self, **parts: Any) -> Sample:
         """The same with other parts."""
@@ -91,11 +97,10 @@ def held(data: Sample) -> Array:
 def misfit(data: Sample, *, turns: bool = False, scale: bool = False, rounds: int = 40) -> Misfit:
     """Misfit of a sample after every set-up was placed for itself with its targets. turns: from 24 more
     directions; scale: the size of the points is free as well; rounds: iterations."""
-    where = frames(data.arm, data.q)
     known, prior = np.isfinite(data.stated).all(axis=1), held(data)
     placed, lengths, spreads, displaced = [], [np.zeros(0)], [], 0.0
     for k in np.unique(data.setup):
-        seen = sight(where, data.points, data.on, data.setup == k)
+        seen = sight(data.where, data.points, data.on, data.setup == k)
         found = place(seen, data.stated, prior, turns=turns, scale=scale, rounds=rounds)
         points = seen.p + np.einsum("ntij,tj->nti", seen.R, found.targets)
         spread = found.scale * float(np.sqrt(points[seen.seen].var(axis=0).sum())) + 1e-9

@@ -79,9 +79,8 @@ def _frames(points: Array) -> tuple[Array, Array]:
 def _with(data: Sample, place: Array, R: Array) -> Sample:
     """The sample with its frames at places (N, 3) [m], turned R (N, 3, 3)."""
     arms = np.linalg.norm(data.points[:, 1:] - data.points[:, :1], axis=2)[..., None]
-    points = place[:, None] + np.concatenate([0.0 * arms[:, :1], arms], axis=1) * np.concatenate(
-        [np.zeros((len(R), 1, 3)), R[:, :, :2].swapaxes(1, 2)], axis=1
-    )
+    points = np.repeat(place[:, None], 3, axis=1)
+    points[:, 1:] += arms * R[:, :, :2].swapaxes(1, 2)
     return data.changed(points=points)
 
 
