@@ -22,7 +22,7 @@ from .model import Linearisation, Model, State
 from .noise import Covariance, body_motion, required_noise
 from .parameters import Columns, columns
 from .registration import register
-from .rows import Equations, equations, fitted_numbers, jacobian, moved, whitening
+from .rows import Equations, Place, equations, fitted_numbers, jacobian, moved, whitening
 
 CORRECTIONS = 4  # of a step, until it follows the valley it goes along
 TOLERANCE = 1e-2  # standard deviations, all numbers together
@@ -199,9 +199,9 @@ def fit(
         start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
     start = replace(start, given=model.given_values(start))
     cols = columns(problem, model.effects, geometry, model.given)
-    line = model.linearise(start)
-    W = whitening(problem, line, noise)
-    at = equations(model, line, cols, start, W)
+    place = Place.of(model, start)
+    W = whitening(problem, place.line, noise)
+    at = equations(place, cols, W)
     normal, damping, converged = _normal(model, cols, at, W), 0.0, False
     gains = list[float]()
     for iteration in range(max_iterations):
@@ -222,7 +222,7 @@ def fit(
         at = new
         if iteration < 2:  # the points' motion by the joints, in the noise, hardly changes any more
             W = whitening(problem, at.line, noise)
-            at = equations(model, at.line, cols, at.state, W)
+            at = equations(at.place, cols, W)
         normal = _normal(model, cols, at, W)
     residual = np.where(problem.seen[..., None], at.residual, np.nan)
     end = tolerance > TOLERANCE, iteration + 1, converged, at.cost
@@ -238,7 +238,7 @@ def _stepped(model: Model, cols: Columns, at: Equations, W: Array, step: Array) 
     """The equations after a step; None where it goes to an arm too soft to stand."""
     state = moved(model.problem, cols, at.state, at.line.centre, step)
     try:
-        return equations(model, model.linearise(state, at.line), cols, state, W)
+        return equations(Place.of(model, state, at.line), cols, W)
     except ArithmeticError:
         return None
 

@@ -205,7 +205,11 @@ class Model:
 
     def linearise(self, state: State, near: Linearisation | None = None) -> Linearisation:
         """Derivatives at a state; `near` as for `loaded`: saves time, changes nothing."""
-        prediction, acting = self.loaded(state, near), self.acting(state)
+        return self.linearised(state, self.loaded(state, near))
+
+    def linearised(self, state: State, prediction: Prediction) -> Linearisation:
+        """Derivatives at a state of which the prediction is known."""
+        acting = self.acting(state)
         arm, where = prediction.arm, prediction.where
         turn = state.R[self.problem.campaign.poses.setup]
         view = View(tuple(self.problem.on), turn, acting.sight(self.problem), self.problem.drives)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from ..robot.rotations import from_vectors
-from .model import Linearisation, Model, State, move_frame
+from .model import Linearisation, Model, Prediction, State, move_frame
 from .noise import Covariance, whitener
 from .parameters import Columns, body_motion
 
@@ -35,29 +36,57 @@ def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array
     return out
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A model at a state."""
+
+    model: Model
+    state: State
+    prediction: Prediction
+
+    @classmethod
+    def of(cls, model: Model, state: State, near: Linearisation | None = None) -> Place:
+        """`near` as for `Model.loaded`."""
+        return cls(model, state, model.loaded(state, near))
+
+    @cached_property
+    def line(self) -> Linearisation:
+        """The derivatives: a step that is tried and not taken needs none."""
+        return self.model.linearised(self.state, self.prediction)
+
+
+@dataclass(frozen=True, eq=False)
 class Equations:
     """What a step is solved from. residual: (N, T, 3) measured minus predicted, zero where not seen; r:
     (N, D) the same whitened; offset: (P,) how far each number is from its prior's mean, in its prior."""
 
-    state: State
-    line: Linearisation
+    place: Place
     residual: Array
     r: Array
     offset: Array
     cost: float
 
+    @property
+    def line(self) -> Linearisation:
+        """The derivatives."""
+        return self.place.line
 
-def equations(model: Model, line: Linearisation, cols: Columns, state: State, W: Array) -> Equations:
-    """The equations at a state, linearised there."""
-    problem, points = model.problem, line.prediction.points
-    residual = np.where(problem.seen[..., None], problem.campaign.points - points, 0.0)
+    @property
+    def state(self) -> State:
+        """Where they hold."""
+        return self.place.state
+
+
+def equations(place: Place, cols: Columns, W: Array) -> Equations:
+    """The equations of a model at a state."""
+    model, problem = place.model, place.model.problem
+    residual = np.where(problem.seen[..., None], problem.campaign.points - place.prediction.points, 0.0)
     flat = residual.reshape(len(residual), -1)
     if problem.drives:
-        flat = np.concatenate([flat, model.drive_residual(line, state)], axis=1)
+        flat = np.concatenate([flat, model.drive_residual(place.line, place.state)], axis=1)
     r = np.matmul(W, flat[..., None])[..., 0]
-    offset = offset_of(model, cols, state)
-    return Equations(state, line, residual, r, offset, float((r**2).sum() + (offset**2).sum()))
+    offset = offset_of(model, cols, place.state)
+    return Equations(place, residual, r, offset, float((r**2).sum() + (offset**2).sum()))
 
 
 def fitted_numbers(cols: Columns, state: State) -> Array:
