@@ -162,7 +162,7 @@ def test_a_tool_the_other_way_up_is_no_jump(seed):
     [
         (untouched, {"torque_sigma": 20.0}),
         (wild, {}),
-        (moved, {"state_sigma": False}),
+        (moved, {"state_sigma": False, "targets": 1}),
         (swapped_and_moved, {}),
     ],
     ids=["torque", "wild", "moved without noise", "swapped and moved"],

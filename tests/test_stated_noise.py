@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
+from workbench import Truth, diagnose, load_robot, parse_effect, planned, random_poses, simulate
 from workbench.campaign.planned import TARGETS
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.distances import shown_by_distances
@@ -108,3 +108,23 @@ def test_a_noise_stated_right_is_not_doubted(targets):
     assert found.headline.startswith("Nothing is missing: ")
     assert found.noise.source == "stated"
     assert not found.notes
+
+
+@pytest.mark.parametrize("targets", [2, 3])
+def test_a_noise_that_nobody_states_is_what_distances_show_once_causes_leave_no_more(targets):
+    robot = load_robot("kr500")
+    plan = planned(robot, random_poses(robot, 80, np.random.default_rng(3)), targets=TARGETS[:targets])
+    wheel = parse_effect("gear_eccentricity:joint=joint_1,amplitude=4e-4,phase=0.4", problem_of(plan))
+    told = diagnose(simulate(plan, Truth(effects=(wheel,), sigma=SIGMA), seed=3, state_sigma=False)).diagnosis
+    assert told.noise.source == "repeats"
+    assert "shown by the distances between targets" in told.noise.sentence
+    assert told.noise.sigma_mm == pytest.approx(1e3 * SIGMA, rel=0.15)
+    assert [(cause.cause, cause.where.joint, cause.status) for cause in told.causes] == [
+        ("gear_eccentricity", "joint_1", "named")
+    ]
+    assert told.to_json()["remainder"]["p_value"] > 1e-3
+
+
+def test_distances_are_not_believed_of_a_robot_that_is_off_by_more_than_they_show():
+    found = diagnose(replace(measured(None, shake=5e-4, poses=60), noise_sigma=None)).diagnosis
+    assert found.noise.source == "residual"

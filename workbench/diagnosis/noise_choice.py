@@ -71,6 +71,17 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
     return guess, Noise(0.1, "residual"), notes
 
 
+def of_distances(result: Fit) -> tuple[Covariance, Noise] | None:
+    """Noise that the distances between targets show, where nobody stated one; None where there are none, or
+    where most of what a fit leaves is not the instrument's."""
+    problem, guess = result.model.problem, provisional(result.model.problem)
+    shown = shown_by_distances(problem, guess)
+    if shown is None or shown.times * guess.usual < _left(result) / np.sqrt(2):
+        return None
+    found = replace(guess, sigma=np.maximum(shown.times * guess.sigma, LEAST), dof=shown.dof)
+    return found, _figures(found, "repeats", result.line.by_joint, None)
+
+
 def _too_fine(problem: Problem) -> list[str]:
     """A note where the campaign states less noise than any instrument has."""
     stated = problem.campaign.noise_sigma
@@ -157,15 +168,19 @@ def from_residual(result: Fit) -> tuple[Covariance, Noise]:
     elif problem.seen.sum(axis=1).max() > 1:
         new = _parts(result)
     else:
-        rows = problem.seen.sum() * 3
-        rms = float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
-        new = replace(noise, sigma=np.full_like(noise.sigma, rms))
+        new = replace(noise, sigma=np.full_like(noise.sigma, _left(result)))
     sigma = new.usual * 1e3
     sentence = (
         f"No noise was stated and no pose repeated: {sigma:.4f} mm per axis is what the model leaves. "
         "Whether that is noise cannot be judged; only what depends on something can be found."
     )
     return new, Noise(sigma, "residual", sentence)
+
+
+def _left(result: Fit) -> float:
+    """[m] per axis, root mean square: what a fit leaves, were it all noise of single points."""
+    rows = result.model.problem.seen.sum() * 3
+    return float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
 
 
 def of_turns(result: Fit) -> Covariance | None:

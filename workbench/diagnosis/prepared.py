@@ -34,7 +34,7 @@ from ..robot.kinematics import Array
 from .copies import without_copies
 from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
 from .moved_target import reseated
-from .noise_choice import choose, from_residual, of_turns, rigid_targets, without_wild_repeats
+from .noise_choice import choose, from_residual, of_distances, of_turns, rigid_targets, without_wild_repeats
 from .rarely_seen import without_rarely_seen
 from .result import FaultFound, Noise
 from .torque_noise import torque_noise
@@ -110,6 +110,19 @@ class Prepared:
             nominal=nominal,
             notes=(*self.notes, f"{note}: that is used."),
         )
+
+    def with_distances(self, result: Fit) -> Prepared | None:
+        """The same with the noise that distances between targets show, where nobody stated one and a better
+        fit leaves little more; None elsewhere."""
+        found = None if self.noise_known else of_distances(result)
+        if found is None:
+            return None
+        covariance, noise = found
+        if self.covariance.torque is not None:
+            covariance = replace(covariance, torque=self.covariance.torque)
+        geometry = plausible_geometry(fit(self.geometry.model, self.geometry.state, covariance))
+        nominal = fit(self.nominal.model, self.nominal.state, covariance, geometry=False)
+        return replace(self, covariance=covariance, noise=noise, geometry=geometry, nominal=nominal)
 
     def some(self, poses: NDArray[np.int64]) -> Prepared:
         """Some of the poses as if there were no others: where nobody knows the noise, with their own."""

@@ -119,7 +119,7 @@ def _searched(prepared: Prepared, seed: int, progress: Progress) -> tuple[Search
 def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tuple[Prepared, Selection]:
     """The causes that explain the data, and the noise that they leave where there was none."""
     selection = compete(prepared, candidates)
-    finer = prepared.with_turns_of(selection.fit)
+    finer = prepared.with_turns_of(selection.fit) or prepared.with_distances(selection.fit)
     if finer is not None:
         prepared, selection = finer, compete(finer, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
