@@ -134,6 +134,20 @@ def test_an_arm_that_runs_away_finds_no_rest_and_nothing_overflows(tmp_path):
         equilibrium(arm, q, still, loads, lambda wrench: wrench[..., ::-1] ** 2)
 
 
+def test_what_never_settles_is_named_without_poses(tmp_path):
+    _, arm = some_arm(tmp_path, "6R")
+    rounds = iter(range(1000))
+
+    def to_and_fro(wrench):
+        motion = np.zeros_like(wrench)
+        motion[:, 2] = 1e-4 * (-1.0) ** next(rounds)
+        return motion
+
+    loads, still = some_loads(np.random.default_rng(1), 3, arm.n), np.zeros((3, arm.slots, 6))
+    with pytest.raises(NoRest, match=rf"\({arm.names[1]} yields most; little, but without end\)"):
+        equilibrium(arm, np.zeros((3, arm.n)), still, loads, to_and_fro)
+
+
 def test_what_runs_away_is_named_with_its_poses(tmp_path):
     """Only the second pose bears a load that the soft joint does not."""
     _, arm = some_arm(tmp_path, "6R")

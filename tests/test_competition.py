@@ -10,6 +10,7 @@ from scipy.stats import chi2, norm
 
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import prepared as preparation
+from workbench.diagnosis import rounds
 from workbench.diagnosis.candidates import testable as candidates_of
 from workbench.diagnosis.ceiling import ceiling_mm
 from workbench.diagnosis.chosen import Chosen, Member
@@ -34,6 +35,7 @@ from workbench.identification.model import Model
 from workbench.identification.model_file import write_fit
 from workbench.identification.own_base import own_base
 from workbench.robot.description import load_robot
+from workbench.robot.equilibrium import NoRest
 from workbench.studies.blind.cases import draw_case
 
 
@@ -71,6 +73,23 @@ def left(reduced, chosen, keep, block):
     return reduced.S.between(block, block) - K @ reduced.S.between(index, block), reduced.u[block] - K @ (
         reduced.u[index]
     )
+
+
+def test_a_cause_too_soft_under_the_scatter_that_is_left_goes_alone(prepared, monkeypatch):
+    """It stood under one noise; under the next, its fit leads to an arm that finds no rest."""
+    soft, stiff = candidates_of(prepared.problem)[0][:2]
+    base = prepared.geometry.noise
+
+    def careful(result, effects, *rest):
+        if soft in effects and result.noise is not base:
+            raise NoRest
+        return refit(result, effects, *rest)
+
+    monkeypatch.setattr(rounds, "refit", careful)
+    monkeypatch.setattr(rounds, "_scattering", lambda result, base, scatters: base.times(2.0))
+    found = rounds._fitted(prepared.geometry, [soft, stiff], base, scatters=True)
+    assert found.model.effects == (stiff,)
+    assert found.noise.usual == pytest.approx(2 * base.usual)
 
 
 @pytest.mark.parametrize("without", [None, 0, 1, 2])

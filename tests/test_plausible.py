@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from diagnosis_cases import measured
+from scipy.optimize import least_squares
 
 from workbench.campaign import Campaign, Target, write_campaign
 from workbench.campaign.known import with_known
@@ -21,6 +22,7 @@ from workbench.identification.plausible import check_plausible, judge, plausible
 from workbench.report.first_look import check_campaign
 from workbench.robot import rotations
 from workbench.robot.description import load_robot
+from workbench.robot.kinematics import frames
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
 from workbench.studies.blind.cases import draw_case
@@ -278,6 +280,33 @@ def test_points_of_another_scale_are_told_with_the_factor(scale):
     for note in told:
         assert float(note.split()[4]) == pytest.approx(scale, abs=2e-3)
         assert f"say scale = {1 / float(note.split()[4]):.3f}" in note
+
+
+def held_in_sockets():
+    """A ball at the hand, in one of two sockets 50 mm apart however the arm turns about it: the points hardly
+    spread, and lengths and zeros are off by a fifth of that."""
+    plan, rng = measured("ur5", poses=60, loads=(), targets=1), np.random.default_rng(5)
+    job, ball = problem_of(plan), np.array([0.0, 0.0, 0.13])
+    sockets = np.array([(0.45, 0.1, 0.2), (0.5, 0.1, 0.2)])
+
+    def off(q, n):
+        hand = frames(job.arm, q[None])
+        return hand.p[-1, 0] + hand.R[-1, 0] @ ball - sockets[n % 2]
+
+    q = np.array([least_squares(off, one, args=(n,)).x for n, one in enumerate(plan.poses.q)])
+    truth = Truth(geometry=random_geometry(job.arm, rng, 1e-3, 5e-3), sigma=2e-4)
+    at_ball = replace(plan.targets[0], xyz=tuple(ball.tolist()))
+    held = simulate(replace(plan.with_poses(q=q), targets=(at_ball,)), truth, seed=5)
+    return replace(held, targets=(replace(at_ball, xyz=None),))
+
+
+def test_a_ball_held_in_sockets_is_no_mistake():
+    held = held_in_sockets()
+    found = judge(problem_of(held))
+    assert found.misfit.middle > 0.1
+    assert found.geometry
+    assert not found.refused
+    assert judge(problem_of(points(held, shuffled))).refused
 
 
 def test_wild_points_do_not_make_an_inaccurate_robot_another_one():

@@ -17,7 +17,7 @@ from workbench.campaign.parted import parted
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared
-from workbench.diagnosis.moved_setup import jump
+from workbench.diagnosis.moved_setup import jump, places
 from workbench.diagnosis.run import diagnose
 from workbench.identification.heldout import heldout
 from workbench.measurement.design import plan
@@ -83,6 +83,13 @@ def test_a_plan_takes_a_moved_instrument_for_two_set_ups(tmp_path, capsys):
     assert f"Data fault: moved_instrument at pose {LATE + 1}" in capsys.readouterr().out
     assert main([*call, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["faults"] == [fault]
+
+
+def test_returns_to_few_places_place_no_frame_anew():
+    """A step needs poses enough before and after it that differ, however often each was measured."""
+    assert places(np.repeat(np.arange(7), 10)) == []
+    assert places(np.repeat(np.arange(12), 10)) == list(range(41, 80))
+    assert places(np.arange(20)) == list(range(5, 16))
 
 
 @pytest.mark.parametrize(("poses", "targets"), [(110, 1), (60, 2)])

@@ -31,6 +31,7 @@ from .sag import sag
 from .screen import SURVIVES, effective_dof, quadratic, reduce_columns, still_to_go
 
 LEAST_BEFORE = 8  # poses before and after a jump
+DIFFERENT = 5  # poses before and after a step
 JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
 MOST = 0.5  # of what is beyond the noise, which a step explains
 SURE = 3.0  # standard deviations of its size, from which a step's size is determined
@@ -135,11 +136,14 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
     base = np.matmul(result.whitener, columns)
     n_poses = len(base)
     before = _prefix(result, base)
+    possible = places(result.model.problem.positions)
     gains = []
-    for k in range(5, n_poses - 4):
+    for k in possible:
         S, u, own = before(k)
         gains.append(quadratic(S, u, np.maximum(own, 1e-300))[0])
-    gain, first = max(gains), 5 + int(np.argmax(gains))
+    if not gains:
+        return None
+    gain, first = max(gains), possible[int(np.argmax(gains))]
     scatter = _scatter(result, gain)
     step = base * (np.arange(n_poses) < first)[:, None, None]
     drift = [
@@ -151,6 +155,19 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
         return None
     size, std = _size(result, columns, *before(first))
     return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None
+
+
+def places(positions: NDArray[np.int64]) -> list[int]:
+    """Where a step may be: between poses enough of which differ to place frame and targets. Returns to a few
+    places anew place neither."""
+
+    def met(order: NDArray[np.int64]) -> NDArray[np.int64]:
+        new = np.zeros(len(order), dtype=np.int64)
+        new[np.unique(order, return_index=True)[1]] = 1
+        return np.cumsum(new)
+
+    before, after = met(positions), met(positions[::-1])[::-1]
+    return [int(k) for k in range(1, len(positions)) if min(before[k - 1], after[k]) >= DIFFERENT]
 
 
 def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[float, float]:

@@ -106,9 +106,8 @@ def _converged(
         left = remainder(found, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
-            after = refit(
-                replace(found, noise=_scattering(found, base, scatters)), found.model.effects, ROUGH
-            )
+            noise = _scattering(found, base, scatters)
+            after = _standing(replace(found, noise=noise), found.model.effects)
         now = Round(at, found, competition, members)
         if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
             best = now
@@ -124,8 +123,11 @@ def _converged(
 
 def refitted(near: Fit, effects: Sequence[Effect]) -> Fit:
     """A fit with these effects; one that would make the arm too soft to stand is left out."""
-    if tuple(effects) == near.model.effects:
-        return near
+    return near if tuple(effects) == near.model.effects else _standing(near, effects)
+
+
+def _standing(near: Fit, effects: Sequence[Effect]) -> Fit:
+    """As `refitted`, fitted anew under the noise of `near` whatever effects it has."""
     try:
         return refit(near, effects, ROUGH)
     except ArithmeticError:
@@ -151,7 +153,7 @@ def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance, scatters: bo
     noise = _scattering(result, base, scatters)
     if alike(noise, result.noise):
         return result
-    return refit(replace(result, noise=noise), result.model.effects, ROUGH)
+    return _standing(replace(result, noise=noise), result.model.effects)
 
 
 def _begun(geometry: Fit, candidates: Sequence[Effect], base: Covariance) -> Fit:

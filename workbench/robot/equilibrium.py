@@ -66,4 +66,5 @@ def _runs_away(arm: Arm, change: Array) -> str:
     moved = np.nan_to_num(np.abs(change), nan=np.inf, posinf=np.inf).max(axis=2)
     name = arm.slot_names[int(moved.max(axis=0).argmax())]
     count = int(np.count_nonzero(moved.max(axis=1) > STILL_MOVES))
-    return f"{name} yields most; in at least {count} pose{'s' * (count != 1)}"
+    where = f"in at least {count} pose{'s' * (count != 1)}" if count else "little, but without end"
+    return f"{name} yields most; {where}"

@@ -155,7 +155,9 @@ def judge(problem: Problem) -> Plausible:
     if unexplained():
         tried = [((h,), misfit(h.undo(data), turns=True).total) for h in turned_otherwise(problem, data)]
     if unexplained() and _scale(data, enough) == 1.0:
-        off = inaccurate(problem, data, enough)
+        # where the hand turns about few places, points hardly spread: what is left is what robots leave
+        alone = max(enough, min(SMALL / now.spread, CLEARER * now.total))
+        off = inaccurate(problem, data, alone)
         if off is not None:
             zero = _zero(problem, data, enough)
             return Plausible(now, zero=zero, geometry=None if zero else off)
