@@ -225,6 +225,8 @@ def test_tables_of_joints_are_guessed(tmp_path, header, rows, separator, wanted)
          {"separator": ";", "decimal": ",", "columns": {"pose_id": "nr"},
           "units": {"x_mm": "m", "y_mm": "m", "z_mm": "m"},
           "wide": {"T1": ["T1_x", "T1_y", "T1_z"], "T2": ["T2_x", "T2_y", "T2_z"]}}),
+        ("0,1,2,3", [["7", "2296.49", "-2416.25", "-442.56"], ["8", "2296.4", "-241.2", "-44.56"]], ",",
+         {"columns": {"pose_id": "0", "x_mm": "1", "y_mm": "2", "z_mm": "3"}}),
         ("pose_id,x_mm,y_mm,z_mm", [["a", "1", "2", "3"]], ",", {}),
         ("pose_id,x_mm,y_mm,z_mm,qw,qx,qy,qz", [["a", *"1231000"]], ",", {"turned_mm": 100.0}),
     ],

@@ -24,15 +24,17 @@ UNITS = {"mm": "mm", "m": "m", "deg": "deg", "°": "deg", "degree": "deg", "degr
 
 @dataclass(frozen=True)
 class Text:
-    """A table's cells: header (or none; "" where a column has no name), columns, and the layout's keys."""
+    """A table's cells: header (or none; "" where a column has no name), columns, and the layout's keys.
+    counted: the first row counts the columns, 0 1 2 ..., as data frames without names are written."""
 
     header: list[str]
     columns: list[tuple[str, ...]]
     keys: dict[str, Any]
+    counted: bool = False
 
     def name(self, index: int) -> str | int:
         """How `columns` calls a column."""
-        return (self.header[index] if self.header else "") or index + 1
+        return str(index) if self.counted else (self.header[index] if self.header else "") or index + 1
 
     def largest(self, index: int) -> float:
         """The largest absolute number in a column."""
@@ -67,15 +69,16 @@ def read(path: Path) -> Text:
     separator = max(SEPARATORS, key=lambda one: _columns_of(lines, one))
     rows = [cells(line, separator) for line in lines]
     width = usual_width(rows)
+    counted = len(rows[0]) > 2 and rows[0] == [str(i) for i in range(len(rows[0]))]
     header = [] if any(NUMBER.fullmatch(cell) for cell in rows[0]) else rows[0]
-    body = [row[:width] for row in rows[bool(header) :] if len(row) >= width]
+    body = [row[:width] for row in rows[counted or bool(header) :] if len(row) >= width]
     columns = list(zip(*body, strict=True))
     comma = separator != "," and any(re.fullmatch(r"[+-]?\d+,\d+", cell) for row in body for cell in row)
     keys |= {"separator": separator} if separator != "," else {}
     keys |= ({"decimal": ","} if comma else {}) | ({"comment": mark} if mark else {})
-    keys |= {} if header else {"header": False}
+    keys |= {} if counted or header else {"header": False}
     named = [*header, *[""] * (width - len(header))] if header else []  # a title has fewer cells
-    return Text(named[:width], columns, keys)
+    return Text(named[:width], columns, keys, counted)
 
 
 def _columns_of(lines: list[str], separator: str) -> tuple[float, int]:
