@@ -193,12 +193,14 @@ def _scatter(result: Fit, gain: float) -> float:
 
 
 def _beside_joints(result: Fit, step: Array) -> float:
-    """Statistic of a step when smooth functions of joints, stiffness, payload and sag are taken out first.
+    """Statistic of a step when smooth functions of joints, stiffness, payload, warmth and sag are taken out
+    first.
 
-    Poses measured joint by joint, or load by load, would else let their errors look like a step.
+    Poses measured joint by joint, load by load, or while the arm warms up, would else let their errors look
+    like a step.
     """
     problem = result.model.problem
-    smooth = [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem)]]
+    smooth = [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem), *_of_time(problem)]]
     return _beside(result, step, [*smooth, sag(result)])
 
 
@@ -230,6 +232,13 @@ def _of_load(problem: Problem) -> list[Effect]:
     loads = problem.campaign.payload_names
     every = [e for kind in catalogue().values() if kind.needs(problem) is None for e in kind.sites(problem)]
     return [e for e in every if e.where.payload in loads or (e.always and e.axial)]
+
+
+def _of_time(problem: Problem) -> list[Effect]:
+    """How an arm, or what it stands on, moves smoothly as it warms up."""
+    kinds = [kind for kind in catalogue().values() if kind.acts == "geometry" and kind.needs(problem) is None]
+    every = [e for kind in kinds for e in kind.sites(problem)]
+    return [e for e in every if e.uses & {"time", "temperature"}]
 
 
 def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Array]]:

@@ -10,12 +10,14 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
+from ..robot.rotations import skew
 from .base import Effect, Param
 from .kinds import LinearYield
 from .place import Where
 from .unnamed.loads import UnevenTilt
 
 UNEVEN = 0.3  # share of the tilt that is not alike in all directions
+CARRIAGE = "carriage"
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,10 @@ class BearingTilt(LinearYield):
 
     The parameter c [rad/(N·m)] comes on top of the TOML's tilt stiffness. Liu et al. share the moment
     between two bearings, TX = d₁/(d₁ + d₂) T_x.
+
+    A ram slides in bearings that stay where they are, and tilts there. A carriage takes its bearings along
+    (`variant` "carriage"): it turns about its own frame's origin, wherever it stands, about all three axes:
+    none of a guide's is free to turn. Its own weight is not in M.
     """
 
     nominal: float = 0.0
@@ -51,25 +57,37 @@ class BearingTilt(LinearYield):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[BearingTilt]:
-        return [
-            cls(Where(joint=joint.name), nominal=1 / (joint.data.tilt_stiffness or np.inf))
-            for joint in problem.robot.joints
-        ]
+        """Every joint; a sliding one in both forms."""
+        joints = problem.robot.joints
+        stated = [joint.data.tilt_stiffness or np.inf for joint in joints]
+        fixed = [cls(Where(joint=j.name), nominal=1 / k) for j, k in zip(joints, stated, strict=True)]
+        return [*fixed, *(cls(Where(joint=j.name), CARRIAGE) for j in joints if j.kind == "prismatic")]
 
     def rarer(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """Some bearings do not yield alike in all directions, nor under any load."""
+        if self.is_carriage:
+            return []
         usual = self.params[0].typical  # rad per N·m
         uneven = [one for one in UnevenTilt.sites(problem) if one.where == self.where]
         return [(UNEVEN * usual * one.largest / one.size, one) for one in uneven]
 
+    @property
+    def is_carriage(self) -> bool:
+        return self.variant == CARRIAGE
+
     def slot(self, arm: Arm) -> int:
-        return arm.names.index(str(self.where.joint)) + 1
+        """The joint's own; of a carriage the next one, which it carries along."""
+        return arm.slot_of_joint(str(self.where.joint)) + self.is_carriage
 
     def compliance(self, arm: Arm) -> Array:
         out = np.zeros((6, 6))
-        out[RX, RX] = out[RY, RY] = 1.0
-        return out
+        if not self.is_carriage:
+            out[RX, RX] = out[RY, RY] = 1.0
+            return out
+        moment = np.concatenate([skew(arm.span[self.slot(arm)]), np.eye(3)], axis=1)  # at the carriage
+        return np.asarray(moment.T @ moment)
 
     def sentence(self, values: Array) -> str:
         size = f"{values[0] * 1e9:.2g} µrad per kN·m"
-        return f"The bearing of {self.where.joint} tilts by {size} more than modelled."
+        what = "carriage" if self.is_carriage else "bearing"
+        return f"The {what} of {self.where.joint} tilts by {size} more than modelled."

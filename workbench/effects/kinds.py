@@ -165,10 +165,11 @@ class AxialYield(YieldEffect):
 class LinearYield(YieldEffect):
     """A yield with one parameter: motion = value · C · wrench.
 
-    load_name, load_unit: what it is drawn against, C · wrench: its turn, or its shift where it has one.
+    shifts: its shift is drawn, not its turn; load_name, load_unit: what it is drawn against, C · wrench.
     """
 
     in_proportion: ClassVar[bool] = True
+    shifts: ClassVar[bool] = False
     load_name: ClassVar[str] = "overturning moment"
     load_unit: ClassVar[str] = "N·m"
 
@@ -189,10 +190,9 @@ class LinearYield(YieldEffect):
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         """Over the load that it answers to: a straight line through zero."""
         moved = rest.load.local[:, self.slot(rest.arm)] @ self.compliance(rest.arm).T
-        shifts = bool(moved[:, :RX].any())
-        load = np.linalg.norm(moved[:, :RX] if shifts else moved[:, RX:], axis=1)
+        load = np.linalg.norm(moved[:, :RX] if self.shifts else moved[:, RX:], axis=1)
         place = str(self.where) or "the base"
-        what, unit = ("deflection", "m") if shifts else ("tilt", "rad")
+        what, unit = ("deflection", "m") if self.shifts else ("tilt", "rad")
         return Drawn(load, f"{self.load_name} at {place}", self.load_unit, values[0] * load,
                      f"{what} of {place}", unit)  # fmt: skip
 

@@ -36,6 +36,7 @@ class LinkBending(LinearYield):
 
     cause: ClassVar[str] = "link_bending"
     title: ClassVar[str] = "A link bends"
+    shifts: ClassVar[bool] = True
     load_name: ClassVar[str] = "bending load F l³/3 + M l²/2"
     load_unit: ClassVar[str] = "N·m³"
     equation: ClassVar[str] = "w = (F l^3 \\/ 3 + M l^2 \\/ 2) \\/ E I"
@@ -70,8 +71,9 @@ class LinkBending(LinearYield):
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real link gives way at its bearings as well, under its own weight, wherever that is, and under
         more or less of the compensator's force."""
-        slot = self.slot(problem.arm)
-        tilts = [one for one in BearingTilt.sites(problem) if one.slot(problem.arm) in (slot - 1, slot)]
+        arm, slot = problem.arm, self.slot(problem.arm)
+        ends = [name for k, name in enumerate(arm.names, start=1) if k in (slot - 1, slot)]
+        tilts = [one for one in BearingTilt.sites(problem) if one.where.joint in ends]
         every: list[OfLink] = [*OwnWeight.sites(problem), *PivotForce.sites(problem)]
         own = [one for one in every if one.where == self.where]
         return [*((0.3, one) for one in tilts), *((self._share(problem, one), one) for one in own)]
