@@ -429,3 +429,23 @@ def test_a_fit_that_stands_where_it_was_measured_alone_is_kept(tmp_path):
     assert errors.measured.all()
     with pytest.raises(InputError, match=r"no rest.*shoulder_lift_joint yields most"):
         predict(tmp_path / "model.toml", random_poses(robot, 100, rng, share=1.0))
+
+
+@pytest.mark.parametrize("sockets", [1, 2])
+def test_how_the_base_stands_turned_about_sockets_is_said_and_not_in_the_bounds(truth, tmp_path, sockets):
+    """Points that a ball in one or two sockets shows say nothing of a turn of the base about these."""
+    campaign = measured(load_robot("cylindrical"), replace(truth, effects=()), 60, 1)
+    result = fitted(campaign)
+    told = uncertainty(result)
+    assert told is not None
+    assert told.turn_measured
+    place = np.array([(0.4, 0.1, 0.5), (0.45, 0.1, 0.5)])[np.arange(60) % sockets]
+    idle = _idle_turns(place + np.random.default_rng(0).normal(scale=2e-6, size=place.shape))
+    assert idle.shape == (6, 3 if sockets == 1 else 1)
+    assert np.abs(body_jacobian(place) @ idle).max() < 1e-5
+    path = tmp_path / "model.toml"
+    write_fit(path, result)
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("turn_measured = true", "turn_measured = false"), encoding="utf-8")
+    assert not any("turned" in note for note in predict(load_robot(write(result, tmp_path)), LIMITS[None, :, 0]).notes)
+    assert any("turned" in note for note in predict(load_robot(path), LIMITS[None, :, 0]).notes)
