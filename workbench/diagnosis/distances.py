@@ -34,10 +34,11 @@ class Shown:
         return self.above > SURE
 
 
-def shown_by_distances(problem: Problem, said: Covariance) -> Shown | None:
+def shown_by_distances(problem: Problem, said: Covariance, farthest: bool = False) -> Shown | None:
     """What the distances between targets say of a noise; None where no two stand on one body, or all are
-    points of one measurement."""
-    tests = [] if problem.campaign.six_dof else list(_tests(problem, said))
+    points of one measurement. farthest: only those that the whole arm carries."""
+    bodies = sorted(set(problem.on))[-1:] if farthest else sorted(set(problem.on))
+    tests = [] if problem.campaign.six_dof else list(_tests(problem, said, bodies))
     if not tests:
         return None
     share = np.concatenate([chdtr(rank, chi2) for chi2, rank in tests])
@@ -50,11 +51,11 @@ def shown_by_distances(problem: Problem, said: Covariance) -> Shown | None:
     return Shown(float(np.sqrt(total / dof)), above, dof)
 
 
-def _tests(problem: Problem, said: Covariance) -> Iterator[tuple[Array, int]]:
-    """χ² (N,) of the distances at each of N poses that see the same targets of one body, from their medians,
-    and its rank."""
+def _tests(problem: Problem, said: Covariance, bodies: list[int]) -> Iterator[tuple[Array, int]]:
+    """χ² (N,) of the distances at each of N poses that see the same targets of one of the bodies, from their
+    medians, and its rank."""
     on, seen, setup = np.array(problem.on), problem.seen, problem.campaign.poses.setup
-    for body in np.unique(on):
+    for body in bodies:
         mine = np.flatnonzero(on == body)
         pattern = np.column_stack([setup, seen[:, mine]])
         kinds, which = np.unique(pattern, axis=0, return_inverse=True)

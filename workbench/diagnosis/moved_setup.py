@@ -37,6 +37,10 @@ MOST = 0.5  # of what is beyond the noise, which a step explains
 SURE = 3.0  # standard deviations of its size, from which a step's size is determined
 AS_WELL = 2.0  # times what is left of its own fit: one fit for all poses explains a part as well
 WAVES = 3  # cosines in the order of measurement: what a drift may look like
+ORDERS, CLEARLY = 11, 3.0  # drawn at random, and times what chance makes a step of in the middle one of them
+
+
+Before = Callable[[int], tuple[Array, Array, Array]]
 
 
 @dataclass(frozen=True)
@@ -135,14 +139,11 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
     """The best step of the motions columns: (N, R, 6) of the points; None when none is clear."""
     base = np.matmul(result.whitener, columns)
     n_poses = len(base)
-    before = _prefix(result, base)
+    before = _prefix(result, base, np.arange(n_poses))
     possible = places(result.model.problem.positions)
-    gains = []
-    for k in possible:
-        S, u, own = before(k)
-        gains.append(quadratic(S, u, np.maximum(own, 1e-300))[0])
-    if not gains:
+    if not possible:
         return None
+    gains = _gains(before, possible)
     gain, first = max(gains), possible[int(np.argmax(gains))]
     scatter = _scatter(result, gain)
     step = base * (np.arange(n_poses) < first)[:, None, None]
@@ -153,8 +154,27 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
         return None
     if _beside_joints(result, step) < 60 * scatter:
         return None
+    if scatter > 1.0 and gain < CLEARLY * _by_chance(result, base, possible):
+        return None
     size, std = _size(result, columns, *before(first))
     return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None
+
+
+def _gains(before: Before, possible: Sequence[int]) -> list[float]:
+    """What a step takes off χ² at each of some places."""
+    return [quadratic(S, u, np.maximum(own, 1e-300))[0] for S, u, own in map(before, possible)]
+
+
+def _by_chance(result: Fit, base: Array, possible: Sequence[int]) -> float:
+    """The most that a step takes off χ² in the middle one of some orders of the positions, drawn at random:
+    what a model lacks is alike in a pose's points and in its repeats, and looks more like a step than as many
+    independent errors do."""
+    rng, positions = np.random.default_rng(0), result.model.problem.positions
+    most = []
+    for _ in range(ORDERS):
+        order = np.argsort(rng.permutation(int(positions.max()) + 1)[positions], kind="stable")
+        most.append(max(_gains(_prefix(result, base, order), possible)))
+    return float(np.median(most))
 
 
 def places(positions: NDArray[np.int64]) -> list[int]:
@@ -241,12 +261,13 @@ def _of_time(problem: Problem) -> list[Effect]:
     return [e for e in every if e.uses & {"time", "temperature"}]
 
 
-def _prefix(result: Fit, base: Array) -> Callable[[int], tuple[Array, Array, Array]]:
-    """S, u, own of "a step before pose k" for all k, by running sums."""
+def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> Before:
+    """S, u, own of "a step before the k-th pose of an order" for all k, by running sums."""
+    base, r, J = base[order], result.r[order], result.J[order] * result.columns.prior
     gram = np.cumsum(np.einsum("ndi,ndj->nij", base, base), axis=0)
-    score = np.cumsum(np.einsum("ndi,nd->ni", base, result.r), axis=0)
+    score = np.cumsum(np.einsum("ndi,nd->ni", base, r), axis=0)
     rest = still_to_go(result)
-    back = np.cumsum(np.einsum("ndp,ndi->npi", result.J * result.columns.prior, base), axis=0)
+    back = np.cumsum(np.einsum("ndp,ndi->npi", J, base), axis=0)
 
     def at(k: int) -> tuple[Array, Array, Array]:
         Z = solve_triangular(result.upper, back[k - 1], trans="T")

@@ -75,7 +75,7 @@ def of_distances(result: Fit) -> tuple[Covariance, Noise] | None:
     """Noise that the distances between targets show, where nobody stated one; None where there are none, or
     where most of what a fit leaves is not the instrument's."""
     problem, guess = result.model.problem, provisional(result.model.problem)
-    shown = shown_by_distances(problem, guess)
+    shown = shown_by_distances(problem, guess, farthest=True)
     if shown is None or shown.times * guess.usual < _left(result) / np.sqrt(2):
         return None
     found = replace(guess, sigma=np.maximum(shown.times * guess.sigma, LEAST), dof=shown.dof)

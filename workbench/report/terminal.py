@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound
 from ..effects.base import UNKNOWN
-from .content import decision, place, status, to_decide
+from .content import SOURCES, decision, place, status, to_decide
 from .numbers import mm
 
 FAULTS = 10  # lines of faults; the rest is counted
@@ -49,7 +49,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     """A few lines: verdict, causes with gain, faults, and where the report lies (`folder`, if written)."""
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
-        f"noise {mm(diagnosis.noise.sigma_mm)} mm per axis ({diagnosis.noise.source})",
+        f"noise {mm(diagnosis.noise.sigma_mm)} mm per axis ({SOURCES[diagnosis.noise.source]})",
         "",
         diagnosis.headline,
         "",
