@@ -433,7 +433,7 @@ def test_a_fit_that_stands_where_it_was_measured_alone_is_kept(tmp_path):
 
 
 def test_a_turn_about_sockets_is_not_in_the_bounds_and_said(truth, tmp_path, monkeypatch):
-    """Points that a ball in two sockets shows say nothing of how the base stands turned about the line through
+    """Points of a ball in two sockets say nothing of how the base stands turned about the line through
     these; bounds that had it were as wide as the arm is long."""
     plan = measured(load_robot("cylindrical"), truth, 60, 1)
     result = fitted(plan)
