@@ -6,6 +6,7 @@ from diagnosis_cases import robot
 
 from workbench import Truth, planned, problem_of, random_poses, simulate
 from workbench.diagnosis.competition import Selection
+from workbench.diagnosis.moved_setup import _scatter
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.worth import _without_chance
 from workbench.effects.unnamed import unnamed
@@ -33,6 +34,17 @@ def repeated(name, positions, times, seed, joints=lacking, in_order=True, moved=
 @pytest.mark.parametrize(("name", "positions", "seed"), [("kr500", 20, 0), ("kr500", 20, 8), ("6R", 24, 9)])
 def test_what_a_model_lacks_is_no_step_for_being_measured_again_and_again(name, positions, seed):
     assert prepare(repeated(name, positions, 10, seed)).faults == ()
+
+
+def test_a_step_stands_out_of_what_is_the_same_in_repeats_as_of_one_look():
+    """What the model lacks weighs three times as much where each position is measured three times as often, so
+    must a step; what scatters from repeat to repeat does not."""
+
+    def out_of(times, joints):
+        return _scatter(prepare(repeated("6R", 24, times, 9, joints)).geometry, 0.0)
+
+    assert 2 < out_of(12, lacking) / out_of(4, lacking) < 4
+    assert out_of(12, None) < 2
 
 
 def test_a_tool_that_moved_between_repeated_positions_is_a_step():
