@@ -37,8 +37,8 @@ def test_what_a_model_lacks_is_no_step_for_being_measured_again_and_again(name, 
 
 
 def test_a_step_stands_out_of_what_is_the_same_in_repeats_as_of_one_look():
-    """What the model lacks weighs three times as much where each position is measured three times as often, so
-    must a step; what scatters from repeat to repeat does not."""
+    """What the model lacks weighs three times as much where each position is measured three times as often:
+    so must a step. What scatters from repeat to repeat does not."""
 
     def out_of(times, joints):
         return _scatter(prepare(repeated("6R", 24, times, 9, joints)).geometry, 0.0)
