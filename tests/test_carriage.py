@@ -1,7 +1,7 @@
 """What slides on a carriage tilts where that stands, about all three axes; a ram where its bearings stay."""
 
 import numpy as np
-from diagnosis_cases import found, named
+from diagnosis_cases import found, measured, named
 
 from workbench import Truth, load_robot, planned, random_poses, simulate
 from workbench.campaign import Target
@@ -51,3 +51,11 @@ def test_a_carriage_that_tilts_is_named():
 
     told = found(simulate(plan_of(48), Truth(yields={3: tilts}, sigma=2e-5), seed=6))
     assert named(told) == {("bearing_tilt", "joint_2"): "named"}
+
+
+def test_a_guide_may_give_by_milliradians():
+    """77.7 N·m tilt it by 2.4 mrad, as the column of a lift: no link is likelier to bend by that."""
+    tilt = ("bearing_tilt:joint=joint_2,compliance=3.09e-5",)
+    plan = measured("cylindrical", tilt, seed=2, loads=(), targets=1, state_sigma=False, sigma=1e-4)
+    (first,) = found(plan).causes
+    assert (first.cause, str(first.where)) == ("bearing_tilt", "joint_2")

@@ -30,10 +30,11 @@ from workbench import (
 from workbench.cli.main import main
 from workbench.effects.unnamed import unnamed
 from workbench.identification.fit import refit
-from workbench.identification.prediction import uncertainty
+from workbench.identification.prediction import of_fit, uncertainty
 from workbench.identification.prediction.bound import length_bound
 from workbench.identification.prediction.left_out import LeftOut
 from workbench.identification.prediction.tempering import Tempering, temper
+from workbench.robot.rotations import body_jacobian
 
 SIGMA = 2e-5
 WHEEL = "gear_eccentricity:joint=joint_1,variant=1,amplitude=3e-4,phase=0.4"
@@ -429,3 +430,30 @@ def test_a_fit_that_stands_where_it_was_measured_alone_is_kept(tmp_path):
     assert errors.measured.all()
     with pytest.raises(InputError, match=r"no rest.*shoulder_lift_joint yields most"):
         predict(tmp_path / "model.toml", random_poses(robot, 100, rng, share=1.0))
+
+
+def test_a_turn_about_sockets_is_not_in_the_bounds_and_said(truth, tmp_path, monkeypatch):
+    """Points of a ball in two sockets say nothing of how the base stands turned about the line through
+    these; bounds that had it were as wide as the arm is long."""
+    plan = measured(load_robot("cylindrical"), truth, 60, 1)
+    result = fitted(plan)
+    told = uncertainty(result)
+    assert told is not None
+    assert told.turn_measured
+    assert told.F.shape[1] > 1
+    path = tmp_path / "model.toml"
+    monkeypatch.setattr(of_fit, "_idle_turns", lambda points: np.eye(6)[:, 5:])
+    write_fit(path, result)
+    turned = predict(path, LIMITS[None, :, 1])
+    assert np.abs(load_robot(path).uncertainty.F[5]).max() < 1e-9  # type: ignore[union-attr]
+    assert any("turned" in note for note in turned.notes)
+
+
+@pytest.mark.parametrize(("sockets", "turns"), [(1, 3), (2, 1), (3, 0)])
+def test_turns_that_sockets_do_not_show(sockets, turns):
+    where = np.array([(0.4, 0.1, 0.5), (0.45, 0.1, 0.5), (0.4, 0.15, 0.5)])[np.arange(60) % sockets]
+    seen = where + np.random.default_rng(0).normal(scale=2e-6, size=where.shape)
+    idle = of_fit._idle_turns(seen)
+    assert idle.shape == (6, turns)
+    assert np.abs(body_jacobian(where) @ idle).max(initial=0.0) < 1e-5
+    assert np.linalg.norm(idle[3:], axis=0) == pytest.approx(1.0)

@@ -206,9 +206,19 @@ def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[
 
 def _scatter(result: Fit, gain: float) -> float:
     """χ² per degree of freedom that a step must stand out of, at least 1: what it leaves, where it takes most
-    of what is beyond the noise; else all, as an unknown effect is no step."""
-    dof = effective_dof(result)
-    every, left = result.chi2 / dof, (result.chi2 - gain) / dof
+    of what is beyond the noise; else all, as an unknown effect is no step. What a model lacks is the same in
+    repeats of a joint position: as many of them are one look at it."""
+    dof, position = effective_dof(result), result.model.problem.positions
+    count = np.bincount(position)
+    sums = np.zeros((len(count), result.point_residual.shape[1]))
+    np.add.at(sums, position, result.point_residual)
+    shared = float((sums**2 / count[:, None]).sum())
+    looks = result.point_rows * len(count) / len(position) - (result.point_rows - dof)
+    return max(_left_by(gain, result.chi2, dof), _left_by(gain, shared, max(looks, 1.0)))
+
+
+def _left_by(gain: float, chi2: float, dof: float) -> float:
+    every, left = chi2 / dof, (chi2 - gain) / dof
     return max(1.0, left if left - 1.0 < (1.0 - MOST) * (every - 1.0) else every)
 
 

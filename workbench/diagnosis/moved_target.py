@@ -63,7 +63,8 @@ def reseated(result: Fit) -> Reseated | None:
     place and over every interval by Hotelling's T², which takes its noise from the target's own scatter, and
     counts each try (Bonferroni): `CHANCE` is that of any in a campaign. It must be likelier than each way to
     creep (by Akaike's measure), stand out of what may bend a bracket; and the others must not step there, as
-    where the whole tool or the instrument moved.
+    where the whole tool or the instrument moved. Repeats on end count as one: what a model lacks is the same
+    in them.
     """
     problem = result.model.problem
     if problem.campaign.six_dof:
@@ -75,7 +76,7 @@ def reseated(result: Fit) -> Reseated | None:
         shared = problem.seen[:, t] & problem.seen[:, others].any(axis=1)
         for k in np.unique(setup):
             poses = np.flatnonzero(shared & (setup == k))
-            if len(poses) >= 4 * FEWEST:
+            if np.count_nonzero(_begins(problem, poses)) >= 4 * FEWEST:
                 also = others[problem.seen[np.ix_(poses, others)].any(axis=0)]
                 found.append(_Search(result, int(t), also, poses))
     if not found:
@@ -88,17 +89,21 @@ class _Search:
     """The likeliest step of target t in poses (N,) of one set-up that see it and another of its body."""
 
     def __init__(self, result: Fit, t: int, others: NDArray[np.int64], poses: NDArray[np.int64]) -> None:
-        self.problem, self.t, self.poses = result.model.problem, t, poses
+        self.problem, self.t = result.model.problem, t
         off = np.einsum("ntij,nti->ntj", result.line.target, np.nan_to_num(result.residual))[poses]
         seen = self.problem.seen[poses]
-        self.off = off[:, t]
-        self.others = np.hstack([_clipped(off[:, i], seen[:, i]) for i in others])
-        self.always = np.ones((len(poses), 1))
+        first = np.flatnonzero(_begins(self.problem, poses))
+        each = np.diff(np.append(first, len(poses)))[:, None]
+        self.poses = poses[first]
+        self.off = np.add.reduceat(off[:, t], first) / each
+        several = np.hstack([_clipped(off[:, i], seen[:, i]) for i in others])
+        self.others = np.add.reduceat(several, first) / each
+        self.always = np.ones((len(first), 1))
         self.beside = np.hstack([self.always, self.others])
         own = _clipped(self.off)
         shared = self.beside @ np.linalg.lstsq(self.beside, own, rcond=None)[0]
         self.clipped = shared + _clipped(own - shared)  # one wild point moves nothing
-        self.best = max(self._likeliest(*_steps(len(poses))), self._likeliest(*_intervals(len(poses))))
+        self.best = max(self._likeliest(*_steps(len(first))), self._likeliest(*_intervals(len(first))))
 
     def _likeliest(self, start: NDArray[np.int64], end: NDArray[np.int64]) -> tuple[float, int, int, int]:
         """Log likelihood that the best of these intervals brings, less that of trying so many; its start, its
@@ -151,6 +156,12 @@ class _Search:
         rest = min(inside, here & ~inside, key=np.count_nonzero)
         last = int(bounds[end - 1]) if end < len(self.poses) else None
         return Reseated(self.t, int(bounds[start]), last, size, rest)
+
+
+def _begins(problem: Problem, poses: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """(K,) of some poses (K,) the first ones at a joint position under a load."""
+    now = np.column_stack([problem.positions, problem.campaign.poses.payload])[poses]
+    return np.append(True, (np.diff(now, axis=0) != 0).any(axis=1))
 
 
 def explained(

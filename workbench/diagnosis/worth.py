@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import expit, ndtr
+from scipy.special import expit, ndtr, stdtr
 
-from ..effects.base import Effect
+from ..effects.base import UNKNOWN, Effect
 from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
@@ -17,6 +17,7 @@ from .chosen import Chosen
 from .competition import Selection
 from .components import Key, bare
 from .priors import PRIORS
+from .replication import enough_for_halves
 from .stages import Group, rms_mm, without
 
 FAINT = 0.1  # of the noise, or of what is left per axis: a gain that decides nothing
@@ -32,6 +33,7 @@ def worth_it(selection: Selection, seed: int) -> Selection:
     what it brings beside these, or by what it brings to those that are stronger, whichever is more. Those
     that all parts of the data found by themselves stay in the fit, and count as the strongest."""
     kept, error = _pruned(selection, seed)
+    kept, error = _without_chance(kept, error, seed)
     if kept.misfit:
         kept = as_sure_as_its_gain(kept, seed)
     rest = bool(kept.nameless)  # what loses its name below was none: nothing stands beside it
@@ -61,6 +63,50 @@ def _pruned(selection: Selection, seed: int) -> tuple[Selection, float]:
             break  # it holds others in place
         kept, error = replace(kept, fit=fit), after
     return kept, error
+
+
+def _without_chance(kept: Selection, error: float, seed: int) -> tuple[Selection, float]:
+    """Without functions that have no name where they bend to a few joint positions alone, of which repeats
+    make no more: what lasts is kept if it brings something without what passes (functions of time and order),
+    as it is used without it; and all together, if they surely bring most positions nearer. Where there are
+    positions enough for parts of the data to be searched alone, no few decide."""
+    if enough_for_halves(kept.fit.model.problem):
+        return kept, error
+    nameless, effects = kept.nameless, kept.fit.model.effects
+    passing = [i for i in nameless if effects[i].cause == UNKNOWN and not effects[i].lasting]
+    lasting = [i for i in nameless if i not in passing]
+    if passing and lasting and without(kept.fit, passing, seed) >= without(kept.fit, nameless, seed):
+        kept, error = _left_out(kept, lasting, seed)
+    if kept.nameless and _nearer(kept.fit, kept.nameless, seed) < PRIORS.named:
+        kept, error = _left_out(kept, kept.nameless, seed)
+    return kept, error
+
+
+def _nearer(fit: Fit, own: Sequence[int], seed: int) -> float:
+    """How surely effects bring a position that is held out nearer to its place: by the mean of the logarithm
+    of its error over that without them, and its standard error (Student 1908). A position that is far off, as
+    at the end of a range, is one among many so; it is most of a mean of squares."""
+    with_it, without_it = (_of_positions(fit, seed, out) for out in ((), own))
+    less = 0.5 * np.log(np.maximum(without_it, NOTHING) / np.maximum(with_it, NOTHING))
+    return float(stdtr(len(less) - 1, _in_errors(less)))
+
+
+def _of_positions(fit: Fit, seed: int, out: Sequence[int]) -> Array:
+    """(K,) [m²] mean over its poses of a joint position's square error, held out, without some effects."""
+    position = fit.model.problem.positions
+    each = np.nansum(heldout(fit, seed=seed, without=out) ** 2, axis=(1, 2))
+    return np.asarray(np.bincount(position, each) / np.bincount(position))
+
+
+def _in_errors(values: Array) -> float:
+    """The mean of values (K,), in its standard errors."""
+    return float(values.mean() / max(values.std(ddof=1) / np.sqrt(len(values)), NOTHING))
+
+
+def _left_out(kept: Selection, out: Sequence[int], seed: int) -> tuple[Selection, float]:
+    """Without some of the fit's effects, and its RMS [mm] on poses held out."""
+    fit = refit(kept.fit, [effect for i, effect in enumerate(kept.fit.model.effects) if i not in out])
+    return replace(kept, fit=fit), rms_mm(heldout(fit, seed=seed))
 
 
 def _that_bring_something(kept: Selection, least: float, seed: int) -> Selection:
@@ -203,11 +249,8 @@ def no_surer(
 def _chance(fit: Fit, beside: Sequence[int], own: Sequence[int], seed: int) -> float:
     """That effects which do nothing would bring less on poses held out, without those `beside`: by the mean
     of what they take off a position's square error, over its standard error."""
-    position = fit.model.problem.positions
-    with_it, without_it = (heldout(fit, seed=seed, without=out) for out in (beside, [*beside, *own]))
-    each = np.nansum(without_it**2 - with_it**2, axis=(1, 2))
-    gain = np.bincount(position, each) / np.bincount(position)
-    return float(ndtr(gain.mean() / max(gain.std(ddof=1) / np.sqrt(len(gain)), NOTHING)))
+    with_it, without_it = (_of_positions(fit, seed, out) for out in (beside, [*beside, *own]))
+    return float(ndtr(_in_errors(without_it - with_it)))
 
 
 def _gains(selection: Selection, whole: float, seed: int) -> list[float]:

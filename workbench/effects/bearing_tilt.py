@@ -18,6 +18,7 @@ from .unnamed.loads import UnevenTilt
 
 UNEVEN = 0.3  # share of the tilt that is not alike in all directions
 CARRIAGE = "carriage"
+GUIDE = 4.0  # times as far as a turning joint's bearing: a short carriage, and the mast that it runs on
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,10 @@ class BearingTilt(LinearYield):
             return out
         moment = np.concatenate([skew(arm.span[self.slot(arm)]), np.eye(3)], axis=1)  # at the carriage
         return np.asarray(moment.T @ moment)
+
+    def lever(self, arm: Arm) -> float:
+        sliding = arm.prismatic[arm.names.index(str(self.where.joint))]
+        return GUIDE if sliding else 1.0
 
     def sentence(self, values: Array) -> str:
         size = f"{values[0] * 1e9:.2g} µrad per kN·m"

@@ -38,6 +38,9 @@ class Uncertainty(_Table):
     """best base of the nominal robot in that of the corrected one: shift [m] and rotation vector [rad]"""
     base_measured: bool = True
     """fixed targets on the base said where it is; else it is where axis 1 stands in it as the model says"""
+    turn_measured: bool = True
+    """false: the points lie on one line or in one place, how the base stands turned about it in the
+    instrument's frame nobody knows, and it is not in the bounds"""
     names: tuple[str, ...]
     """the fitted numbers"""
     factor: tuple[str, ...]

@@ -17,21 +17,25 @@ from ..place import Where
 from .base import MOVES, Unnamed, each, moving, waves
 
 WAVES_IN_TIME = 6
+VISITS_PER_WAVE = 10  # a joint position that is measured several times on end is one look at time
 WITH_TIME = 0.8  # correlation from which a joint goes along with time
 
 
 @dataclass(frozen=True)
 class Clock(Unnamed, DirectEffect):
-    """Base or tool (`variant`) moves with time, or where none was recorded with the order of measurement."""
+    """Base or tool (`variant`) moves with time, or where none was recorded with the order of measurement.
+    highest: number of its waves."""
 
     variant: str = "base"
     size: float = 3e-5
+    highest: float = float(WAVES_IN_TIME)
 
     depends: ClassVar[Depends] = frozenset({"time"})
+    settings: ClassVar[tuple[str, ...]] = ("size", "highest")
 
     @property
     def functions(self) -> int:
-        return 6 * WAVES_IN_TIME
+        return 6 * int(self.highest)
 
     @property
     def variable(self) -> str:
@@ -43,7 +47,7 @@ class Clock(Unnamed, DirectEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        slower = np.tile(np.arange(1, WAVES_IN_TIME + 1) ** -1.5, 6)
+        slower = np.tile(np.arange(1, int(self.highest) + 1) ** -1.5, 6)
         each = self.size * slower / np.linalg.norm(slower)
         return tuple(Param(f"weight_{k}", "rad", s, spread=s) for k, s in enumerate(map(float, each), 1))
 
@@ -59,13 +63,18 @@ class Clock(Unnamed, DirectEffect):
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         x = self.x(problem)
         share = (x - x.min()) / max(float(np.ptp(x)), 1e-12)
-        cosines = np.cos(np.pi * np.outer(share, np.arange(1, WAVES_IN_TIME + 1)))
+        cosines = np.cos(np.pi * np.outer(share, np.arange(1, int(self.highest) + 1)))
         return each(range(6) if self.of_base else _flange(problem), cosines)
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Clock]:
         timed = problem.time is not None and np.ptp(problem.time) > 0
-        return [cls(variant=f"{which} in {'time' if timed else 'order'}") for which in ("base", "tool")]
+        visits = 1 + int(np.count_nonzero(np.diff(problem.positions)))
+        highest = min(visits // VISITS_PER_WAVE, WAVES_IN_TIME)
+        if not highest:
+            return []
+        variants = [f"{which} in {'time' if timed else 'order'}" for which in ("base", "tool")]
+        return [cls(variant=variant, highest=float(highest)) for variant in variants]
 
 
 @dataclass(frozen=True)

@@ -117,6 +117,11 @@ def predict(
     notes = [*arm.notes, *_sided(told, arm.acting)]
     if data.instrument_inside:
         notes.append("nobody knows the instrument's noise: it is in the bounds as well")
+    if not data.turn_measured:
+        notes.append(
+            "all points were measured on one line or in one place: nothing says how the base stands turned "
+            "about it, and the bounds do not have that; align base and instrument by other points"
+        )
     outside = _outside(told, data, far)
     return ToolErrors(told.campaign, error, nominal, corrected, places, outside, tuple(notes))
 

@@ -30,6 +30,7 @@ SAMPLES = 100  # poses within the limits that say which directions move the tool
 FAINT = 0.01  # of the tool's spread at the measured poses: what leaving directions out may cost
 SEED = 0
 PLACES = 200  # measured ones that are kept for a map
+ON_A_LINE = 1e-3  # of the distance from the base: points so near to a line show no turn about it
 LEAST = 20  # held-out points that can be said to hold in 95 %
 
 
@@ -57,6 +58,9 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         as_fitted = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
         moved = tool_motion(tool_problem(as_fitted, gauge.targets), acting).J
         rows = _without_axis_1(rows, kept.R.T @ moved, at.J)
+    here = (problem.campaign.poses.setup == gauge.setup)[:, None] & problem.seen[:, gauge.chosen]
+    idle = _idle_turns(at.points[here])
+    rows[:6] -= idle @ (idle[3:].T @ rows[3:6])
     factor = _reduced(rows, at.J, _far(told, acting, at).J)
     fitted = at.J @ factor
     base, nominal = _nominal(problem, told, at.points)
@@ -68,6 +72,7 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         ),
         nominal_base=_numbers(base),
         base_measured=kept.measured,
+        turn_measured=not idle.size,
         names=at.names,
         factor=factor_lines(factor),
         rest=tempering.rest,
@@ -149,6 +154,18 @@ def _without_axis_1(rows: Array, was: Array, J: Array) -> Array:
     moved = before[:, :6] @ rows[:6] + before[:, axis] @ rows[axis]
     out[:6], out[axis] = np.linalg.lstsq(now[:, :6], moved)[0], 0.0
     return out
+
+
+def _idle_turns(points: Array) -> Array:
+    """(6, k) shift and turn, for a turn by 1 rad, of the turns of the base about its axes or lines that move
+    none of the measured points (M, 3) [m]: points held in two sockets do not say how the base stands turned
+    about the line through these, nor points held in one how it stands turned at all. It is where the
+    instrument's frame is, and no error of the robot: who sets a robot up there aligns it otherwise."""
+    middle = points.mean(axis=0)
+    variances, axes = np.linalg.eigh((points - middle).T @ (points - middle) / len(points))
+    lever = np.sqrt(np.maximum(variances.sum() - variances, 0.0))
+    idle = axes[:, lever < ON_A_LINE * np.sqrt((points**2).sum(axis=1).mean())]
+    return np.vstack([np.cross(middle, idle.T).T, idle])
 
 
 def _with_passing(result: Fit, gauge: _Gauge, half: Array) -> Array:
