@@ -53,4 +53,4 @@ def test_a_carriage_that_tilts_leads():
     assert set(named(told)) == {("bearing_tilt", "joint_2")}
     (cause,) = told.causes
     assert cause.probability > 0.8
-    assert {(rival.cause, str(rival.where)) for rival in cause.rivals} <= {("link_bending", "link_3")}
+    assert (cause.rivals[0].cause, str(cause.rivals[0].where)) == ("link_bending", "link_3")
