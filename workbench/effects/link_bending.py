@@ -192,6 +192,10 @@ class RamBending(LinkBending):
         """None that is the same in all poses: `motion` has it."""
         return np.zeros((6, 6))
 
+    def components(self, arm: Arm) -> tuple[int, ...]:
+        C = bending_compliance(arm.R[self.slot(arm)].T[:, 2])
+        return tuple(int(i) for i in np.flatnonzero(C.any(axis=0)))
+
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
         first = 6 * self.slot(problem.arm)
         return np.asarray(line.direct[:, :, first : first + 6] @ self.moved(problem)[:, :, None])
