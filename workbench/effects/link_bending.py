@@ -15,7 +15,7 @@ from ..robot.rotations import skew
 from .base import Depends, Effect, Param, Rest, Slopes
 from .bearing_tilt import BearingTilt
 from .drawn import Drawn
-from .kinds import MOST_SHIFT, MOST_TURN, LinearYield
+from .kinds import MOST_SHIFT, MOST_TURN, DirectEffect, LinearYield
 from .place import Where
 from .unnamed.link_ends import OfLink, OwnWeight, PivotForce, UnevenBending
 
@@ -147,6 +147,7 @@ class RamBending(LinkBending):
 
     settings: ClassVar[tuple[str, ...]] = ("room",)
     depends: ClassVar[Depends] = frozenset({"joints", "load"})
+    in_drake: ClassVar[str] = DirectEffect.in_drake
     in_proportion: ClassVar[bool] = False  # its length has a part as well
 
     @classmethod
