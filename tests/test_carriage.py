@@ -44,7 +44,7 @@ def test_a_carriage_turns_about_itself_under_the_moment_there():
 
 def test_a_carriage_that_tilts_is_named():
     """Joint 3 begins at the carriage of joint 2, wherever that stands, and its load turns it about its own
-    axis too."""
+    axis too; next to it comes a ram that bends where it stands out."""
 
     def tilts(wrench):
         return np.concatenate([np.zeros(3), 4e-6 * wrench[RX:]])

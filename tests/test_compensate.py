@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from workbench.campaign import Target
 from workbench.campaign.planned import planned
+from workbench.campaign.problem import problem_of
 from workbench.correction.command import Compensation, compensate
 from workbench.correction.conditions import Conditions
 from workbench.correction.path_shapes import Run, pocket, raster, spiral, work_frame
@@ -23,6 +24,7 @@ from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.gear_kinematic_error import GearKinematicError
 from workbench.effects.gear_ratio import GearRatio
 from workbench.effects.joint_compliance import JointCompliance
+from workbench.effects.joint_map import JointMap
 from workbench.effects.place import Where
 from workbench.effects.thermal_growth import ThermalGrowth
 from workbench.files.faults import InputError
@@ -175,9 +177,10 @@ def test_sliding_joints_and_few_joints_follow_the_position(tmp_path, name: str) 
     n = len(robot.joints)
     q = np.linspace(np.full(n, 0.2), np.full(n, 0.4), 150)
     path = Path(np.linspace(0, 10, 150), q=q)
-    bent = extended(
-        robot, [(GearEccentricity(Where(joint=robot.joint_names[-1 if n == 4 else 0]), "1"), [2e-4, 0.0])]
-    )
+    case = problem_of(planned(robot, q))
+    screw = next(one for one in JointMap.places(case) if one.sliding and one.variant == "smooth")
+    run_out = GearEccentricity(Where(joint=robot.joint_names[-1 if n == 4 else 0]), "1")
+    bent = extended(robot, [(run_out, [2e-4, 0.0]), (screw, [0.0, 2e-4, *[0.0] * (len(screw.params) - 2)])])
     done = compensate(bent, path, Conditions(tool_mass=5.0))
     assert done.position_only
     assert done.before_mm.min() > 0.1

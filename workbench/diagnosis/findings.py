@@ -233,7 +233,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
     strongest = max((i for i in own if final.model.effects[i].key == effect.key), key=final.wald)
     return Finding(
         cause=effect.cause,
-        title=effect.title,
+        title=effect.heading,
         where=effect.where,
         status="named" if named else "ambiguous",
         gain_mm=selection.gains_mm[effect.key],

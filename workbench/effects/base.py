@@ -342,6 +342,11 @@ class Effect(ABC):
         return self.cause, self.where.any_order
 
     @property
+    def heading(self) -> str:
+        """Its title at its place."""
+        return self.title
+
+    @property
     def label(self) -> str:
         where = str(self.where)
         return f"{self.cause}({where})" if where else self.cause

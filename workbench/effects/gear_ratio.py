@@ -16,6 +16,8 @@ from .kinds import TransmissionEffect
 from .place import Where
 
 UNEVEN = 0.15  # share of the motion at the ends of the range
+USUAL = 5e-5  # of a gear's
+USUAL_SLIDING = 1.7e-4  # of a screw's lead or a rack's pitch: ISO 3408-3, grade 7, allows 52 µm in 300 mm
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,8 @@ class GearRatio(TransmissionEffect):
 
     ε is dimensionless, q counts from the joint's zero. Olabi et al. 2012, eq. (3): q_err = q_in/N − q_out.
     """
+
+    sliding: bool = False
 
     cause: ClassVar[str] = "gear_ratio"
     title: ClassVar[str] = "Reduction ratio is wrong"
@@ -42,7 +46,8 @@ class GearRatio(TransmissionEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         meaning = "joint travel over the commanded travel, minus one"
-        return (Param("relative", "1", 5e-5, meaning, lower=-5e-3, upper=5e-3),)
+        usual = USUAL_SLIDING if self.sliding else USUAL
+        return (Param("relative", "1", usual, meaning, lower=-5e-3, upper=5e-3),)
 
     @property
     def kin(self) -> Hashable:
@@ -51,7 +56,7 @@ class GearRatio(TransmissionEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[GearRatio]:
-        return [cls(Where(joint=name)) for name in problem.arm.names]
+        return [cls(Where(joint=j.name), sliding=j.kind == "prismatic") for j in problem.robot.joints]
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         j = joints.index(str(self.where.joint))

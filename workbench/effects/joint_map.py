@@ -1,4 +1,4 @@
-"""A joint's error as a free function of its own angle: gear, encoder or bearing, not told apart."""
+"""A joint's error as a free function of its own position: gear, screw, encoder or bearing, not told apart."""
 
 from __future__ import annotations
 
@@ -14,12 +14,15 @@ from ..robot.kinematics import Array
 from .base import Param, short
 from .kinds import TransmissionEffect
 from .place import Parameter, Where
+from .unnamed.base import SLIDES, turn
 
 LENGTHS = {"broad": 1.5, "smooth": 0.7, "waves": 0.25, "fine": 0.1}  # rad: the error forgets itself
 USUAL = 1e-4  # rad, usual size of a gear's or an encoder's error
+USUAL_SLIDING = 3e-5  # m, of a screw's or a rack's: ISO 3408-3 allows 23 µm (grade 5) … 52 µm (7) in 300 mm
 MARGIN = 0.1  # share of the range that the functions go beyond it, where nothing is known
 FAINTEST = 0.02  # share of the largest wave below which a wave is left out
 MOVES = 0.2  # rad that a joint must travel for a function of it to be seen
+TRAVEL = 1.0  # m, of a sliding joint without bounds, where nothing was measured
 
 
 @dataclass(frozen=True)
@@ -29,12 +32,15 @@ class JointMap(TransmissionEffect):
     The waves' prior sizes are the square roots of the process' spectrum (Rasmussen & Williams 2006): a
     function of usual size `size` that forgets itself over `length` [rad]. q₀ `first` and L `span` [rad] are
     where the joint was measured; beyond it the map says nothing and keeps its value at the edge.
+
+    Of a sliding joint it is the pitch error of a screw or a rack over the travel, all in m.
     """
 
     first: float = -np.pi
     span: float = 2 * np.pi
     length: float = 0.25
     size: float = USUAL
+    sliding: bool = False
 
     cause: ClassVar[str] = "joint_map"
     title: ClassVar[str] = "A joint errs as a function of its own angle"
@@ -63,12 +69,20 @@ class JointMap(TransmissionEffect):
     @property
     def params(self) -> tuple[Param, ...]:
         return tuple(
-            Param(f"wave_{k}", "rad", float(s), spread=float(s)) for k, s in enumerate(self._sizes, 1)
+            Param(f"wave_{k}", self.unit, float(s), spread=float(s)) for k, s in enumerate(self._sizes, 1)
         )
+
+    @property
+    def unit(self) -> str:
+        return "m" if self.sliding else "rad"
 
     @property
     def local(self) -> bool:
         return True
+
+    @property
+    def heading(self) -> str:
+        return "A joint errs as a function of its own travel" if self.sliding else self.title
 
     @property
     def kin(self) -> Hashable:
@@ -79,41 +93,53 @@ class JointMap(TransmissionEffect):
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
-        return None if cls.sites(problem) else "no turning joint travels far enough"
+        return None if cls.sites(problem) else "no joint travels far enough"
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[JointMap]:
-        """Turning joints that travel, in lengths of less than half of that."""
+        """Joints that travel, in lengths of less than half of that."""
         found = [cls.over(problem, j) for j in range(problem.arm.n)]
         return [
-            replace(place, variant=v, length=x)
+            place._of_length(v)
             for place in found
             if place is not None
-            for v, x in LENGTHS.items()
-            if 2 * x < place.span / (1 + 2 * MARGIN)
+            for v in LENGTHS
+            if 2 * place._of_length(v).length < place.span / (1 + 2 * MARGIN)
         ]
 
     @classmethod
     def over(cls, problem: Problem, j: int) -> JointMap | None:
-        """The smoothest map over what a joint travels; None where it slides, or hardly moves."""
+        """The smoothest map over what a joint travels; None where it hardly moves."""
         low, high = float(problem.q[:, j].min()), float(problem.q[:, j].max())
-        if problem.arm.prismatic[j] or high - low < MOVES:
+        if high - low < MOVES / turn(problem)[j]:
             return None
-        room, where = MARGIN * (high - low), Where(joint=problem.arm.names[j])
-        return cls(where, "smooth", low - room, high - low + 2 * room, LENGTHS["smooth"])
+        room = MARGIN * (high - low)
+        return replace(cls._at(problem, j), first=low - room, span=high - low + 2 * room)
+
+    @classmethod
+    def _at(cls, problem: Problem, j: int) -> JointMap:
+        """The smoothest map of a joint, over a turn or all that it slides."""
+        joint, where = problem.robot.joints[j], Where(joint=problem.arm.names[j])
+        if not problem.arm.prismatic[j]:
+            return cls(where)._of_length("smooth")
+        low, high = joint.lower, joint.upper
+        if not np.isfinite(high - low):
+            low, high = -TRAVEL / 2, TRAVEL / 2
+        return cls(where, "", low, high - low, size=USUAL_SLIDING, sliding=True)._of_length("smooth")
+
+    def _of_length(self, variant: str) -> JointMap:
+        """The same in another length: of a sliding joint as of one that turns by `SLIDES` per metre."""
+        return replace(self, variant=variant, length=LENGTHS[variant] / (SLIDES if self.sliding else 1.0))
 
     @classmethod
     def off(cls, problem: Problem, j: int, size: float) -> Sequence[tuple[float, JointMap]]:
-        """Companion of an effect of a joint's angle: how far [rad] a real one is off its form."""
+        """Companion of an effect of a joint's angle: how far [rad, m] a real one is off its form."""
         place = cls.over(problem, j)
-        return [] if place is None else [(size / USUAL, place)]
+        return [] if place is None else [(size / place.size, place)]
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[JointMap]:
-        names = [
-            n for n, sliding in zip(problem.arm.names, problem.arm.prismatic, strict=True) if not sliding
-        ]
-        return [cls(Where(joint=n), v, length=x) for n in names for v, x in LENGTHS.items()]
+        return [cls._at(problem, j)._of_length(v) for j in range(problem.arm.n) for v in LENGTHS]
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         at = np.clip((q[:, joints.index(str(self.where.joint))] - self.first) / self.span, 0.0, 1.0)
@@ -134,12 +160,19 @@ class JointMap(TransmissionEffect):
         """RMS of the map over the range."""
         rms = float(np.sqrt((values**2).sum() / 2))
         std = float(np.sqrt(values @ covariance @ values) / (2 * rms)) if rms > 0 else 0.0
-        return (Parameter("amplitude", rms, std, "rad", "RMS of the map over the joint's range"),)
+        return (Parameter("amplitude", rms, std, self.unit, "RMS of the map over the joint's range"),)
 
     def sentence(self, values: Array) -> str:
-        rms = np.sqrt((values**2).sum() / 2) * 1e6
-        low, high = np.degrees([self.first, self.first + self.span])
+        rms = short(np.sqrt((values**2).sum() / 2) * 1e6)
+        ends = np.array([self.first, self.first + self.span])
+        if self.sliding:
+            low, high = 1e3 * ends
+            return (
+                f"{self.where.joint} errs by {rms} µm RMS as a function of its own travel "
+                f"({low:.0f} … {high:.0f} mm): screw or rack, scale or guide."
+            )
+        low, high = np.degrees(ends)
         return (
-            f"{self.where.joint} errs by {short(rms)} µrad RMS as a function of its own angle "
+            f"{self.where.joint} errs by {rms} µrad RMS as a function of its own angle "
             f"({low:.0f} … {high:.0f}°): gear, encoder or bearing."
         )

@@ -122,15 +122,18 @@ class YieldEffect(Effect):
         return np.asarray(np.minimum(super().prior(problem), 1 / np.maximum(most, 1e-300)))
 
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
-        return self.under(line, line.prediction.load.local, values)
+        return self._under(line, line.prediction.load.local, values)
 
-    def under(self, line: Slopes, wrench: Array, values: Array) -> Array:
+    def under(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
+        return self._under(line, wrench, values)
+
+    def _under(self, line: Slopes, wrench: Array, values: Array) -> Array:
         arm = line.prediction.arm
         k = self.slot(arm)
         by_value = self.law(arm, wrench[:, k], values)[2]
         return np.asarray(line.direct[:, :, 6 * k : 6 * k + 6] @ by_value)
 
-    def yields_to(self, line: Slopes, wrench: Array, values: Array) -> Array:
+    def yields_to(self, line: Slopes, wrench: Array, values: Array) -> Array | None:
         rest = line.prediction
         k = self.slot(rest.arm)
         by_wrench = self.law(rest.arm, rest.load.local[:, k], values)[1]

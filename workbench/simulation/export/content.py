@@ -120,7 +120,7 @@ def kind_of(item: Part, problem: Problem) -> str:
     """
     effect, _ = item
     alone = Acting((item,))
-    if not effect.uses <= {"joints", "load"}:
+    if not effect.uses <= {"joints", "load"} or (effect.acts == "yielding" and effect.motion(problem)):
         return "other"
     if effect.acts == "yielding":
         return "law" if alone.yielding(problem.arm).bent else "spring"
