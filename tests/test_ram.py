@@ -64,7 +64,7 @@ def test_a_ram_that_bends_is_found_and_no_payload_or_other_link():
     told = found(measured("cylindrical", motion=bends, poses=60, loads=(12.0, 25.0), seed=2))
     assert set(named(told)) == {("link_bending", "link_3")}
     (cause,) = told.causes
-    assert cause.probability > 0.9
+    assert cause.probability > 0.8  # the rest is a guide or a carriage that tilts
     assert cause.variant.startswith("ram")
     assert "stands out" in cause.sentence
     assert 1 / cause.parameters[0].value == pytest.approx(STIFFNESS, rel=0.5)
