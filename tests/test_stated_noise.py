@@ -128,3 +128,9 @@ def test_a_noise_that_nobody_states_is_what_distances_show_once_causes_leave_no_
 def test_distances_are_not_believed_of_a_robot_that_is_off_by_more_than_they_show():
     found = diagnose(replace(measured(None, shake=5e-4, poses=60), noise_sigma=None)).diagnosis
     assert found.noise.source == "residual"
+
+
+def test_distances_are_not_believed_of_few_positions():
+    """A calibration of 24 poses has numbers enough to leave no more than the instrument's noise."""
+    found = diagnose(replace(measured(None, poses=24), noise_sigma=None)).diagnosis
+    assert found.noise.source == "residual"

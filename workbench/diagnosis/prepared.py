@@ -36,6 +36,7 @@ from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
 from .moved_target import reseated
 from .noise_choice import choose, from_residual, of_distances, of_turns, rigid_targets, without_wild_repeats
 from .rarely_seen import without_rarely_seen
+from .replication import enough_for_halves
 from .result import FaultFound, Noise
 from .torque_noise import torque_noise
 from .wild_points import (
@@ -113,8 +114,11 @@ class Prepared:
 
     def with_distances(self, result: Fit) -> Prepared | None:
         """The same with the noise that distances between targets show, where nobody stated one and a better
-        fit leaves little more; None elsewhere."""
-        found = None if self.noise_known else of_distances(result)
+        fit leaves little more, of joint positions enough: at few, numbers take up what the robot does beside.
+        None elsewhere."""
+        if self.noise_known or not enough_for_halves(self.problem):
+            return None
+        found = of_distances(result)
         if found is None:
             return None
         covariance, noise = found
