@@ -34,7 +34,9 @@ class Text:
 
     def name(self, index: int) -> str | int:
         """How `columns` calls a column."""
-        return str(index) if self.counted else (self.header[index] if self.header else "") or index + 1
+        if self.counted:
+            return str(index)
+        return (self.header[index] if self.header else "") or index + 1
 
     def largest(self, index: int) -> float:
         """The largest absolute number in a column."""

@@ -100,17 +100,9 @@ class Prepared:
         covariance = of_turns(result)
         if covariance is None:
             return None
-        geometry = fit(self.geometry.model, self.geometry.state, covariance)
-        nominal = fit(self.nominal.model, self.nominal.state, covariance, geometry=False)
         share = covariance.turn_ratio
         note = f"Turns of the 6-D measurement scatter {share:.2g} times as points of the stated noise would"
-        return replace(
-            self,
-            covariance=covariance,
-            geometry=geometry,
-            nominal=nominal,
-            notes=(*self.notes, f"{note}: that is used."),
-        )
+        return replace(self._under(covariance), notes=(*self.notes, f"{note}: that is used."))
 
     def with_distances(self, result: Fit) -> Prepared | None:
         """The same with the noise that distances between targets show, where nobody stated one and a better
@@ -118,15 +110,20 @@ class Prepared:
         None elsewhere."""
         if self.noise_known or not enough_for_halves(self.problem):
             return None
-        found = of_distances(result)
-        if found is None:
+        shown = of_distances(result)
+        if shown is None:
             return None
-        covariance, noise = found
+        covariance, noise = shown
         if self.covariance.torque is not None:
             covariance = replace(covariance, torque=self.covariance.torque)
-        geometry = plausible_geometry(fit(self.geometry.model, self.geometry.state, covariance))
+        found = self._under(covariance)
+        return replace(found, noise=noise, geometry=plausible_geometry(found.geometry))
+
+    def _under(self, covariance: Covariance) -> Prepared:
+        """The same fitted under another noise."""
+        geometry = fit(self.geometry.model, self.geometry.state, covariance)
         nominal = fit(self.nominal.model, self.nominal.state, covariance, geometry=False)
-        return replace(self, covariance=covariance, noise=noise, geometry=geometry, nominal=nominal)
+        return replace(self, covariance=covariance, geometry=geometry, nominal=nominal)
 
     def some(self, poses: NDArray[np.int64]) -> Prepared:
         """Some of the poses as if there were no others: where nobody knows the noise, with their own."""

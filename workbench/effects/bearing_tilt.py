@@ -89,8 +89,7 @@ class BearingTilt(LinearYield):
         return np.asarray(moment.T @ moment)
 
     def lever(self, arm: Arm) -> float:
-        sliding = arm.prismatic[arm.names.index(str(self.where.joint))]
-        return GUIDE if sliding else 1.0
+        return GUIDE if arm.prismatic[arm.slot_of_joint(str(self.where.joint)) - 1] else 1.0
 
     def sentence(self, values: Array) -> str:
         size = f"{values[0] * 1e9:.2g} µrad per kN·m"

@@ -99,13 +99,8 @@ class JointMap(TransmissionEffect):
     def sites(cls, problem: Problem) -> Sequence[JointMap]:
         """Joints that travel, in lengths of less than half of that."""
         found = [cls.over(problem, j) for j in range(problem.arm.n)]
-        return [
-            place._of_length(v)
-            for place in found
-            if place is not None
-            for v in LENGTHS
-            if 2 * place._of_length(v).length < place.span / (1 + 2 * MARGIN)
-        ]
+        every = [place._of_length(v) for place in found if place is not None for v in LENGTHS]
+        return [one for one in every if 2 * one.length < one.span / (1 + 2 * MARGIN)]
 
     @classmethod
     def over(cls, problem: Problem, j: int) -> JointMap | None:
