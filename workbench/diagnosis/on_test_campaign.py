@@ -85,7 +85,8 @@ def _cleaned(problem: Problem, final: Fit) -> tuple[Problem, tuple[FaultFound, .
     least = np.full(len(problem.campaign.targets), float(np.median(final.noise.sigma)))
     for _ in range(ROUNDS):
         errors = _errors(problem, final)
-        found = mended(problem, errors.predicted, wild_limit(problem, errors.length, least))
+        limit = wild_limit(problem, errors.length, least)
+        found = mended(problem, errors.predicted, limit, lambda other: _errors(other, final).predicted)
         if not found.faults:
             break
         problem, faults = found.problem, (*faults, *found.faults)

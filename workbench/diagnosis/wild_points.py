@@ -24,6 +24,7 @@ from ..identification.noise import Covariance
 from ..identification.registration import register
 from ..robot.kinematics import Array
 from .off_together import no_outliers
+from .other_loads import Predicts, carrying_what_fits
 from .result import FaultFound
 from .shifted_poses import shifted_poses, without_shifted
 
@@ -71,7 +72,7 @@ def _in_rounds(result: Fit, least: Array, again: Callable[[Problem, State], Fit]
     for count in range(ROUNDS):
         if count:
             result = again(problem, result.state)
-        found = mended(problem, result.line.prediction.points, _limit(result, least))
+        found = mended(problem, result.line.prediction.points, _limit(result, least), result.at)
         if not found.faults:
             break
         problem, faults = found.problem, [*faults, *found.faults]
@@ -172,9 +173,14 @@ class Mended:
     faults: tuple[FaultFound, ...]
 
 
-def mended(problem: Problem, predicted: Array, limit: Array) -> Mended:
-    """One round: points farther than `limit` (N, T) [m] from where they are predicted (N, T, 3) are
-    exchanged with those of another target where that puts them right, else left out."""
+def mended(problem: Problem, predicted: Array, limit: Array, at: Predicts | None = None) -> Mended:
+    """One round: points farther than `limit` (N, T) [m] from where they are predicted (N, T, 3) are taken
+    under another payload or exchanged with those of another target where that puts them right, else left out.
+    at: predicts them under other payloads."""
+    if at is not None:
+        carrying, wrong = carrying_what_fits(problem, predicted, limit, at)
+        if wrong:
+            return Mended(carrying, wrong)
     c = problem.campaign
     length = np.where(problem.seen, np.linalg.norm(c.points - predicted, axis=2), 0.0)
     wild = length > limit

@@ -21,7 +21,7 @@ NEAR = 0.1  # of a number: no further from it is the slope taken that makes its 
 CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a number is off another
 DataFault = Literal[  # what a diagnosis finds wrong with the data themselves
     "changed_setup", "copied_pose", "frozen_target", "moved_instrument", "outlier", "rare_setup",
-    "rare_target", "rounded_joints", "shifted_pose", "swapped_target",
+    "rare_target", "rounded_joints", "shifted_pose", "swapped_target", "wrong_payload",
 ]  # fmt: skip
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 

@@ -146,6 +146,10 @@ class Fit:
         used = np.abs(self.whitener[:, : self.point_residual.shape[1]]).sum(axis=2) > 0
         return int(used.sum())
 
+    def at(self, problem: Problem) -> Array:
+        """(N, T, 3) [m] the points of a problem that differs in what its poses carry, as fitted."""
+        return replace(self.model, problem=problem).predict(self.state)
+
     def effect_values(self, i: int) -> tuple[Array, Array]:
         """Values (p,) and covariance (p, p) of the model's i-th effect."""
         part = self.columns.effect[i]
