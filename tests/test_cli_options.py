@@ -118,3 +118,11 @@ def test_a_tolerance_below_zero_is_refused(tolerance, capsys):
 def test_only_the_command_line_reads_arguments():
     reading = [path for path in (ROOT / "workbench").rglob("*.py") if "argparse" in path.read_text()]
     assert {path.parent.name for path in reading} == {"cli"}
+
+
+@pytest.mark.parametrize("name", [name for name in COMMANDS if name])
+def test_every_command_has_its_help(name, capsys):
+    with pytest.raises(SystemExit) as end:
+        command_line().parse_args([*name.split(), "--help"])
+    assert end.value.code == 0
+    assert capsys.readouterr().out.startswith(f"usage: workbench {name}")

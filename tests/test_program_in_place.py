@@ -204,14 +204,11 @@ def flanges(robot: Robot, form: str, texts: dict[str, str]) -> list[np.ndarray]:
             shown = MAKERS[robot.name][1](np.degrees(move.arm))
             found.append(convention.from_world(shown) @ np.linalg.inv(convention.flange))
             continue
-        assert move.base is not None
-        assert move.tool is not None
         assert move.X is not None
+        tool = convention.from_flange(move.tool.matrix)
         for X in [move.via, move.X] if move.via is not None else [move.X]:
             assert X is not None
-            found.append(
-                convention.from_world(move.base @ X @ np.linalg.inv(convention.from_flange(move.tool)))
-            )
+            found.append(convention.from_world(move.base.matrix @ X @ np.linalg.inv(tool)))
     return found
 
 

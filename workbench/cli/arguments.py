@@ -211,15 +211,16 @@ def started(model: str, told: Array | None) -> Array | None:
     return np.where(robot.sliding, 1e-3 * told, np.radians(told))
 
 
-def conditions(model: str, payload: str, campaign: Campaign | None) -> Conditions:
-    """Tool and payload along the path, as the campaign or else the model states them."""
+def conditions(model: str, payload: str, campaign: Campaign | None, told: bool = True) -> Conditions:
+    """Tool and payload along the path, as the campaign or else the model states them; told: with a word
+    where no payload of the model's is taken."""
     from ..correction.conditions import conditions_of, stated_conditions
     from ..robot.description import load_robot
 
     if campaign is not None:
         return conditions_of(campaign, payload)
     robot = load_robot(model)
-    if robot.payloads and not payload:
+    if told and robot.payloads and not payload:
         known = ", ".join(robot.payloads)
         progress(f"the arm is taken to carry no payload; the model knows {known} (--payload NAME)")
     return stated_conditions(robot, payload)

@@ -6,6 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
+from ..files.faults import Fault, InputError
 from .arguments import (
     Commands,
     check_folder,
@@ -61,9 +62,14 @@ def run(arguments: argparse.Namespace) -> None:
     from ..correction.in_place import compensate_program, is_program
 
     check_folder(arguments.out.parent if arguments.out else None)
-    loads = conditions(arguments.model, arguments.payload, stated(arguments.campaign))
+    of_program = is_program(Path(arguments.path))
+    campaign = stated(arguments.campaign)
+    loads = conditions(arguments.model, arguments.payload, campaign, told=not of_program)
     start = started(arguments.model, arguments.start)
-    if is_program(Path(arguments.path)):
+    if of_program:
+        for name, said in (("--joints", arguments.joints), ("--tolerance", arguments.tolerance is not None)):
+            if said:
+                raise InputError(Fault(name, "is for paths: a program keeps its own points", "leave it out"))
         written = compensate_program(
             arguments.path,
             arguments.model,

@@ -40,7 +40,7 @@ def add(commands: Commands) -> None:
         type=above_zero("speed"),
         action="append",
         metavar="M/S",
-        help="tool speed, repeatable (0.03 and 0.3): 95 % of the path is no faster",
+        help="tool speed, repeatable (0.03 and 0.3): 95 %% of the path is no faster",
     )
     parser.add_argument(
         "--controller", metavar="FILE.toml", help="its [controller.loop] instead of that of the truth"

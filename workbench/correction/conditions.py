@@ -16,6 +16,10 @@ from ..robot.schema import LoadData
 from .paths import Path
 
 NO_LOAD = LoadData(mass_kg=0.0)
+SAME, FAR_MM = (
+    0.02,
+    100.0,
+)  # of a load, and of its distance from the flange: what people write down differently
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +82,17 @@ def carried(conditions: Conditions) -> LoadData | None:
     moment += conditions.tool_mass * np.array(conditions.tool_com)
     x, y, z = (1e3 * moment / mass).tolist()
     return LoadData(mass_kg=mass, com_mm=(x, y, z))
+
+
+def alike(one: LoadData, other: LoadData | None) -> bool:
+    """Whether two loads at the flange are the same for what an arm yields."""
+    other = other or NO_LOAD
+    off = one.mass_kg * np.array(one.com_mm) - other.mass_kg * np.array(other.com_mm)
+    heavier = max(one.mass_kg, other.mass_kg)
+    far = FAR_MM + float(np.linalg.norm(one.com_mm))
+    return abs(one.mass_kg - other.mass_kg) <= SAME * heavier and bool(
+        np.linalg.norm(off) <= SAME * heavier * far
+    )
 
 
 def _metres(load: LoadData) -> list[float]:

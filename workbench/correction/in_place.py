@@ -11,16 +11,21 @@ import numpy as np
 
 from ..files.digest import digests
 from ..files.faults import Fault, InputError
-from ..robot.description import load_robot
+from ..robot.description import Robot, load_robot
 from ..robot.kinematics import Array
+from ..robot.kinematics import frames as frames_at
+from ..robot.rigid_plant import arrays
+from ..robot.schema import LoadData
 from .command import Compensation, compensate
-from .conditions import Conditions
+from .conditions import Conditions, alike, carried, stated_conditions
 from .paths import Path
 from .program_postures import joints_at
 from .program_targets import Frames, Target, targets_of, times_of
 from .programs import Format, find_format, formats
 from .programs.files import beside, is_folder, put_files
-from .programs.motions import Spot
+from .programs.motions import Move, Spot
+from .trajectory import rigid
+from .trouble import near_singular, ranges_of
 
 NAMED_ALIKE = (".dat",)  # belongs to a program by its name
 SAME_MM = 1e-3  # corrections of one target that differ by less are the same
@@ -97,22 +102,77 @@ def compensate_program(
     if not moves:
         raise InputError(motions.faults or [Fault(str(source), "has no target that could be corrected")])
     frames = Frames(robot, as_urdf, tool, base)
-    frames.check(moves, motions.unknown)
+    remarks = frames.check(moves)
+    conditions, more = _carrying(robot, frames, moves, conditions or stated_conditions(robot))
+    remarks += more
     targets = targets_of(moves)
-    if len(targets) == 1:
-        targets *= 2  # a path has two samples at least
     q, postures = joints_at(robot, frames, targets, start)
+    targets, q, alone = _without_singular(robot, targets, q)
+    if len(targets) == 1:
+        targets, q = 2 * targets, np.repeat(q, 2, axis=0)  # a path has two samples at least
     lines = tuple(target.move.line for target in targets)
     told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines)
     done = compensate(robot, told, conditions)
     done = replace(done, between=np.where([_straight(target) for target in targets[1:]], done.between, 0.0))
     edits, notes = _edits(chosen, texts, frames, targets, done)
-    notes += postures
-    notes += [f"left alone: {fault}" for fault in motions.faults]
+    notes += [*remarks, *postures]
+    notes += [f"left alone: {fault}" for fault in (*alone, *motions.faults)]
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated")
     files = _written(texts, edits, codec, place, chosen)
     put_files(files, keep)
     return Corrected(done, tuple(files), len(edits), tuple(notes), read)
+
+
+def _without_singular(
+    robot: Robot, targets: list[Target], q: Array
+) -> tuple[list[Target], Array, list[Fault]]:
+    """Without the joint targets (at home, mostly) where the arm is near-singular: a correction there takes
+    joints far, and nothing is drawn. q: (M, 6) the joints at all."""
+    arm, tip = rigid(arrays(robot), np.eye(4), ranges_of(robot))
+    found = {trouble.index for trouble in near_singular(arm, tip, tip.jacobian(arm, frames_at(arm, q)))}
+    left = [i for i in sorted(found) if targets[i].X is None]
+    kept = [i for i in range(len(targets)) if i not in left]
+    if not left or not kept:
+        return targets, q, []
+    what = "a joint target where the arm is near-singular"
+    return [targets[i] for i in kept], q[kept], [Fault(targets[i].move.place, what) for i in left]
+
+
+def _carrying(
+    robot: Robot, frames: Frames, moves: Sequence[Move], conditions: Conditions
+) -> tuple[Conditions, list[str]]:
+    """With what the program says that the arm carries, where no payload was named and it is no less than the
+    tool of the model; a remark where that is something else. Raises `InputError` where it says several."""
+    loads = [frames.load(move.load) for move in moves if move.load is not None]
+    every = [load for i, load in enumerate(loads) if not any(alike(load, other) for other in loads[:i])]
+    if not every and robot.payloads and not conditions.payload:
+        known = ", ".join(robot.payloads)
+        return conditions, [f"taken to carry no payload; the model knows {known} (--payload NAME)"]
+    if not every or (len(every) == 1 and alike(every[0], carried(conditions))):
+        return conditions, []
+    said = ", then ".join(_weighs(load) for load in every)
+    if conditions.payload or max(load.mass_kg for load in every) < conditions.tool_mass:
+        taken = f"payload {conditions.payload!r}" if conditions.payload else "the tool of the model"
+        return conditions, [f"the program says that the arm carries {said}; taken: {taken}"]
+    if len(every) > 1:
+        what = f"the program says that the arm carries {said}"
+        raise InputError(Fault(moves[0].place, what, "split it, or say what counts with --payload NAME"))
+    for name in robot.payloads:
+        stated = stated_conditions(robot, name)
+        named = replace(stated, wrench=conditions.wrench, temperature=conditions.temperature)
+        named = replace(named, clock=conditions.clock)
+        if alike(every[0], carried(named)):
+            return named, [f"the arm carries {name!r}, as the program says ({said})"]
+    (load,) = every
+    com = [1e-3 * value for value in load.com_mm]
+    return replace(conditions, tool_mass=load.mass_kg, tool_com=com), [
+        f"the arm carries {said}: the program says so"
+    ]
+
+
+def _weighs(load: LoadData) -> str:
+    x, y, z = load.com_mm
+    return f"{load.mass_kg:g} kg at {x:.0f}, {y:.0f}, {z:.0f} mm" if load.mass_kg else "nothing"
 
 
 def _straight(target: Target) -> bool:

@@ -78,7 +78,9 @@ class _Postures:
         """(K, 6) joints at the targets of a run, of which only the first may be reached freely. before: (6,)
         the joints that the arm comes from."""
         X = np.array([self.frames.flange(target.move, _pose(target)) for target in run])
-        said, free = run[0].posture, run[0].move.free
+        said, free, near = run[0].posture, run[0].move.free, run[0].move.near
+        if near is not None:
+            before, said = self.frames.joints(near), NOTHING
         if before is None and said is None:
             return self._unsaid(run, X)
         if before is not None and not free:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +10,12 @@ import numpy as np
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from ..robot.kinematics import Array
-from .programs.motions import Move, Spot
+from ..robot.schema import LoadData
+from .programs.motions import Frame, Move, Spot
 from .programs.posture import Posture
-from .programs.shown import stated_convention
+from .programs.shown import stated_convention, turned_load
 
+SAME = 1e-6  # m and rad, by which a frame that is given is that of the program
 SECOND = 1.0  # a leg that does not say how long it takes
 
 
@@ -24,21 +26,28 @@ class Frames:
         self.robot, self.tool, self.base = robot, tool, base
         self.convention = None if as_urdf else stated_convention(robot)
 
-    def check(self, moves: Sequence[Move], unknown: Mapping[str, str]) -> None:
-        """Six turning joints, no rails, and all frames known."""
-        faults = []
+    def check(self, moves: Sequence[Move]) -> list[str]:
+        """Six turning joints, rails that stand at zero, and all frames known; remarks on frames that are
+        taken to be none."""
+        faults, remarks = [], list[str]()
         if len(self.robot.joints) != 6 or any(self.robot.sliding):
             what = "has not six turning joints: its programs are not corrected in place"
             faults.append(Fault(self.robot.name, what, "export the path anew"))
-        faults += [
-            Fault(move.place, "has external axes", "export the path anew") for move in moves[:1] if move.rails
-        ]
+        away = next((move for move in moves if np.any(move.rails)), None)
+        if away is not None:
+            faults.append(
+                Fault(away.place, "has external axes that do not stand at 0", "export the path anew")
+            )
         for name, given in (("tool", self.tool), ("base", self.base)):
-            if given is None and any(getattr(m, name) is None for m in moves if m.kind == "pose"):
-                what = f"this {name} stands on the controller, not in the file"
-                faults.append(Fault(unknown[name], what, f"give it with --{name} X,Y,Z,A,B,C"))
+            frames = [getattr(move, name) for move in moves if move.kind == "pose"]
+            faults += _doubts(name, given, frames)
+            if given is None and any(frame.X is None and not frame.name for frame in frames):
+                remarks.append(
+                    f"the program sets no {name}: taken as none (--{name} where the controller has one)"
+                )
         if faults:
             raise InputError(faults)
+        return remarks
 
     def joints(self, arm: Sequence[float]) -> Array:
         """(6,) the URDF's joints."""
@@ -57,15 +66,38 @@ class Frames:
         """(4, 4) the target in the move's base, of the URDF's flange in its base."""
         return np.asarray(np.linalg.inv(self._base(move)) @ flange @ self._tool(move))
 
+    def load(self, load: LoadData) -> LoadData:
+        """What the arm carries, from the controller's flange to the URDF's."""
+        return load if self.convention is None else turned_load(load, self.convention.flange)
+
     def _base(self, move: Move) -> Array:
-        base = move.base if move.base is not None else self.base
-        assert base is not None
+        base = move.base.matrix if move.base.X is not None or self.base is None else self.base
         return base if self.convention is None else self.convention.from_world(base)
 
     def _tool(self, move: Move) -> Array:
-        tool = move.tool if move.tool is not None else self.tool
-        assert tool is not None
+        tool = move.tool.matrix if move.tool.X is not None or self.tool is None else self.tool
         return tool if self.convention is None else self.convention.from_flange(tool)
+
+
+def _doubts(name: str, given: Array | None, frames: Sequence[Frame]) -> list[Fault]:
+    """What stands against taking the one that is given for those that the file does not have."""
+    open_ = {frame.name: frame for frame in frames if frame.X is None}
+    named = [frame for key, frame in open_.items() if key]
+    if given is None:
+        what, mend = (
+            f"this {name} stands on the controller, not in the file",
+            f"give it with --{name} X,Y,Z,A,B,C",
+        )
+        return [Fault(frame.place, what, mend) for frame in named]
+    if len(open_) > 1:
+        several = " and ".join(key or "one that is not named" for key in open_)
+        what = f"{several} are not in the file, and one --{name} is not all of them"
+        return [Fault(named[-1].place, what, "write their numbers into the program, or split it")]
+    own = [frame for frame in frames if frame.X is not None and not np.allclose(frame.X, given, atol=SAME)]
+    if own and not open_:
+        what = f"--{name} is not that of the program, which has its numbers"
+        return [Fault(f"--{name}", what, "leave it out, or take the other out of the program")]
+    return []
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,12 @@ from ...robot import rotations
 from ...robot.schema import LoadData
 from .base import Array
 from .format import NUMBER
-from .motions import Motions, Spot
+from .motions import NONE, UNSAID, Frame, Motions, Spot
 from .posture import Posture, of_kuka
+from .text import as_run
 
 AGGREGATE = r"\{[^{}]*\}|\$?\w+"
-FIELD = re.compile(rf"\b([A-Z]\d?)\s+({NUMBER})", re.I)
+FIELD = re.compile(rf"\b([A-Z]\d?)\s+({NUMBER})(?!\s*[-+*/(\w.])", re.I)  # no number where one is computed
 MOVE = re.compile(
     rf"(S?PTP|S?LIN|SPL|S?CIRC)(?:\s+|(?=\{{))({AGGREGATE})\s*(?:,\s*({AGGREGATE}))?\s*(.*)$", re.I
 )
@@ -26,6 +27,9 @@ STATED = re.compile(r"\b([ST])\s+(?:'([BH])([0-9A-F]+)'|(\d+))", re.I)  # decima
 PLACE, TURN = "XYZ", "ABC"
 AXES = tuple(f"A{i}" for i in range(1, 7))
 WHERE_IT_STANDS = ("$AXIS_ACT", "$POS_ACT", "XHOME", "HOME")
+
+PROGRAM = re.compile(r"\s*(?:GLOBAL\s+)?DEF(?:FCT\s+\w+)?\s+(\w+)\s*\(", re.I)
+CALL = re.compile(r"(\w+)\s*\(.*\)", re.I)
 
 Text = tuple[str, int, str]  # file, where the text begins in it, the text
 
@@ -42,13 +46,37 @@ def scan(files: Mapping[str, str]) -> Motions:
             elif match := re.match(r"\s*DECL\s+FDAT\s+(\w+)\s*=\s*(.*)", line, re.I):
                 reader.frames[match[1].upper()] = match[2].upper()
             start += len(line)
-    start = 0
-    for number, line in enumerate(files[source].splitlines(keepends=True), 1):
-        reader.motions.line = number
-        code = line.split(";")[0]
-        reader.read(number, (source, start + len(code) - len(code.lstrip()), code.strip()))
-        start += len(line)
+    for root in as_run(_programs(source, files[source]), _called):
+        reader.motions.tool = reader.motions.base = UNSAID
+        for number, at in root:
+            reader.motions.line = number
+            reader.read(number, at)
     return reader.motions
+
+
+def _programs(source: str, text: str) -> dict[str, list[tuple[int, Text]]]:
+    """The lines of each program of a file, with their numbers, by its name; the first's with what comes
+    before."""
+    programs: dict[str, list[tuple[int, Text]]] = {}
+    name, start, own = "", 0, list[tuple[int, Text]]()
+    for number, line in enumerate(text.splitlines(keepends=True), 1):
+        code = line.split(";")[0]
+        match = PROGRAM.match(code)
+        if match:
+            own = [] if name else own
+            name = match[1].upper()
+        own.append((number, (source, start + len(code) - len(code.lstrip()), code.strip())))
+        programs[name] = own
+        start += len(line)
+    if name:
+        programs.pop("", None)
+    return programs
+
+
+def _called(line: tuple[int, Text]) -> str | None:
+    """The program that a line calls."""
+    match = CALL.fullmatch(line[1][2])
+    return match[1].upper() if match else None
 
 
 class _Reader:
@@ -90,9 +118,10 @@ class _Reader:
 
     def _frame(self, name: str, value: str) -> None:
         if value.startswith("$NULLFRAME"):
-            setattr(self.motions, name, np.eye(4))
+            setattr(self.motions, name, NONE)
         elif value.startswith("{"):
-            setattr(self.motions, name, _pose({key.upper(): float(v) for key, v in FIELD.findall(value)}))
+            X = _pose({key.upper(): float(v) for key, v in FIELD.findall(value)})
+            setattr(self.motions, name, Frame(X))
         else:
             self.motions.elsewhere(name, value)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...robot import rotations
 from .base import Array
-from .motions import Motions, Spot
+from .motions import NONE, Frame, Motions, Spot
 from .posture import Posture, of_fanuc
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
@@ -57,7 +57,7 @@ class _Reader:
         self.file, self.motions = file, Motions(file)
         self.positions: dict[str, _Position] = {}
         self.registers: dict[str, dict[int, float]] = {}
-        self.frames: dict[tuple[str, int], Array] = {("UFRAME", 0): np.eye(4)}
+        self.frames = {("UFRAME", 0): NONE}
 
     def position(self, start: int, block: str) -> _Position:
         fields, spans = {}, {}
@@ -84,7 +84,8 @@ class _Reader:
         elif match := re.match(r"(UTOOL|UFRAME)\[(\d+)[^\]]*\]\s*=\s*PR\[(\d+)", line, re.I):
             said = self.registers.get(match[3], {})
             if set(range(1, 7)) <= said.keys():
-                self.frames[match[1].upper(), int(match[2])] = _pose([said[k] for k in range(1, 7)])
+                frame = Frame(_pose([said[k] for k in range(1, 7)]))
+                self.frames[match[1].upper(), int(match[2])] = frame
         elif match := MOVE.match(line):
             self._move(match)
 

@@ -40,13 +40,32 @@ class Spot:
 
 
 @dataclass(frozen=True, eq=False)
+class Frame:
+    """Tool or base where a motion is. X: (4, 4); None where it stands on the controller, under a name, or
+    where nothing is said of it (no name): then it is none, or whatever the controller has set."""
+
+    X: Array | None = None
+    name: str = ""
+    place: str = ""
+
+    @property
+    def matrix(self) -> Array:
+        """(4, 4), of one that is not known that of none."""
+        return np.eye(4) if self.X is None else self.X
+
+
+NONE = Frame(np.eye(4))  # the flange, the robot's own base
+UNSAID = Frame()
+
+
+@dataclass(frozen=True, eq=False)
 class Move:
     """One motion as the file has it: to a tool pose (4, 4) in `base`, or to joints.
 
     arm: turning joints [rad]; rails [m]; speed [m/s], turn [rad/s], duration [s] of the leg, NaN where not
     said; share of the joints' full speed; blend: corner [m]; via: of a circle, in `base`, with its own spot.
-    tool, base: (4, 4) that hold here; None where they stand on the controller, not in the file.
-    free: the joints go there at once, not the tool along a line. posture: what the file says of it there.
+    free: the joints go there at once, not the tool along a line. posture: what the file says of it there;
+    near: joints [rad] that it is to be nearest to. load: what the file says that the arm carries here.
     """
 
     kind: Literal["pose", "joints"]
@@ -63,10 +82,12 @@ class Move:
     spot: Spot | None = None
     via_spot: Spot | None = None
     line: int = 0
-    tool: Array | None = None
-    base: Array | None = None
+    tool: Frame = UNSAID
+    base: Frame = UNSAID
     free: bool = False
     posture: Posture | None = None
+    near: tuple[float, ...] | None = None
+    load: LoadData | None = None
 
 
 class Motions:
@@ -79,13 +100,11 @@ class Motions:
     def __init__(self, place: str) -> None:
         self.place = place
         self.name = ""
-        self.tool: Array | None = np.eye(4)
-        self.base: Array | None = np.eye(4)
+        self.tool, self.base = UNSAID, UNSAID
         self.load: LoadData | None = None
         self.faults: list[Fault] = []
         self.moves: list[Move] = []
         self.line: int | str = ""
-        self.unknown: dict[str, str] = {}
         self._dwell: dict[int, float] = {}
 
     def pose(
@@ -103,14 +122,15 @@ class Motions:
         via_spot: Spot | None = None,
         free: bool = False,
         posture: Posture | None = None,
+        near: tuple[float, ...] | None = None,
     ) -> None:
         """A tool pose (4, 4) in the base; tool speed [m/s], turning speed [rad/s] or time of the leg [s];
         corner [m]; share of full speed where joints move freely; the pose over which a circle goes; whether
-        the joints move freely, and in which posture the arm stands there."""
+        the joints move freely, and in which posture the arm stands there, or near which joints."""
         move = Move(
             "pose", self._where, X, (), rails, speed, turn, duration, share, blend, via, spot, via_spot
         )
-        self._add(replace(move, free=free, posture=posture))
+        self._add(replace(move, free=free, posture=posture, near=near))
 
     def joints(
         self,
@@ -126,7 +146,7 @@ class Motions:
 
     def _add(self, move: Move) -> None:
         line = self.line if isinstance(self.line, int) else 0
-        self.moves.append(replace(move, tool=self.tool, base=self.base, line=line))
+        self.moves.append(replace(move, tool=self.tool, base=self.base, load=self.load, line=line))
 
     @property
     def _where(self) -> str:
@@ -139,8 +159,7 @@ class Motions:
 
     def elsewhere(self, name: str, text: str) -> None:
         """The tool or base (`name`) that holds from here on stands on the controller, not in the file."""
-        setattr(self, name, None)
-        self.unknown.setdefault(name, f"{self._where}: {text}")
+        setattr(self, name, Frame(None, text, f"{self._where}: {text}"))
 
     def fault(self, line: int | str, what: str, mend: str = "") -> None:
         where = f" line {line}" if isinstance(line, int) else f" {line}" if line else ""
@@ -156,12 +175,14 @@ class Motions:
             between = next(i for i in range(poses[0], poses[-1]) if i not in set(poses))
             what = "a joint move inside the path"
             faults.append(Fault(self.moves[between].place, what, "split the program"))
-        if poses and "base" in self.unknown:
+        elsewhere = [self.moves[i].base for i in poses if self.moves[i].base.name]
+        if elsewhere:
             what = "the base of the path stands on the controller, not in the file"
-            faults.append(Fault(self.unknown["base"], what, "export the path in the robot's world"))
+            faults.append(Fault(elsewhere[0].place, what, "export the path in the robot's world"))
         chosen = poses or list(range(len(self.moves)))
         for name in ("tool", "base"):
-            if len({_bytes(getattr(self.moves[i], name)) for i in chosen}) > 1:
+            frames = [getattr(self.moves[i], name) for i in chosen]
+            if len({(frame.name, frame.matrix.tobytes()) for frame in frames}) > 1:
                 faults.append(Fault(self.place, f"the {name} changes inside the path", "split the program"))
         if faults:
             raise InputError(faults)
@@ -182,8 +203,8 @@ class Motions:
 
     def _path(self, chosen: list[int]) -> Program:
         moves, dwell = [self.moves[i] for i in chosen], self._dwells(chosen)
-        base, rails = _known(moves[0].base), self._rails(moves)
-        X = np.array([base @ _known(move.X) for move in moves])
+        base, rails = moves[0].base.matrix, self._rails(moves)
+        X = np.array([base @ move.X for move in moves if move.X is not None])
         straight = np.full((4, 4), np.nan)
         via = np.array([straight if move.via is None else base @ move.via for move in moves])
         speed, turn, duration, blend = np.array(
@@ -202,7 +223,7 @@ class Motions:
             rails if rails.size else None,
             time if np.isfinite(time).all() else None,
             dwell,
-            _known(moves[0].tool),
+            moves[0].tool.matrix,
             sliding=(True,) * rails.shape[1],
             blend=float(blend.max(initial=0.0)),
             share=self._share(),
@@ -224,18 +245,10 @@ class Motions:
             q=np.hstack([rails, arm]),
             time=np.concatenate([[0.0], np.cumsum(legs + dwell[:-1])]) if timed else None,
             dwell=dwell,
-            tool=_known(moves[0].tool),
+            tool=moves[0].tool.matrix,
             kind="joints",
             sliding=(True,) * rails.shape[1] + (False,) * arm.shape[1],
             share=self._share(),
-            base=_known(moves[0].base),
+            base=moves[0].base.matrix,
             load=self.load,
         )
-
-
-def _known(frame: Array | None) -> Array:
-    return np.eye(4) if frame is None else frame
-
-
-def _bytes(frame: Array | None) -> bytes:
-    return b"" if frame is None else frame.tobytes()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect
 from collections.abc import Mapping
 
 import numpy as np
@@ -12,7 +13,7 @@ from ...robot import rotations
 from ...robot.schema import LoadData
 from .base import Array
 from .format import NUMBER
-from .motions import Motions, Spot
+from .motions import NONE, Frame, Motions, Spot
 from .posture import of_abb
 from .text import arguments
 
@@ -21,6 +22,10 @@ MOVE = re.compile(r"\b(MoveL|MoveJ|MoveAbsJ|MoveC)(?:DO|AO|GO|Sync)?\s+", re.I)
 DECLARED = re.compile(
     r"\b(robtarget|jointtarget|tooldata|wobjdata|speeddata|zonedata)\s+(\w+)\s*:=\s*(\[.*\])", re.I | re.S
 )
+
+ROUTINE = re.compile(
+    r"\b(?:PROC|FUNC|TRAP|ENDPROC|ENDFUNC|ENDTRAP)\b", re.I
+)  # between them: data of their own
 
 Text = tuple[int, str]  # where the text begins in the file, the text
 
@@ -33,11 +38,14 @@ def scan(files: Mapping[str, str]) -> Motions:
     if match := re.search(r"^\s*MODULE\s+(\w+)", code, re.I | re.M):
         reader.motions.name = match[1]
     statements = [(match.start(), match[0]) for match in re.finditer(r"[^;]+", code)]
+    bounds = [match.start() for match in ROUTINE.finditer(code)]
     for start, statement in statements:
         if match := DECLARED.search(statement):
-            reader.declared[match[2].lower()] = (start + match.start(3), match[3])
+            at = start + match.start(3)
+            reader.declared[bisect(bounds, at), match[2].lower()] = (at, match[3])
     for start, statement in statements:
         if match := MOVE.search(statement):
+            reader.routine = bisect(bounds, start + match.start())
             reader.motions.line = code.count("\n", 0, start + match.start()) + 1
             reader.move(match[1].lower(), start + match.end(), statement[match.end() :])
         elif match := re.search(r"\bConf(J|L)\s*\\(On|Off)\b", statement, re.I):
@@ -52,7 +60,8 @@ class _Reader:
 
     def __init__(self, file: str, motions: Motions) -> None:
         self.file, self.motions = file, motions
-        self.declared: dict[str, Text] = {}
+        self.declared: dict[tuple[int, str], Text] = {}  # by their routine and name
+        self.routine = 0
         self.obeyed = {"J": True, "L": True}  # ConfJ and ConfL
 
     def move(self, kind: str, start: int, text: str) -> None:
@@ -69,7 +78,10 @@ class _Reader:
                 self.motions.fault(line, what, "declare it in this module")
                 return
         speed, zone, tool = (part for _, part in parts[ends : ends + 3])
-        self._frames(tool, tool + "".join(part for _, part in parts[ends + 3 :]))
+        moved = self._frames(tool, tool + "".join(part for _, part in parts[ends + 3 :]))
+        if moved:
+            self.motions.fault(line, moved, "export the path anew")
+            return
         said = re.search(r"\\T\s*:=\s*([\d.]+)", speed, re.I)
         duration = float(said[1]) if said else np.nan
         (numbers, spans), *_ = [found for found in targets[-1:] if found]
@@ -100,31 +112,48 @@ class _Reader:
             posture=of_abb(numbers[7:11], self.obeyed["J" if free else "L"]),
         )
 
-    def _frames(self, tool: str, options: str) -> None:
-        """Tool and work object of a move."""
+    def _frames(self, tool: str, options: str) -> str:
+        """Tool and work object of a move; what cannot be read of them, "" where all can."""
         name = tool.split("\\")[0].strip().lower()
         wobj = re.search(r"\\WObj\s*:=\s*(\w+)", options, re.I)
         base = wobj[1].lower() if wobj else "wobj0"
         if name == "tool0":
-            self.motions.tool, self.motions.load = np.eye(4), None
+            self.motions.tool, self.motions.load = NONE, None
         elif (found := self._numbers(*self._text(0, name))) is not None and len(found[0]) >= 11:
             numbers = found[0]
-            self.motions.tool = _frame(numbers)
+            if self._flags(name)[:1] == ["FALSE"]:
+                return f"tool {name!r} stands still, and the robot holds the work object"
+            self.motions.tool = Frame(_frame(numbers))
             known = numbers[7] > 0.001
             com = (numbers[8], numbers[9], numbers[10])
             self.motions.load = LoadData(mass_kg=numbers[7], com_mm=com) if known else None
         else:
-            self.motions.elsewhere("tool", tool)
+            self.motions.elsewhere("tool", name)
         if base == "wobj0":
-            self.motions.base = np.eye(4)
+            self.motions.base = NONE
         elif (found := self._numbers(*self._text(0, base))) is not None and len(found[0]) >= 14:
-            self.motions.base = _frame(found[0]) @ _frame(found[0][7:])
+            if self._flags(base)[:2] not in (["FALSE", "TRUE"], ["FALSE"]):
+                return f"work object {base!r} is moved by a robot or an axis"
+            self.motions.base = Frame(_frame(found[0]) @ _frame(found[0][7:]))
         else:
             self.motions.elsewhere("base", f"work object {base!r} is not the robot's base")
+        return ""
+
+    def _flags(self, name: str) -> list[str]:
+        """What is TRUE and FALSE in the data of a tool or work object."""
+        return re.findall(r"\b(?:TRUE|FALSE)\b", self._text(0, name)[1].upper())
 
     def _text(self, start: int, text: str) -> Text:
         text = text.split("\\")[0].strip()
-        return (start, text) if text.startswith("[") else self.declared.get(text.lower(), (0, ""))
+        if text.startswith("["):
+            return start, text
+        own = self.declared.get((self.routine, text.lower()))
+        shared = (
+            found
+            for (routine, name), found in self.declared.items()
+            if name == text.lower() and routine % 2 == 0
+        )
+        return own or next(shared, (0, ""))
 
     def _numbers(self, start: int, text: str) -> tuple[list[float], list[tuple[int, int]]] | None:
         if not text:

@@ -39,7 +39,7 @@ def as_shown(program: Program, robot: Robot, as_urdf: bool = False) -> Program:
         q=q,
         sliding=sliding if q is not None else (),
         tool=convention.to_flange(program.tool),
-        load=None if program.load is None else _turned(program.load, convention.to_flange(np.eye(4))),
+        load=None if program.load is None else turned_load(program.load, convention.to_flange(np.eye(4))),
         base=program.base,
         posture=flags,
     )
@@ -62,7 +62,7 @@ def as_urdf(program: Program, robot: Robot) -> Program:
         q=q,
         sliding=sliding if q is not None and q.shape[1] == len(sliding) else program.sliding,
         tool=convention.from_flange(program.tool),
-        load=None if program.load is None else _turned(program.load, convention.flange),
+        load=None if program.load is None else turned_load(program.load, convention.flange),
         posture=None,
     )
 
@@ -85,7 +85,7 @@ def rails_first(convention: Convention) -> tuple[list[int], tuple[bool, ...]]:
     return order, tuple(convention.sliding[k] for k in order)
 
 
-def _turned(load: LoadData, X: Array) -> LoadData:
+def turned_load(load: LoadData, X: Array) -> LoadData:
     """The load with its centre of mass in the frame in which its own frame stands at X."""
     x, y, z = (X[:3, :3] @ load.com_mm + 1e3 * X[:3, 3]).tolist()
     return LoadData(mass_kg=load.mass_kg, com_mm=(x, y, z))

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeVar
+
+Line = TypeVar("Line")
 OPEN, CLOSED = "[({", "])}"
 
 
@@ -18,3 +22,22 @@ def arguments(text: str) -> list[tuple[int, str]]:
         if depth < 0:
             break
     return parts
+
+
+def as_run(
+    programs: Mapping[str, Sequence[Line]], called: Callable[[Line], str | None]
+) -> Iterator[Iterator[Line]]:
+    """The lines of programs in the order in which they run, those that a line calls (`called`: its name) in
+    its place: of each program that no other calls."""
+    inner = {called(line) for name, lines in programs.items() for line in lines if called(line) != name}
+
+    def lines_of(name: str, within: tuple[str, ...]) -> Iterator[Line]:
+        for line in programs[name]:
+            other = called(line)
+            if other in programs and other not in within and other is not None:
+                yield from lines_of(other, (*within, other))
+            else:
+                yield line
+
+    roots = [name for name in programs if name not in inner] or list(programs)[:1]
+    return (lines_of(name, (name,)) for name in roots)

@@ -11,7 +11,7 @@ import numpy as np
 from ...files.faults import Fault, InputError
 from ...robot import rotations
 from .base import Array
-from .motions import Motions, Spot
+from .motions import NONE, Frame, Motions, Spot
 from .posture import of_staubli
 from .text import arguments
 
@@ -97,11 +97,13 @@ class _Reader:
                 place, f"{said[-3]} stands in {father}", "give points in world or a frame of the data"
             )
             return
-        self.motions.base = base
+        self.motions.base = Frame(base)
         if tool is not None:
-            self.motions.tool = _read_frame(tool)
+            self.motions.tool = Frame(_read_frame(tool))
         elif said[-2].strip().lower() not in ("flange", "flange[0]"):
             self.motions.elsewhere("tool", said[-2].strip())
+        else:
+            self.motions.tool = NONE
         limits = [float(pace.get(key, VAL3_FREE)) for key in ("tmax", "rmax")]
         free = kind == "movej"
         speed, turn = (np.nan if free or limit >= VAL3_FREE else limit for limit in limits)
