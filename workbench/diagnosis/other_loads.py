@@ -1,29 +1,22 @@
-"""Payloads that are written at other poses than those that carried them: seen in how far the arm yields."""
+"""Poses that carried another payload than written, seen in how far the arm yields there."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..campaign import Campaign
 from ..campaign.problem import Problem
-from ..files.faults import Fault, InputError
-from ..identification.fit import Fit
 from ..robot.kinematics import Array
 from .result import FaultFound
 
-Index = NDArray[np.int64]
 Predicts = Callable[[Problem], Array]  # the points (N, T, 3) [m] of a problem with other loads
 
-MOST = 4  # payloads that are tried in each other's places: 23 ways
 WELL = 0.5  # of the distance from which a point is wild: what fits, and what no usual pose is off
 NEARER = 0.3  # of how far it is off as written: what is off as the right payload has it
-CLEARER = 0.5  # of the squares at most is left in the right order: an arm never yields against its load
 
 
 def carrying_what_fits(
@@ -55,8 +48,8 @@ def _farthest(problem: Problem, off: Array) -> Array:
 
 def _fault(c: Campaign, n: int, fits: str) -> FaultFound:
     """That pose n carried another payload than written."""
-    what = f"the points fit {_called(fits)}, not {_called(c.payload_names[c.poses.payload[n]])} as written"
-    return FaultFound("wrong_payload", c.poses.ids[n], None, what, f"taken to carry {_called(fits)}")
+    what = f"the points fit {called(fits)}, not {called(c.payload_names[c.poses.payload[n]])} as written"
+    return FaultFound("wrong_payload", c.poses.ids[n], None, what, f"taken to carry {called(fits)}")
 
 
 def _under_each_load(problem: Problem, at: Predicts) -> Array:
@@ -71,45 +64,6 @@ def _under_each_load(problem: Problem, at: Predicts) -> Array:
     return out
 
 
-def refuse_exchanged(result: Fit) -> None:
-    """Raises `InputError` where the points fit the payloads in each other's places, at all poses that carry
-    them: then the arm yields least under the heaviest. result: a robust fit of the geometry."""
-    problem = result.model.problem
-    used = np.unique(problem.campaign.poses.payload)
-    if not 2 <= len(used) <= MOST:
-        return
-    under_each = _under_each_load(problem, result.at)
-    left = {order: _left(result, under_each, used, order) for order in permutations(used.tolist())}
-    own, best = tuple(used.tolist()), min(left, key=left.__getitem__)
-    if left[best] > CLEARER * left[own]:
-        return
-    names = problem.campaign.payload_names
-    said = ", ".join(
-        f"{_called(names[b])} where {_called(names[a])} is written"
-        for a, b in zip(own, best, strict=True)
-        if a != b
-    )
-    share = np.sqrt(left[best] / left[own])
-    what = f"payload: the arm yields as under {said}, which leaves {share:.0%} of the error"
-    mend = "exchange the payloads' masses, or their names at the poses"
-    raise InputError(Fault(str(problem.campaign.path), what, mend))
-
-
-def _called(payload: str) -> str:
+def called(payload: str) -> str:
     """A payload as people say it."""
     return f"payload {payload!r}" if payload else "no payload"
-
-
-def _left(result: Fit, under_each: Array, used: Index, order: Sequence[int]) -> float:
-    """Squares that the fit leaves, to first order, where the poses of payload used[i] carried order[i].
-    under_each: (K, N, T, 3) [m]."""
-    campaign, normal = result.model.problem.campaign, result.normal
-    carried = np.array(order)[np.searchsorted(used, campaign.poses.payload)]
-    points = under_each[carried, np.arange(len(carried))]
-    moved = np.where(result.model.problem.seen[..., None], result.line.prediction.points - points, 0.0)
-    by_points = result.whitener[:, :, : moved[0].size]
-    r = (result.r + np.matmul(by_points, moved.reshape(len(moved), -1, 1))[..., 0]).ravel()
-    if not np.isfinite(r).all():
-        return np.inf
-    again = replace(normal, r=r, g=(normal.J.T @ r) * normal.prior - normal.offset)
-    return float(r @ r + normal.offset @ normal.offset - again.gain(again.step(0.0).change))

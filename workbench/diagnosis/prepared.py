@@ -32,10 +32,10 @@ from ..identification.plausible import (
 )
 from ..robot.kinematics import Array
 from .copies import without_copies
+from .mistaken_loads import mistaken_loads
 from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
 from .moved_target import reseated
 from .noise_choice import choose, from_residual, of_distances, of_turns, rigid_targets, without_wild_repeats
-from .other_loads import refuse_exchanged
 from .rarely_seen import without_rarely_seen
 from .replication import enough_for_halves
 from .result import FaultFound, Noise
@@ -220,7 +220,7 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
     covariance, noise, notes = _noise(usual, known_effects, start)
     least = least_sigma(problem, covariance if noise.source != "residual" else None)
     robust, moved = _sitting_still(problem, start, covariance, known_effects)
-    refuse_exchanged(robust)
+    said = [*said, *mistaken_loads(robust)]
     problem, faults = robust.model.problem, (*faults, *moved)
     cleaned = _cleaned(robust, covariance, known_effects, least)
     problem, start, faults = cleaned.problem, cleaned.fit.state, (*faults, *cleaned.faults)
