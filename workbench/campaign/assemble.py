@@ -18,6 +18,7 @@ from .cell import beside
 from .check import doubts
 from .data import Array, Campaign, IntArray, Target
 from .file import WRENCH_COLUMNS, CampaignFile
+from .path_sides import sides_along
 from .poses import Poses
 
 ONLY = "T1"  # name of the only target where nobody names it
@@ -55,7 +56,16 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
     n = len(robot.joints)
     nothing = np.zeros(len(poses))
     wrench = [poses.numbers.get(column.name, nothing) for column in WRENCH_COLUMNS]
-    direction = _joints(poses, "dir", n, absent=0.0)
+    q = np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)
+    direction, time = _joints(poses, "dir", n, absent=0.0), poses.numbers.get("t")
+    if direction is None:
+        every = _column(poses, "setup", np.ones(len(poses), dtype=bool))
+        direction = sides_along(q, np.unique(every, return_inverse=True)[1], time)
+        if direction is not None:
+            warnings.append(
+                f"{poses.path}: no column dir1 … dir{n}; the poses follow each other along a path, and the "
+                "sides of approach are taken from that"
+            )
     return Campaign(
         title=file.title or path.resolve().parent.name,
         path=path,
@@ -79,11 +89,11 @@ def assemble(path: Path, file: CampaignFile, robot: Robot, poses: Table, points:
         files=digests([path, poses.path, points.path, *robot.files]),
         poses=Poses(
             ids=tuple(_column(poses, "pose_id", kept)),
-            q=np.stack([poses.numbers[f"q{joint}"] for joint in range(1, n + 1)], axis=1)[kept],
+            q=q[kept],
             payload=np.array([payload_names.index(name) for name in payloads], dtype=np.int64),
             wrench=np.stack(wrench, axis=1)[kept],
             side=None if direction is None else direction[kept],
-            time=_optional(poses.numbers.get("t"), kept),
+            time=_optional(time, kept),
             temperature=_optional(poses.numbers.get("temp"), kept),
             torque=_optional(_joints(poses, "tau", n), kept),
             readback=_optional(_joints(poses, "r", n), kept),

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from ..campaign.path_sides import sides_along
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
@@ -37,6 +38,7 @@ MOST = 0.5  # of what is beyond the noise, which a step explains
 SURE = 3.0  # standard deviations of its size, from which a step's size is determined
 AS_WELL = 2.0  # times what is left of its own fit: one fit for all poses explains a part as well
 WAVES = 3  # cosines in the order of measurement: what a drift may look like
+STRETCHES = 12  # of a path: each is one look
 ORDERS, CLEARLY = 11, 3.0  # drawn at random, and times what chance makes a step of in the middle one of them
 
 
@@ -168,11 +170,14 @@ def _gains(before: Before, possible: Sequence[int]) -> list[float]:
 def _by_chance(result: Fit, base: Array, possible: Sequence[int]) -> float:
     """The most that a step takes off χ² in the middle one of some orders of the positions, drawn at random:
     what a model lacks is alike in a pose's points and in its repeats, and looks more like a step than as many
-    independent errors do."""
-    rng, positions = np.random.default_rng(0), result.model.problem.positions
+    independent errors do. So it does along a path, whose stretches stay whole."""
+    problem, rng = result.model.problem, np.random.default_rng(0)
+    together = problem.positions
+    if sides_along(problem.q, problem.campaign.poses.setup, None) is not None:
+        together = np.arange(len(together)) * STRETCHES // len(together)
     most = []
     for _ in range(ORDERS):
-        order = np.argsort(rng.permutation(int(positions.max()) + 1)[positions], kind="stable")
+        order = np.argsort(rng.permutation(int(together.max()) + 1)[together], kind="stable")
         most.append(max(_gains(_prefix(result, base, order), possible)))
     return float(np.median(most))
 
