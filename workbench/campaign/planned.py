@@ -59,7 +59,10 @@ def random_poses(
     for _ in range(50):
         q = middle + half * rng.uniform(-1, 1, (4 * count, arm.n))
         where = frames(arm, q)
-        low = where.p[3:, :, 2].min(axis=0) if arm.n > 2 else where.p[-1, :, 2]
+        height = where.p[3:, :, 2]  # what never moves stands where it stands: a shoulder in the base's origin
+        low = np.where(np.ptp(height, axis=1, keepdims=True) > 1e-9, height, np.inf).min(
+            axis=0, initial=np.inf
+        )
         radius = np.hypot(*where.p[-1, :, :2].T)
         kept.extend(q[(np.minimum(low, where.p[-1, :, 2]) > floor) & (radius > clear)])
         if len(kept) >= count:

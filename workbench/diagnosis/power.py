@@ -89,4 +89,6 @@ def _why(effect: Effect, own: Array, problem: Problem, final: Fit) -> str:
                 "the model has no joint that yields to this load: state stiffness, or measure with two loads"
             )
         return "it moves no target in these poses"
+    if own.max() <= FAINT:
+        return "as large as it usually is, it moves the targets by far less than these data show"
     return "in these poses it looks exactly like a change of geometry, frame or targets"

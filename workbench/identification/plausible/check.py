@@ -28,6 +28,7 @@ from .turned_otherwise import turned_otherwise
 FEWEST = 8  # poses: with fewer, frame and targets explain too much for a judgement
 SUSPECT = 0.005  # of the spread, from which mistakes are looked for: honest campaigns mostly keep below
 REFUSED = 0.02  # from which no campaign is accepted: a robot off by 1 mm and 1 mrad everywhere has 0.009
+COARSE = 0.035  # to which robots go that are driven by cables, or put together by hand
 SMALL = 1e-3  # m, misfit below which a campaign of small motions is not refused
 CLEARER = 0.25  # of the misfit at most is left where the right mistake was undone
 RIGHT = 0.012  # of the spread at most, then
@@ -157,6 +158,8 @@ def judge(problem: Problem) -> Plausible:
     if unexplained() and _scale(data, enough) == 1.0:
         # where the hand turns about few places, points hardly spread: what is left is what robots leave
         alone = max(enough, min(SMALL / now.spread, CLEARER * now.total))
+        if now.middle <= COARSE:
+            alone = np.inf  # no mistake leaves so little: what the geometry leaves is the robot's
         off = inaccurate(problem, data, alone)
         if off is not None:
             zero = _zero(problem, data, enough)

@@ -21,6 +21,7 @@ FARTHEST_TURN = np.radians(6.0)  # of a joint or its zero: mastered wrong, a bel
 FARTHEST_SHIFT = 0.02  # m, of a joint: more is another variant of the robot
 EXACT = 1e-3  # m, one sigma to which points are believed: they outweigh what is expected of machines
 WILD = 5.0  # times the middle pose's misfit: poses from there on do not count,
+MUCH = 0.012  # of the spread, to be left
 MOST = 0.9  # where at least so many do: more than a tenth is no chance
 
 
@@ -59,12 +60,16 @@ def _told(geometry: Fit, data: Sample, enough: float) -> str | None:
         return None
     counted = geometry.noise.weight > 0
     nearly_all = data.only(np.flatnonzero(counted)).changed(arm=data.arm.with_geometry(fitted))
-    if counted.mean() < MOST or misfit(nearly_all).total > enough:
+    left = misfit(nearly_all)
+    if counted.mean() < MOST or left.total > enough:
         return None
     names = problem.arm.names
     longest, widest = int(np.argmax(shift)), int(np.argmax(turn))
+    much = (
+        f" That leaves {1e3 * left.middle * left.spread:.2g} mm, which is much." if left.total > MUCH else ""
+    )
     return (
         f"The geometry is up to {1e3 * shift[longest]:.1f} mm ({names[longest - 1]}) and "
         f"{np.degrees(turn[widest]):.2f}° ({names[widest - 1]}) from the URDF's: it is fitted. Joints may be "
-        f"mastered wrong, or this is another variant of the {problem.robot.title}."
+        f"mastered wrong, or this is another variant of the {problem.robot.title}.{much}"
     )
