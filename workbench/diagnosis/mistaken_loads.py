@@ -17,7 +17,8 @@ from .other_loads import called
 
 MOST = 4  # payloads that are tried in each other's places: 23 ways
 AGAINST = 0.5  # of the squares at most is left where the arm yielded against its loads: it never does
-OTHERWISE = 0.1  # of the squares at most is left where they act otherwise
+ALONG = 0.25  # of the squares at most is left where they act along other axes
+SO_LARGE = 0.1  # of the squares at most is left where they are of another size
 UNITS = {9.80665: "kilograms for newtons", 1e3: "kilonewtons for newtons", 4.4482: "pounds for newtons"}
 
 
@@ -80,14 +81,14 @@ def _mistakes(problem: Problem) -> Iterator[Mistake]:
     for sign, opposite in ((1.0, ""), (-1.0, " the other way round")):
         there = f"{what} along the flange's axes{opposite}"
         mend = "give what acts on the robot, along the axes of its base"
-        yield Mistake(there, mend, c.with_poses(wrench=sign * of_flange), OTHERWISE)
+        yield Mistake(there, mend, c.with_poses(wrench=sign * of_flange), ALONG)
     mend = "turn their signs: they are what acts on the robot, not what it does"
     yield Mistake(f"{what} the other way round", mend, c.with_poses(wrench=-wrench), AGAINST)
     for size, unit in UNITS.items():
         for factor, mistaken in ((size, unit), (1 / size, " for ".join(reversed(unit.split(" for "))))):
             mend = f"were {mistaken} written? If not, all that is stated to yield does so otherwise"
             many = f"{what} {factor:.3g} times as large"
-            yield Mistake(many, mend, c.with_poses(wrench=factor * wrench), OTHERWISE, sure=False)
+            yield Mistake(many, mend, c.with_poses(wrench=factor * wrench), SO_LARGE, sure=False)
 
 
 def _left(result: Fit, problem: Problem) -> float:
