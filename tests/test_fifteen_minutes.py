@@ -332,3 +332,14 @@ def test_joints_without_names_are_those_that_vary(tmp_path):
     many = [[f"{i}.{j}" for j in range(1, 12)] for i in range(3)]
     found = guess_poses(table(tmp_path / "t.txt", ",".join(f"q{j}_rad" for j in range(1, 12)), many), joints)
     assert not found.lacking
+
+
+def test_a_part_of_a_quaternion_names_no_pose(tmp_path):
+    """Of x y z and four numbers more without a header: what has decimals is no name."""
+    rng = np.random.default_rng(5)
+    turns = rng.normal(size=(30, 4))
+    turns /= np.linalg.norm(turns, axis=1)[:, None]
+    rows = np.hstack([rng.uniform(-500, 500, (30, 3)), turns])
+    file = table(tmp_path / "points.csv", "", [[f"{value:.9f}" for value in row] for row in rows])
+    found = guess_points(file)
+    assert found.keys["columns"] == {"x_mm": 1, "y_mm": 2, "z_mm": 3}

@@ -142,7 +142,8 @@ def guess_points(path: Path) -> Guessed:
         found.lacking += ["x", "y", "z"]
         return found
     taken = {index for triple in places.values() for index in triple}
-    return _of_places(text, found, places, _first(text, POSE, taken), taken)
+    identity = _first(text, POSE, taken if text.header else {*taken, *_measured(text)})
+    return _of_places(text, found, places, identity, taken)
 
 
 def _of_places(
