@@ -109,7 +109,7 @@ def test_joint_target_and_cartesian_target_put_the_tool_at_the_same_place(name: 
         program = as_shown(Program("SAME", X, q, np.array([0.0, 1.0]), tool=TOOL), robot)
         start, first, *_ = format.scan(format.write(program)).moves
         assert (start.kind, first.kind) == ("joints", "pose")
-        tool = kinematics(np.degrees(start.arm)) @ first.tool
+        tool = kinematics(np.degrees(start.arm)) @ first.tool.matrix
         assert first.X is not None
         turn = rotations.angle_between(tool[None, :3, :3], first.X[None, :3, :3])[0]
         assert np.linalg.norm(tool[:3, 3] - first.X[:3, 3]) < 3 * position + 4 * (6 * joint + angle)
