@@ -116,7 +116,8 @@ def compensate_program(
     done = replace(done, between=np.where([_straight(target) for target in targets[1:]], done.between, 0.0))
     edits, notes = _edits(chosen, texts, frames, targets, done)
     notes += [*remarks, *postures]
-    notes += [f"left alone: {fault}" for fault in (*alone, *motions.faults)]
+    notes += list(dict.fromkeys(str(remark) for remark in motions.remarks))
+    notes += [f"left alone: {fault}" for fault in dict.fromkeys((*alone, *motions.faults))]
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated")
     files = _written(texts, edits, codec, place, chosen)
     put_files(files, keep)

@@ -26,7 +26,10 @@ DECLARED = re.compile(
 STATED = re.compile(r"\b([ST])\s+(?:'([BH])([0-9A-F]+)'|(\d+))", re.I)  # decimal, binary or hexadecimal
 PLACE, TURN = "XYZ", "ABC"
 AXES = tuple(f"A{i}" for i in range(1, 7))
-WHERE_IT_STANDS = ("$AXIS_ACT", "$POS_ACT", "XHOME", "HOME")
+WHERE_IT_STANDS = ("$AXIS_ACT", "$POS_ACT")
+HOME = ("XHOME", "HOME")
+SET = re.compile(r"\s*(\w+)\s*(?:\.\s*\w+|\[[^\]]*\])?\s*=(?!=)")  # a variable, in the program
+FRAMES = re.compile(r"\$(TOOL|BASE)\s*=\s*(\{[^{}]*\}|[^,]+)")  # after WITH: for one motion
 
 PROGRAM = re.compile(r"\s*(?:GLOBAL\s+)?DEF(?:FCT\s+\w+)?\s+(\w+)\s*\(", re.I)
 CALL = re.compile(r"(\w+)\s*\(.*\)", re.I)
@@ -41,6 +44,8 @@ def scan(files: Mapping[str, str]) -> Motions:
     for name, text in files.items():
         start = 0
         for line in text.splitlines(keepends=True):
+            if name == source and (match := SET.match(line)):
+                reader.computed.add(match[1].upper())
             if match := DECLARED.match(line):
                 reader.declared[match[1].upper()] = (name, start + match.start(2), match[2])
             elif match := re.match(r"\s*DECL\s+FDAT\s+(\w+)\s*=\s*(.*)", line, re.I):
@@ -85,10 +90,12 @@ class _Reader:
     def __init__(self, motions: Motions) -> None:
         self.motions = motions
         self.declared: dict[str, Text] = {}
+        self.computed: set[str] = set()  # variables that the program sets
         self.frames: dict[str, str] = {}
         self.set: dict[str, float] = {}
         self.parts: list[float] = []
-        self.block = False
+        self.held = False  # the robot holds the work, the tool stands still
+        self.before: tuple[Frame, Frame, bool] | None = None  # a spline block
 
     def read(self, number: int, at: Text) -> None:
         text = at[2]
@@ -103,27 +110,70 @@ class _Reader:
             self.set[match[1]] = float(match[2])
         elif upper.startswith("TIME_BLOCK"):
             self._time(upper)
-        elif upper.startswith("$LOAD"):
-            numbers = [float(word) for word in re.findall(NUMBER, upper)]
-            self.motions.load = LoadData(mass_kg=numbers[0], com_mm=(numbers[1], numbers[2], numbers[3]))
-        elif match := re.match(r"\$(TOOL|BASE)\s*=\s*(.*)", upper):
-            self._frame(match[1].lower(), match[2])
-        elif match := re.match(r"FDAT_ACT\s*=\s*(\w+)", upper):
-            for name, index in re.findall(r"(TOOL|BASE)_NO\s+(\d+)", self.frames.get(match[1], "")):
-                self._frame(name.lower(), "$NULLFRAME" if index == "0" else f"{name}_DATA[{index}]")
+        elif match := re.match(r"\$LOAD\b\s*(.*)", upper):
+            self._load(match[1])
+        elif match := re.match(r"\$(TOOL|BASE)(\.\w+)?\s*=(?!=)\s*(.*)", upper):
+            self._frame(match[1].lower(), text if match[2] else match[3])
+        elif match := re.match(r"BAS\s*\(\s*#(TOOL|BASE)\s*,\s*([^)]*)", upper):
+            self._numbered(match[1], match[2].strip())
+        elif match := re.match(r"FDAT_ACT\s*=\s*(\w+|\{.*)", upper):
+            self._data("TOOL", match[1])
+            self._data("BASE", match[1])
+        elif match := re.match(r"\$IPO_MODE\s*=\s*#(\w+)", upper):
+            self.held = match[1] == "TCP"
+        elif re.match(r"(PTP_)?SPLINE\b", upper):
+            self.before = self.motions.tool, self.motions.base, self.held
+            self._with(upper)
+        elif upper.startswith("ENDSPLINE") and self.before:
+            self.motions.tool, self.motions.base, self.held = self.before
+            self.before = None
         elif match := MOVE.match(text):
             self._move(number, at, match)
         elif re.match(r"S?(LIN_REL|PTP_REL|CIRC_REL)\b", upper):
             self.motions.fault(number, f"{upper.split()[0]} cannot be read", "give the path as LIN points")
 
     def _frame(self, name: str, value: str) -> None:
-        if value.startswith("$NULLFRAME"):
+        fields = {key.upper(): float(v) for key, v in FIELD.findall(value)}
+        if value.strip() == "$NULLFRAME":
             setattr(self.motions, name, NONE)
-        elif value.startswith("{"):
-            X = _pose({key.upper(): float(v) for key, v in FIELD.findall(value)})
-            setattr(self.motions, name, Frame(X))
+        elif re.fullmatch(r"\{[^{}]*\}\s*", value) and set(PLACE + TURN) <= fields.keys():
+            setattr(self.motions, name, Frame(_pose(fields)))
         else:
-            self.motions.elsewhere(name, value)
+            self.motions.elsewhere(name, value.strip())
+
+    def _numbered(self, name: str, index: str) -> None:
+        """Tool or base of the controller, by its number."""
+        self._frame(name.lower(), "$NULLFRAME" if index == "0" else f"{name}_DATA[{index}]")
+
+    def _data(self, name: str, text: str) -> None:
+        """Tool or base that an FDAT says, inline or by its name."""
+        said = text if text.startswith("{") else self.frames.get(text, "")
+        match = re.search(rf"{name}_NO\s+(\d+)", said)
+        if match:
+            self._numbered(name, match[1])
+        else:
+            self.motions.elsewhere(name.lower(), text)
+        if said:
+            self.held = "#TCP" in said
+
+    def _with(self, upper: str) -> None:
+        """Tool and base after WITH: SPTP P WITH $TOOL = STOOL2(FP), $BASE = SBASE(FP.BASE_NO)."""
+        for name, value in FRAMES.findall(upper.partition("WITH")[2]):
+            match = re.match(r"S(?:TOOL2?|BASE)\s*\(\s*(\w+)", value)
+            if match and match[1].isdigit():
+                self._numbered(name, match[1])
+            elif match:
+                self._data(name, match[1])
+            else:
+                self._frame(name.lower(), value)
+
+    def _load(self, value: str) -> None:
+        numbers = [float(word) for word in re.findall(NUMBER, value)]
+        if re.match(r"=\s*\{", value) and len(numbers) >= 4 and numbers[0] >= 0:
+            self.motions.load = LoadData(mass_kg=numbers[0], com_mm=(numbers[1], numbers[2], numbers[3]))
+        else:
+            self.motions.load = None
+            self.motions.remark(f"$LOAD {value}: this load stands on the controller, not in the file")
 
     def _time(self, upper: str) -> None:
         """TIME_BLOCK START, PART=percent of each leg, END=seconds of all."""
@@ -166,9 +216,30 @@ class _Reader:
 
     def _move(self, number: int, at: Text, match: re.Match[str]) -> None:
         kind, last = match[1].upper(), 3 if match[3] else 2
-        name = match[last]
-        if name.upper() in WHERE_IT_STANDS and name.upper() not in self.declared:
+        name, rest = match[last], match[4]
+        if rest[:1] in tuple(":[.("):
+            what = f"{kind} {name}{rest.partition('WITH')[0].strip()}: a computed target cannot be read"
+            self.motions.fault(number, what, "give its numbers")
             return
+        if name.upper() in WHERE_IT_STANDS + HOME and name.upper() not in self.declared:
+            if name.upper() in HOME:
+                self.motions.remark(f"{name} stands on the controller: left alone")
+            return
+        if computed := [one for one in match.group(2, 3) if one and one.upper() in self.computed]:
+            self.motions.fault(number, f"{computed[0]} is set in the program", "give its numbers")
+            return
+        kept = self.motions.tool, self.motions.base, self.held
+        self._with(rest.upper())
+        if self.held:
+            self.motions.fault(number, "the tool stands still, and the robot holds the work (#TCP)")
+        else:
+            self._known(number, at, match)
+        self.motions.tool, self.motions.base, self.held = kept
+
+    def _known(self, number: int, at: Text, match: re.Match[str]) -> None:
+        """A motion whose target stands in the files."""
+        kind, last = match[1].upper(), 3 if match[3] else 2
+        name = match[last]
         if kind.endswith("CIRC") != bool(match[3]):
             what = "cannot be read" if kind.endswith("CIRC") else "has two targets"
             self.motions.fault(number, f"{kind} {what}", "CIRC needs a via point and an end point")

@@ -25,12 +25,20 @@ SECONDS = {"sec": 1.0, "msec": 1e-3}
 POSE, JOINTS = "XYZWPR", tuple(f"J{i}" for i in range(1, 7))
 
 
+UNREAD = re.compile(r"[JLCAS]\s+PR?\s*\[", re.I)  # PR[R[1]]
+SHIFTED = re.compile(r"OFFSET|\bINC\b", re.I)
+NUMBERED = re.compile(r"(UFRAME|UTOOL|BENUTZER|WKZ)_NUM\s*=\s*(\d+)?", re.I)
+KINDS = {"BENUTZER": "UFRAME", "WKZ": "UTOOL"}  # of controllers in German
+
+
 @dataclass(frozen=True)
 class _Position:
+    """frame, tool: their numbers; None: those in force."""
+
     fields: dict[str, float]
     spot: Spot | None
-    frame: int
-    tool: int
+    frame: int | None
+    tool: int | None
     posture: Posture | None
 
 
@@ -44,6 +52,7 @@ def scan(files: Mapping[str, str]) -> Motions:
     begin = len(text) if begin < 0 else begin
     for match in POSITION.finditer(text, begin):
         reader.positions[match[1]] = reader.position(match.start(2), match[2].split("GP2")[0])
+    reader.computed = set(re.findall(r"^[ \t]*\d*[ \t]*:[ \t]*P\[(\d+)[^\]]*\]\s*=", text[:begin], re.M))
     for match in re.finditer(r"^[ \t]*\d*[ \t]*:[ \t]*(.*?)(?:;|$(?!\s*:))", text[:begin], re.M | re.S):
         reader.motions.line = text.count("\n", 0, match.start(1)) + 1
         reader.read(" ".join(match[1].split()))
@@ -58,6 +67,8 @@ class _Reader:
         self.positions: dict[str, _Position] = {}
         self.registers: dict[str, dict[int, float]] = {}
         self.frames = {("UFRAME", 0): NONE}
+        self.computed: set[str] = set()  # positions that the program sets
+        self.in_force: dict[str, int | None] = {}
 
     def position(self, start: int, block: str) -> _Position:
         fields, spans = {}, {}
@@ -69,8 +80,8 @@ class _Reader:
         for keys in (joints, tuple(POSE)):
             if keys and set(keys) <= spans.keys():
                 spot = Spot(self.file, tuple(spans[key] for key in keys))
-        numbers = [re.search(rf"{name}\s*:\s*(\d+)", block) for name in ("UF", "UT")]
-        frame, tool = (int(match[1]) if match else 0 for match in numbers)
+        numbers = [re.search(rf"{name}\s*:\s*(\d+|F)", block) for name in ("UF", "UT")]
+        frame, tool = ((None if match[1] == "F" else int(match[1])) if match else 0 for match in numbers)
         said = re.search(r"CONFIG\s*:\s*'([^']*)'", block)
         return _Position(fields, spot, frame, tool, of_fanuc(said[1]) if said else None)
 
@@ -86,8 +97,18 @@ class _Reader:
             if set(range(1, 7)) <= said.keys():
                 frame = Frame(_pose([said[k] for k in range(1, 7)]))
                 self.frames[match[1].upper(), int(match[2])] = frame
+        elif match := NUMBERED.match(line):
+            kind = match[1].upper()
+            self.in_force[KINDS.get(kind, kind)] = int(match[2]) if match[2] else None
         elif match := MOVE.match(line):
-            self._move(match)
+            if SHIFTED.search(line, match.end()):
+                what = f"{line.split(']')[0]}] with an offset cannot be read"
+                self.motions.fault(int(self.motions.line), what, "give the position without it")
+            else:
+                self._move(match)
+        elif UNREAD.match(line):
+            mend = "give the path as L P[..] or C P[..] P[..] with positions in the file"
+            self.motions.fault(int(self.motions.line), f"{line!r} cannot be read", mend)
 
     def _move(self, match: re.Match[str]) -> None:
         kind, pace, unit = match[1].upper(), match[6], (match[7] or "").lower()
@@ -107,6 +128,10 @@ class _Reader:
             self.motions.fault(
                 int(self.motions.line), f"{told} has no position cannot be read", "give it in /POS"
             )
+            return
+        if computed := [number for _, number in named if number in self.computed]:
+            what = f"P[{computed[0]}] is set in the program"
+            self.motions.fault(int(self.motions.line), what, "give its numbers in /POS alone")
             return
         fields, spot = position.fields, position.spot
         rails = tuple(1e-3 * fields[f"E{i}"] for i in (1, 2, 3) if f"E{i}" in fields)
@@ -138,8 +163,11 @@ class _Reader:
             what = f"P[{index}] is no whole position (X Y Z W P R or J1..J6)"
             self.motions.fault(int(self.motions.line), what)
 
-    def _frame(self, name: str, kind: str, number: int) -> None:
-        if (kind, number) in self.frames:
+    def _frame(self, name: str, kind: str, number: int | None) -> None:
+        number = self.in_force.get(kind) if number is None else number
+        if number is None:
+            self.motions.elsewhere(name, f"{kind} in force")
+        elif (kind, number) in self.frames:
             setattr(self.motions, name, self.frames[kind, number])
         else:
             self.motions.elsewhere(name, f"{kind}[{number}]")

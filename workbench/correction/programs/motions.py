@@ -94,7 +94,8 @@ class Motions:
     """Motions in the order of the file, with what the file says of the way to each.
 
     A program with poses is a path: joint moves before its first pose bring the arm there and those
-    after it bring the arm away; neither are points of the path.
+    after it bring the arm away; neither are points of the path. faults: motions that cannot be read;
+    remarks: what else a user of the others should know.
     """
 
     def __init__(self, place: str) -> None:
@@ -103,6 +104,7 @@ class Motions:
         self.tool, self.base = UNSAID, UNSAID
         self.load: LoadData | None = None
         self.faults: list[Fault] = []
+        self.remarks: list[Fault] = []
         self.moves: list[Move] = []
         self.line: int | str = ""
         self._dwell: dict[int, float] = {}
@@ -164,6 +166,11 @@ class Motions:
     def fault(self, line: int | str, what: str, mend: str = "") -> None:
         where = f" line {line}" if isinstance(line, int) else f" {line}" if line else ""
         self.faults.append(Fault(f"{self.place}{where}", what, mend))
+
+    def remark(self, what: str) -> None:
+        """Something at this line that does not keep the motions from being read, and that a user of these
+        should know."""
+        self.remarks.append(Fault(self._where, what))
 
     def program(self) -> Program:
         """The program read; `InputError` with all faults."""

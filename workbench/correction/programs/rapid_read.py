@@ -18,7 +18,17 @@ from .posture import of_abb
 from .text import arguments
 
 RAPID_FULL_JOINT_SPEED = 1000.0  # mm/s at the tool that counts as full speed of a joint move
-MOVE = re.compile(r"\b(MoveL|MoveJ|MoveAbsJ|MoveC)(?:DO|AO|GO|Sync)?\s+", re.I)
+MOVE = re.compile(r"\b(MoveL|MoveJ|MoveAbsJ|MoveC)(?:DO|AO|GO|Sync)?(?:\s+|(?=\\))", re.I)
+UNREAD = re.compile(
+    r"(?<![\w\\.])(W?Arc[LC]\d?(?:Start|End)?|Trigg(?:L|J|C|LIOs)|Search[LC]|MoveExtJ|"
+    r"(?:Spot|Paint|Disp|Cap|Contact)[LJC])(?=[\s\\])(?!\s*:=)",
+    re.I,
+)
+SHIFTED = re.compile(r"\b((?:PDisp|EOffs)(?:On|Set|Add))\b", re.I)
+SET = re.compile(r"(?<![\w\\.])(\w+)\s*(?:\{[^}]*\})?(?:\.\w+)*\s*:=")  # no option
+GIVEN = re.compile(r"\b(?:CONST|VAR|PERS)\s+\w+\s+\w+\s*(?:\{[^}]*\}\s*)?:=", re.I)
+EMPTY = re.compile(r"\b(?:VAR|PERS)\s+\w+\s+(\w+)\s*$", re.I)  # declared without a value
+TAKES = re.compile(r"\b(?:PROC|FUNC\s+\w+)\s+\w+\s*\(([^)]*)\)", re.I)
 DECLARED = re.compile(
     r"\b(robtarget|jointtarget|tooldata|wobjdata|speeddata|zonedata)\s+(\w+)\s*:=\s*(\[.*\])", re.I | re.S
 )
@@ -28,6 +38,8 @@ ROUTINE = re.compile(
 )  # between them: data of their own
 
 Text = tuple[int, str]  # where the text begins in the file, the text
+Key = tuple[int, str]  # routine and name
+NOTHING = (0, "")
 
 
 def scan(files: Mapping[str, str]) -> Motions:
@@ -42,14 +54,36 @@ def scan(files: Mapping[str, str]) -> Motions:
     for start, statement in statements:
         if match := DECLARED.search(statement):
             at = start + match.start(3)
-            reader.declared[bisect(bounds, at), match[2].lower()] = (at, match[3])
+            reader.declare(bisect(bounds, at), match[2], (at, match[3]))
+        elif match := EMPTY.search(statement):
+            reader.declare(bisect(bounds, start + match.start()), match[1], NOTHING)
+    for match in TAKES.finditer(code):
+        for name in re.findall(r"(\w+)\s*(?:\{[^}]*\})?\s*(?:[,|]|$)", match[1]):
+            reader.declare(bisect(bounds, match.start()), name, NOTHING)
     for start, statement in statements:
-        if match := MOVE.search(statement):
-            reader.routine = bisect(bounds, start + match.start())
-            reader.motions.line = code.count("\n", 0, start + match.start()) + 1
+        for match in () if GIVEN.search(statement) else SET.finditer(statement):
+            reader.computed.add(reader.key(match[1], bisect(bounds, start + match.start(1))))
+    shifted = -1  # the routine in which targets are
+    for start, statement in statements:
+        match = MOVE.search(statement) or UNREAD.search(statement) or SHIFTED.search(statement)
+        if match:
+            reader.routine = bisect(bounds, start + match.start(1))
+            reader.motions.line = code.count("\n", 0, start + match.start(1)) + 1
+        if match and match.re is SHIFTED:
+            shifted = reader.routine
+            reader.motions.remark(f"{match[1]} shifts targets: those of other routines are taken without")
+        elif re.search(r"\b(?:PDisp|EOffs)Off\b", statement, re.I):
+            shifted = -1
+        elif match and (match.re is UNREAD or (reader.routine == shifted and match[1].lower() != "moveabsj")):
+            what = "cannot be read" if match.re is UNREAD else "goes to a shifted target"
+            reader.motions.fault(int(reader.motions.line), f"{match[1]} {what}", "export the path anew")
+        elif match:
             reader.move(match[1].lower(), start + match.end(), statement[match.end() :])
         elif match := re.search(r"\bConf(J|L)\s*\\(On|Off)\b", statement, re.I):
             reader.obeyed[match[1].upper()] = match[2].lower() == "on"
+        elif re.search(r"\bGripLoad\s+(?!load0\b)", statement, re.I):
+            reader.motions.line = code.count("\n", 0, start + len(statement)) + 1
+            reader.motions.remark("GripLoad: this load is not counted, only that of the tool")
         elif match := re.search(r"\bWaitTime(?:\s*\\InPos\s*,)?\s*([\d.]+)", statement, re.I):
             reader.motions.wait(float(match[1]))
     return reader.motions
@@ -60,25 +94,32 @@ class _Reader:
 
     def __init__(self, file: str, motions: Motions) -> None:
         self.file, self.motions = file, motions
-        self.declared: dict[tuple[int, str], Text] = {}  # by their routine and name
+        self.declared: dict[Key, Text] = {}
+        self.shared: dict[str, Key] = {}  # those of the module by their name
+        self.computed: set[Key] = set()  # data that the program sets
         self.routine = 0
         self.obeyed = {"J": True, "L": True}  # ConfJ and ConfL
 
     def move(self, kind: str, start: int, text: str) -> None:
         """Targets, speed, zone and tool."""
         parts = [(start + place, part) for place, part in arguments(text)]
+        if parts and parts[0][1].startswith("\\"):  # \Conc
+            parts = parts[1:]
         ends, line = (2 if kind == "movec" else 1), int(self.motions.line)
         if len(parts) < ends + 3:
             self.motions.fault(line, f"{kind} cannot be read", "give target, speed, zone and tool")
             return
         targets = [self._target(*part) for part in parts[:ends]]
         for (_, name), found in zip(parts, targets, strict=False):
-            if found is None:
-                what = f"no target {name!r} declared"
-                self.motions.fault(line, what, "declare it in this module")
+            computed = self._is_computed(name)
+            if found is None or computed:
+                what = f"{name!r} is set in the program" if computed else f"no target {name!r} declared"
+                self.motions.fault(
+                    line, what, "give its numbers" if computed else "declare it in this module"
+                )
                 return
         speed, zone, tool = (part for _, part in parts[ends : ends + 3])
-        moved = self._frames(tool, tool + "".join(part for _, part in parts[ends + 3 :]))
+        moved = self._frames(tool, ",".join([tool, *(part for _, part in parts[ends + 3 :])]))
         if moved:
             self.motions.fault(line, moved, "export the path anew")
             return
@@ -117,6 +158,9 @@ class _Reader:
         name = tool.split("\\")[0].strip().lower()
         wobj = re.search(r"\\WObj\s*:=\s*(\w+)", options, re.I)
         base = wobj[1].lower() if wobj else "wobj0"
+        computed = [one for one in (name, base) if self._is_computed(one)]
+        if computed:
+            return f"{computed[0]!r} is set in the program"
         if name == "tool0":
             self.motions.tool, self.motions.load = NONE, None
         elif (found := self._numbers(*self._text(0, name))) is not None and len(found[0]) >= 11:
@@ -147,16 +191,27 @@ class _Reader:
         text = text.split("\\")[0].strip()
         if text.startswith("["):
             return start, text
-        own = self.declared.get((self.routine, text.lower()))
-        shared = (
-            found
-            for (routine, name), found in self.declared.items()
-            if name == text.lower() and routine % 2 == 0
-        )
-        return own or next(shared, (0, ""))
+        return self.declared.get(self.key(text, self.routine), NOTHING)
+
+    def declare(self, routine: int, name: str, text: Text) -> None:
+        """Data of a routine, or of the module between them."""
+        key = routine, name.lower()
+        self.declared[key] = text
+        if routine % 2 == 0:
+            self.shared.setdefault(key[1], key)
+
+    def key(self, name: str, routine: int) -> Key:
+        """Of the data that a name means in a routine: its own, or the module's."""
+        key = routine, name.lower()
+        return key if key in self.declared else self.shared.get(key[1], (0, key[1]))
+
+    def _is_computed(self, text: str) -> bool:
+        """Whether the program sets the data of a name."""
+        return self.key(text.split("\\")[0].strip(), self.routine) in self.computed
 
     def _numbers(self, start: int, text: str) -> tuple[list[float], list[tuple[int, int]]] | None:
-        if not text:
+        words = re.sub(rf"{NUMBER}|\b(?:TRUE|FALSE)\b", "", text, flags=re.I)
+        if not text or re.search(r"[A-Z_]", words, re.I):  # not there, or a number is computed
             return None
         found = list(re.finditer(NUMBER, text))
         spans = [(start + match.start(), start + match.end()) for match in found]

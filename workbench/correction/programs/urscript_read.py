@@ -22,6 +22,8 @@ BLOCKS = ("if", "while", "for", "thread", "sec")
 STRING = re.compile(r'"[^"]*"')
 Line = tuple[int, int, str]  # number, where it begins, the text
 
+SET = re.compile(r"^\s*(?:local\s+|global\s+)?(\w+)\s*(?:\[[^\]]*\])?\s*=(?!=)")
+DEFINED = re.compile(r"\s*def\s+(\w+)\s*\(([^)]*)")
 ASSIGNED = re.compile(rf"^\s*(?:local\s+|global\s+)?(\w+)\s*=\s*{LIST}\s*$")
 
 
@@ -83,7 +85,9 @@ class _Target:
         found = list(re.finditer(NUMBER, inside))
         spot = Spot(file, tuple((start + match.start(), start + match.end()) for match in found))
         numbers = tuple(float(match[0]) for match in found)
-        return cls(numbers, bool(pose), spot, len(numbers) == 6 and len(inside.split(",")) == 6)
+        parts = [part.strip() for part in inside.split(",")]
+        whole = len(parts) == 6 and all(re.fullmatch(NUMBER, part) for part in parts)  # none is computed
+        return cls(numbers, bool(pose), spot, whole)
 
     def pose(self) -> Array:
         """(4, 4)."""
@@ -97,8 +101,12 @@ class _Reader:
         self.variables: dict[str, _Target] = {}
 
     def read(self, number: int, start: int, line: str) -> None:
-        if match := re.match(r"\s*def\s+(\w+)", line):
+        if match := SET.match(line):  # a value that is computed is not known
+            self.variables.pop(match[1], None)
+        if match := DEFINED.match(line):
             self.motions.name = self.motions.name or match[1]
+            for name in re.findall(r"\w+", match[2]):
+                self.variables.pop(name, None)
         elif match := ASSIGNED.match(line):
             self.variables[match[1]] = _Target.of(self.file, start + match.start(3), match[2], match[3])
         elif match := re.search(r"\bset_tcp\s*\((.*)\)", line):
@@ -110,7 +118,10 @@ class _Reader:
         elif match := re.search(r"\bset_(?:target_)?payload\s*\((.*)", line):
             numbers = [float(word) for word in re.findall(NUMBER, match[1])] + [0.0] * 4
             com = (1e3 * numbers[1], 1e3 * numbers[2], 1e3 * numbers[3])
-            self.motions.load = LoadData(mass_kg=numbers[0], com_mm=com)
+            known = re.match(rf"\s*{NUMBER}\s*[,)]", match[1])
+            self.motions.load = LoadData(mass_kg=numbers[0], com_mm=com) if known else None
+            if not known:
+                self.motions.remark("this payload is computed, and not known")
         elif match := re.search(rf"\bsleep\s*\(\s*({NUMBER})", line):
             self.motions.wait(float(match[1]))
         elif match := CALL.search(line):
@@ -135,7 +146,7 @@ class _Reader:
             return None if target is None else replace(target, base=frame)
         if found := re.match(rf"\s*{LIST}", text):
             return _Target.of(self.file, start + found.start(2), found[1], found[2])
-        name = re.match(r"\s*(\w+)", text)
+        name = re.match(r"\s*(\w+)\s*(?:[,)]|$)", text)
         return self.variables.get(name[1]) if name else None
 
     def _move(self, line: int, kind: str, start: int, text: str) -> None:

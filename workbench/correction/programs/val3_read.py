@@ -11,6 +11,7 @@ import numpy as np
 from ...files.faults import Fault, InputError
 from ...robot import rotations
 from .base import Array
+from .format import NUMBER
 from .motions import NONE, Frame, Motions, Spot
 from .posture import of_staubli
 from .text import arguments
@@ -19,6 +20,7 @@ COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"""<(?:\w+:)?(Data|Value)\b(?:[^>"']|"[^"]*"|'[^']*')*>""")
 ATTRIBUTE = re.compile(r"""([\w:.-]+)\s*=\s*("[^"]*"|'[^']*')""")
 PLACE, JOINTS = ("x", "y", "z", "rx", "ry", "rz"), ("j1", "j2", "j3", "j4", "j5", "j6")
+SET = re.compile(r"(\w+)\s*(?:\[[^\]]*\])?(?:\.\w+)*\s*=(?!=)")
 VAL3_FREE = 99999.0  # mm/s, deg/s: does not limit
 Row = dict[str, str]
 
@@ -37,17 +39,24 @@ class _Reader:
         self.motions.name = re.sub(r"\.\w+$", "", project)
         trees = {name: _tree(name, text) for name, text in files.items()}
         self.rows: dict[str, dict[int, Row]] = {}
+        self.computed: set[str] = set()  # data that the programs set
         self.spots = {key: spot for name, text in files.items() for key, spot in _spots(name, text)}
         for tree in trees.values():
             for item in tree.iter():
                 if _tag(item) == "Data" and "name" in item.attrib:
                     values = [value for value in item if _tag(value) == "Value"]
-                    self.rows[item.get("name", "")] = {int(v.get("key", "0")): dict(v.attrib) for v in values}
+                    self.rows[item.get("name", "")] = {
+                        int(key): dict(v.attrib) for v in values if (key := v.get("key", "0")).isdigit()
+                    }
+        programs: list[tuple[str, list[str]]] = []
         for name, tree in trees.items():
             for item in tree.iter():
-                if name.lower().endswith(".pgx") and _tag(item) == "Code":
+                if name.lower().endswith(".pgx") and _tag(item).lower() == "code":
                     lines = [re.sub(r"//.*", "", line).strip() for line in (item.text or "").splitlines()]
-                    self._block(lines, name, {})
+                    self.computed |= {match[1] for line in lines if (match := SET.match(line))}
+                    programs.append((name, lines))
+        for name, lines in programs:
+            self._block(lines, name, {})
 
     def _block(self, lines: list[str], place: str, index: Mapping[str, int]) -> None:
         """Goes through lines; `index` holds the loop variables."""
@@ -64,16 +73,18 @@ class _Reader:
                 said = [part for _, part in arguments(line[match.end() :])]
                 self._move(place, match[1].lower(), said, index)
             elif match := re.match(r"delay\s*\((.+)\)", line, re.I):
-                self.motions.wait(self._number(match[1], index))
+                self.motions.wait(self._number(match[1], index) or 0.0)
             i += 1
 
     def _row(self, text: str, index: Mapping[str, int]) -> Row | None:
         name, key = _entry(text, index)
         return self.rows.get(name, {}).get(key)
 
-    def _number(self, text: str, index: Mapping[str, int]) -> float:
+    def _number(self, text: str, index: Mapping[str, int]) -> float | None:
+        """A number of the data or as it stands; None where it is computed."""
         row = self._row(text, index)
-        return float(row.get("value", "0") if row is not None else text)
+        said = row.get("value", "0") if row is not None else text
+        return float(said) if re.fullmatch(NUMBER, said.strip()) else None
 
     def _move(self, place: str, kind: str, said: list[str], index: Mapping[str, int]) -> None:
         """One motion: the via point of a circle, point (or joints), tool and motion descriptor."""
@@ -81,6 +92,9 @@ class _Reader:
         if len(points) != (2 if kind == "movec" else 1) or any(row is None for row in points):
             what = f"{kind}({', '.join(said[:-2])}, ...) cannot be read"
             self.motions.fault(place, what, "give points as data of the application")
+            return
+        if computed := [text for text in said[:-2] if _entry(text, index)[0] in self.computed]:
+            self.motions.fault(place, f"{computed[0]} is set in a program", "give points as data alone")
             return
         tool, pace = self._row(said[-2], index), self._row(said[-1], index) or {}
         rows = [row for row in points if row is not None]
@@ -155,7 +169,8 @@ def _spots(file: str, text: str) -> Iterator[tuple[tuple[str, int], Spot]]:
             start, end = where.get(key, (tag.end(1) - 1, tag.end(1) + 1))
             spans.append((start + 1, end - 1))
             absent.append("" if key in where else f' {key}="{{}}"')
-        yield (name, int(said.get("key", "0"))), Spot(file, tuple(spans), tuple(absent))
+        if said.get("key", "0").isdigit():
+            yield (name, int(said.get("key", "0"))), Spot(file, tuple(spans), tuple(absent))
 
 
 def _tree(name: str, text: str) -> ET.Element:
