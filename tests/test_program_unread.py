@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from test_program_in_place import CASES, KRL_DAT, KRL_SRC, bent
+from test_program_in_place import CASES, KRL_DAT, KRL_SRC, RAPID, UR, bent
 
+from workbench.cli.main import main
 from workbench.correction.in_place import compensate_program
 from workbench.correction.programs import find_format
 from workbench.correction.programs.motions import Motions
@@ -259,3 +261,17 @@ def test_what_is_told_is_no_more_than_once(tmp_path: Path) -> None:
     notes = compensate_program(tmp_path / "Seam.mod", model).notes
     assert len(set(notes)) == len(notes)
     assert np.any(["left alone" in note for note in notes])
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "text"),
+    [("ur10", "a.urscript", UR), ("irb120", "a.modx", RAPID), ("irb120", "a.PRG", RAPID)],
+)
+def test_other_extensions_of_programs_are_known(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, file: str, text: str
+) -> None:
+    model, _ = bent(name, tmp_path)
+    (tmp_path / file).write_text(text)
+    assert main(["compensate", str(tmp_path / file), "--model", str(model), "--json"]) == 0
+    (written,) = json.loads(capsys.readouterr().out)["files"]
+    assert written.endswith(file)

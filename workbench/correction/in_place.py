@@ -68,7 +68,7 @@ class Corrected:
 
 def is_program(path: pathlib.Path) -> bool:
     """Whether the file is a controller's program, by its extension."""
-    own = {format.extension for format in formats().values() if not format.samples}
+    own = {end for format in formats().values() if not format.samples for end in format.extensions}
     return path.suffix.lower() in own
 
 
@@ -182,7 +182,7 @@ def _straight(target: Target) -> bool:
 
 
 def _by_extension(source: pathlib.Path) -> Format:
-    found = [format for format in formats().values() if format.extension == source.suffix.lower()]
+    found = [format for format in formats().values() if source.suffix.lower() in format.extensions]
     if not found:
         known = ", ".join(sorted(format.extension for format in formats().values()))
         raise InputError(Fault(str(source), f"no format ends in {source.suffix!r}", f"known: {known}"))

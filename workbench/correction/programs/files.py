@@ -143,7 +143,7 @@ def is_folder(out: Path, format: Format) -> bool:
     """Whether `out` means a folder: it is one, or has no extension. `InputError` for another's extension."""
     if out.is_dir() or not out.suffix:
         return True
-    if out.suffix.lower() != format.extension:
+    if out.suffix.lower() not in format.extensions:
         what = f"ends in {out.suffix}; {format.title} ends in {format.extension}"
         raise InputError(Fault(str(out), what, f"name a folder, or a file ending in {format.extension}"))
     return False

@@ -32,6 +32,7 @@ def by_angles(
 class Format(ABC):
     """One controller's program format. The class attributes say its rules; `None` = no limit known.
 
+    extension: of what is written; also: others of existing files.
     circles: it has circular moves. own_joints: its joints and frames are the controller's, not the URDF's.
     samples: it is a table of samples, never thinned. own_folder: a program's files have
     fixed names, and need a folder of their own. arm_joints: turning joints that poses are for and programs of
@@ -41,6 +42,7 @@ class Format(ABC):
     name: ClassVar[str]
     title: ClassVar[str]
     extension: ClassVar[str]
+    also: ClassVar[tuple[str, ...]] = ()
     newline: ClassVar[str] = "\r\n"
     mm_digits: ClassVar[int] = 3
     deg_digits: ClassVar[int] = 4
@@ -59,6 +61,11 @@ class Format(ABC):
     own_joints: ClassVar[bool] = True
     samples: ClassVar[bool] = False
     own_folder: ClassVar[bool] = False
+
+    @property
+    def extensions(self) -> tuple[str, ...]:
+        """Those of its files, the first is that of what is written."""
+        return (self.extension, *self.also)
 
     @abstractmethod
     def write(self, program: Program) -> dict[str, str]:

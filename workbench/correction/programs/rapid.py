@@ -29,6 +29,7 @@ TRUE TRYNEXT UNDO VAR VIEWONLY WHILE WITH XOR"""
 
 class Rapid(Format):
     name, title, extension = "rapid", "ABB RAPID", ".mod"
+    also = (".modx", ".prg")
     mm_digits = 4
     quaternion_digits = 8
     longest_name = 32

@@ -33,6 +33,7 @@ kill local mod not or pass return run sec sync thread True while xor movej movel
 
 class UrScript(Format):
     name, title, extension, newline = "urscript", "URScript", ".script", "\n"
+    also = (".urscript",)
     reserved = frozenset(UR_WORDS.split())
     many_lines = 5000
     circles = True
