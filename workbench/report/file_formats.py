@@ -206,8 +206,8 @@ _MEANINGS = {
     "q": "commanded joint, from base to flange",
     "r": "read-back joint",
     "tau": "torque that the drive exerts on the joint (force of a sliding one)",
-    "dir": "sign of the joint's last motion: -1, 1, or 0 where it is not known; without these columns it is taken from the "
-    "order of poses that follow each other along a path",
+    "dir": "sign of the joint's last motion: -1, 1, or 0 where it is not known; without these columns it is "
+    "taken from the order of poses that follow each other along a path",
     "target": "name of the target",
     **dict.fromkeys("xyz", "place"),
     **dict.fromkeys(("sx", "sy", "sz"), _SIGMA),
