@@ -16,10 +16,8 @@ from ..robot.schema import LoadData
 from .paths import Path
 
 NO_LOAD = LoadData(mass_kg=0.0)
-SAME, FAR_MM = (
-    0.02,
-    100.0,
-)  # of a load, and of its distance from the flange: what people write down differently
+SAME = 0.02  # of a load and of its moment: what people write down differently
+FAR_MM = 100.0  # from the flange, where a load is as a rule
 
 
 @dataclass(frozen=True, eq=False)

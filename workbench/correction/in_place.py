@@ -159,9 +159,8 @@ def _carrying(
         what = f"the program says that the arm carries {said}"
         raise InputError(Fault(moves[0].place, what, "split it, or say what counts with --payload NAME"))
     for name in robot.payloads:
-        stated = stated_conditions(robot, name)
-        named = replace(stated, wrench=conditions.wrench, temperature=conditions.temperature)
-        named = replace(named, clock=conditions.clock)
+        felt = {what: getattr(conditions, what) for what in ("wrench", "temperature", "clock")}
+        named = replace(stated_conditions(robot, name), **felt)
         if alike(every[0], carried(named)):
             return named, [f"the arm carries {name!r}, as the program says ({said})"]
     (load,) = every

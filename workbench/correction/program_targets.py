@@ -84,10 +84,8 @@ def _doubts(name: str, given: Array | None, frames: Sequence[Frame]) -> list[Fau
     open_ = {frame.name: frame for frame in frames if frame.X is None}
     named = [frame for key, frame in open_.items() if key]
     if given is None:
-        what, mend = (
-            f"this {name} stands on the controller, not in the file",
-            f"give it with --{name} X,Y,Z,A,B,C",
-        )
+        what = f"this {name} stands on the controller, not in the file"
+        mend = f"give it with --{name} X,Y,Z,A,B,C"
         return [Fault(frame.place, what, mend) for frame in named]
     if len(open_) > 1:
         several = " and ".join(key or "one that is not named" for key in open_)

@@ -39,14 +39,13 @@ def mistaken_loads(result: Fit) -> list[str]:
     payloads in each other's places, or wrenches that act the other way round or along other axes. result: a
     robust fit of the geometry."""
     problem = result.model.problem
-    own = _left(result, problem)
+    possible = list(_mistakes(problem))
+    own = _left(result, problem) if possible else 0.0
     if own == 0.0:
         return []
-    tried = [
-        (_left(result, replace(problem, campaign=one.campaign)) / own, one) for one in _mistakes(problem)
-    ]
-    left, best = min(tried, key=lambda pair: pair[0], default=(np.inf, None))
-    if best is None or left > best.enough:
+    shares = [_left(result, replace(problem, campaign=one.campaign)) / own for one in possible]
+    left, best = min(zip(shares, possible, strict=True), key=lambda pair: pair[0])
+    if left > best.enough:
         return []
     said = f"{best.what}, which leaves {np.sqrt(left):.0%} of the error"
     if not best.sure:

@@ -33,9 +33,8 @@ DECLARED = re.compile(
     r"\b(robtarget|jointtarget|tooldata|wobjdata|speeddata|zonedata)\s+(\w+)\s*:=\s*(\[.*\])", re.I | re.S
 )
 
-ROUTINE = re.compile(
-    r"\b(?:PROC|FUNC|TRAP|ENDPROC|ENDFUNC|ENDTRAP)\b", re.I
-)  # between them: data of their own
+# between these, in turn: the module's data, and a routine's own
+ROUTINE = re.compile(r"\b(?:PROC|FUNC|TRAP|ENDPROC|ENDFUNC|ENDTRAP)\b", re.I)
 
 Text = tuple[int, str]  # where the text begins in the file, the text
 Key = tuple[int, str]  # routine and name
