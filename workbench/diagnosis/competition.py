@@ -201,7 +201,7 @@ def _as_known(at: Fit, geometry: Fit, noise_dof: float) -> bool:
 def _renamed_at_no_loss(
     best: Round, members: list[Member], shares: list[Shares]
 ) -> tuple[list[Member], list[Shares]]:
-    """The members with the names that the parts have for them, unless these, with what they have beside their
+    """The members with the likelier names of their shares, unless these, with what they have beside their
     forms, predict worse what they did not see: then what is there without a name is better than another's."""
     components, problem = best.competition.components, best.found.model.problem
 
@@ -230,9 +230,7 @@ def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[Round,
             break
         del members[least]  # one at a time: two that stand in for each other are not both superfluous
         shares = best.competition.shares(members)
-    members, shares = renamed(
-        best.competition, members, shares
-    )  # forms are not as true as the search takes them
+    members, shares = _renamed_at_no_loss(best, members, shares)  # a search takes forms for too true
     order = sorted(
         range(len(members)), key=lambda i: -Chosen(best.competition.reduced, [members[i]]).explained
     )
@@ -261,7 +259,8 @@ def _chi2_with(result: Fit, i: int, other: Effect) -> float:
     J = result.J.reshape(result.r.size, -1)
     r = result.r.ravel() + J[:, part] @ result.state.values[i]
     rest = np.delete(J * result.columns.prior, np.r_[part], axis=1)
-    A = np.concatenate([rest, G * [LOOSE * p.typical for p in other.params]], axis=1)
+    loose = LOOSE * result.model.problem.coarse
+    A = np.concatenate([rest, G * [loose * p.typical for p in other.params]], axis=1)
     g = A.T @ r
     normal = A.T @ A + np.eye(A.shape[1])
     return float(r @ r - g @ np.linalg.solve(normal, g))

@@ -255,11 +255,11 @@ def beside_forms(
 
 
 def usual(fit: Fit, effect: Effect) -> Array:
-    """(p,) usual sizes of an effect's parameters at a fit's loads."""
-    typical = np.array([p.typical for p in effect.params])
+    """(p,) usual sizes of an effect's parameters at a fit's loads, in a machine as coarse as its own."""
+    size = np.array([p.typical for p in effect.params])
     if effect.acts == "yielding" and not effect.stated:
-        return usual_yield(fit, effect, typical)
-    return typical
+        size = usual_yield(fit, effect, size)
+    return size * fit.model.problem.coarse
 
 
 def usual_yield(fit: Fit, effect: Effect, typical: Array) -> Array:

@@ -31,6 +31,7 @@ from ..identification.plausible import (
     plausible_geometry,
 )
 from ..robot.kinematics import Array
+from .coarse import coarseness
 from .copies import without_copies
 from .mistaken_loads import mistaken_loads
 from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
@@ -296,7 +297,23 @@ def _fitted(sound: _Sound) -> Prepared:
     if not known or problem.drives:
         geometry = fit(model, geometry.state, covariance)
     geometry = plausible_geometry(geometry)
+    coarse = coarseness(geometry)
+    if coarse > 1:
+        problem = replace(problem, coarse=coarse)
+        model = replace(model, problem=problem)
+        geometry = replace(geometry, model=replace(geometry.model, problem=problem))
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
-    notes = (*sound.notes, *rigid_targets(geometry), *common_factor(geometry))
+    notes = (*sound.notes, *rigid_targets(geometry), *common_factor(geometry), *_coarse(coarse))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)
+
+
+def _coarse(times: float) -> list[str]:
+    """A remark on a machine that is so many times as coarse as an industrial arm."""
+    if times == 1:
+        return []
+    left = "Geometry and compliance leave"
+    return [
+        f"{left} some {times:.0f} times as much as usual of an industrial arm of this size before a tracker:"
+        " causes are sought that are as many times as large."
+    ]

@@ -199,11 +199,13 @@ class Effect(ABC):
 
     def prior(self, problem: Problem) -> Array:
         """(p,) prior standard deviations of the parameters: their spread, what physics allows, or else a
-        thousand usual sizes. Parts that the data do not show stay where a machine can be."""
+        thousand usual sizes. Parts that the data do not show stay where a machine can be, a coarse one
+        farther off."""
         allowed = np.array([(p.upper - p.lower) / 2 for p in self.params])
         typical = np.array([p.typical for p in self.params])
         spread = np.array([np.nan if p.spread is None else p.spread for p in self.params])
-        usual = np.where(np.isfinite(spread), spread, np.where(np.isfinite(allowed), allowed, 1e3 * typical))
+        sized = np.where(np.isfinite(spread), spread, 1e3 * typical) * problem.coarse
+        usual = np.where(np.isfinite(spread) | ~np.isfinite(allowed), sized, allowed)
         return np.asarray(np.minimum(usual, self.held))
 
     def finer(self) -> Sequence[Effect]:

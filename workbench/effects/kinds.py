@@ -114,12 +114,12 @@ class YieldEffect(Effect):
 
     def prior(self, problem: Problem) -> Array:
         """Nothing in an arm turns by more than some mrad, or shifts by more than a millimetre, under the
-        loads of a campaign."""
+        loads of a campaign; a coarse one gives way by more."""
         wrench = problem.nominal_load.local[:, self.slot(problem.arm)]
         per_unit = np.abs(self.law(problem.arm, wrench, np.zeros(len(self.params)))[2])
         share = per_unit / np.array([MOST_SHIFT] * 3 + [MOST_TURN] * 3)[:, None]
         most = share.max(axis=(0, 1), initial=0.0)
-        return np.asarray(np.minimum(super().prior(problem), 1 / np.maximum(most, 1e-300)))
+        return np.asarray(np.minimum(super().prior(problem), problem.coarse / np.maximum(most, 1e-300)))
 
     def jacobian(self, problem: Problem, line: Slopes, values: Array) -> Array:
         return self._under(line, line.prediction.load.local, values)
