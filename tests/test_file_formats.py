@@ -35,15 +35,16 @@ def test_every_key_has_a_meaning(name):
 @pytest.mark.parametrize("model", [RobotFile, CampaignFile])
 def test_every_key_is_on_its_page(model):
     name = "robot.md" if model is RobotFile else "campaign.md"
-    keys = [field.alias or key for key, field in model.model_fields.items()]
-    assert all(f"| `{key}` |" in pages()[name] for key in keys)
+    keys, page = [field.alias or key for key, field in model.model_fields.items()], pages()[name]
+    assert all(f"| `{key}` |" in page for key in keys)
 
 
 def test_the_schemas_know_the_keys_of_the_files_that_come_along():
-    schema = json.loads(pages()["robot.schema.json"])
+    made = pages()
+    schema = json.loads(made["robot.schema.json"])
     for path in list_robots():
         assert set(tomllib.loads(path.read_text(encoding="utf-8"))) <= set(schema["properties"])
-    schema = json.loads(pages()["campaign.schema.json"])
+    schema = json.loads(made["campaign.schema.json"])
     measured = tomllib.loads((ROOT / "tests/data/ur5/campaign.toml").read_text(encoding="utf-8"))
     assert set(measured) <= set(schema["properties"])
     assert schema["additionalProperties"] is False

@@ -167,39 +167,43 @@ def _refine(
     hold = np.concatenate([np.full(6, 1e-9), np.repeat(prior, 3) ** -2.0, [0.0 if free_scale else 1e18]])
     misfit, damping = np.inf, 0.0
 
-    def cost(place: _Place, points: Array, soft: float, scale: float) -> float:
-        far = np.hypot(np.linalg.norm(points - z, axis=2), soft)[mask].sum() / scale
-        return float(far + 0.5 * hold[6:-1] @ (place.targets - start).ravel() ** 2)
+    def left(points: Array) -> tuple[Array, Array]:
+        residual = np.where(mask[..., None], z - points, 0.0)
+        return residual, np.sqrt((residual**2).sum(axis=2))
+
+    def cost(place: _Place, far: Array, scale: float) -> float:
+        return float(far[mask].sum() / scale + 0.5 * hold[6:-1] @ (place.targets - start).ravel() ** 2)
 
     points = now.points(seen)
+    residual, length = left(points)
     for iteration in range(rounds):
-        residual = np.where(mask[..., None], z - points, 0.0)
-        length = np.linalg.norm(residual, axis=2)
         misfit, last = float(np.median(length[mask])) if mask.any() else 0.0, misfit
         soft, scale = 1.5 * misfit + 1e-9, misfit + 1e-6
-        weight = mask / np.hypot(length, soft)
+        far = np.hypot(length, soft)
         about = points - now.t
         moved = frame_and_targets(about, now.size * now.R @ seen.R)
         flat = np.concatenate([moved, about[..., None]], axis=3).reshape(-1, len(hold))
-        pull = flat.T * np.repeat(weight / scale, 3)
+        pull = flat.T * np.repeat(mask / far / scale, 3)
         A, g = pull @ flat, pull @ residual.ravel()
-        A[np.diag_indices_from(A)] += hold
+        A.flat[:: len(hold) + 1] += hold
         g[6:-1] -= hold[6:-1] * (now.targets - start).ravel()
-        least, step = cost(now, points, soft, scale), np.zeros(len(g))
+        least, step = cost(now, far, scale), np.zeros(len(g))
         while damping <= MOST_DAMPED:
-            step = np.linalg.solve(A + damping * np.diag(np.diag(A)), g)
+            step = np.linalg.solve(A + np.diag(damping * np.diag(A)) if damping else A, g)
             then = now.moved(step)
             there = then.points(seen)
-            if cost(then, there, soft, scale) <= least:
-                now, points, damping = then, there, 0.1 * damping if damping > LEAST_DAMPED else 0.0
+            off = left(there)
+            if cost(then, np.hypot(off[1], soft), scale) <= least:
+                now, points, (residual, length) = then, there, off
+                damping = 0.1 * damping if damping > LEAST_DAMPED else 0.0
                 break
             damping = max(LEAST_DAMPED, 10.0 * damping)
         arrived = damping > MOST_DAMPED or float(np.abs(step).max()) < STILL
         if arrived or (iteration > 15 and misfit > 0.999 * last):
             break
     every = np.asarray(np.isfinite(seen.points).all(axis=2))
-    left = np.clip(np.where(every[..., None], seen.points, np.nan) - points, -1e100, 1e100)
-    length = np.linalg.norm(left, axis=2)
+    gap = np.clip(np.where(every[..., None], seen.points, np.nan) - points, -1e100, 1e100)
+    length = np.linalg.norm(gap, axis=2)
     middle = float(np.median(length[mask])) if mask.any() else 0.0
     return Placed(now.R, now.t, now.targets, now.size, length, middle)
 

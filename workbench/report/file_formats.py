@@ -10,6 +10,7 @@ import inspect
 import json
 import re
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, get_args
@@ -77,6 +78,7 @@ def _models(model: Any) -> Iterator[type[BaseModel]]:
         yield from _models(part)
 
 
+@cache
 def _below(model: type[BaseModel]) -> dict[str, str]:
     """The texts below the fields of a model and of those that it extends."""
     found = dict[str, str]()

@@ -141,7 +141,7 @@ def body_jacobian(arms: Array) -> Array:
     arms: (..., 3) [m] from the pivot of the turn to the points.
     """
     out = np.zeros((*np.shape(arms), 6))
-    x, y, z = np.moveaxis(arms, -1, 0)
+    x, y, z = arms[..., 0], arms[..., 1], arms[..., 2]
     out[..., 0, 0] = out[..., 1, 1] = out[..., 2, 2] = 1.0
     out[..., 0, 4], out[..., 1, 5], out[..., 2, 3] = z, x, y
     out[..., 0, 5], out[..., 1, 3], out[..., 2, 4] = -y, -z, -x

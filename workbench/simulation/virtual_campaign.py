@@ -91,7 +91,7 @@ def simulate(
     truth = replace(truth, effects=(*stated_effects(problem), *truth.effects))
     draw = _Draws(seed)
     direct = _direct(problem, truth) + draw.repeatability(problem, truth)
-    base, torque = _settle(problem, truth, direct)
+    base, torque = _settle(problem, truth, direct, torque_sigma is not None)
     R, t = instrument if instrument is not None else draw.instrument(problem)
     points = _see(
         problem, truth, np.einsum("nij,ntj->nti", R[plan.poses.setup], base) + t[plan.poses.setup][:, None]
@@ -100,7 +100,9 @@ def simulate(
     mean = shot.mean(axis=2)
     return replace(
         plan.with_poses(
-            torque=plan.poses.torque if torque_sigma is None else draw.torque(torque, torque_sigma)
+            torque=plan.poses.torque
+            if torque is None or torque_sigma is None
+            else draw.torque(torque, torque_sigma)
         ),
         points=mean,
         shots=np.full(points.shape[:2], shots, dtype=np.int64),
@@ -214,16 +216,17 @@ def true_robot(problem: Problem, truth: Truth, direct: Array) -> tuple[ElasticTw
     return twin, loads
 
 
-def _settle(problem: Problem, truth: Truth, direct: Array) -> tuple[Array, Array]:
-    """Targets (N, T, 3) [m] in the base frame and torques of the drives (N, n), from Drake."""
+def _settle(problem: Problem, truth: Truth, direct: Array, drives: bool) -> tuple[Array, Array | None]:
+    """Targets (N, T, 3) [m] in the base frame and, if asked for, torques of the drives (N, n), from Drake."""
     twin, loads = true_robot(problem, truth, direct)
     targets = _targets(problem, truth)
     points = np.empty((len(direct), len(problem.on), 3))
-    torque = np.empty(problem.q.shape)
+    torque = np.empty(problem.q.shape) if drives else None
     for i in range(len(direct)):
         twin.equilibrium(problem.q[i], direct[i], pose_loads(loads, i))
         points[i] = twin.points(targets, problem.on)
-        torque[i] = twin.drive_torque()
+        if torque is not None:
+            torque[i] = twin.drive_torque()
     return points, torque
 
 

@@ -83,17 +83,22 @@ class DesignSpace:
 
     def criterion_with_each(self, rest: Records, pairs: Sequence[Pair]) -> Array:
         """(len(pairs), C) λ of each cause beside its rival, of the plan `rest` with each candidate added."""
-        return self._of_pairs(self._left_with_each(rest), pairs)
+        effects = dict.fromkeys(effect for pair in pairs for effect in pair)
+        own = np.unique(np.concatenate([self.columns(effect) for effect in effects])) - self.background
+        return self._of_pairs(self._left_with_each(rest, own), pairs, own)
 
-    def _of_pairs(self, left: Array, pairs: Sequence[Pair]) -> Array:
-        """(len(pairs), ...) λ of each cause beside its rival, of what is `left` (..., g, g)."""
+    def _of_pairs(self, left: Array, pairs: Sequence[Pair], own: NDArray[np.int64] | None = None) -> Array:
+        """(len(pairs), ...) λ of each cause beside its rival, of what is `left` (..., g, g); own: the
+        effects' columns that it is of, sorted, if not of all."""
         out = []
         for effect, rival in pairs:
             i, j = self.columns(effect) - self.background, self.columns(rival) - self.background
+            if own is not None:
+                i, j = np.searchsorted(own, i), np.searchsorted(own, j)
             S = left[..., j[:, None], j] + WIDE**-2 * np.eye(len(j))
             cross = left[..., j[:, None], i]
-            own = np.trace(left[..., i[:, None], i], axis1=-2, axis2=-1)
-            out.append((own - np.sum(cross * np.linalg.solve(S, cross), axis=(-2, -1))) / len(i))
+            alone = np.trace(left[..., i[:, None], i], axis1=-2, axis2=-1)
+            out.append((alone - np.sum(cross * np.linalg.solve(S, cross), axis=(-2, -1))) / len(i))
         return np.maximum(out, 0.0)
 
     @cached_property
@@ -106,15 +111,17 @@ class DesignSpace:
         scale = unit_scale(F, K)
         return F * scale, Y, K * np.outer(scale, scale), self.before[:b, b:] * scale[:, None]
 
-    def _left_with_each(self, rest: Records) -> Array:
-        """(C, g, g) what is `left` of the plan `rest` with each candidate added."""
+    def _left_with_each(self, rest: Records, own: NDArray[np.int64]) -> Array:
+        """(C, g, g) what is `left` of the plan `rest` with each candidate added; own: (g,) of which of the
+        effects' columns."""
         F, Y, K, measured = self._by_part
         b = len(K)
+        Y, measured, before = Y[:, :, own], measured[:, own], self.before[b + own[:, None], b + own]
         f, y = F[rest].reshape(-1, b), Y[rest].reshape(-1, Y.shape[2])
         V = np.linalg.inv(K + f.T @ f)
         c = measured + f.T @ y
         beta = V @ c
-        left = self.before[b:, b:] + y.T @ y - c.T @ beta
+        left = before + y.T @ y - c.T @ beta
         S = np.matmul(F @ V, F.swapaxes(1, 2)) + np.eye(F.shape[1])
         E = Y - F @ beta
         return np.asarray(left + np.matmul(E.swapaxes(1, 2), np.linalg.solve(S, E)))

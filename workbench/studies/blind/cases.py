@@ -208,7 +208,8 @@ def _measured(
     if hidden:
         sight = seen_at(sight, hidden, sizes)
         whole = sight.shift(hidden, sizes)
-        single = [sight.shift([item], [size]) for item, size in zip(hidden, sizes, strict=True)]
+        each = zip(hidden, sizes, strict=True)
+        single = [whole] if len(hidden) == 1 else [sight.shift([item], [size]) for item, size in each]
         strength = tuple(sight.products(single).strength(i) for i in range(len(hidden)))
         products = sight.products([whole], candidates(sight, hidden))
     return Case(key, design, hidden, tuple(sizes), campaign, judge, sight, products, strength, robot, mm)
