@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from test_program_in_place import LS, RAPID, UR, bent
 
+from workbench.correction.command import compensate
 from workbench.correction.conditions import stated_conditions
 from workbench.correction.in_place import Corrected, compensate_program
+from workbench.correction.paths import Path as JointPath
 from workbench.correction.programs import find_format
 from workbench.correction.programs.motions import Move
 from workbench.files.faults import InputError
@@ -53,6 +55,20 @@ def test_a_tool_of_the_installation_is_given(tmp_path: Path) -> None:
     line = "  set_tcp(p[0.0, 0.0, 0.15, 0.0, 0.0, 0.0])\n"
     _, given = corrected(tmp_path, "ur10", "b.script", UR.replace(line, ""), tool=tip)
     assert given == stated.replace(line, "")
+
+
+def test_errors_are_those_of_the_tool_that_each_target_is_for(tmp_path: Path) -> None:
+    """Not of the flange, which a tool far out leaves behind as it turns."""
+    second = f"LIN {{{UP}}}\n$TOOL=$NULLFRAME\nLIN {{{UP}}}\nEND\n"
+    found, _ = corrected(tmp_path, "kr500", "a.src", KRL.replace(f"LIN {{{UP}}}\nEND\n", second))
+    done = found.compensation
+    robot = load_robot(bent("kr500", tmp_path)[0])
+    for tool, at in ((GUN, 1), (None, 2)):
+        alone = compensate(robot, JointPath(done.path.time, q=done.q_nominal), tool=tool)
+        assert done.before_mm[at] == pytest.approx(alone.before_mm[at], rel=1e-9)
+        assert done.between[at - 1] == pytest.approx(alone.between[at - 1], rel=1e-9)
+        np.testing.assert_allclose(done.X_desired[at, :3, 3], [1.7, 0.0, 1.3], atol=1e-6)
+    assert done.before_mm[1] != pytest.approx(done.before_mm[2], rel=0.02)
 
 
 TWO_TOOLS = {

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..files.digest import digests
 from ..files.faults import Fault, InputError
@@ -112,7 +113,7 @@ def compensate_program(
         targets, q = 2 * targets, np.repeat(q, 2, axis=0)  # a path has two samples at least
     lines = tuple(target.move.line for target in targets)
     told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines)
-    done = compensate(robot, told, conditions)
+    done = _corrected(robot, told, conditions, _tools(frames, targets))
     done = replace(done, between=np.where([_straight(target) for target in targets[1:]], done.between, 0.0))
     edits, notes = _edits(chosen, texts, frames, targets, done)
     notes += [*remarks, *postures]
@@ -175,6 +176,30 @@ def _weighs(load: LoadData) -> str:
     return f"{load.mass_kg:g} kg at {x:.0f}, {y:.0f}, {z:.0f} mm" if load.mass_kg else "nothing"
 
 
+def _tools(frames: Frames, targets: Sequence[Target]) -> list[Array]:
+    """(4, 4) of each target in the flange's frame; joint targets, which need none, have the next one's."""
+    found, tool = list[Array](), None
+    for target in reversed(targets):
+        if tool is None or target.X is not None:
+            tool = frames.tool_of(target.move)
+        found.append(tool)
+    return found[::-1]
+
+
+def _corrected(robot: Robot, told: Path, conditions: Conditions, tools: Sequence[Array]) -> Compensation:
+    """The path corrected and judged at the tool (4, 4) of each target, in the flange's frame; on the way to a
+    target it is that target's tool that runs straight."""
+    several, of = np.unique(np.array(tools), axis=0, return_inverse=True)
+    runs = [compensate(robot, told, conditions, tool=tool) for tool in several]
+
+    def chosen(name: str, which: NDArray[np.intp]) -> Array:
+        return np.stack([getattr(run, name) for run in runs])[which, np.arange(len(which))]
+
+    rows = ("X_desired", "q_command", "X_command", "before", "after")
+    taken = {name: chosen(name, of) for name in rows} | {"between": chosen("between", of[1:])}
+    return replace(runs[of[0]], **taken)
+
+
 def _straight(target: Target) -> bool:
     """Whether the way to a target is the program's matter, and not the joints'."""
     return target.X is not None and not target.move.free
@@ -218,7 +243,7 @@ def _edits(
         if target.X is None:
             new, digits = format.joint_numbers(frames.shown(q)), _digits(format, joints=True)
         else:
-            new = format.numbers(frames.target(target.move, X), np.array([float(text) for text in old]))
+            new = format.numbers(frames.in_base(target.move, X), np.array([float(text) for text in old]))
             digits = _digits(format, joints=False)
         if target.spot not in edits:
             edits[target.spot] = [

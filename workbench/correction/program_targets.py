@@ -60,11 +60,16 @@ class Frames:
 
     def flange(self, move: Move, X: Array) -> Array:
         """(4, 4) the URDF's flange in its base, of a target in the move's base."""
-        return self._base(move) @ X @ np.linalg.inv(self._tool(move))
+        return self._base(move) @ X @ np.linalg.inv(self.tool_of(move))
 
-    def target(self, move: Move, flange: Array) -> Array:
-        """(4, 4) the target in the move's base, of the URDF's flange in its base."""
-        return np.asarray(np.linalg.inv(self._base(move)) @ flange @ self._tool(move))
+    def in_base(self, move: Move, X: Array) -> Array:
+        """(4, 4) the target in the move's base, of its tool in the URDF's."""
+        return np.asarray(np.linalg.inv(self._base(move)) @ X)
+
+    def tool_of(self, move: Move) -> Array:
+        """(4, 4) the move's tool in the URDF's flange."""
+        tool = move.tool.matrix if move.tool.X is not None or self.tool is None else self.tool
+        return tool if self.convention is None else self.convention.from_flange(tool)
 
     def load(self, load: LoadData) -> LoadData:
         """What the arm carries, from the controller's flange to the URDF's."""
@@ -73,10 +78,6 @@ class Frames:
     def _base(self, move: Move) -> Array:
         base = move.base.matrix if move.base.X is not None or self.base is None else self.base
         return base if self.convention is None else self.convention.from_world(base)
-
-    def _tool(self, move: Move) -> Array:
-        tool = move.tool.matrix if move.tool.X is not None or self.tool is None else self.tool
-        return tool if self.convention is None else self.convention.from_flange(tool)
 
 
 def _doubts(name: str, given: Array | None, frames: Sequence[Frame]) -> list[Fault]:

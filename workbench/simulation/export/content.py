@@ -152,7 +152,7 @@ def content_of(robot: Robot, campaign: Campaign | None, conditions: Conditions) 
         rng = np.random.default_rng(0)
         q = random_poses(robot, GRID, rng)
         side = rng.choice([-1.0, 1.0], q.shape)
-        where = f"{GRID} poses drawn within the joints' limits, above the floor (seed 0)"
+        where = f"{GRID} poses drawn within the joints' limits, clear of what the base stands on (seed 0)"
     name = conditions.payload
     plan = planned(
         robot, q, targets=(),
