@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from workbench.cli.arguments import named_frame, only_frame
 from workbench.cli.main import command_line, main
+from workbench.files.faults import InputError
 from workbench.studies import PUBLISHED
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -105,7 +107,20 @@ def test_a_frame_may_begin_with_a_minus(capsys):
         main(["compensate", "p.csv", "--model", "m.toml", "--tool", "-12,0,150,0,0,left"])
     assert "'-12,0,150,0,0,left' is no x,y,z or x,y,z,a,b,c" in capsys.readouterr().err
     said = command_line().parse_args(["compensate", "p.csv", "--model", "m.toml", "--tool", "-12,0,150"])
-    assert said.tool[:3, 3].tolist() == [-0.012, 0.0, 0.15]
+    ((name, tool),) = said.tool
+    assert name == ""
+    assert tool[:3, 3].tolist() == [-0.012, 0.0, 0.15]
+    said = command_line().parse_args(
+        ["compensate", "p.src", "--model", "m.toml", "--base", "BASE_DATA[1]=-12,0,150"]
+    )
+    assert said.base[0][0] == "BASE_DATA[1]"
+
+
+@pytest.mark.parametrize("given", [["A=0,0,1"], ["0,0,1", "0,0,2"]])
+def test_frames_with_names_are_for_programs(given):
+    pairs = [named_frame(text) for text in given]
+    with pytest.raises(InputError, match="--tool"):
+        only_frame("tool", pairs)
 
 
 @pytest.mark.parametrize("tolerance", ["-1", "nan", "wide"])

@@ -96,6 +96,35 @@ def test_one_tool_is_not_two_of_the_controllers(tmp_path: Path, name: str, file:
         corrected(tmp_path, name, file, text, tool=GUN)
 
 
+@pytest.mark.parametrize(("name", "file", "text"), TWO_TOOLS.values(), ids=TWO_TOOLS)
+def test_each_tool_of_the_controller_is_given_by_its_name(
+    tmp_path: Path, name: str, file: str, text: str
+) -> None:
+    form = {"src": "krl", "mod": "rapid"}.get(file[2:], file[2:])
+    read = moves(form, file, text)
+    names = sorted({move.tool.name for move in read if move.kind == "pose" and move.tool.X is None})
+    tips = [rotations.pose(np.array([0.0, 0.0, z]), np.eye(3)) for z in (0.01, 0.02)]
+    both = {key.lower(): tip for key, tip in zip(names, tips, strict=True)}
+    done, _ = corrected(tmp_path, name, file, text, tool=both)
+    assert done.compensation.after_mm.max() < 1e-3 < done.compensation.before_mm.max()
+    with pytest.raises(InputError, match="no tool of this name stands on the controller"):
+        corrected(tmp_path, name, file, text, tool=both | {"another": GUN})
+    with pytest.raises(InputError, match=r"give each by its name|give it with --tool"):
+        corrected(tmp_path, name, file, text, tool={names[0]: tips[0]})
+
+
+def test_tools_that_are_given_are_those_that_the_program_would_set(tmp_path: Path) -> None:
+    second = TOOL.replace("Z 300.0", "Z 350.0")
+    twice = KRL.replace("END\n", f"$TOOL={{}}\nLIN {{{UP}}}\nEND\n".replace("{}", second))
+    _, stated = corrected(tmp_path, "kr500", "a.src", twice)
+    both = {"TOOL_DATA[2]": GUN, "TOOL_DATA[3]": GUN + 0.05 * np.eye(4)[:, 3] * np.eye(4)[2][:, None]}
+    named = twice.replace(second, "TOOL_DATA[3]").replace(TOOL, "TOOL_DATA[2]")
+    _, given = corrected(tmp_path, "kr500", "b.src", named, tool=both)
+    assert [line for line in given.splitlines() if "$TOOL" not in line] == [
+        line for line in stated.splitlines() if "$TOOL" not in line
+    ]
+
+
 def test_a_tool_beside_the_programs_own_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="--tool is not that of the program"):
         corrected(tmp_path, "kr500", "a.src", KRL, tool=np.eye(4))

@@ -75,6 +75,16 @@ def frame_option(parser: argparse.ArgumentParser, name: str, what: str) -> None:
     )
 
 
+def frames_option(parser: argparse.ArgumentParser, name: str, what: str) -> None:
+    """`--name` with a frame, or with a program's several by their names. `frames_given` reads it, and for
+    paths `only_frame`."""
+    parser.add_argument(
+        f"--{name}", type=named_frame, action="append", default=[], metavar="[NAME=]X,Y,Z,A,B,C",
+        help=f"{what}: mm, deg, R = Rz(a) Ry(b) Rx(c); of several that a program has on the controller each "
+        "by its name there",
+    )  # fmt: skip
+
+
 def start_option(parser: argparse.ArgumentParser) -> None:
     """`--start`; `started` reads it."""
     parser.add_argument(
@@ -104,6 +114,27 @@ def frame(text: str) -> Array:
         raise argparse.ArgumentTypeError(f"{text!r} is no x,y,z or x,y,z,a,b,c (mm, deg)")
     turn = np.radians([(told + [0.0] * 3)[3:6]])
     return pose(1e-3 * np.array(told[:3]), from_zyx(turn)[0])
+
+
+def named_frame(text: str) -> tuple[str, Array]:
+    """A frame and the name before it; without one an empty name."""
+    name, _, told = text.rpartition("=")
+    return name.strip(), frame(told)
+
+
+def frames_given(name: str, given: Sequence[tuple[str, Array]]) -> dict[str, Array]:
+    """(4, 4) the frames that `--name` gives, by their names. Raises `InputError` of one given twice."""
+    if len(found := dict(given)) < len(given):
+        raise InputError(Fault(f"--{name}", "is given twice", "give each by its name: NAME=X,Y,Z,A,B,C"))
+    return found
+
+
+def only_frame(name: str, given: Sequence[tuple[str, Array]]) -> Array | None:
+    """(4, 4) the one frame that `--name` gives, None without. Raises `InputError` of frames with names."""
+    found = frames_given(name, given)
+    if any(found):
+        raise InputError(Fault(f"--{name}", "with a name is for programs", "give one frame without"))
+    return found.get("")
 
 
 def numbers(text: str) -> Array:

@@ -11,17 +11,18 @@ from .arguments import (
     Commands,
     check_folder,
     conditions,
-    frame_option,
+    frames_given,
+    frames_option,
     json_option,
     load_options,
     not_negative,
+    only_frame,
     out_option,
     program_options,
     seed_option,
     start_option,
     started,
     stated,
-    tool_option,
 )
 
 
@@ -43,8 +44,8 @@ def add(commands: Commands) -> None:
         "--tolerance", type=not_negative("length"), metavar="MM",
         help="fewest lines and circles within this of the path (0.01); 0 keeps every point",
     )  # fmt: skip
-    tool_option(parser)
-    frame_option(parser, "base", "frame of the poses in the controller's world")
+    frames_option(parser, "tool", "tool in the flange frame, whose poses a path of tool poses gives")
+    frames_option(parser, "base", "frame of the poses in the controller's world")
     start_option(parser)
     load_options(parser)
     out_option(
@@ -76,8 +77,8 @@ def run(arguments: argparse.Namespace) -> None:
             arguments.out,
             format=arguments.format,
             conditions=loads,
-            tool=arguments.tool,
-            base=arguments.base,
+            tool=frames_given("tool", arguments.tool),
+            base=frames_given("base", arguments.base),
             start=start,
             as_urdf=arguments.as_urdf,
             keep=not arguments.force,
@@ -87,7 +88,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..correction.file import TOLERANCE_MM, Export
 
     export = Export(
-        base=arguments.base,
+        base=only_frame("base", arguments.base),
         joints=arguments.joints,
         tolerance_mm=TOLERANCE_MM if arguments.tolerance is None else arguments.tolerance,
         as_urdf=arguments.as_urdf,
@@ -99,7 +100,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.format or "csv",
         arguments.out,
         conditions=loads,
-        tool=arguments.tool,
+        tool=only_frame("tool", arguments.tool),
         start=start,
         seed=arguments.seed,
         export=export,

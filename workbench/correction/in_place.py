@@ -21,7 +21,7 @@ from .command import Compensation, compensate
 from .conditions import Conditions, alike, carried, stated_conditions
 from .paths import Path
 from .program_postures import joints_at
-from .program_targets import Frames, Target, targets_of, times_of
+from .program_targets import Frames, Given, Target, targets_of, times_of
 from .programs import Format, find_format, formats
 from .programs.files import beside, is_folder, put_files
 from .programs.motions import Move, Spot
@@ -80,8 +80,8 @@ def compensate_program(
     *,
     format: str | None = None,
     conditions: Conditions | None = None,
-    tool: Array | None = None,
-    base: Array | None = None,
+    tool: Given = None,
+    base: Given = None,
     start: Array | None = None,
     as_urdf: bool = False,
     keep: bool = False,
@@ -89,7 +89,8 @@ def compensate_program(
     """Corrects the targets of a KRL, RAPID, VAL 3, LS or URScript program for the model's robot, only these.
 
     out: a folder (default: NAME_compensated beside the program) or a file with the same extension. tool and
-    base: (4, 4) where the program's own stand on the controller, not in the file. start: (6,) the URDF's
+    base: (4, 4) where the program's own stand on the controller, not in the file; of several each by the name
+    that the program has for it. start: (6,) the URDF's
     joints [rad] before the first target, where the file does not say the posture. Between targets the arm
     moves as before: what depends on the joints in between is corrected at the targets only. Raises
     `InputError`; nothing is written then.

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,14 +17,20 @@ from .programs.posture import Posture
 from .programs.shown import stated_convention, turned_load
 
 SAME = 1e-6  # m and rad, by which a frame that is given is that of the program
+UNNAMED = ""  # the key of a frame that is given for whichever the program has
 SECOND = 1.0  # a leg that does not say how long it takes
 
 
-class Frames:
-    """From the program's numbers to the URDF's joints and flange, and back."""
+Given: TypeAlias = Array | Mapping[str, Array] | None  # (4, 4) of the only frame, or by the program's names
 
-    def __init__(self, robot: Robot, as_urdf: bool, tool: Array | None, base: Array | None) -> None:
-        self.robot, self.tool, self.base = robot, tool, base
+
+class Frames:
+    """From the program's numbers to the URDF's joints and flange, and back. tool, base: those that stand on
+    the controller."""
+
+    def __init__(self, robot: Robot, as_urdf: bool, tool: Given = None, base: Given = None) -> None:
+        self.robot = robot
+        self.tools, self.bases = _by_name(tool), _by_name(base)
         self.convention = None if as_urdf else stated_convention(robot)
 
     def check(self, moves: Sequence[Move]) -> list[str]:
@@ -38,10 +45,10 @@ class Frames:
             faults.append(
                 Fault(away.place, "has external axes that do not stand at 0", "export the path anew")
             )
-        for name, given in (("tool", self.tool), ("base", self.base)):
+        for name, given in (("tool", self.tools), ("base", self.bases)):
             frames = [getattr(move, name) for move in moves if move.kind == "pose"]
             faults += _doubts(name, given, frames)
-            if given is None and any(frame.X is None and not frame.name for frame in frames):
+            if UNNAMED not in given and any(frame.X is None and not frame.name for frame in frames):
                 remarks.append(
                     f"the program sets no {name}: taken as none (--{name} where the controller has one)"
                 )
@@ -68,7 +75,7 @@ class Frames:
 
     def tool_of(self, move: Move) -> Array:
         """(4, 4) the move's tool in the URDF's flange."""
-        tool = move.tool.matrix if move.tool.X is not None or self.tool is None else self.tool
+        tool = _found(move.tool, self.tools)
         return tool if self.convention is None else self.convention.from_flange(tool)
 
     def load(self, load: LoadData) -> LoadData:
@@ -76,27 +83,59 @@ class Frames:
         return load if self.convention is None else turned_load(load, self.convention.flange)
 
     def _base(self, move: Move) -> Array:
-        base = move.base.matrix if move.base.X is not None or self.base is None else self.base
+        base = _found(move.base, self.bases)
         return base if self.convention is None else self.convention.from_world(base)
 
 
-def _doubts(name: str, given: Array | None, frames: Sequence[Frame]) -> list[Fault]:
-    """What stands against taking the one that is given for those that the file does not have."""
-    open_ = {frame.name: frame for frame in frames if frame.X is None}
-    named = [frame for key, frame in open_.items() if key]
+def _by_name(given: Given) -> dict[str, Array]:
+    """The frames by the names that the program has for them, in `_key`'s form."""
     if given is None:
+        return {}
+    named = given.items() if isinstance(given, Mapping) else [(UNNAMED, given)]
+    return {_key(name): X for name, X in named}
+
+
+def _key(name: str) -> str:
+    """A name as controllers compare it: without regard to capitals and spaces."""
+    return "".join(name.split()).upper()
+
+
+def _found(frame: Frame, given: Mapping[str, Array]) -> Array:
+    """(4, 4) a frame: the file's own, or the one that is given for it."""
+    if frame.X is not None:
+        return frame.X
+    return given.get(_key(frame.name), given.get(UNNAMED, frame.matrix))
+
+
+def _doubts(name: str, given: Mapping[str, Array], frames: Sequence[Frame]) -> list[Fault]:
+    """What stands against taking those that are given for those that the file does not have."""
+    absent = {_key(frame.name): frame for frame in frames if frame.X is None}
+    faults = []
+    has = ", ".join(frame.name for frame in absent.values() if frame.name) or "none"
+    for key in sorted(given.keys() - absent.keys() - {UNNAMED}):
+        what = f"no {name} of this name stands on the controller; the program has there: {has}"
+        faults.append(Fault(f"--{name} {key}", what, "give those, by their names"))
+    left = {key: frame for key, frame in absent.items() if key == UNNAMED or key not in given}
+    named = [frame for frame in left.values() if frame.name]
+    if UNNAMED not in given:
         what = f"this {name} stands on the controller, not in the file"
-        mend = f"give it with --{name} X,Y,Z,A,B,C"
-        return [Fault(frame.place, what, mend) for frame in named]
-    if len(open_) > 1:
-        several = " and ".join(key or "one that is not named" for key in open_)
+        return faults + [Fault(frame.place, what, _mend(name, frame, left)) for frame in named]
+    if len(left) > 1:
+        several = " and ".join(frame.name or "one that is not named" for frame in left.values())
         what = f"{several} are not in the file, and one --{name} is not all of them"
-        return [Fault(named[-1].place, what, "write their numbers into the program, or split it")]
-    own = [frame for frame in frames if frame.X is not None and not np.allclose(frame.X, given, atol=SAME)]
-    if own and not open_:
+        return [*faults, Fault(named[-1].place, what, _mend(name, named[-1], left))]
+    alone = given[UNNAMED]
+    own = [frame for frame in frames if frame.X is not None and not np.allclose(frame.X, alone, atol=SAME)]
+    if own and not left:
         what = f"--{name} is not that of the program, which has its numbers"
-        return [Fault(f"--{name}", what, "leave it out, or take the other out of the program")]
-    return []
+        return [*faults, Fault(f"--{name}", what, "leave it out, or take the other out of the program")]
+    return faults
+
+
+def _mend(name: str, frame: Frame, left: Mapping[str, Frame]) -> str:
+    """How to give a frame that is not in the file; one of several by its name."""
+    alone = f"give it with --{name} X,Y,Z,A,B,C"
+    return alone if len(left) == 1 else f"give each by its name: --{name} '{frame.name}=X,Y,Z,A,B,C'"
 
 
 @dataclass(frozen=True, eq=False)

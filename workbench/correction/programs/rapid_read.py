@@ -179,7 +179,7 @@ class _Reader:
                 return f"work object {base!r} is moved by a robot or an axis"
             self.motions.base = Frame(_frame(found[0]) @ _frame(found[0][7:]))
         else:
-            self.motions.elsewhere("base", f"work object {base!r} is not the robot's base")
+            self.motions.elsewhere("base", base)
         return ""
 
     def _flags(self, name: str) -> list[str]:
