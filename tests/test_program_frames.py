@@ -252,3 +252,11 @@ def test_a_singular_home_is_left_alone(tmp_path: Path) -> None:
     assert "MoveAbsJ [[0.0,0.0,0.0,0.0,0.0,0.0]" in text
     _, without = corrected(tmp_path, "irb120", "b.mod", RAPID)
     assert text.replace(home[: home.index("MoveAbsJ", 5)], "", 1) == without
+
+
+def test_a_line_that_cannot_be_reached_is_one_fault(tmp_path: Path) -> None:
+    """Of however many samples on the way."""
+    far = f"LIN {{{UP.replace('X 1700.0', 'X 4200.0')}}}\nEND\n"
+    with pytest.raises(InputError, match="cannot get there") as caught:
+        corrected(tmp_path, "kr500", "a.src", KRL.replace("END\n", far))
+    assert [fault.place for fault in caught.value.faults] == ["a.src line 6"]

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..files.faults import Fault, InputError, counted
 from ..robot.description import Robot
 from ..robot.kinematics import Arm, Array
 from .paths import Path
 
-INDEX = NDArray[np.int64]
+NUMBER = re.compile(r"\d[\d.]*")
 
 
 def sample_faults(path: Path, rows: Iterable[int], whats: Iterable[str], mend: str) -> list[Fault]:
-    """One fault per sample, at its line of the path's file: the first ones in full, the rest counted."""
-    return counted([Fault(path.place(row), what, mend) for row, what in zip(rows, whats, strict=True)])
+    """One fault per line of the path's file, of however many samples this stands for, with the numbers of the
+    first: the first lines in full, the rest counted."""
+    found = dict[tuple[str, str], Fault]()
+    for row, what in zip(rows, whats, strict=True):
+        fault = Fault(path.place(row), what, mend)
+        found.setdefault((fault.place, NUMBER.sub("", what)), fault)
+    return counted(list(found.values()))
 
 
 def check_path(robot: Robot, arm: Arm, path: Path, X_FT: Array) -> None:
