@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..effects.base import UNKNOWN
+from ..effects.base import UNKNOWN, motion_said
 from ..effects.place import NOWHERE, Where
 from ..effects.unnamed import Unnamed
 from ..identification.fit import Fit
@@ -99,8 +99,8 @@ def scattering(selection: Selection, left: Remainder, noise: Covariance, rms_mm:
     j = int(np.argmax(scattered))
     if scattered[j] > MOST * (left.chi2 - left.dof):
         where = Where(joint=problem.arm.names[j])
-        size, unit = selection.scatter[j] * 1e6, "µm" if problem.arm.prismatic[j] else "µrad"
-        place = f", sits in {where.joint} ({size:.0f} {unit} from pose to pose)"
+        size = motion_said(selection.scatter[j], bool(problem.arm.prismatic[j]))
+        place = f", sits in {where.joint} ({size} from pose to pose)"
     elif any(selection.fit.noise.body):
         single = problem.seen.sum(axis=1).max() == 1
         place = ", as of a noise stated too small" if single else ", moves all targets of a pose together"

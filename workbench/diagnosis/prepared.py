@@ -312,8 +312,5 @@ def _coarse(times: float) -> list[str]:
     """A remark on a machine that is so many times as coarse as an industrial arm."""
     if times == 1:
         return []
-    left = "Geometry and compliance leave"
-    return [
-        f"{left} some {times:.0f} times as much as usual of an industrial arm of this size before a tracker:"
-        " causes are sought that are as many times as large."
-    ]
+    what = f"What geometry and compliance leave is some {times:.0f} times what an industrial arm of this size"
+    return [f"{what} usually leaves: causes are sought that are as many times as large."]

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Depends, Effect, Param, short
+from .base import Depends, Effect, Param, motion_said
 from .kinds import TransmissionEffect
 from .place import Where
 from .unnamed.joints import Side
@@ -84,7 +84,7 @@ class Backlash(TransmissionEffect):
         return -direction[:, j : j + 1]
 
     def sentence(self, values: Array) -> str:
-        size = f"{short(abs(values[0]) * 1e6)} {'µm' if self.sliding else 'µrad'}"
+        size = motion_said(abs(values[0]), self.sliding)
         if values[0] < 0:
             return (
                 f"{self.where.joint} goes {size} past the command, away from the side that it comes from; or "

@@ -34,11 +34,18 @@ Depends = frozenset[
 ]  # of "joints", "load", "side", "time", "temperature", "torque", "readback", "points", "payload"
 NOTHING: Depends = frozenset()
 UNKNOWN = "unknown"  # the cause of what has no name
+LARGE = 5e-3  # rad or m, from which a motion is said in thousandths
 
 
 def short(size: float) -> str:
     """A size in a sentence: whole from 10 on, two digits below."""
     return f"{size:.0f}" if abs(size) >= 9.95 else f"{size:.2g}"
+
+
+def motion_said(size: float, sliding: bool = False) -> str:
+    """A joint's motion [rad; sliding: m] in a sentence: `60 µrad`, from five thousandths on `16.4 mrad`."""
+    unit = "m" if sliding else "rad"
+    return f"{short(1e6 * size)} µ{unit}" if abs(size) < LARGE else f"{1e3 * size:.3g} m{unit}"
 
 
 @dataclass(frozen=True)

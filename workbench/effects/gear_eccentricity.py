@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Effect, Param, short
+from .base import Effect, Param, motion_said
 from .harmonics import Harmonic, amplitude_phase
 from .joint_map import JointMap
 from .place import Parameter, Where
@@ -76,6 +76,6 @@ class GearEccentricity(Harmonic):
         )
 
     def sentence(self, values: Array) -> str:
-        size = np.hypot(*values) * 1e6
+        size = motion_said(np.hypot(*values))
         cycles = "once" if self.cycles == 1 else "twice"
-        return f"The gear of {self.where.joint} runs out {cycles} per turn, by {short(size)} µrad."
+        return f"The gear of {self.where.joint} runs out {cycles} per turn, by {size}."

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param, short
+from .base import Param, motion_said
 from .harmonics import Harmonic, amplitude_phase
 from .place import Parameter, Where
 
@@ -81,7 +81,7 @@ class GearKinematicError(Harmonic):
         )
 
     def sentence(self, values: Array) -> str:
-        size = np.hypot(*values) * 1e6
+        size = motion_said(np.hypot(*values))
         turns = {"1": ", once per motor turn", "2": ", twice per motor turn", "4": ", 4 times per motor turn"}
         cycles = f"{self.cycles:g} cycles per joint turn{turns.get(self.variant, '')}"
-        return f"The gear of {self.where.joint} errs by {short(size)} µrad in {cycles}."
+        return f"The gear of {self.where.joint} errs by {size} in {cycles}."

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param, short
+from .base import Param, motion_said
 from .kinds import TransmissionEffect
 from .place import Parameter, Where
 from .unnamed.base import SLIDES, turn
@@ -158,16 +158,16 @@ class JointMap(TransmissionEffect):
         return (Parameter("amplitude", rms, std, self.unit, "RMS of the map over the joint's range"),)
 
     def sentence(self, values: Array) -> str:
-        rms = short(np.sqrt((values**2).sum() / 2) * 1e6)
+        rms = motion_said(np.sqrt((values**2).sum() / 2), self.sliding)
         ends = np.array([self.first, self.first + self.span])
         if self.sliding:
             low, high = 1e3 * ends
             return (
-                f"{self.where.joint} errs by {rms} µm RMS as a function of its own travel "
+                f"{self.where.joint} errs by {rms} RMS as a function of its own travel "
                 f"({low:.0f} … {high:.0f} mm): screw or rack, scale or guide."
             )
         low, high = np.degrees(ends)
         return (
-            f"{self.where.joint} errs by {rms} µrad RMS as a function of its own angle "
+            f"{self.where.joint} errs by {rms} RMS as a function of its own angle "
             f"({low:.0f} … {high:.0f}°): gear, encoder or bearing."
         )

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array
-from .base import Param, short
+from .base import Param, motion_said, short
 from .kinds import AxialYield
 from .place import Where
 
@@ -100,7 +100,7 @@ class LostMotion(AxialYield):
         return motion, by_wrench, by_value
 
     def sentence(self, values: Array) -> str:
-        size = f"{short(abs(values[0]) * 1e6)} {'µm' if self.sliding else 'µrad'}"
+        size = motion_said(abs(values[0]), self.sliding)
         load = f"{short(self.torque)} {'N' if self.sliding else 'N·m'}"
         if self.variant == "cubic":
             word = "softens" if values[0] > 0 else "hardens"

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Effect, Param, short
+from .base import Effect, Param, motion_said
 from .kinds import TransmissionEffect
 from .place import Where
 from .unnamed.joints import Pair
@@ -69,5 +69,4 @@ class WristCoupling(TransmissionEffect):
         return q[:, other : other + 1]
 
     def sentence(self, values: Array) -> str:
-        size = values[0] * 1e6
-        return f"{self.where.joint} moves by {short(size)} µrad per rad of {self.where.other}."
+        return f"{self.where.joint} moves by {motion_said(values[0])} per rad of {self.where.other}."
