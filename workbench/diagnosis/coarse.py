@@ -17,7 +17,7 @@ from ..identification.fit import ROUGH, Fit, refit
 from .candidates import testable
 
 INDUSTRIAL = 2e-4  # rad, that an industrial arm has left over its lever: 0.1 to 0.7 mrad measured
-COARSE = 2e-3  # rad, from which it is none: machines driven by cables or belts have 4 to 11 mrad
+COARSE = 1.5e-3  # rad, from which it is none: machines driven by cables or belts have 4 to 11 mrad
 
 
 def coarseness(geometry: Fit) -> float:
