@@ -49,11 +49,11 @@ def test_a_step_stands_out_of_what_is_the_same_in_repeats_as_of_one_look():
 
 def test_a_tool_that_moved_between_repeated_positions_is_a_step():
     def moved(problem):
-        late = (np.arange(len(problem.q)) >= 110).astype(float)
+        late = (np.arange(len(problem.q)) >= 112).astype(float)
         return {6 * (problem.arm.n + 1): 3e-4 * late}
 
-    (fault,) = prepare(repeated("6R", 24, 10, 3, joints=None, moved=moved)).faults
-    assert (fault.kind, fault.pose_id) == ("changed_setup", "111")
+    (fault,) = prepare(repeated("6R", 60, 4, 3, joints=None, moved=moved)).faults
+    assert (fault.kind, fault.pose_id) == ("changed_setup", "113")
 
 
 def test_targets_do_not_sit_elsewhere_by_what_a_model_lacks():

@@ -190,7 +190,7 @@ def test_plan_and_diagnosis_start_from_the_same(change, options):
 
 def test_a_campaign_of_many_poses_is_fitted_on_a_part_and_tried_on_another(monkeypatch):
     robot = load_robot("cylindrical")
-    q = np.repeat(random_poses(robot, 60, np.random.default_rng(3)), 2, axis=0)
+    q = np.tile(random_poses(robot, 60, np.random.default_rng(3)), (2, 1))
     plan = planned(robot, q)
     wheel = parse_effect("gear_eccentricity:joint=joint_1,variant=1,amplitude=5e-4", problem_of(plan))
     campaign = simulate(plan, Truth(effects=(wheel,), sigma=2e-5), seed=4)

@@ -53,6 +53,7 @@ class Campaign:
                       point. Where given it counts, not noise_sigma
     shot_scatter      sum of squares of the shots about their means over all axes [m²], and its
                       degrees of freedom
+    of_rows           the shots had rows of poses of their own: the arm may have gone away between them
     noise_sigma       one sigma per axis of one shot, stated for all; None: not stated
     six_dof           the targets of a pose are points of one 6-D measurement
     files             "<folder>/<file>" -> sha256
@@ -77,6 +78,7 @@ class Campaign:
     shots: IntArray
     sigma: Array | None = None
     shot_scatter: tuple[float, int] = (0.0, 0)
+    of_rows: bool = False
     noise_sigma: float | None = None
     six_dof: bool = False
     warnings: tuple[str, ...] = ()

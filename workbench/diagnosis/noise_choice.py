@@ -29,6 +29,7 @@ from .distances import shown_by_distances
 from .priors import PRIORS
 from .result import Noise
 
+FEWEST_DOF = 12  # of a noise by repeats
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
 RIGID = 0.1  # of the noise: measured targets change their distances by more
@@ -67,8 +68,23 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
             notes.append(_shown(said, found))
             return found, _figures(found, "repeats", axial, None), notes
         return said, _figures(said, "stated", axial, measured), notes
-    guess = provisional(problem)
-    return guess, Noise(0.1, "residual"), notes
+    shown_by_rows = _of_rows(problem)
+    if shown_by_rows is not None:
+        return *shown_by_rows, notes
+    return provisional(problem), Noise(0.1, "residual"), notes
+
+
+def _of_rows(problem: Problem) -> tuple[Covariance, Noise] | None:
+    """Noise by how rows on end scatter that are shots of one pose now; None where there are none. What the
+    arm is off by alike in all of them is not in it: that is its joints' scatter, which a fit shows."""
+    (square, dof), shots = problem.campaign.shot_scatter, np.maximum(problem.campaign.shots, 1)
+    if not problem.campaign.of_rows or dof < FEWEST_DOF:
+        return None
+    sigma = max(float(np.sqrt(square / dof)), LEAST) / np.sqrt(shots)
+    found = replace(provisional(problem), sigma=sigma, dof=float(dof))
+    words = "by how rows on end scatter, of which a pose is the mean"
+    figure = 1e3 * found.usual
+    return found, Noise(figure, "repeats", f"{figure:.4f} mm per axis, {words}.", None, found.dof)
 
 
 def of_distances(result: Fit) -> tuple[Covariance, Noise] | None:

@@ -40,6 +40,7 @@ from .noise_choice import choose, from_residual, of_distances, of_turns, rigid_t
 from .rarely_seen import without_rarely_seen
 from .replication import enough_for_halves
 from .result import FaultFound, Noise
+from .standstills import taken_together
 from .torque_noise import torque_noise
 from .wild_points import (
     Acting,
@@ -169,13 +170,15 @@ def prepare(
     progress("loading the robot")
     campaign, spare = parted(campaign, MOST_POSES)
     campaign, copies = without_copies(campaign)
+    campaign, shots, told = taken_together(campaign)
     read = problem(campaign)
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     try:
         sound = _without_faults(read, tuple(stated_effects(read)), enough)
         progress("fitting geometry")
-        prepared = _fitted(replace(sound, faults=(*copies, *sound.faults)))
+        faults, notes = (*copies, *shots, *sound.faults), (*told, *sound.notes)
+        prepared = _fitted(replace(sound, faults=faults, notes=notes))
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
             raise
