@@ -230,8 +230,8 @@ it, tells every fault with its line, and shows the points beside the robot befor
 _POSES = """
 A row per pose, here for a robot with six joints. Poses with equal joints,
 payload, wrench and setup are repeats; on end, within two minutes, they are shots of one standstill: what the
-arm is off by there is the same in all. Without `pose_id` the rows are numbered from 1. Columns of other names are
-mapped in [campaign.toml](campaign.md).
+arm is off by there is the same in all. Without `pose_id` the rows are numbered from 1. Columns of other
+names are mapped in [campaign.toml](campaign.md).
 """
 _POINTS = """
 A row per shot of a target, in the instrument's frame. Several rows of one pose and target are shots of one
