@@ -1,5 +1,6 @@
 """Joints, points and robot that do not belong together are named, and an honest robot never is."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -439,6 +440,11 @@ def test_zeros_and_lengths_off_everywhere_are_fitted_and_told():
     assert judge(rough).misfit.middle > 0.02
     (said,) = check_plausible(rough)
     assert said.startswith("The geometry is up to")
+    assert "Targets are found" not in said
+    elsewhere = [replace(one, xyz=tuple(np.add(one.xyz, [0.0, 0.0, 0.08]))) for one in rough.campaign.targets]
+    (said,) = check_plausible(replace(rough, campaign=replace(rough.campaign, targets=tuple(elsewhere))))
+    assert said.startswith("The geometry is up to")
+    assert re.search(r"Targets are found up to (7|8)\d mm from where they are stated", said)
 
 
 def alarms(folder, seed, cause):

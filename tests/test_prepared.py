@@ -19,6 +19,7 @@ from workbench.cli.main import main
 from workbench.diagnosis import prepared
 from workbench.diagnosis.moved_setup import jump, places
 from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.wild_points import _frozen
 from workbench.identification.heldout import heldout
 from workbench.measurement.design import plan
 from workbench.measurement.design.prior_information import from_campaign
@@ -341,3 +342,15 @@ def test_part_of_the_data_may_have_no_pose_of_a_campaign():
     part = both.some(np.flatnonzero(both.problem.campaign.poses.setup == 0))
     assert np.isfinite(part.geometry.state.t).all()
     assert part.geometry.chi2 < 1.5 * part.geometry.point_rows
+
+
+def test_a_ball_in_a_socket_is_no_frozen_reading():
+    """Its target has the same place in pose after pose, as it is held there; one that stays once is not."""
+    campaign = measured("ur5", poses=40, loads=(), targets=1)
+    stays = campaign.points.copy()
+    stays[1:, 0] = np.repeat(stays[::10, 0], 10, axis=0)[1:]
+    held_there = _frozen(problem_of(with_points(campaign, stays)))
+    assert held_there.faults == ()
+    once = campaign.points.copy()
+    once[5] = once[4]
+    assert [fault.pose_id for fault in _frozen(problem_of(with_points(campaign, once))).faults] == ["6"]

@@ -19,6 +19,7 @@ from .result import FaultFound
 
 LONGEST = 120.0  # s between the first and the last: from there on arm, stand or hall may have moved
 WARMER = 0.5  # K, of the same
+SAME = 1e-9  # rad, m and N: as good as equal
 AVERAGED = "time", "temperature", "torque", "readback"
 WILD = 15.0  # times the usual distance from the middle of a standstill's shots: another thing was hit
 
@@ -63,11 +64,10 @@ def taken_together(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]
 def _moved(campaign: Campaign) -> NDArray[np.bool_]:
     """(N,) the arm, its load or the time is another than in the row before."""
     poses = campaign.poses
-    columns = [np.round(poses.q, 9), poses.payload[:, None], np.round(poses.wrench, 6), poses.setup[:, None]]
+    columns = [poses.q, poses.payload[:, None], poses.wrench, poses.setup[:, None]]
     if poses.side is not None:
         columns.append(poses.side)
-    rows = np.hstack(columns)
-    moved = np.append(True, (rows[1:] != rows[:-1]).any(axis=1))
+    moved = np.append(True, (np.abs(np.diff(np.hstack(columns), axis=0)) > SAME).any(axis=1))
     for passing, most in ((poses.time, LONGEST), (poses.temperature, WARMER)):
         if passing is not None:
             since = passing - passing[np.maximum.accumulate(np.where(moved, np.arange(len(moved)), 0))]

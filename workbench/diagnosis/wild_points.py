@@ -38,7 +38,7 @@ GROSS_SHARE = 0.1  # and of the spread of the points
 FARTHEST = 1e6  # m, rad
 MOST = 0.3  # of the points at least are right
 ROUTINE = 0.1  # of the points: so many gross errors happen in good data (Hampel et al. 1986)
-MAJORITY = 0.5  # of the points: without it nothing says which are right
+MAJORITY = 0.5  # of the points: without it nothing says which are right, and what they do is no fault
 
 Acting = tuple[tuple[Effect, Array], ...]
 
@@ -340,14 +340,16 @@ def _wild_targets(problem: Problem, length: Array, limit: Array) -> Mended:
 
 
 def _frozen(problem: Problem) -> Mended:
-    """Points that repeat the pose before to the last digit although the joints have moved."""
+    """Points that repeat the pose before to the last digit although the joints have moved. A target most of
+    whose points do so is held where it is, as a ball in a socket."""
     c = problem.campaign
     wrong = np.zeros(c.points.shape[:2], dtype=bool)
     expected = problem.rigid.points(np.nan_to_num(problem.stated_targets), problem.on)
     for t in np.flatnonzero(problem.on):
         still = np.all(np.abs(np.diff(c.points[:, t], axis=0)) < 1e-9, axis=1)
         moved = np.linalg.norm(np.diff(expected[:, t], axis=0), axis=1) > 1e-3
-        wrong[1:, t] = still & moved
+        if still.mean() < MAJORITY:
+            wrong[1:, t] = still & moved
     if not wrong.any():
         return Mended(problem, ())
     points, faults = c.points.copy(), []

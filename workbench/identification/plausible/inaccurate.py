@@ -15,7 +15,7 @@ from ..fit import Fit, fit, start_state
 from ..model import Model, State
 from ..noise import Covariance
 from .few_poses import measured_and_needed
-from .misfit import Sample, misfit
+from .misfit import USUAL, Sample, misfit
 
 FARTHEST_TURN = np.radians(6.0)  # of a joint or its zero: mastered wrong, a belt some teeth off
 FARTHEST_SHIFT = 0.02  # m, of a joint: more is another variant of the robot
@@ -61,13 +61,16 @@ def _told(geometry: Fit, data: Sample, enough: float) -> str | None:
     counted = geometry.noise.weight > 0
     nearly_all = data.only(np.flatnonzero(counted)).changed(arm=data.arm.with_geometry(fitted))
     left = misfit(nearly_all)
-    if counted.mean() < MOST or left.total > enough:
+    if counted.mean() < MOST or left.share > enough:
         return None
     names = problem.arm.names
     longest, widest = int(np.argmax(shift)), int(np.argmax(turn))
     much = (
-        f" That leaves {1e3 * left.middle * left.spread:.2g} mm, which is much." if left.total > MUCH else ""
+        f" That leaves {1e3 * left.middle * left.spread:.2g} mm, which is much." if left.share > MUCH else ""
     )
+    if left.displaced:
+        far = f"{1e3 * (left.displaced * left.spread + USUAL):.0f} mm"
+        much += f" Targets are found up to {far} from where they are stated: the measured places are used."
     return (
         f"The geometry is up to {1e3 * shift[longest]:.1f} mm ({names[longest - 1]}) and "
         f"{np.degrees(turn[widest]):.2f}° ({names[widest - 1]}) from the URDF's: it is fitted. Joints may be "
