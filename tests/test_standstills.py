@@ -6,6 +6,7 @@ from diagnosis_cases import measured
 
 from workbench import diagnose
 from workbench.campaign import Campaign
+from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.standstills import taken_together
 
 UNSEEN = 3e-5  # rad, by which each joint misses its command, anew each time that it comes
@@ -59,6 +60,16 @@ def test_a_wild_shot_is_told_and_left_out():
     assert [(fault.kind, fault.pose_id) for fault in faults] == [("outlier", "row_4")]
     np.testing.assert_allclose(together.points[1, 1], campaign.points[[3, 5], 1].mean(axis=0), atol=1e-12)
     assert together.shots[1].tolist() == [3, 2, 3]
+
+
+def test_a_shot_of_nothing_is_no_part_of_the_mean():
+    campaign = standing(shots=2)
+    points = campaign.points.copy()
+    points[2] = 0.0
+    ready = prepare(Campaign(**{**vars(campaign), "points": points}))
+    at = ready.problem.campaign.poses.ids.index("row_2")
+    np.testing.assert_allclose(ready.problem.campaign.points[at], campaign.points[3], atol=1e-12)
+    assert {fault.pose_id for fault in ready.faults} == {"row_2"}
 
 
 def test_what_is_off_alike_in_all_shots_is_no_cause():

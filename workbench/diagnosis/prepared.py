@@ -170,15 +170,13 @@ def prepare(
     progress("loading the robot")
     campaign, spare = parted(campaign, MOST_POSES)
     campaign, copies = without_copies(campaign)
-    campaign, shots, told = taken_together(campaign)
     read = problem(campaign)
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
     progress("looking for data faults")
     try:
         sound = _without_faults(read, tuple(stated_effects(read)), enough)
         progress("fitting geometry")
-        faults, notes = (*copies, *shots, *sound.faults), (*told, *sound.notes)
-        prepared = _fitted(replace(sound, faults=faults, notes=notes))
+        prepared = _fitted(replace(sound, faults=(*copies, *sound.faults)))
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         if os.environ.get("WORKBENCH_DEBUG"):  # it may be our own mistake
             raise
@@ -208,8 +206,9 @@ class _Sound:
 def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
     possible = without_impossible(problem)
-    told = without_rarely_seen(possible.problem)
-    problem, faults = _measured_only(told.problem), (*possible.faults, *told.faults)
+    campaign, shots, of_rows = taken_together(possible.problem.campaign)
+    told = without_rarely_seen(replace(possible.problem, campaign=campaign))
+    problem, faults = _measured_only(told.problem), (*possible.faults, *shots, *told.faults)
     measured = problem
     enough(problem)  # what cannot be enough is not searched for mistakes
     far = jump(problem)
@@ -237,7 +236,7 @@ def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> 
         start = start_state(problem)
     if faults or usual is not problem:
         covariance, noise, notes = _noise(problem, known_effects, start)
-    said = [*many, *said, *enough(problem)]
+    said = [*of_rows, *many, *said, *enough(problem)]
     return _Sound(problem, known_effects, start, covariance, noise, faults, (*said, *notes))
 
 

@@ -70,8 +70,11 @@ def _moved(campaign: Campaign) -> NDArray[np.bool_]:
     moved = np.append(True, (np.abs(np.diff(np.hstack(columns), axis=0)) > SAME).any(axis=1))
     for passing, most in ((poses.time, LONGEST), (poses.temperature, WARMER)):
         if passing is not None:
-            since = passing - passing[np.maximum.accumulate(np.where(moved, np.arange(len(moved)), 0))]
-            moved |= np.abs(np.nan_to_num(since)) > most
+            number, passing = np.cumsum(moved) - 1, np.nan_to_num(passing)
+            least, largest = (np.full(number[-1] + 1, end) for end in (np.inf, -np.inf))
+            np.minimum.at(least, number, passing)
+            np.maximum.at(largest, number, passing)
+            moved |= (largest - least > most)[number]
     return np.asarray(moved)
 
 
@@ -81,8 +84,11 @@ def _without_wild(campaign: Campaign, number: NDArray[np.int64]) -> tuple[Array,
     off = np.linalg.norm(points - _middle(points, number), axis=2)
     several = np.isfinite(off) & (_summed(np.isfinite(off), number)[number] > 2)
     usual = float(np.median(off[several])) if several.any() else np.inf
+    wild = several & (off > WILD * usual + 1e-6)
+    if campaign.six_dof:  # it is one measurement
+        wild |= wild.any(axis=1)[:, None]
     faults = []
-    for i, t in np.argwhere(several & (off > WILD * usual + 1e-6)):
+    for i, t in np.argwhere(wild):
         name, target = campaign.poses.ids[i], campaign.targets[t].name
         what = f"{1e3 * off[i, t]:.3f} mm off the other shots of this standstill"
         faults.append(FaultFound("outlier", name, target, what, "left out"))
