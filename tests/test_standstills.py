@@ -43,6 +43,10 @@ def test_poses_that_are_come_back_to_stay_poses():
     together, _, told = taken_together(back)
     assert together is back
     assert not told
+    some = np.append(np.arange(10), np.random.default_rng(0).permutation(np.tile(np.arange(10, 40), 3)))
+    shuffled = campaign.some(3 * some)
+    assert (np.diff(some) == 0).any()
+    assert taken_together(shuffled)[0] is shuffled
 
 
 def test_a_standstill_of_hours_is_no_standstill():
