@@ -230,7 +230,9 @@ def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[Round,
             break
         del members[least]  # one at a time: two that stand in for each other are not both superfluous
         shares = best.competition.shares(members)
-    members, shares = _renamed_at_no_loss(best, members, shares)  # a search takes forms for too true
+    # forms are not as true as the search takes them: of two that may be, what predicts better decides
+    members, shares = renamed(best.competition, members, shares, below=PRIORS.absent)
+    members, shares = _renamed_at_no_loss(best, members, shares)
     order = sorted(
         range(len(members)), key=lambda i: -Chosen(best.competition.reduced, [members[i]]).explained
     )

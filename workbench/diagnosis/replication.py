@@ -176,14 +176,15 @@ def exceeds(weight: Array, shift: Array, limit: float) -> float:
 
 
 def renamed(
-    competition: Competition, members: Sequence[Member], shares: Sequence[Shares]
+    competition: Competition, members: Sequence[Member], shares: Sequence[Shares], below: float = 1.0
 ) -> tuple[list[Member], list[Shares]]:
     """The members and their shares, with what the parts have in the place of one where that is likelier than
-    this; once, where it comes in the place of two."""
+    this; once, where it comes in the place of two. below: only of those that have less themselves."""
     out = dict[int, tuple[Member, Shares]]()
     for member, share in zip(members, shares, strict=True):
         k, new = max(share, key=lambda k: share[k]), member
-        if k not in (None, member.component) and share.get(None, 0.0) < share[k]:
+        faint = share.get(member.component, 0.0) < below
+        if faint and k not in (None, member.component) and share.get(None, 0.0) < share[k]:
             others = [m for m in members if m is not member and m.component != k]
             weight = competition.beside(Chosen(competition.reduced, others)).get(k)
             if weight is not None:  # else what it needs is not there
