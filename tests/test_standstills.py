@@ -6,10 +6,17 @@ from diagnosis_cases import measured
 
 from workbench import diagnose
 from workbench.campaign import Campaign
+from workbench.campaign.problem import problem_of
+from workbench.diagnosis import standstills
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.standstills import taken_together
 
 UNSEEN = 3e-5  # rad, by which each joint misses its command, anew each time that it comes
+
+
+def taken_together(campaign: Campaign):
+    """Campaign, faults and remarks of `standstills.taken_together`."""
+    problem, faults, told = standstills.taken_together(problem_of(campaign))
+    return problem.campaign, faults, told
 
 
 def standing(poses=40, shots=3, seed=5, **columns) -> Campaign:

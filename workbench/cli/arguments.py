@@ -65,14 +65,12 @@ def load_options(parser: argparse.ArgumentParser) -> None:
 
 
 def tool_option(parser: argparse.ArgumentParser) -> None:
-    frame_option(parser, "tool", "tool in the flange frame, whose poses a path of tool poses gives")
-
-
-def frame_option(parser: argparse.ArgumentParser, name: str, what: str) -> None:
-    """`--name` with a frame, and what it is."""
+    """`--tool` of a path; `frames_option` is a program's."""
     parser.add_argument(
-        f"--{name}", type=frame, metavar="X,Y,Z,A,B,C", help=f"{what}: mm, deg, R = Rz(a) Ry(b) Rx(c)"
-    )
+        "--tool", type=frame, metavar="X,Y,Z,A,B,C",
+        help="tool in the flange frame, whose poses a path of tool poses gives: mm, deg, "
+        "R = Rz(a) Ry(b) Rx(c)",
+    )  # fmt: skip
 
 
 def frames_option(parser: argparse.ArgumentParser, name: str, what: str) -> None:

@@ -90,10 +90,9 @@ def compensate_program(
 
     out: a folder (default: NAME_compensated beside the program) or a file with the same extension. tool and
     base: (4, 4) where the program's own stand on the controller, not in the file; of several each by the name
-    that the program has for it. start: (6,) the URDF's
-    joints [rad] before the first target, where the file does not say the posture. Between targets the arm
-    moves as before: what depends on the joints in between is corrected at the targets only. Raises
-    `InputError`; nothing is written then.
+    that the program has for it. start: (6,) the URDF's joints [rad] before the first target, where the file
+    does not say the posture. Between targets the arm moves as before: what depends on the joints in between
+    is corrected at the targets only. Raises `InputError`; nothing is written then.
     """
     source, robot = pathlib.Path(path), load_robot(model)
     chosen = find_format(format) if format else _by_extension(source)

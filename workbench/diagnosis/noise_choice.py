@@ -14,6 +14,7 @@ from ..campaign.problem import Problem
 from ..identification.fit import Fit
 from ..identification.model import Linearisation
 from ..identification.noise import (
+    FEWEST_DOF,
     LEAST,
     Covariance,
     MeasuredNoise,
@@ -29,7 +30,6 @@ from .distances import shown_by_distances
 from .priors import PRIORS
 from .result import Noise
 
-FEWEST_DOF = 12  # of a noise by repeats
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
 RIGID = 0.1  # of the noise: measured targets change their distances by more

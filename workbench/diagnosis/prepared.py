@@ -206,8 +206,8 @@ class _Sound:
 def _without_faults(problem: Problem, known_effects: Acting, enough: Enough) -> _Sound:
     """Wild points out; and a set-up that moved is two."""
     possible = without_impossible(problem)
-    campaign, shots, of_rows = taken_together(possible.problem.campaign)
-    told = without_rarely_seen(replace(possible.problem, campaign=campaign))
+    together, shots, of_rows = taken_together(possible.problem)
+    told = without_rarely_seen(together)
     problem, faults = _measured_only(told.problem), (*possible.faults, *shots, *told.faults)
     measured = problem
     enough(problem)  # what cannot be enough is not searched for mistakes

@@ -15,23 +15,25 @@ from numpy.typing import NDArray
 
 from ..campaign import Campaign
 from ..campaign.poses import Array, Column
+from ..campaign.problem import Problem
+from ..identification.repeats import repeat_groups
 from .result import FaultFound
 
 LONGEST = 120.0  # s between the first and the last: from there on arm, stand or hall may have moved
 WARMER = 0.5  # K, of the same
 ON_END = 0.5  # of all repeats: where fewer are, the arm goes away and comes back, now and then at once
-SAME = 1e-9  # rad, m and N: as good as equal
 AVERAGED = "time", "temperature", "torque", "readback"
 WILD = 15.0  # times the usual distance from the middle of a standstill's shots: another thing was hit
 
 
-def taken_together(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...], tuple[str, ...]]:
-    """The campaign with rows on end of the same joints, load, set-up and sides of approach as shots of one
+def taken_together(problem: Problem) -> tuple[Problem, tuple[FaultFound, ...], tuple[str, ...]]:
+    """The problem with rows on end of the same joints, load, set-up and sides of approach as shots of one
     pose, which has the first one's name; wild shots among them as faults, and a remark."""
-    moved, repeats = _moved(campaign)
+    campaign, group = problem.campaign, repeat_groups(problem)
+    moved, repeats = _moved(campaign, group), len(group) - len(np.unique(group))
     first, number = np.flatnonzero(moved), np.cumsum(moved) - 1
     if len(moved) - len(first) < max(1.0, ON_END * repeats):
-        return campaign, (), ()
+        return problem, (), ()
     points, faults = _without_wild(campaign, number)
     count = np.asarray(np.isfinite(points).all(axis=2))
     shots = np.where(count, np.maximum(campaign.shots, 1), 0)
@@ -59,18 +61,12 @@ def taken_together(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]
         f"{more} rows have the joints of the row before: taken for further shots of one standstill. Rows for "
         "which the arm went away and came back say more in another order."
     )
-    return together, faults, (told,)
+    return replace(problem, campaign=together), faults, (told,)
 
 
-def _moved(campaign: Campaign) -> tuple[NDArray[np.bool_], int]:
-    """(N,) the arm, its load or the time is another than in the row before; and how many rows are repeats of
-    earlier ones, on end or not."""
-    poses = campaign.poses
-    columns = [poses.q, poses.payload[:, None], poses.wrench, poses.setup[:, None]]
-    if poses.side is not None:
-        columns.append(poses.side)
-    rows = np.hstack(columns)
-    moved = np.append(True, (np.abs(np.diff(rows, axis=0)) > SAME).any(axis=1))
+def _moved(campaign: Campaign, group: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """(N,) the row is no repeat of the row before, by the groups of repeats (N,), or time has passed."""
+    poses, moved = campaign.poses, np.append(True, np.diff(group) != 0)
     for passing, most in ((poses.time, LONGEST), (poses.temperature, WARMER)):
         if passing is not None:
             number, passing = np.cumsum(moved) - 1, np.nan_to_num(passing)
@@ -78,7 +74,7 @@ def _moved(campaign: Campaign) -> tuple[NDArray[np.bool_], int]:
             np.minimum.at(least, number, passing)
             np.maximum.at(largest, number, passing)
             moved |= (largest - least > most)[number]
-    return np.asarray(moved), len(rows) - len(np.unique(rows, axis=0))
+    return np.asarray(moved)
 
 
 def _without_wild(campaign: Campaign, number: NDArray[np.int64]) -> tuple[Array, tuple[FaultFound, ...]]:

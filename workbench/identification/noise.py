@@ -20,6 +20,7 @@ from ..robot.rotations import body_jacobian
 from .repeats import scatter_of_repeats
 
 NOTHING = 2 * np.log(1e-12)  # logarithm of a variance [m² or rad²] that is none
+FEWEST_DOF = 12  # degrees of freedom from which repeats or shots show a noise
 LEAST = 1e-6  # m: no instrument that sees a robot is better; a fit that believes one bends to what it rounds
 
 
@@ -158,7 +159,7 @@ class MeasuredNoise:
 
 
 def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
-    """Noise from repeated poses and shots; None where there are fewer than 12 degrees of freedom.
+    """Noise from repeated poses and shots; None where there are fewer than `FEWEST_DOF`.
 
     axial: (N, 3T, n) motion of the points per joint motion. Maximum likelihood of two variances: the
     instrument's σ² and one for the joints (their ratio as the robot's TOML says, else equal).
@@ -166,7 +167,7 @@ def measure_noise(problem: Problem, axial: Array) -> MeasuredNoise | None:
     c = problem.campaign
     deviation, weight, dof = scatter_of_repeats(problem)
     shot_ss, shot_dof = c.shot_scatter
-    if dof < 12:
+    if dof < FEWEST_DOF:
         return None
     kept = weight > 0
     d = deviation.reshape(len(weight), -1)[kept]
