@@ -283,29 +283,29 @@ def test_points_of_another_scale_are_told_with_the_factor(scale):
         assert f"say scale = {1 / float(note.split()[4]):.3f}" in note
 
 
-def held_in_sockets():
-    """A ball at the hand, in one of two sockets 50 mm apart however the arm turns about it: the points hardly
-    spread, and lengths and zeros are off by a fifth of that."""
+def held_in_sockets(coarse: float):
+    """A ball at the hand, in one of three sockets 50 mm apart however the arm turns about it: the points hardly
+    spread, and what lengths and zeros are off by is as much, or a fifth of that."""
     plan, rng = measured("ur5", poses=60, loads=(), targets=1), np.random.default_rng(5)
     job, ball = problem_of(plan), np.array([0.0, 0.0, 0.13])
-    sockets = np.array([(0.45, 0.1, 0.2), (0.5, 0.1, 0.2)])
+    sockets = np.array([(0.45, 0.1, 0.2), (0.5, 0.1, 0.2), (0.475, 0.143, 0.2)])
 
     def off(q, n):
         hand = frames(job.arm, q[None])
-        return hand.p[-1, 0] + hand.R[-1, 0] @ ball - sockets[n % 2]
+        return hand.p[-1, 0] + hand.R[-1, 0] @ ball - sockets[n % 3]
 
     q = np.array([least_squares(off, one, args=(n,)).x for n, one in enumerate(plan.poses.q)])
-    truth = Truth(geometry=random_geometry(job.arm, rng, 1e-3, 5e-3), sigma=2e-4)
+    truth = Truth(geometry=random_geometry(job.arm, rng, coarse * 1e-3, coarse * 5e-3), sigma=2e-4)
     at_ball = replace(plan.targets[0], xyz=tuple(ball.tolist()))
     held = simulate(replace(plan.with_poses(q=q), targets=(at_ball,)), truth, seed=5)
     return replace(held, targets=(replace(at_ball, xyz=None),))
 
 
-def test_a_ball_held_in_sockets_is_no_mistake():
-    held = held_in_sockets()
+@pytest.mark.parametrize("coarse", [1.0, 4.0])
+def test_a_ball_held_in_sockets_is_no_mistake(coarse):
+    held = held_in_sockets(coarse)
     found = judge(problem_of(held))
-    assert found.misfit.middle > 0.1
-    assert found.geometry
+    assert found.misfit.spread > 0.3  # not the points': as far as these joints move the ball
     assert not found.refused
     assert judge(problem_of(points(held, shuffled))).refused
 

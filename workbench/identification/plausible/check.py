@@ -156,11 +156,8 @@ def judge(problem: Problem) -> Plausible:
     if unexplained():
         tried = [((h,), misfit(h.undo(data), turns=True).total) for h in turned_otherwise(problem, data)]
     if unexplained() and _scale(data, enough) == 1.0:
-        # where the hand turns about few places, points hardly spread: what is left is what robots leave
-        alone = max(enough, min(SMALL / now.spread, CLEARER * now.total))
-        if now.middle <= COARSE:
-            alone = np.inf  # no mistake leaves so little: what the geometry leaves is the robot's
-        off = inaccurate(problem, data, alone)
+        # no mistake leaves so little as a coarse robot: what its geometry leaves is the robot's
+        off = inaccurate(problem, data, np.inf if now.middle <= COARSE else enough)
         if off is not None:
             zero = _zero(problem, data, enough)
             return Plausible(now, zero=zero, geometry=None if zero else off)

@@ -1,4 +1,9 @@
-"""How far the measured points are from where the rigid robot has them, over the spread of the points."""
+"""How far the measured points are from where the rigid robot has them, over the spread of the points.
+
+Of points that the robot keeps in one place while its joints move (a ball in a socket, a hand that turns about
+its tool), that spread says nothing: there it is the one that these joints give when each has its values in an
+order of its own.
+"""
 
 from __future__ import annotations
 
@@ -40,6 +45,11 @@ class Sample:
     def where(self) -> Frames:
         """The frames of its joints."""
         return frames(self.arm, self.q)
+
+    @cached_property
+    def in_any_order(self) -> Frames:
+        """The frames of its joints where each has its values in an order of its own."""
+        return frames(self.arm, np.random.default_rng(len(self.q)).permuted(self.q, axis=0))
 
     def changed(self, **parts: Any) -> Sample:
         """The same with other parts."""
@@ -103,7 +113,8 @@ def misfit(data: Sample, *, turns: bool = False, scale: bool = False, rounds: in
         seen = sight(data.where, data.points, data.on, data.setup == k)
         found = place(seen, data.stated, prior, turns=turns, scale=scale, rounds=rounds)
         points = seen.p + np.einsum("ntij,tj->nti", seen.R, found.targets)
-        spread = found.scale * float(np.sqrt(points[seen.seen].var(axis=0).sum())) + 1e-9
+        moved = data.in_any_order.points(found.targets, data.on)
+        spread = found.scale * max(_spread(points[seen.seen]), _spread(moved.reshape(-1, 3))) + 1e-9
         placed.append(found)
         spreads.append(spread)
         lengths.append(found.length[np.isfinite(found.length)] / spread)
@@ -115,6 +126,11 @@ def misfit(data: Sample, *, turns: bool = False, scale: bool = False, rounds: in
         return Misfit()
     share = float(np.sqrt(np.mean(np.minimum(every, BOUND) ** 2)))
     return Misfit(share, float(np.median(every)), float(displaced), float(np.median(spreads)), tuple(placed))
+
+
+def _spread(points: Array) -> float:
+    """[m] rms distance of (N, 3) points from their mean."""
+    return float(np.sqrt(points.var(axis=0).sum()))
 
 
 def _middle(length: Array) -> Array:
