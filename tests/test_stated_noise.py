@@ -134,3 +134,11 @@ def test_distances_are_not_believed_of_few_positions():
     """A calibration of 24 poses has numbers enough to leave no more than the instrument's noise."""
     found = diagnose(replace(measured(None, poses=24), noise_sigma=None)).diagnosis
     assert found.noise.source == "residual"
+
+
+def test_what_is_only_taken_for_noise_is_said():
+    found = diagnose(measured(None)).diagnosis
+    assert found.noise.source == "residual"
+    scatter = 1e3 * 3**0.5 * SIGMA
+    told = float(found.headline.removeprefix("Nothing is missing that shows in a scatter of ").split()[0])
+    assert told == pytest.approx(scatter, rel=0.15)

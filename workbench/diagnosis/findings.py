@@ -22,7 +22,7 @@ from .competition import Selection
 from .components import Component, bare, with_companions
 from .evidence import evidence
 from .facts import facts, geometry, unidentifiable
-from .headline import headline, much_left, remarks, steps, verdict_of
+from .headline import headline, much_left, remarks, shows_in, steps, verdict_of
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
@@ -63,6 +63,7 @@ def assemble(parts: Parts) -> Diagnosis:
     findings = [_finding(parts, *group) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = base.heldout_rms_mm - with_names
+    noise_mm = 1e3 * float(np.sqrt(3) * final.usual)
     rounded = rounded_joints(final, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
     nameless = nameless_of(selection, with_names - best)
@@ -89,11 +90,11 @@ def assemble(parts: Parts) -> Diagnosis:
             brought,
             ceiling,
             visible_mm(final, parts.candidates),
-            1e3 * np.sqrt(3) * final.usual,
+            noise_mm,
             base,
             parts.given,
             repeats_to,
-            left.inflation if left.overstated else None,
+            shows_in(prepared, left, noise_mm),
             0.0 if final.lasting is final else rms_mm(heldout(final.lasting, seed=parts.seed)),
         )
         + steps(prepared.faults),

@@ -46,14 +46,14 @@ def headline(
     base: Stage,
     given: Sequence[GivenFact] = (),
     repeatability_mm: float | None = None,
-    overstated: float | None = None,
+    shows_in: str = "",
     lasting_mm: float = 0.0,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
     beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; base: the stage
     before any cause, of geometry or of that and of what was given; repeatability_mm: of the robot, where that
-    is all that is left; overstated: residual over a noise that is stated far too large; lasting_mm: RMS on
-    poses held out, of the model without what goes with time, order or the instrument."""
+    is all that is left; shows_in: as `shows_in`; lasting_mm: RMS on poses held out, of the model without what
+    goes with time, order or the instrument."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [words_of(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
@@ -83,10 +83,7 @@ def headline(
         explain = "geometry and what was given explain" if with_given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
         nothing = f"{said}; beyond that nothing is missing" if said else "Nothing is missing"
-        if overstated is not None:
-            nothing += (
-                f" that shows in the stated noise, {_times(1 / overstated)} times what the data scatter by"
-            )
+        nothing += shows_in
         if repeatability_mm is None:
             return f"{nothing}: {explain} these data, and {power}. {gain}."
         but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"
@@ -102,6 +99,15 @@ def headline(
         first, then = (said, left) if brought_mm > best / 2 else (left, said)  # what is most of it leads
         return f"{first}{f'; {then[0].lower()}{then[1:]}' if then else ''}. {gain}"
     return f"{said}. {gain}"
+
+
+def shows_in(prepared: Prepared, left: Remainder, noise_mm: float) -> str:
+    """Behind "nothing is missing": in what noise, where nobody can be sure of that."""
+    if left.overstated:
+        return f" that shows in the stated noise, {_times(1 / left.inflation)} times what the data scatter by"
+    if not prepared.noise_known:
+        return f" that shows in a scatter of {noise_mm:.3f} mm, taken for noise as none is stated or repeated"
+    return ""
 
 
 def steps(faults: Sequence[FaultFound]) -> str:
