@@ -17,7 +17,8 @@ from .chain import Chain, MovingJoint
 from .meshes import Pictures, mesh_key
 from .urdf import MOVING, Urdf, number, origin_of, vector
 
-BONE = 0.035  # m, radius of the cylinder that stands for a link without a picture
+BONE = 0.035  # m, radius of the cylinder that stands for a link without a picture, at most
+SLIM = 0.125  # and of its length: a small arm's links do not hide what it measures
 GREY = "0.72 0.74 0.76 1"
 LIGHTEST, HEAVIEST = 1e-3, 5e3  # kg of what moves with a joint: of a hobby servo, of the largest arms
 FARTHEST = 5.0  # m from a link to its centre of mass, or as radius of gyration
@@ -195,13 +196,13 @@ def _add_bone(body: ET.Element, end: tuple[float, float, float]) -> None:
     """A cylinder from the link's origin to a joint that it carries."""
     x, y, z = end
     length = float(np.linalg.norm(end))
-    if length < 2 * BONE:
+    if not length:
         return
     visual = ET.SubElement(body, "visual")
     rpy = (0.0, float(np.arctan2(np.hypot(x, y), z)), float(np.arctan2(y, x)))
     ET.SubElement(visual, "origin", xyz=_text((x / 2, y / 2, z / 2)), rpy=_text(rpy))
     geometry = ET.SubElement(visual, "geometry")
-    ET.SubElement(geometry, "cylinder", radius=repr(BONE), length=repr(length))
+    ET.SubElement(geometry, "cylinder", radius=repr(min(BONE, SLIM * length)), length=repr(length))
     ET.SubElement(ET.SubElement(visual, "material", name=""), "color", rgba=GREY)
 
 
