@@ -21,13 +21,15 @@ REFERENCE_TEMPERATURE = 20.0  # °C, at which the nominal robot holds
 @dataclass(frozen=True)
 class Problem:
     """Robot, arm and campaign. N poses, n joints, T targets; `compensator` as the robot's TOML has it;
-    `coarse`: how many times as large as in an industrial arm this machine's errors are."""
+    `coarse`: how many times as large as in an industrial arm this machine's errors are; `rounded`: joints of
+    which many poses have one value, written down so coarsely that they show no function of the angle."""
 
     robot: Robot
     arm: Arm
     campaign: Campaign
     compensator: CompensatorLaw | None = None
     coarse: float = 1.0
+    rounded: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"Problem: {self.campaign!r}"

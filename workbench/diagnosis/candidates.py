@@ -5,7 +5,11 @@ from __future__ import annotations
 from ..campaign.problem import Problem
 from ..effects import catalogue
 from ..effects.base import Effect
+from ..effects.place import Where
 from .result import NotTestable
+
+OF_ITS_ANGLE = ("gear_kinematic_error", "gear_eccentricity", "joint_map")
+AS_ROUNDED = "many poses have one written value of it, so coarse that its rounding may be all that is left"
 
 
 def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:
@@ -17,5 +21,9 @@ def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:
         if why is not None:
             missing.append(NotTestable(cause, why))
             continue
-        candidates += kind.sites(problem)
+        sites = kind.sites(problem)
+        if cause in OF_ITS_ANGLE and problem.rounded:
+            missing += [NotTestable(cause, AS_ROUNDED, Where(joint=joint)) for joint in problem.rounded]
+            sites = [site for site in sites if site.where.joint not in problem.rounded]
+        candidates += sites
     return candidates, missing

@@ -64,7 +64,7 @@ def assemble(parts: Parts) -> Diagnosis:
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = base.heldout_rms_mm - with_names
     noise_mm = 1e3 * float(np.sqrt(3) * final.usual)
-    rounded = rounded_joints(final, prepared.noise, beyond)
+    rounded = rounded_joints(final, prepared.geometry, prepared.noise, beyond)
     repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
     nameless = nameless_of(selection, with_names - best)
     rest = with_names - ceiling

@@ -40,6 +40,7 @@ from .noise_choice import choose, from_residual, of_distances, of_turns, rigid_t
 from .rarely_seen import without_rarely_seen
 from .replication import enough_for_halves
 from .result import FaultFound, Noise
+from .rounded_joints import shared_rounding
 from .standstills import taken_together
 from .torque_noise import torque_noise
 from .wild_points import (
@@ -299,9 +300,9 @@ def _fitted(sound: _Sound) -> Prepared:
     if not known or problem.drives:
         geometry = fit(model, geometry.state, covariance)
     geometry = plausible_geometry(geometry)
-    coarse = coarseness(geometry)
-    if coarse > 1:
-        problem = replace(problem, coarse=coarse)
+    coarse, rounded = coarseness(geometry), shared_rounding(geometry)
+    if coarse > 1 or rounded:
+        problem = replace(problem, coarse=coarse, rounded=rounded)
         model = replace(model, problem=problem)
         geometry = replace(geometry, model=replace(geometry.model, problem=problem))
     as_stated = replace(sound.start, geometry=problem.arm.geometry)

@@ -34,12 +34,12 @@ class _Background:
 
 
 def scan(fit: Fit, per_joint: int = 2) -> list[Line]:
-    """The highest peaks of each revolute joint, highest first."""
+    """The highest peaks of each turning joint, highest first; none where its rounding makes peaks as well."""
     problem = fit.model.problem
     lines = []
     for j in range(problem.arm.n):
         q = problem.q[:, j]
-        if problem.arm.prismatic[j] or np.ptp(q) <= 0.1:
+        if problem.arm.prismatic[j] or np.ptp(q) <= 0.1 or problem.arm.names[j] in problem.rounded:
             continue
         lowest = max(LOWEST, LEAST_CYCLES * 2 * np.pi / float(np.ptp(q)))
         orders = np.arange(lowest, HIGHEST, FINENESS)
