@@ -77,14 +77,15 @@ class Springs:
         Behind a gear that errs a spring is stretched by its own motion less the slope times the motor's: of a
         stiff spring even a slight slope, were it left out here, would make the step diverge.
         """
-        h, out = self.step, self.linear
+        h, out = self.step, self.linear.copy()
         for one in self.erring:
-            stretch = np.zeros(self.size)
-            stretch[one.at] = 1.0
+            stretch = {one.at: 1.0}
             for pair, motor in one.pairs if self.reaction else ():
-                stretch[motor] -= self.slopes[pair]
+                stretch[motor] = stretch.get(motor, 0.0) - self.slopes[pair]
             weight = h / 2 * one.damping + h**2 / 4 * self.softness[one.at]
-            out = out + weight * np.outer(stretch, stretch)
+            for i, along in stretch.items():  # of so few numbers NumPy would take several times as long
+                for j, other in stretch.items():
+                    out[i, j] += weight * (along * other)
         return out
 
 
