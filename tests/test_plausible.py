@@ -301,7 +301,7 @@ def held_in_sockets(coarse: float):
     return replace(held, targets=(replace(at_ball, xyz=None),))
 
 
-@pytest.mark.parametrize("coarse", [1.0, 4.0])
+@pytest.mark.parametrize("coarse", [pytest.param(1.0, marks=pytest.mark.slow), 4.0])
 def test_a_ball_held_in_sockets_is_no_mistake(coarse):
     held = held_in_sockets(coarse)
     found = judge(problem_of(held))
