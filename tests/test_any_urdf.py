@@ -253,6 +253,26 @@ def test_an_impossible_inertia_keeps_its_mass(tmp_path):
     )
 
 
+def test_each_missing_package_is_asked_for(tmp_path):
+    text = example.robot(example.arm(package="elsewhere")).replace("package://elsewhere", "package://off", 1)
+    (note,) = urdf_notes(published(tmp_path, text))
+    assert "(package://off" in note
+    assert "--package off=DIR --package elsewhere=DIR" in note
+
+
+def test_a_rods_inertia_of_few_digits_is_read_without_a_word(tmp_path, caplog):
+    rod = re.sub(
+        "<inertia .*?/>",
+        '<inertia ixx="0.0002512" iyy="0.0002511999" izz="2e-14" ixy="0" ixz="0" iyz="0"/>',
+        example.robot(example.arm()),
+        count=1,
+    )
+    robot = published(tmp_path, rod)
+    assert not urdf_notes(robot)
+    assert arrays(robot).mass.sum() == pytest.approx(sum(example.MASSES))
+    assert not caplog.records
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

@@ -73,9 +73,11 @@ def mesh_notes(meshes: MeshFiles) -> list[str]:
     files, notes = dict(meshes), []
     missing = [name for (name, _), file in files.items() if file is None]
     if missing:
+        packages = [in_package(name)[0] for name in missing]
         there = {in_package(name)[0] for (name, _), file in files.items() if file is not None}
-        lacking = sorted({in_package(name)[0] for name in missing} - there - {""})
-        mend = f"; say --package {lacking[0]}=DIR, or set ROS_PACKAGE_PATH" if lacking else ""
+        lacking = dict.fromkeys(package for package in packages if package and package not in there)
+        each = " ".join(f"--package {package}=DIR" for package in lacking)
+        mend = f"; say {each}, or set ROS_PACKAGE_PATH" if lacking else ""
         of = f"{len(missing)} of {len(files)} meshes" if len(files) > 1 else "the only mesh"
         what = f"{of} {'is' if len(missing) == 1 else 'are'} not there ({missing[0]}"
         notes.append(f"{what}{', ...' if len(missing) > 1 else ''}); only pictures need them{mend}")

@@ -107,13 +107,18 @@ def _mass(urdf: Urdf, link: str) -> float:
 
 
 def _inertia(urdf: Urdf, link: str) -> list[float] | None:
-    """ixx iyy izz ixy ixz iyz [kg·m²]; None where no body can have it."""
+    """ixx iyy izz ixy ixz iyz [kg·m²], what digits lack for a rod or a disc added; None where no body can
+    have it."""
     element = urdf.links[link].find("inertial/inertia")
     place = f"{urdf.path}: link {link!r} inertia"
     values = [number(element, key, place, 0.0) for key in MOMENTS]
     xx, yy, zz, xy, xz, yz = values
     low, middle, high = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return values if low >= 0 and low + middle >= high * (1 - 1e-6) else None
+    short = float(high - low - middle)
+    if low < 0 or short > 1e-6 * high:
+        return None
+    more = 2 * short if short > 1e-12 * high else 0.0  # of less Drake does not speak
+    return [xx + more, yy + more, zz + more, xy, xz, yz]
 
 
 def _add_inertial(body: ET.Element, urdf: Urdf, link: str) -> None:
