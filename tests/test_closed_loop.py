@@ -447,6 +447,17 @@ def test_files_are_whole(files, tmp_path):
     assert done.to_json()["speeds"][0]["commands"]["corrected"]["rms_mm"] < 0.1
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_path_of_a_tenth_of_a_millimetre_has_its_page(tmp_path):
+    """It is over in 3 ms: no line of the spectrum lies below 100 Hz."""
+    q = np.array(POSES["kr500"]) + np.linspace(0, 3e-5, 3)[:, None] * np.array([1.0, 0, 0, 0, 0, 0])
+    path = tmp_path / "path.csv"
+    write_path(path, Path(0.001 * np.arange(3.0), q=q))
+    done = verify_file(path, "kr500", None, tmp_path / "out", speeds=[0.03], repeats=0)
+    assert "nan" not in (tmp_path / "out" / "verify.html").read_text(encoding="utf-8")
+    assert done.found.slow.time[-1] - done.found.slow.time[0] < 0.01
+
+
 @pytest.mark.parametrize(
     ("model", "truth", "said"),
     [

@@ -106,6 +106,10 @@ def test_one_set_of_rules_for_paths_and_programs(
         ("t_s,q1_deg,q1_rad\n0,1,2\n1,1,2\n", "line 1: both q1_deg and q1_rad; keep one of them"),
         ("t_s,q1_kN\n0,1\n1,2\n", "line 1: column 'q1_kN': 'kN' is not a unit of it; name it q1_deg"),
         ("t_s,q1_deg,dwel_s\n0,1,0\n1,2,0\n", "column 'dwel_s' is not known; did you mean 'dwell_s'?"),
+        (
+            "t_s,q1_deg,dwell_s\n0,1,0\n1,2,1.5\n2,3,0\n",
+            "line 3: rests 1.5 s, 1 s before the next line; t_s counts the rest as well",
+        ),
         (QUATERNIONS + "0,1,2,3,1.005,0,0,0\n1,1,2,3,1,0,0,0\n", "line 2: qw qx qy qz has length 1.005"),
     ],
 )

@@ -3,7 +3,7 @@ maker's own kinematics and manual say of it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -140,11 +140,14 @@ def ls(X: np.ndarray, says: str) -> dict[str, str]:
     return {"p.ls": "\n".join([*lines, "/END", ""])}
 
 
-def val3(X: np.ndarray, says: str) -> dict[str, str]:
+def val3(X: np.ndarray, says: str, before: Sequence[float] = ()) -> dict[str, str]:
     place = " ".join(f'{n}="{1e3 * v:.6f}"' for n, v in zip("xyz", X[:3, 3], strict=True))
     turns = " ".join(f'r{n}="{v:.6f}"' for n, v in zip("xyz", turn(X, "XYZ"), strict=True))
     data = f'<Data name="p"><Value key="0" {place} {turns} {says} fatherId="world[0]"/></Data>'
-    code = "begin\nmovej(p[0],flange,m)\nmovel(p[0],flange,m)\nend"
+    axes = " ".join(f'j{i}="{value:.6f}"' for i, value in enumerate(before, 1))
+    data += f'<Data name="j"><Value key="0" {axes}/></Data>' if before else ""
+    first = "movej(j[0],flange,m)\n" if before else ""
+    code = f"begin\n{first}movej(p[0],flange,m)\nmovel(p[0],flange,m)\nend"
     return {
         "p.pjx": "<Project/>",
         "p.dtx": f'<Database>{data}<Data name="m"><Value key="0" vel="50"/></Data></Database>',
@@ -316,20 +319,53 @@ def test_status_and_turn_are_read_as_bits_too() -> None:
     assert [low < 0 for _, low, _ in said[0].between] == [True, True, False, True, True, False]
 
 
-def test_a_free_target_without_posture_is_taken_nearest_to_the_joints_before(tmp_path: Path) -> None:
+def test_a_free_target_without_posture_keeps_the_status_before_on_the_shortest_way(tmp_path: Path) -> None:
+    """KUKA's controller retains the Status where none is programmed; the Turn is the shortest way's."""
     model, robot = bent("kr500", tmp_path)
+    convention = robot.convention
+    assert convention is not None
     turns = np.array([(0, 0, 0, 360 * i, 0, 360 * j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
     every = (np.array(SOLUTIONS["kr500"])[:, None] + turns).reshape(-1, 6)
     every = every[(np.abs(every) < FAR["kr500"]).all(axis=1)]
+
+    def status(angles: np.ndarray) -> np.ndarray:
+        return np.asarray(margins(robot, convention, convention.joints(np.radians(angles))) >= 0)
+
     lower, upper = np.array([-150, -100, -50, -300, -100, -300]), np.array([150, -20, 100, 300, 100, 300])
     rng, taken = np.random.default_rng(3), set()
-    for start in rng.uniform(lower, upper, (12, 6)):
+    for start in rng.uniform(lower, upper, (24, 6)):
         axes = f"PTP {{{', '.join(f'A{i} {value:.4f}' for i, value in enumerate(start, 1))}}}"
-        joints = shown(robot, corrected(tmp_path, model, krl(flange("kr500"), "", axes)))
-        nearest = int(np.abs(every - start).max(axis=1).argmin())
-        assert joints[1] == pytest.approx(every[nearest], abs=1e-3)
-        taken.add(nearest)
+        done = corrected(tmp_path, model, krl(flange("kr500"), "", axes))
+        same = (status(every) == status(start[None])).all(axis=1)
+        assert any("the posture before" in note for note in done.notes) == (not same.any())
+        ways = np.abs(every - start)
+        far = ways.max(axis=1) + 1e-6 * ways.sum(axis=1)  # no joint takes a turn that is not needed
+        nearest = int(np.where(same, far, 1e9).argmin()) if same.any() else None
+        if nearest is not None:
+            assert shown(robot, done)[1] == pytest.approx(every[nearest], abs=1e-3)
+            taken.add((nearest, nearest == int(far.argmin())))
     assert len(taken) > 5
+    assert {nearest_of_all for _, nearest_of_all in taken} == {True, False}
+
+
+def test_a_configuration_that_stays_the_same_is_that_of_the_joints_before(tmp_path: Path) -> None:
+    model, robot = bent("rx170", tmp_path)
+    convention = robot.convention
+    assert convention is not None
+
+    def flags(angles: np.ndarray) -> list[bool]:
+        q = convention.joints(np.radians(angles))[None]
+        return [bool(flag) for flag in margins(robot, convention, q)[0] >= 0]
+
+    rng, same = np.random.default_rng(3), 'shoulder="ssame" elbow="esame" wrist="wsame"'
+    lower, upper = np.array([-170, -110, -120, -170, -110, -200]), np.array([170, 110, 120, 170, 110, 200])
+    reached = {tuple(flags(np.array(one))) for one in SOLUTIONS["rx170"]}
+    starts = [start for start in rng.uniform(lower, upper, (40, 6)) if tuple(flags(start)) in reached]
+    assert len(starts) > 20
+    for start in starts[:12]:
+        done = corrected(tmp_path, model, val3(flange("rx170"), same, tuple(start)))
+        assert flags(shown(robot, done)[1]) == flags(start)
+        assert not [note for note in done.notes if "posture" in note]
 
 
 def test_configuration_is_read_with_and_without_spaces() -> None:

@@ -76,6 +76,37 @@ def test_rows_on_a_circle_are_no_polygon():
     assert radius == pytest.approx(0.05, abs=3e-5)
 
 
+@pytest.mark.parametrize("turns_off", [False, True])
+@pytest.mark.parametrize("rows", [2, 3])
+def test_where_two_rows_are_one_place_the_tool_stands(turns_off, rows):
+    """A curve through them went on by 18 mm in two seconds, and came back."""
+    way = 0.01 * np.arange(11.0)[:, None]
+    first = CENTRE + way * [1.0, 0, 0]
+    then = first[-1] + way[1:] * ([0, 1.0, 0] if turns_off else [1.0, 0, 0])
+    p = np.concatenate([first, np.repeat(first[-1:], rows - 1, axis=0), then])
+    path = path_over(p)
+    still = np.arange(len(p)) > 10
+    rest = np.clip(np.arange(len(p)) - 10, 0, rows - 1) * 2.0 / (rows - 1)
+    path = replace(path, time=path.time + np.where(still, rest, 0.0))
+    way = over(path)
+    moved = motion(way.along(path).time, way.command(nominal_joints(ROBOT, path)), corners=way.corners)
+    gone = flange(moved.q)
+    assert np.linalg.norm(np.diff(gone, axis=0), axis=1).sum() == pytest.approx(0.2, abs=1e-3)
+    stands = np.linalg.norm(gone - first[-1], axis=1) < 1e-6
+    assert moved.period * stands.sum() == pytest.approx(2.0, abs=0.06)  # less what the filter rounds
+
+
+def test_where_the_tool_turns_on_the_spot_it_stays_there():
+    way = 0.01 * np.arange(11.0)[:, None] * [1.0, 0, 0]
+    p = CENTRE + np.concatenate([way, np.repeat(way[-1:], 5, axis=0), way[-1] + way[1:]])
+    angle = np.interp(np.arange(len(p)), [10, 15], [0.0, 0.2])
+    X = pose(p, DOWN @ rotation_about("z", angle))
+    path = Path(0.1 * np.arange(len(p)), X=X)
+    way = over(path)
+    moved = motion(way.along(path).time, way.command(nominal_joints(ROBOT, path)), corners=way.corners)
+    assert np.linalg.norm(np.diff(flange(moved.q), axis=0), axis=1).sum() == pytest.approx(0.2, abs=1e-3)
+
+
 def test_close_rows_of_a_smooth_path_are_its_samples():
     path = circle(400)
     way = over(path)

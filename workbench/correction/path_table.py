@@ -96,6 +96,13 @@ def _check_time(table: Table, fewest: int) -> None:
     table.add_faults(back.tolist(), whats, ["time has to rise from line to line"] * len(back))
     if (dwell := table.numbers.get("dwell")) is not None:
         table.add_fault_where(dwell < 0, "dwell", "is negative", DWELL.mend)
+        long = np.flatnonzero((dwell[:-1] > np.diff(time) + SHORTEST) & (np.diff(time) > 0))
+        said = [
+            f"rests {number_text(rest)} s, {number_text(left)} s before the next line"
+            for rest, left in zip(dwell[long], np.diff(time)[long], strict=True)
+        ]
+        mend = "t_s counts the rest as well: let the next line come later"
+        table.add_faults(long.tolist(), said, [mend] * len(long))
     if len(time) < fewest:
         table.faults.append(Fault(str(table.path), "has one sample only", "a path needs two at least"))
 

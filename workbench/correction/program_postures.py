@@ -81,12 +81,14 @@ class _Postures:
         said, free, near = run[0].posture, run[0].move.free, run[0].move.near
         if near is not None:
             before, said = self.frames.joints(near), NOTHING
-        if before is None and said is None:
+        if before is None and (said is None or not said.says):
             return self._unsaid(run, X)
         if before is not None and not free:
             return self._follow(run, X, before)
         if said is None or (before is not None and not said.obeyed):
             said = NOTHING
+        if before is not None and any(said.kept):
+            said = said.after(margins(self.robot, self.frames.convention, before[None])[0])
         starts, agrees = self._stated(X[0], said, before)
         q = self._first(run, X, starts)
         if not agrees:
@@ -112,7 +114,7 @@ class _Postures:
         if before is not None:
             near, solved = newton(self.arm, self.tip, X[None], before[None], rounds=40, refresh=1)
             near = near[solved & (self.limits.margin(near) >= -AT_A_LIMIT)]
-            at_hand = said != NOTHING or np.abs(near - before).max(initial=0.0) < AT_HAND
+            at_hand = bool(said.between) or np.abs(near - before).max(initial=0.0) < AT_HAND
             if len(near) and at_hand and not self._against(said, near)[0, 0]:
                 return list(near), True
         found = np.zeros((0, self.arm.n))
@@ -125,8 +127,9 @@ class _Postures:
                 break
         if not len(turned):
             return [], True
-        away = -self.limits.margin(turned) if before is None else np.abs(turned - before).max(axis=1)
-        order = np.lexsort([away, against[:, 1], against[:, 0]])
+        ways = np.zeros_like(turned) if before is None else np.abs(turned - before)
+        away = -self.limits.margin(turned) if before is None else ways.max(axis=1).round(9)
+        order = np.lexsort([ways.sum(axis=1), away, against[:, 1], against[:, 0]])  # every joint's turn
         equal = (against[order] == against[order[0]]).all(axis=1)
         return list(turned[order[equal]]), bool(against[order[0], 0] == 0)
 

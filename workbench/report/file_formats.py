@@ -215,7 +215,7 @@ _MEANINGS = {
     **dict.fromkeys(("sx", "sy", "sz"), _SIGMA),
     **dict.fromkeys(QUATERNION, "orientation as a quaternion, qw its scalar"),
     **dict.fromkeys("abc", "orientation as KUKA's A B C: Rz(A) Ry(B) Rx(C)"),
-    "dwell": "rest at this sample",
+    "dwell": "rest at this sample; `t_s` counts it: the next row comes later by as much",
 }
 
 _ROBOT = """

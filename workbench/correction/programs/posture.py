@@ -6,7 +6,7 @@ FANUC's CONFIG and ABB's confdata are written and read, KUKA's S and T and Stäu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,13 @@ from ...robot.kinematics import Array, frames
 from ...robot.rigid_plant import arrays
 
 FULL = 2 * np.pi
+AT_CHANGE = 1e-9  # an angle of zero counts as positive, rounding aside
+SAME_AS_BEFORE = "the posture before, which the controller keeps where none is said"
 NEAR = 0.01  # rad: so near to where a sign or a quadrant changes, an angle counts to both sides
 
 
 Flags = tuple[bool | None, bool | None, bool | None]
+Kept = tuple[bool, bool, bool]
 
 
 @dataclass(frozen=True)
@@ -29,13 +32,28 @@ class Posture:
 
     said: as it stands there. flags: those of `posture`, None where it does not say. between: of a joint (0 to
     5, as the controller counts them) the angles [rad] between which the controller shows it. obeyed: whether
-    the controller takes the arm there (RAPID's ConfJ and ConfL may switch that off).
+    the controller takes the arm there (RAPID's ConfJ and ConfL may switch that off). kept: flags that the
+    controller leaves as they were before, where they do not say themselves.
     """
 
     said: str
     flags: Flags = (None, None, None)
     between: tuple[tuple[int, float, float], ...] = ()
     obeyed: bool = True
+    kept: Kept = (False, False, False)
+
+    @property
+    def says(self) -> bool:
+        """Whether it says anything without the posture before."""
+        return bool(self.said)
+
+    def after(self, margins: Array) -> Posture:
+        """The same with the flags that are kept, of the joints before with these margins (3,)."""
+        flags = [
+            bool(margin >= -AT_CHANGE) if flag is None and kept else flag
+            for flag, kept, margin in zip(self.flags, self.kept, margins, strict=True)
+        ]
+        return replace(self, said=self.said or SAME_AS_BEFORE, flags=(flags[0], flags[1], flags[2]))
 
     def against(self, margins: Array, shown: Array) -> NDArray[np.int64]:
         """(N, 2) how much of what is said does not hold: of all, and of the joints' angles.
@@ -100,19 +118,18 @@ def turn_numbers(angles: Array) -> NDArray[np.int64]:
     return np.asarray(np.floor((angles + np.pi) / FULL), dtype=np.int64)
 
 
-def of_kuka(status: int | None, turn: int | None) -> Posture | None:
+def of_kuka(status: int | None, turn: int | None) -> Posture:
     """S: bit 0 wrist centre behind axis 1 (overhead), bit 1 elbow up (axis 3 from 0° on; with an offset
     between axes 3 and 4 from where the arm is stretched), bit 2 axis 5 negative. T: bit i axis i + 1
-    negative. System Software, operating and programming instructions for system integrators."""
-    if status is None and turn is None:
-        return None
+    negative. Without S the one before is kept, without T the way is the shortest. System Software, operating
+    and programming instructions for system integrators."""
     said = [f"{name} {value}" for name, value in (("S", status), ("T", turn)) if value is not None]
     flags: Flags = (None, None, None)
     if status is not None:
         flags = (not status & 1, bool(status & 2), not status & 4)
     signs = [] if turn is None else [bool(turn & 1 << joint) for joint in range(6)]
     between = tuple((j, -np.inf, 0.0) if minus else (j, 0.0, np.inf) for j, minus in enumerate(signs))
-    return Posture(", ".join(said), flags, between)
+    return Posture(", ".join(said), flags, between, kept=(True, True, True))
 
 
 def of_abb(confdata: Sequence[float], obeyed: bool) -> Posture:
@@ -147,12 +164,14 @@ def of_fanuc(configuration: str) -> Posture:
 
 
 def of_staubli(words: Sequence[str]) -> Posture | None:
-    """Of (3,) words: shoulder lefty or righty, elbow and wrist positive or negative; "same" and "free" say
-    nothing (VAL 3 reference manual). Lefty is in front of axis 1: an RX's or TX's shoulder is left of it."""
+    """Of (3,) words: shoulder lefty or righty, elbow and wrist positive or negative; "same" is as before,
+    "free" says nothing (VAL 3 reference manual). Lefty is in front of axis 1: an RX's or TX's shoulder is
+    left of it."""
     shoulder, elbow = _either(words, "lefty", "righty"), _either(words, "epositive", "enegative")
     flags = (shoulder, elbow, _either(words, "wpositive", "wnegative"))
     said = [word for word, flag in zip(words, flags, strict=True) if flag is not None]
-    return Posture(", ".join(said), flags) if said else None
+    kept = ("ssame" in words, "esame" in words, "wsame" in words)
+    return Posture(", ".join(said), flags, kept=kept) if said or any(kept) else None
 
 
 def _either(words: Sequence[str], yes: str, no: str) -> bool | None:

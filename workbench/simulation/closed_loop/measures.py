@@ -103,7 +103,8 @@ def spectrum(time: Array, error: Array) -> tuple[Array, Array]:
     t = np.linspace(time[0], time[-1], count)
     even = interpolated(t, time, error)
     u = np.linspace(-1, 1, count)
-    even -= np.polynomial.polynomial.polyval(u, np.polynomial.polynomial.polyfit(u, even, 3)).T
+    trend = np.polynomial.polynomial.polyfit(u, even, min(3, count - 1))
+    even -= np.polynomial.polynomial.polyval(u, trend).T
     window = np.hanning(count)
     lines = np.abs(np.fft.rfft(even * window[:, None], axis=0)) * 2 / window.sum()
     rate = (count - 1) / max(float(t[-1] - t[0]), 1e-9)

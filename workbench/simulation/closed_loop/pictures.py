@@ -104,7 +104,7 @@ def _spectra(series: Series) -> Figure:
         top = 0.0
         for name in ("uncorrected", "corrected"):
             f, amplitude = spectrum(series.time, series.trials[name].across)
-            used = (f > 0) & (f < 100)
+            used = (f > 0) & (f < max(100.0, 1.5 * f[1]))  # its lowest line at least, however short the path
             axes.plot(
                 *_thinned(f[used], np.maximum(1e3 * amplitude[used], 1e-3)),
                 color=COMMAND_COLOURS[name],

@@ -1,10 +1,10 @@
 """What runs between the rows of a path: straight lines, and circles where rows lie on one.
 
 A path's rows may be far apart, and a smooth curve through the joints of the corners of a square is no square.
-So a leg that such a curve leaves has samples of its own, and at corners the curve ends: the command turns
-there at once, and its filter rounds the turn off (`motion`). The legs at a corner are sampled finely: there
-the error is largest. What is corrected are the rows: between them the command is as far from the wanted pose
-as they are, in proportion.
+So a leg that such a curve leaves has samples of its own, and at corners and stops the curve ends: the command
+turns or stands there at once, and its filter rounds that off (`motion`). The legs at a corner are sampled
+finely: there the error is largest. What is corrected are the rows: between them the command is as far from
+the wanted pose as they are, in proportion.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from .motion import curve
 
 CLOSE, TURNED = 5e-3, np.radians(1)  # m, rad: samples of a leg are no farther apart
 CORNER = 1e-3  # m: nor those of a leg that begins or ends at a corner
+SAME = 1e-8  # m, rad: rows that are no farther apart are one place, or one posture
 OFF = 1e-4  # m: a leg on which the curve through the rows stays so near needs no samples of its own
 MOST = 20_000  # samples
 Index = NDArray[np.int64]
@@ -97,7 +98,7 @@ class Way:
 def way_of(robot: Robot, path: Path, X: Array, q: Array, tool: Array | None) -> Way:
     """The way over rows with the wanted tool poses X (N, 4, 4), which the nominal arm reaches with joints q
     (N, n)."""
-    bends = _corners(X[:, :3, 3])
+    bends = np.union1d(_corners(X[:, :3, 3]), _stops(X, q))
     round_ = _on_circles(path, X)
     middle = _at(X, np.arange(len(X) - 1), np.full(len(X) - 1, 0.5), round_)
     arm, tip = rigid(arrays(robot), tool_pose(tool), ranges_of(robot))
@@ -128,6 +129,15 @@ def _corners(p: Array) -> Index:
     turn = np.arccos(np.clip((ahead[:-1] * ahead[1:]).sum(axis=1), -1, 1))
     moves = np.minimum(length[:-1], length[1:]) > 1e-6
     return 1 + np.flatnonzero(moves & (turn > COARSEST))
+
+
+def _stops(X: Array, q: Array) -> Index:
+    """Rows in which the tool X (N, 4, 4) comes to stand, or leaves from where it stood, still or turning, and
+    the arm with joints (N, n) likewise. A curve through rows in one place would leave it in between."""
+    way = np.linalg.norm(np.diff(X[:, :3, 3], axis=0), axis=1)
+    turn = np.maximum(angle_between(X[:-1, :3, :3], X[1:, :3, :3]), np.abs(np.diff(q, axis=0)).max(axis=1))
+    stands = np.where(way < SAME, 1 + (turn < SAME), 0)
+    return 1 + np.flatnonzero(stands[:-1] != stands[1:])
 
 
 def _on_circles(path: Path, X: Array) -> Array:
