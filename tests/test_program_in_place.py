@@ -270,7 +270,7 @@ def test_what_is_computed_is_left_alone_and_told(tmp_path: Path) -> None:
     model, _ = bent("irb120", tmp_path)
     (tmp_path / "Seam.mod").write_text(RAPID)
     done = compensate_program(tmp_path / "Seam.mod", model)
-    assert any("line 13: no target 'Offs(p10,0.0,10.0,0.0)'" in note for note in done.notes)
+    assert any("line 13: 'Offs(p10,0.0,10.0,0.0)' is computed" in note for note in done.notes)
     assert "MoveL Offs(p10,0.0,10.0,0.0), v100" in done.files[0].read_text()
 
 

@@ -94,6 +94,9 @@ def test_where_two_rows_are_one_place_the_tool_stands(turns_off, rows):
     assert np.linalg.norm(np.diff(gone, axis=0), axis=1).sum() == pytest.approx(0.2, abs=1e-3)
     stands = np.linalg.norm(gone - first[-1], axis=1) < 1e-6
     assert moved.period * stands.sum() == pytest.approx(2.0, abs=0.06)  # less what the filter rounds
+    time = way.along(path).time
+    here = np.linalg.norm(way.X[:, :3, 3] - first[-1], axis=1) < 1e-9
+    assert np.diff(time[here]).max() < 0.011  # so that what dies out there counts for as long as it has
 
 
 def test_where_the_tool_turns_on_the_spot_it_stays_there():

@@ -112,10 +112,13 @@ class _Reader:
         for (_, name), found in zip(parts, targets, strict=False):
             computed = self._is_computed(name)
             if found is None or computed:
-                what = f"{name!r} is set in the program" if computed else f"no target {name!r} declared"
-                self.motions.fault(
-                    line, what, "give its numbers" if computed else "declare it in this module"
-                )
+                if "(" in name:
+                    what, mend = f"{name!r} is computed", "give its numbers"
+                elif computed:
+                    what, mend = f"{name!r} is set in the program", "give its numbers"
+                else:
+                    what, mend = f"no target {name!r} declared", "declare it in this module"
+                self.motions.fault(line, what, mend)
                 return
         speed, zone, tool = (part for _, part in parts[ends : ends + 3])
         moved = self._frames(tool, ",".join([tool, *(part for _, part in parts[ends + 3 :])]))

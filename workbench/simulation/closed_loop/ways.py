@@ -31,6 +31,7 @@ from .motion import curve
 CLOSE, TURNED = 5e-3, np.radians(1)  # m, rad: samples of a leg are no farther apart
 CORNER = 1e-3  # m: nor those of a leg that begins or ends at a corner
 SAME = 1e-8  # m, rad: rows that are no farther apart are one place, or one posture
+STOP = 400  # samples of a path that stood all the time: what has died out counts for as long as it has
 OFF = 1e-4  # m: a leg on which the curve through the rows stays so near needs no samples of its own
 MOST = 20_000  # samples
 Index = NDArray[np.int64]
@@ -111,6 +112,8 @@ def way_of(robot: Robot, path: Path, X: Array, q: Array, tool: Array | None) -> 
         angle_between(X[:-1, :3, :3], X[1:, :3, :3]) / TURNED,
     )
     size = np.where(far | at_corner, size, 1.0)
+    stands = np.linalg.norm(np.diff(X[:, :3, 3], axis=0), axis=1) < SAME
+    size = np.where(stands, np.maximum(size, STOP * np.diff(path.time) / np.ptp(path.time)), size)
     size *= min(1.0, MOST / size.sum())
     count = np.maximum(np.ceil(size), 1).astype(np.int64)
     leg = np.append(np.repeat(np.arange(len(count)), count), len(count) - 1)
