@@ -8,7 +8,6 @@ from ..effects.base import Effect
 from ..effects.place import Where
 from .result import NotTestable
 
-OF_ITS_ANGLE = ("gear_kinematic_error", "gear_eccentricity", "joint_map")
 AS_ROUNDED = "many poses have one written value of it, so coarse that its rounding may be all that is left"
 
 
@@ -22,7 +21,7 @@ def testable(problem: Problem) -> tuple[list[Effect], list[NotTestable]]:
             missing.append(NotTestable(cause, why))
             continue
         sites = kind.sites(problem)
-        if cause in OF_ITS_ANGLE and problem.rounded:
+        if kind.as_rounded and problem.rounded:
             missing += [NotTestable(cause, AS_ROUNDED, Where(joint=joint)) for joint in problem.rounded]
             sites = [site for site in sites if site.where.joint not in problem.rounded]
         candidates += sites

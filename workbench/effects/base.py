@@ -110,7 +110,8 @@ class Effect(ABC):
     well. depends: what any form of it depends on (one form: `uses`). smooth: a smooth function of its joint's
     angle, so that several of them can draw any such function.
     always: every machine has it, whether its model states it or not. axial: it moves its joint along the
-    joint's own axis, and nothing else. by_loads: it is how an arm bends under its loads, or may be;
+    joint's own axis, and nothing else. as_rounded: the rounding of a joint's written values may look like it.
+    by_loads: it is how an arm bends under its loads, or may be;
     in_proportion: to them, by one number. held: prior standard deviation of its numbers, where what was found
     elsewhere in the arm holds them.
     in_drake: how a campaign simulated in Drake has it. wholes: what other instruments measure of it, the
@@ -138,6 +139,7 @@ class Effect(ABC):
     always: ClassVar[bool] = False
     axial: ClassVar[bool] = False
     by_loads: ClassVar[bool] = False
+    as_rounded: ClassVar[bool] = False
     in_proportion: ClassVar[bool] = False
     in_drake: ClassVar[str]
     wholes: ClassVar[Mapping[str, str]] = {}

@@ -30,6 +30,7 @@ class GearEccentricity(Harmonic):
     smooth: ClassVar[bool] = True
     together: ClassVar[bool] = True
     pure: ClassVar[bool] = True  # an encoder's is
+    as_rounded: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = A sin(k q + phi), quad k in {1, 2}"
     separate: ClassVar[dict[str, str]] = {
         "gear_ratio": "sweep the joint over {range}",

@@ -28,6 +28,7 @@ class GearKinematicError(Harmonic):
     title: ClassVar[str] = "Kinematic error of a gear"
     ordered: ClassVar[bool] = True
     together: ClassVar[bool] = True
+    as_rounded: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = A sin(k q + phi)"
     separate: ClassVar[dict[str, str]] = {
         "gear_kinematic_error": "sweep the joint in steps far below its shortest period",

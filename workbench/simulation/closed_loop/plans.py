@@ -78,7 +78,7 @@ class Plans:
         own = float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
         if own <= 0:
             place = self.path.file or self.path.title or "path"
-            raise InputError(Fault(place, "the tool goes nowhere (it may turn)", "give a longer path"))
+            raise InputError(Fault(place, "the tool does not move", "give a path"))
         length, found, notes = float(time[-1] - time[0]), {}, []
         for speed in speeds if speeds is not None else (own,):
             stretch = min(own / speed, LONGEST / length)
