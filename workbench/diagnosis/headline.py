@@ -46,14 +46,14 @@ def headline(
     base: Stage,
     given: Sequence[GivenFact] = (),
     repeatability_mm: float | None = None,
-    shows_in: str = "",
+    in_what: str = "",
     lasting_mm: float = 0.0,
 ) -> str:
     """The verdict in one line; the numbers follow after the first full stop. visible_mm: size of an error
     beyond geometry that these data would have shown; noise_mm: RMS length of a point's noise; base: the stage
     before any cause, of geometry or of that and of what was given; repeatability_mm: of the robot, where that
-    is all that is left; shows_in: as `shows_in`; lasting_mm: RMS on poses held out, of the model without what
-    goes with time, order or the instrument."""
+    is all that is left; in_what: as `shows_in` says it; lasting_mm: RMS on poses held out, of
+    the model without what goes with time, order or the instrument."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
     sure = [words_of(f.cause, f.where) for f in causes if f.status == "named"]
     parts = [f"Found: {_some(sure)}"] if sure else []
@@ -83,7 +83,7 @@ def headline(
         explain = "geometry and what was given explain" if with_given else "geometry explains"
         power = f"an error of {visible_mm:.3f} mm RMS beyond it would have shown"
         nothing = f"{said}; beyond that nothing is missing" if said else "Nothing is missing"
-        nothing += shows_in
+        nothing += in_what
         if repeatability_mm is None:
             return f"{nothing}: {explain} these data, and {power}. {gain}."
         but = f"though the robot seems to repeat to {repeatability_mm:.3f} mm only"

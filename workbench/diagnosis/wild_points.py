@@ -21,7 +21,7 @@ from ..files.faults import Fault, InputError
 from ..identification.fit import ROUGH, Fit, fit
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
-from ..identification.registration import register
+from ..identification.registration import register, spread_of
 from ..robot.kinematics import Array
 from .off_together import no_outliers
 from .other_loads import Predicts, carrying_what_fits
@@ -281,7 +281,7 @@ def _off_the_rigid(problem: Problem) -> tuple[Array, Array, Array]:
         off = length[setup == k][:, moving]
         off = off[np.isfinite(off)]
         if len(off):
-            spread = float(np.sqrt(base[setup == k][:, moving].reshape(-1, 3).var(axis=0).sum()))
+            spread = spread_of(base[setup == k][:, moving].reshape(-1, 3))
             limit[setup == k] = max(GROSS * float(np.quantile(off, MOST)), GROSS_SHARE * spread)
     return predicted, length, limit
 

@@ -38,8 +38,8 @@ class Sight:
 
     @property
     def spread(self) -> float:
-        """Rms distance [m] of the frames' origins from their middle."""
-        return float(np.linalg.norm(self.p[self.seen].std(axis=0))) if self.seen.any() else 0.0
+        """That of the frames' origins [m]."""
+        return spread_of(self.p[self.seen]) if self.seen.any() else 0.0
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,11 @@ def place_stated(problem: Problem, here: NDArray[np.bool_]) -> Placed:
     """The poses `here`, seen by one instrument, with the targets near where they are stated."""
     where = sight(problem.rigid, problem.campaign.points, problem.on, here)
     return place(where, problem.stated_targets, stated_within(problem))
+
+
+def spread_of(points: Array) -> float:
+    """[m] rms distance of (N, 3) points from their mean."""
+    return float(np.sqrt(points.var(axis=0).sum()))
 
 
 def stated_within(problem: Problem) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
-from ..registration import Placed, place, sight
+from ..registration import Placed, place, sight, spread_of
 from .hypotheses import Hypothesis, Undo
 from .misfit import BOUND, Sample, held, misfit
 
@@ -158,4 +158,4 @@ def _spread(data: Sample, placed: Placed) -> float:
     instrument only spread them."""
     seen = data.points[np.isfinite(data.points).all(axis=2)]
     both = (seen, data.where.points(placed.targets, data.on).reshape(-1, 3))
-    return min(float(np.sqrt(points.var(axis=0).sum())) for points in both) + 1e-9
+    return min(spread_of(points) for points in both) + 1e-9

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import Arm, Array, Frames, frames
-from ..registration import STATED_TARGET, UNKNOWN_TARGET, Placed, place, sight
+from ..registration import STATED_TARGET, UNKNOWN_TARGET, Placed, place, sight, spread_of
 
 POSES = 60  # of a set-up, evenly chosen: enough to tell a wrong robot
 SETUPS = 6
@@ -114,7 +114,7 @@ def misfit(data: Sample, *, turns: bool = False, scale: bool = False, rounds: in
         found = place(seen, data.stated, prior, turns=turns, scale=scale, rounds=rounds)
         points = seen.p + np.einsum("ntij,tj->nti", seen.R, found.targets)
         moved = data.in_any_order.points(found.targets, data.on)
-        spread = found.scale * max(_spread(points[seen.seen]), _spread(moved.reshape(-1, 3))) + 1e-9
+        spread = found.scale * max(spread_of(points[seen.seen]), spread_of(moved.reshape(-1, 3))) + 1e-9
         placed.append(found)
         spreads.append(spread)
         lengths.append(found.length[np.isfinite(found.length)] / spread)
@@ -126,11 +126,6 @@ def misfit(data: Sample, *, turns: bool = False, scale: bool = False, rounds: in
         return Misfit()
     share = float(np.sqrt(np.mean(np.minimum(every, BOUND) ** 2)))
     return Misfit(share, float(np.median(every)), float(displaced), float(np.median(spreads)), tuple(placed))
-
-
-def _spread(points: Array) -> float:
-    """[m] rms distance of (N, 3) points from their mean."""
-    return float(np.sqrt(points.var(axis=0).sum()))
 
 
 def _middle(length: Array) -> Array:

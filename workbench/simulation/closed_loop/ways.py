@@ -99,7 +99,8 @@ class Way:
 def way_of(robot: Robot, path: Path, X: Array, q: Array, tool: Array | None) -> Way:
     """The way over rows with the wanted tool poses X (N, 4, 4), which the nominal arm reaches with joints q
     (N, n)."""
-    bends = np.union1d(_corners(X[:, :3, 3]), _stops(X, q))
+    stands = np.linalg.norm(np.diff(X[:, :3, 3], axis=0), axis=1) < SAME
+    bends = np.union1d(_corners(X[:, :3, 3]), _stops(stands, X, q))
     round_ = _on_circles(path, X)
     middle = _at(X, np.arange(len(X) - 1), np.full(len(X) - 1, 0.5), round_)
     arm, tip = rigid(arrays(robot), tool_pose(tool), ranges_of(robot))
@@ -112,7 +113,6 @@ def way_of(robot: Robot, path: Path, X: Array, q: Array, tool: Array | None) -> 
         angle_between(X[:-1, :3, :3], X[1:, :3, :3]) / TURNED,
     )
     size = np.where(far | at_corner, size, 1.0)
-    stands = np.linalg.norm(np.diff(X[:, :3, 3], axis=0), axis=1) < SAME
     size = np.where(stands, np.maximum(size, STOP * np.diff(path.time) / np.ptp(path.time)), size)
     size *= min(1.0, MOST / size.sum())
     count = np.maximum(np.ceil(size), 1).astype(np.int64)
@@ -134,13 +134,13 @@ def _corners(p: Array) -> Index:
     return 1 + np.flatnonzero(moves & (turn > COARSEST))
 
 
-def _stops(X: Array, q: Array) -> Index:
-    """Rows in which the tool X (N, 4, 4) comes to stand, or leaves from where it stood, still or turning, and
-    the arm with joints (N, n) likewise. A curve through rows in one place would leave it in between."""
-    way = np.linalg.norm(np.diff(X[:, :3, 3], axis=0), axis=1)
+def _stops(stands: NDArray[np.bool_], X: Array, q: Array) -> Index:
+    """Rows in which the tool X (N, 4, 4) comes to stand, or leaves from where it stood (N − 1 legs), still or
+    turning, and the arm with joints (N, n) likewise. A curve through rows in one place would leave it in
+    between."""
     turn = np.maximum(angle_between(X[:-1, :3, :3], X[1:, :3, :3]), np.abs(np.diff(q, axis=0)).max(axis=1))
-    stands = np.where(way < SAME, 1 + (turn < SAME), 0)
-    return 1 + np.flatnonzero(stands[:-1] != stands[1:])
+    how = np.where(stands, 1 + (turn < SAME), 0)
+    return 1 + np.flatnonzero(how[:-1] != how[1:])
 
 
 def _on_circles(path: Path, X: Array) -> Array:
