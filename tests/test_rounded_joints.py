@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from workbench.campaign.planned import planned, random_poses
 from workbench.diagnosis.run import diagnose
@@ -12,14 +13,16 @@ from workbench.simulation.virtual_campaign import Truth, simulate
 HELD = [2, 3, 4, 5]
 
 
-def held_in_runs(written: bool, seed=4):
-    """20 runs of 16 poses of a robot without a fault, in each of which four joints stand still. All joints
-    are written to 0.1°, or else are exactly there."""
+def held_in_runs(written: bool, seed=4, rows=16, first_target=0.0):
+    """320 poses of a robot without a fault, in runs of so many rows in which four joints stand still. All
+    joints are written to 0.1°, or else are exactly there. first_target: [m] off its place on the tool."""
     robot, rng = load_robot("ur5"), np.random.default_rng(seed)
     q = random_poses(robot, 320, rng)
-    q[:, HELD] = np.repeat(q[::16][:, HELD], 16, axis=0)
+    q[:, HELD] = np.repeat(q[::rows][:, HELD], rows, axis=0)
     to_digits = np.radians(np.round(np.degrees(q), 1))
     plan = planned(robot, q if written else to_digits)
+    x, y, z = plan.targets[0].xyz
+    plan = replace(plan, targets=(replace(plan.targets[0], xyz=(x + first_target, y, z)), *plan.targets[1:]))
     seen = simulate(plan, Truth(sigma=2e-5), seed=seed)
     return replace(seen.with_poses(q=to_digits), noise_sigma=None)
 
@@ -42,3 +45,28 @@ def test_round_commands_are_believed():
     assert ("joint_map", "elbow_joint") not in {
         (item.cause, item.where.joint) for item in outcome.diagnosis.not_testable
     }
+
+
+@pytest.mark.parametrize(("seed", "rows"), [(3, 8), (5, 8), (2, 16)])
+def test_what_rounding_does_in_runs_is_no_tool_that_moved(seed, rows):
+    found = diagnose(held_in_runs(written=True, seed=seed, rows=rows)).diagnosis
+    assert {fault.kind for fault in found.faults} == {"rounded_joints"}
+
+
+def test_a_target_that_moved_by_more_than_rounding_is_still_found():
+    campaign, elsewhere = (held_in_runs(True, seed=2, rows=8, first_target=off) for off in (0.0, 2e-3))
+    points = campaign.points.copy()
+    points[170:, 0] = elsewhere.points[170:, 0]
+    found = diagnose(replace(campaign, points=points)).diagnosis
+    moved, rounded = found.faults
+    assert (moved.kind, moved.target) == ("changed_setup", campaign.targets[0].name)
+    assert abs(int(moved.pose_id) - 170) <= 8
+    assert rounded.kind == "rounded_joints"
+
+
+def test_an_instrument_that_moved_by_more_than_rounding_is_still_found():
+    campaign = held_in_runs(written=True, seed=2)
+    points = campaign.points.copy()
+    points[170:] += [2e-3, -1e-3, 0.0]
+    found = diagnose(replace(campaign, points=points)).diagnosis
+    assert {fault.kind for fault in found.faults} == {"moved_instrument", "rounded_joints"}

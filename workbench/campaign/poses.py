@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 MIXED = 1e4  # times a pose's place along a line: its fraction is as good as drawn at random
+HELD = 1e-3  # rad or m: by less a joint's own error does not change
 
 IntArray = NDArray[np.int64]
 Column = Array | IntArray | tuple[str, ...] | None
@@ -56,6 +57,13 @@ class Poses:
     def positions(self) -> IntArray:
         """(N,) number of the joint position within its set-up: equal for its loads and repeats."""
         return np.asarray(np.unique(self._places, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+
+    @property
+    def runs(self) -> IntArray:
+        """(N,) number of the run of poses on end in which more than half of the joints that move are held."""
+        moving = np.ptp(self.q, axis=0) > HELD
+        held = (np.abs(np.diff(self.q[:, moving], axis=0)) < HELD).sum(axis=1)
+        return np.concatenate([np.zeros(1, np.int64), np.cumsum(2 * held <= moving.sum())])
 
     def drawn(self, seed: int = 0) -> Array:
         """(N,) a number from 0 to 1 drawn at random for each joint position within its set-up: equal for its

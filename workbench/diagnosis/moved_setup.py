@@ -156,7 +156,8 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
         return None
     if _beside_joints(result, step) < 60 * scatter:
         return None
-    if scatter > 1.0 and gain < CLEARLY * _by_chance(result, base, possible):
+    alike = scatter > 1.0 or result.model.problem.rounded  # in a run the errors of rounding are
+    if alike and gain < CLEARLY * _by_chance(result, base, possible):
         return None
     size, std = _size(result, columns, *before(first))
     return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None
@@ -170,16 +171,28 @@ def _gains(before: Before, possible: Sequence[int]) -> list[float]:
 def _by_chance(result: Fit, base: Array, possible: Sequence[int]) -> float:
     """The most that a step takes off χ² in the middle one of some orders of the positions, drawn at random:
     what a model lacks is alike in a pose's points and in its repeats, and looks more like a step than as many
-    independent errors do. So it does along a path, whose stretches stay whole."""
+    independent errors do. So it does along a path and while most joints are held: such runs stay whole."""
     problem, rng = result.model.problem, np.random.default_rng(0)
-    together = problem.positions
-    if sides_along(problem.q, problem.campaign.poses.setup, None) is not None:
-        together = np.arange(len(together)) * STRETCHES // len(together)
+    together = _alike(problem)
     most = []
     for _ in range(ORDERS):
         order = np.argsort(rng.permutation(int(together.max()) + 1)[together], kind="stable")
         most.append(max(_gains(_prefix(result, base, order), possible)))
     return float(np.median(most))
+
+
+def _alike(problem: Problem) -> NDArray[np.int64]:
+    """(N,) number of what stays together where the order of measurement is drawn anew: of the repeats of a
+    position, or, where it is longer, of the run of poses in which most joints are held. Along a path, and of
+    few such runs, it is a stretch of the campaign."""
+    q, positions = problem.q, problem.positions
+    runs = problem.campaign.poses.runs
+    stretches = np.arange(len(q)) * STRETCHES // len(q)
+    if sides_along(q, problem.campaign.poses.setup, None) is not None:
+        return stretches
+    if runs.max() >= positions.max():
+        return positions
+    return runs if runs.max() >= STRETCHES else stretches
 
 
 def places(positions: NDArray[np.int64]) -> list[int]:

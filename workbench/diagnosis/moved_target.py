@@ -15,6 +15,7 @@ from ..identification.fit import Fit
 from ..identification.noise import LEAST
 from ..robot.kinematics import Array
 from .result import FaultFound
+from .rounded_joints import shared_rounding
 
 FEWEST = 5  # poses on either side of a step
 CHANCE = 1e-4  # that any target of a sound campaign is said to have moved
@@ -64,21 +65,25 @@ def reseated(result: Fit) -> Reseated | None:
     counts each try (Bonferroni): `CHANCE` is that of any in a campaign. It must be likelier than each way to
     creep (by Akaike's measure), stand out of what may bend a bracket; and the others must not step there, as
     where the whole tool or the instrument moved. Repeats on end count as one: what a model lacks is the same
-    in them.
+    in them. So do poses on end that hold most joints, where one rounding of these is in all of them.
     """
     problem = result.model.problem
     if problem.campaign.six_dof:
         return None
-    on, setup = np.array(problem.on), problem.campaign.poses.setup
+    poses = problem.campaign.poses
+    alike = poses.runs if shared_rounding(result) else problem.positions
+    alike = np.column_stack([alike, poses.payload])
+    on, setup = np.array(problem.on), poses.setup
     found = []
     for t in np.flatnonzero(on > 0):
         others = np.flatnonzero((on == on[t]) & (np.arange(len(on)) != t))
         shared = problem.seen[:, t] & problem.seen[:, others].any(axis=1)
         for k in np.unique(setup):
-            poses = np.flatnonzero(shared & (setup == k))
-            if np.count_nonzero(_begins(problem, poses)) >= 4 * FEWEST:
-                also = others[problem.seen[np.ix_(poses, others)].any(axis=0)]
-                found.append(_Search(result, int(t), also, poses))
+            there = np.flatnonzero(shared & (setup == k))
+            begins = _begins(alike[there])
+            if np.count_nonzero(begins) >= 4 * FEWEST:
+                also = others[problem.seen[np.ix_(there, others)].any(axis=0)]
+                found.append(_Search(result, int(t), also, there, begins))
     if not found:
         return None
     likeliest = max(found, key=lambda one: one.best[0])
@@ -86,13 +91,21 @@ def reseated(result: Fit) -> Reseated | None:
 
 
 class _Search:
-    """The likeliest step of target t in poses (N,) of one set-up that see it and another of its body."""
+    """The likeliest step of target t in poses (N,) of one set-up that see it and another of its body; from
+    one that begins (N,) to the next they count as one."""
 
-    def __init__(self, result: Fit, t: int, others: NDArray[np.int64], poses: NDArray[np.int64]) -> None:
+    def __init__(
+        self,
+        result: Fit,
+        t: int,
+        others: NDArray[np.int64],
+        poses: NDArray[np.int64],
+        begins: NDArray[np.bool_],
+    ) -> None:
         self.problem, self.t = result.model.problem, t
         off = np.einsum("ntij,nti->ntj", result.line.target, np.nan_to_num(result.residual))[poses]
         seen = self.problem.seen[poses]
-        first = np.flatnonzero(_begins(self.problem, poses))
+        first = np.flatnonzero(begins)
         each = np.diff(np.append(first, len(poses)))[:, None]
         self.poses = poses[first]
         self.off = np.add.reduceat(off[:, t], first) / each
@@ -158,10 +171,9 @@ class _Search:
         return Reseated(self.t, int(bounds[start]), last, size, rest)
 
 
-def _begins(problem: Problem, poses: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """(K,) of some poses (K,) the first ones at a joint position under a load."""
-    now = np.column_stack([problem.positions, problem.campaign.poses.payload])[poses]
-    return np.append(True, (np.diff(now, axis=0) != 0).any(axis=1))
+def _begins(alike: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """(K,) the first ones of rows on end that are alike (K, m)."""
+    return np.append(True, (np.diff(alike, axis=0) != 0).any(axis=1))
 
 
 def explained(
