@@ -56,7 +56,7 @@ def test_a_target_of_two_tools_is_in_the_summary(tmp_path: Path) -> None:
     twice = RAPID.replace("  VAR num", f"  {long}\n  VAR num").replace(
         "    ENDFOR", "    ENDFOR\n    MoveL p10, v100, z5, tLong\\WObj:=wTable;"
     )
-    done, text = corrected(tmp_path, "irb120", "a.mod", twice)
+    done, _ = corrected(tmp_path, "irb120", "a.mod", twice)
     own, _ = corrected(
         tmp_path, "irb120", "b.mod", twice.replace("MoveL p10, v100, z5, tLong", f"MoveL {at}, v1, z5, tLong")
     )

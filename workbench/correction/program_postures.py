@@ -48,7 +48,8 @@ def joints_at(
     def follow() -> None:
         """The poses collected so far, from the last joints known."""
         if run:
-            q.extend(postures.along(run, q[-1] if q else start))
+            before = None if run[0].move.anew else q[-1] if q else start
+            q.extend(postures.along(run, before))
             run.clear()
 
     for target in targets:
@@ -56,7 +57,7 @@ def joints_at(
             follow()
             q.append(frames.joints(target.move.arm))
             continue
-        if target.move.free:  # not along a line from the pose before
+        if target.move.free or target.move.anew:  # not along a line from the pose before
             follow()
         run.append(target)
     follow()

@@ -28,8 +28,11 @@ def as_run(
     programs: Mapping[str, Sequence[Line]], called: Callable[[Line], str | None]
 ) -> Iterator[Iterator[Line]]:
     """The lines of programs in the order in which they run, those that a line calls (`called`: its name) in
-    its place: of each program that no other calls."""
-    inner = {called(line) for name, lines in programs.items() for line in lines if called(line) != name}
+    its place: of each program that no other calls, and of the first of those that only call each other."""
+    calls = {
+        name: [other for line in lines if (other := called(line)) in programs and other != name]
+        for name, lines in programs.items()
+    }
 
     def lines_of(name: str, within: tuple[str, ...]) -> Iterator[Line]:
         for line in programs[name]:
@@ -39,5 +42,16 @@ def as_run(
             else:
                 yield line
 
-    roots = [name for name in programs if name not in inner] or list(programs)[:1]
+    inner = {other for others in calls.values() for other in others}
+    roots, reached = list[str](), set[str | None]()
+    for name in (*(name for name in programs if name not in inner), *programs):
+        if name in reached:
+            continue
+        roots.append(name)
+        new: list[str | None] = [name]
+        while new:
+            one = new.pop()
+            if one is not None and one not in reached:
+                reached.add(one)
+                new += calls[one]
     return (lines_of(name, (name,)) for name in roots)
