@@ -250,7 +250,7 @@ def test_val3_points_that_a_program_sets_are_told_and_collections_are_no_points(
     )
     motions = find_format("val3").scan(texts)
     assert [move.kind for move in motions.moves] == ["joints"]
-    assert sum("is set in a program" in str(fault) for fault in motions.faults) == 3
+    assert sum("pEdge is set in a program" in str(fault) for fault in motions.faults) == 2
 
 
 def test_what_is_told_is_no_more_than_once(tmp_path: Path) -> None:

@@ -117,7 +117,8 @@ def compensate_program(
     kept = 2 * kept if len(kept) == 1 else kept  # a path has two samples at least
     targets, q = [targets[i] for i in kept], q[kept]
     lines = tuple(target.move.line for target in targets)
-    told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines)
+    in_files = tuple(target.move.file for target in targets)
+    told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines, files=in_files)
     several, of = np.unique(np.array(_tools(frames, targets)), axis=0, return_inverse=True)
     runs = [compensate(robot, told, conditions, tool=tool) for tool in several]
     asked = _at_own_tools(runs, of, targets)

@@ -165,8 +165,8 @@ class _Postures:
         dense = dense if len(dense) > 1 else np.repeat(dense, 2, axis=0)  # a path has two samples at least
         ends = np.minimum(np.searchsorted(at, np.arange(len(dense))), len(run) - 1)
         lines = tuple(run[i].move.line for i in ends)
-        file = run[0].move.place.split(" line ")[0]
-        told = Path(np.arange(float(len(dense))), X=dense, file=file, lines=lines)
+        files = tuple(run[i].move.file for i in ends)
+        told = Path(np.arange(float(len(dense))), X=dense, lines=lines, files=files)
         return nominal_joints(self.robot, told, start=start)[at]
 
     def _note(self, target: Target, what: str, q: Array) -> None:

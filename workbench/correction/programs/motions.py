@@ -91,6 +91,11 @@ class Move:
     load: LoadData | None = None
     anew: bool = False
 
+    @property
+    def file(self) -> str:
+        """The file in which it stands."""
+        return self.place.split(" line ")[0]
+
 
 class Motions:
     """Motions in the order of the file, with what the file says of the way to each.

@@ -8,7 +8,7 @@ from bisect import bisect
 from collections.abc import Iterator, Mapping, Sequence
 
 from .format import NUMBER
-from .text import arguments
+from .text import arguments, place_in_array
 
 TARGETS = ("robtarget", "jointtarget")
 KINDS = (*TARGETS, "tooldata", "wobjdata", "loaddata", "speeddata", "zonedata")
@@ -99,8 +99,10 @@ class Data:
         name, brace, index = text.split("\\")[0].strip().partition("{")
         if not brace or "[" in name:
             return name + brace + index
-        places = [_place(part, self.index) for part in index.rstrip("} \t\r\n").split(",")]
-        return f"{name}{{{','.join(places)}}}"
+        said = index.rstrip("} \t\r\n").lower().split(",")
+        places = [place_in_array(part, self.index) for part in said]
+        texts = [part if place is None else str(place) for part, place in zip(said, places, strict=True)]
+        return f"{name}{{{','.join(texts)}}}"
 
     def is_set(self, text: str) -> bool:
         """Whether the program sets the data of a name."""
@@ -139,16 +141,6 @@ def calls(names: set[str]) -> re.Pattern[str] | None:
 
 def _plain(name: str) -> str:
     return "".join(name.split()).lower()
-
-
-def _place(text: str, index: Mapping[str, int]) -> str:
-    """The number of an array's entry: `2`, `i`, `i+1`."""
-    match = re.fullmatch(r"\s*(\w+)\s*(?:([-+])\s*(\d+))?\s*", text)
-    if match is None:
-        return text
-    first = index.get(match[1].lower())
-    first = int(match[1]) if match[1].isdigit() else first
-    return text if first is None else str(first + int(f"{match[2] or '+'}{match[3] or 0}"))
 
 
 def _entries(name: str, text: Text, depth: int, index: tuple[int, ...] = ()) -> Iterator[tuple[str, Text]]:

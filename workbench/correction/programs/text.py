@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
@@ -22,6 +23,16 @@ def arguments(text: str) -> list[tuple[int, str]]:
         if depth < 0:
             break
     return parts
+
+
+def place_in_array(text: str, index: Mapping[str, int]) -> int | None:
+    """The number of an array's entry, `2`, `i` or `i+1`, with loop variables by their names; None where it is
+    computed."""
+    match = re.fullmatch(r"\s*(\w+)\s*(?:([-+])\s*(\d+))?\s*", text)
+    if match is None:
+        return None
+    first = int(match[1]) if match[1].isdigit() else index.get(match[1])
+    return None if first is None else first + int(f"{match[2] or '+'}{match[3] or 0}")
 
 
 def as_run(
