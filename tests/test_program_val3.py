@@ -128,7 +128,7 @@ def test_loops_stand_within_loops() -> None:
 
 
 def test_inches_are_refused() -> None:
-    with pytest.raises(InputError, match="a.pjx: is in inches"):
+    with pytest.raises(InputError, match=r"a\.pjx: is in inches"):
         val3("movel(p[0],tBare,m)", unit="false")
 
 
