@@ -155,7 +155,7 @@ def test_rapid_numbers_that_are_computed_are_told() -> None:
     lines = [
         f"MoveL [[{place}],[1,0,0,0],{FAR},v100,fine,t1;" for place in ("1,2,x3", "x1,-y2,z3", "1,2,3+5")
     ]
-    only_told(rapid(*lines), *3 * ["no target"])
+    only_told(rapid(*lines), *3 * ["is computed; give its numbers"])
 
 
 def test_rapid_frames_that_the_program_sets_are_told() -> None:

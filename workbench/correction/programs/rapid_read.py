@@ -18,6 +18,7 @@ from .rapid_run import Statement, in_order, routines
 from .text import arguments
 
 RAPID_FULL_JOINT_SPEED = 1000.0  # mm/s at the tool that counts as full speed of a joint move
+LONGEST = 60  # characters of a target in a message
 MOVE = re.compile(r"\b(MoveL|MoveJ|MoveAbsJ|MoveC)(?:DO|AO|GO|Sync)?(?:\s+|(?=[\\[]))", re.I)
 UNREAD = re.compile(
     r"(?<![\w\\.])(W?Arc[LC]\d?(?:Start|End)?|Trigg(?:L|J|C|LIOs)|Search[LC]|MoveExtJ|"
@@ -106,12 +107,13 @@ class _Reader:
         for (_, name), found in zip(parts, targets, strict=False):
             computed = self.data.is_computed(name)
             if found is None or computed:
+                short = name if len(name) <= LONGEST else f"{name[: LONGEST - 3]}..."
                 if computed and self.data.is_set(name):
-                    what, mend = f"{name!r} is set in the program", "give its numbers"
-                elif computed or "(" in name:
-                    what, mend = f"{name!r} is computed", "give its numbers"
+                    what, mend = f"{short!r} is set in the program", "give its numbers"
+                elif computed or "(" in name or name.startswith("["):
+                    what, mend = f"{short!r} is computed", "give its numbers"
                 else:
-                    what, mend = f"no target {name!r} declared", "declare it in this module"
+                    what, mend = f"no target {short!r} declared", "declare it in this module"
                 self.motions.fault(line, what, mend)
                 return
         speed, zone, tool = (part for _, part in parts[ends : ends + 3])
