@@ -42,6 +42,15 @@ def test_routines_are_read_where_they_are_called() -> None:
     assert [move.anew for move in motions.moves] == [False, True, False, False, False]
 
 
+def test_a_trap_that_is_connected_is_not_run_there() -> None:
+    motions = module(
+        f"PROC main()\nCONNECT n1 WITH tStop;\nMoveJ {at(1)},v9,fine,tool0;\nENDPROC",
+        f"TRAP tStop\nMoveL {at(2)},v9,fine,tool0;\nENDTRAP",
+    )
+    assert places(motions) == [1, 2]
+    assert [move.anew for move in motions.moves] == [False, True]
+
+
 def test_routines_that_call_each_other_are_read() -> None:
     motions = module(
         "PROC main()\nservice;\nENDPROC", f"PROC service()\nMoveL {at(1)},v9,fine,tool0;\nmain;\nENDPROC"

@@ -39,17 +39,19 @@ def in_order(
     """The statements of each routine that no other of the module calls, with those of the called ones in
     their place. A loop over an array runs for each of its numbers; others run once."""
     programs: dict[str, list[Statement]] = {"": []}
-    names = {0: ""}
+    names, procedures = {0: ""}, set[str]()
     for i, at in enumerate(bounds, 1):
         match = NAME.match(code, at)
         names[i] = "" if match is None else match[1].upper()
         if match and names[i] in programs:
             names[i] += f" {i}"  # of another module in the file
         programs.setdefault(names[i], [])
+        if match and match[0][:4].upper() == "PROC":
+            procedures.add(match[1].upper())
     for start, text in statements:
         routine = bisect(bounds, start + len(text) - 1)
         programs[names[routine]].append(Statement(start, text, routine))
-    known = calls({name for name in programs if name.isidentifier()})
+    known = calls(procedures)  # of a trap or a function a name alone is no call
 
     def called(statement: Statement) -> str | None:
         match = known.search(statement.text) if known else None
