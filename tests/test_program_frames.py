@@ -49,6 +49,40 @@ def test_a_tool_that_the_program_does_not_set_is_the_one_that_is_given(tmp_path:
     assert not any("sets no base" in note for note in done.notes)
 
 
+def test_a_target_of_two_tools_is_in_the_summary(tmp_path: Path) -> None:
+    """One set of numbers corrects it for the first: what it leaves for the second is the error told."""
+    at = "[[100.5,100.0,150.3],[0.0,0.0,1.0,0.0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    long = "PERS tooldata tLong:=[TRUE,[[0.0,0.0,250.0],[1.0,0.0,0.0,0.0]],[1,[0,0,1],[1,0,0,0],0,0,0]];"
+    twice = RAPID.replace("  VAR num", f"  {long}\n  VAR num").replace(
+        "    ENDFOR", "    ENDFOR\n    MoveL p10, v100, z5, tLong\\WObj:=wTable;"
+    )
+    done, _ = corrected(tmp_path, "irb120", "a.mod", twice)
+    own, _ = corrected(
+        tmp_path, "irb120", "b.mod", twice.replace("MoveL p10, v100, z5, tLong", f"MoveL {at}, v1, z5, tLong")
+    )
+    asked, first = own.compensation.X_command[2, :3, 3], done.compensation.X_command[1, :3, 3]
+    missed = 1e3 * np.linalg.norm(asked - first)
+    assert (done.shared, own.shared) == (1, 0)
+    assert "3 targets corrected, 1 of them used again where another correction is right" in done.text
+    assert missed > 0.02
+    assert done.compensation.after_mm.max() == pytest.approx(missed, rel=0.02)
+    assert done.to_json()["shared_targets"] == 1
+    assert done.to_json()["after_max_mm"] == done.compensation.after_mm.max()
+    assert own.compensation.after_mm.max() < 1e-3
+
+
+def test_a_joint_target_before_two_tools_is_one(tmp_path: Path) -> None:
+    """Its correction is that of its joints, whichever tool comes next."""
+    home = "MoveAbsJ [[0.0,10.0,20.0,0.0,45.0,0.0],[9E9,9E9,9E9,9E9,9E9,9E9]]\\NoEOffs"
+    named = RAPID.replace(home, "MoveAbsJ jPark").replace(
+        "  VAR num", f"  CONST jointtarget jPark:={home[9:-8]};\n  VAR num"
+    )
+    named = named.replace("  ENDPROC", "    MoveAbsJ jPark,v1000,z50,tool0;\n  ENDPROC")
+    done, _ = corrected(tmp_path, "irb120", "a.mod", named)
+    assert done.shared == 0
+    assert not any("used before" in note for note in done.notes)
+
+
 def test_a_tool_of_the_installation_is_given(tmp_path: Path) -> None:
     tip = rotations.pose(np.array([0.0, 0.0, 0.15]), np.eye(3))
     _, stated = corrected(tmp_path, "ur10", "a.script", UR)
@@ -66,7 +100,7 @@ def test_errors_are_those_of_the_tool_that_each_target_is_for(tmp_path: Path) ->
     for tool, at in ((GUN, 1), (None, 2)):
         alone = compensate(robot, JointPath(done.path.time, q=done.q_nominal), tool=tool)
         assert done.before_mm[at] == pytest.approx(alone.before_mm[at], rel=1e-9)
-        assert done.between[at - 1] == pytest.approx(alone.between[at - 1], rel=1e-9)
+        assert done.between[at - 1] == pytest.approx(alone.between[at - 1], abs=1e-6)  # digits written
         np.testing.assert_allclose(done.X_desired[at, :3, 3], [1.7, 0.0, 1.3], atol=1e-6)
     assert done.before_mm[1] != pytest.approx(done.before_mm[2], rel=0.02)
 
@@ -106,7 +140,7 @@ def test_each_tool_of_the_controller_is_given_by_its_name(
     tips = [rotations.pose(np.array([0.0, 0.0, z]), np.eye(3)) for z in (0.01, 0.02)]
     both = {key.lower(): tip for key, tip in zip(names, tips, strict=True)}
     done, _ = corrected(tmp_path, name, file, text, tool=both)
-    assert done.compensation.after_mm.max() < 1e-3 < done.compensation.before_mm.max()
+    assert done.compensation.after_mm.max() < 1e-2 < done.compensation.before_mm.max()
     with pytest.raises(InputError, match="no tool of this name stands on the controller"):
         corrected(tmp_path, name, file, text, tool=both | {"another": GUN})
     with pytest.raises(InputError, match=r"give each by its name|give it with --tool"):

@@ -266,6 +266,19 @@ def test_targets_are_corrected_and_nothing_else_changes(form: str, tmp_path: Pat
     assert max(turns) < 0.02
 
 
+def test_what_is_said_to_be_left_is_what_the_written_digits_leave(tmp_path: Path) -> None:
+    """As Drake's arm has it, told the numbers in the file: three decimals of a degree leave micrometres."""
+    model, robot = bent("lrmate200id", tmp_path)
+    text = LS.replace("PR[5,3]=100.000", "PR[5,3]=0.000")
+    (tmp_path / "cut_12.ls").write_text(text)
+    done = compensate_program(tmp_path / "cut_12.ls", model)
+    wanted, told = (flanges(robot, "ls", {"a.ls": said}) for said in (text, done.files[0].read_text()))
+    left = 1e3 * in_drake(robot, wanted, told, start_of(robot, "ls", {"a.ls": text}))[:, 0]
+    assert 1e-3 < left.max() < 1e-2
+    np.testing.assert_allclose(done.compensation.after_mm, left, atol=2e-5)
+    assert "less than 0.001 mm corrected" not in done.text
+
+
 def test_what_is_computed_is_left_alone_and_told(tmp_path: Path) -> None:
     model, _ = bent("irb120", tmp_path)
     (tmp_path / "Seam.mod").write_text(RAPID)

@@ -155,7 +155,7 @@ def test_rapid_numbers_that_are_computed_are_told() -> None:
     lines = [
         f"MoveL [[{place}],[1,0,0,0],{FAR},v100,fine,t1;" for place in ("1,2,x3", "x1,-y2,z3", "1,2,3+5")
     ]
-    only_told(rapid(*lines), *3 * ["no target"])
+    only_told(rapid(*lines), *3 * ["is computed; give its numbers"])
 
 
 def test_rapid_frames_that_the_program_sets_are_told() -> None:
@@ -250,7 +250,7 @@ def test_val3_points_that_a_program_sets_are_told_and_collections_are_no_points(
     )
     motions = find_format("val3").scan(texts)
     assert [move.kind for move in motions.moves] == ["joints"]
-    assert sum("is set in a program" in str(fault) for fault in motions.faults) == 3
+    assert sum("pEdge is set in a program" in str(fault) for fault in motions.faults) == 2
 
 
 def test_what_is_told_is_no_more_than_once(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -232,6 +232,14 @@ def compensate(
         sliding=tuple(bool(slides) for slides in trajectory.nominal.prismatic),
         position_only=trajectory.tip.rows == 3,
     )
+
+
+def judged(robot: Robot, done: Compensation, conditions: Conditions, q: Array) -> Compensation:
+    """The same path with other joints (N, n) commanded, near those that correct it: what they leave."""
+    trajectory = trajectory_of(robot, done.path, conditions, done.tool)
+    command, after = trajectory.forward(q), settle(trajectory, q, done.direction)
+    between = left_between(trajectory, q, command, done.direction)
+    return replace(done, q_command=q, X_command=command, after=after.error, between=between)
 
 
 def _check_call(method: str, bandwidth_hz: float) -> None:

@@ -17,8 +17,9 @@ from ..robot.kinematics import Array
 from ..robot.kinematics import frames as frames_at
 from ..robot.rigid_plant import arrays
 from ..robot.schema import LoadData
-from .command import Compensation, compensate
+from .command import Compensation, compensate, judged
 from .conditions import Conditions, alike, carried, stated_conditions
+from .inverse import newton
 from .paths import Path
 from .program_postures import joints_at
 from .program_targets import Frames, Given, Target, targets_of, times_of
@@ -35,17 +36,20 @@ SAME_MM = 1e-3  # corrections of one target that differ by less are the same
 @dataclass(frozen=True, eq=False)
 class Corrected:
     """A corrected program on disk: how many targets, how far they were moved, and what was left alone.
-    inputs: "<folder>/<file>" → SHA-256."""
+    compensation: by the numbers that were written. shared: targets that are used where another correction is
+    right. inputs: "<folder>/<file>" → SHA-256."""
 
     compensation: Compensation
     files: tuple[pathlib.Path, ...]
     targets: int
+    shared: int
     notes: tuple[str, ...]
     inputs: Mapping[str, str]
 
     def lines(self) -> list[str]:
         """What a user should know, a line each."""
-        return [f"{self.targets} targets corrected", *self.compensation.lines(), *self.notes]
+        again = f", {self.shared} of them used again where another correction is right" if self.shared else ""
+        return [f"{self.targets} targets corrected{again}", *self.compensation.lines(), *self.notes]
 
     @property
     def text(self) -> str:
@@ -59,6 +63,7 @@ class Corrected:
             "schema": 1,
             "files": [str(file) for file in self.files],
             "targets": self.targets,
+            "shared_targets": self.shared,
             "before_max_mm": float(before.max()),
             "after_max_mm": float(after.max()),
             "between_max_mm": self.compensation.between_mm,
@@ -108,36 +113,41 @@ def compensate_program(
     remarks += more
     targets = targets_of(moves)
     q, postures = joints_at(robot, frames, targets, start)
-    targets, q, alone = _without_singular(robot, targets, q)
-    if len(targets) == 1:
-        targets, q = 2 * targets, np.repeat(q, 2, axis=0)  # a path has two samples at least
+    kept, alone = _without_singular(robot, targets, q)
+    kept = 2 * kept if len(kept) == 1 else kept  # a path has two samples at least
+    targets, q = [targets[i] for i in kept], q[kept]
     lines = tuple(target.move.line for target in targets)
-    told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines)
-    done = _corrected(robot, told, conditions, _tools(frames, targets))
-    done = replace(done, between=np.where([_straight(target) for target in targets[1:]], done.between, 0.0))
-    edits, notes = _edits(chosen, texts, frames, targets, done)
+    in_files = tuple(target.move.file for target in targets)
+    told = Path(times_of(targets), q=q, title=source.stem, file=source.name, lines=lines, files=in_files)
+    several, of = np.unique(np.array(_tools(frames, targets)), axis=0, return_inverse=True)
+    runs = [compensate(robot, told, conditions, tool=tool) for tool in several]
+    asked = _at_own_tools(runs, of, targets)
+    edits, again = _edits(chosen, texts, frames, targets, asked)
+    texts = _changed(texts, edits)
+    back = targets_of([move for move in chosen.scan(texts).moves if move.spot is not None])
+    q = _as_written(robot, frames, [back[i] for i in kept], asked.q_command)
+    done = _at_own_tools([judged(robot, run, conditions, q) for run in runs], of, targets)
+    shared, notes = _shared(targets, again, asked, done)
     notes += [*remarks, *postures]
     notes += list(dict.fromkeys(str(remark) for remark in motions.remarks))
     notes += [f"left alone: {fault}" for fault in dict.fromkeys((*alone, *motions.faults))]
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated")
-    files = _written(texts, edits, codec, place, chosen)
+    files = _files(texts, codec, place, chosen)
     put_files(files, keep)
-    return Corrected(done, tuple(files), len(edits), tuple(notes), read)
+    return Corrected(done, tuple(files), len(edits), shared, tuple(notes), read)
 
 
-def _without_singular(
-    robot: Robot, targets: list[Target], q: Array
-) -> tuple[list[Target], Array, list[Fault]]:
-    """Without the joint targets (at home, mostly) where the arm is near-singular: a correction there takes
-    joints far, and nothing is drawn. q: (M, 6) the joints at all."""
+def _without_singular(robot: Robot, targets: list[Target], q: Array) -> tuple[list[int], list[Fault]]:
+    """Which targets are left without the joint targets (at home, mostly) where the arm is near-singular: a
+    correction there takes joints far, and nothing is drawn. q: (M, 6) the joints at all."""
     arm, tip = rigid(arrays(robot), np.eye(4), ranges_of(robot))
     found = {trouble.index for trouble in near_singular(arm, tip, tip.jacobian(arm, frames_at(arm, q)))}
     left = [i for i in sorted(found) if targets[i].X is None]
     kept = [i for i in range(len(targets)) if i not in left]
     if not left or not kept:
-        return targets, q, []
+        return list(range(len(targets))), []
     what = "a joint target where the arm is near-singular"
-    return [targets[i] for i in kept], q[kept], [Fault(targets[i].move.place, what) for i in left]
+    return kept, [Fault(targets[i].move.place, what) for i in left]
 
 
 def _carrying(
@@ -186,18 +196,33 @@ def _tools(frames: Frames, targets: Sequence[Target]) -> list[Array]:
     return found[::-1]
 
 
-def _corrected(robot: Robot, told: Path, conditions: Conditions, tools: Sequence[Array]) -> Compensation:
-    """The path corrected and judged at the tool (4, 4) of each target, in the flange's frame; on the way to a
-    target it is that target's tool that runs straight."""
-    several, of = np.unique(np.array(tools), axis=0, return_inverse=True)
-    runs = [compensate(robot, told, conditions, tool=tool) for tool in several]
+def _at_own_tools(
+    runs: Sequence[Compensation], of: NDArray[np.intp], targets: Sequence[Target]
+) -> Compensation:
+    """Of the runs of all targets with each tool (`of`: (M,) whose tool is a target's) every target's own; on
+    the way to a target it is that target's tool that runs straight."""
 
     def chosen(name: str, which: NDArray[np.intp]) -> Array:
         return np.stack([getattr(run, name) for run in runs])[which, np.arange(len(which))]
 
     rows = ("X_desired", "q_command", "X_command", "before", "after")
-    taken = {name: chosen(name, of) for name in rows} | {"between": chosen("between", of[1:])}
-    return replace(runs[of[0]], **taken)
+    straight = [_straight(target) for target in targets[1:]]
+    taken = {name: chosen(name, of) for name in rows}
+    return replace(runs[of[0]], **taken, between=np.where(straight, chosen("between", of[1:]), 0.0))
+
+
+def _as_written(robot: Robot, frames: Frames, targets: Sequence[Target], q: Array) -> Array:
+    """(M, 6) joints at targets that were written, digits and all; q: (M, 6) those that were asked for."""
+    arm, tip = rigid(arrays(robot), np.eye(4), ranges_of(robot))
+    out = q.copy()
+    poses = [i for i, target in enumerate(targets) if target.X is not None]
+    for i, target in enumerate(targets):
+        if target.X is None:
+            out[i] = frames.joints(target.move.arm)
+    if poses:
+        X = np.array([frames.flange(targets[i].move, X) for i in poses if (X := targets[i].X) is not None])
+        out[poses] = newton(arm, tip, X, q[poses])[0]
+    return out
 
 
 def _straight(target: Target) -> bool:
@@ -233,29 +258,37 @@ def _edits(
     frames: Frames,
     targets: Sequence[Target],
     done: Compensation,
-) -> tuple[dict[Spot, list[str]], list[str]]:
-    """The new numbers of every target, and notes on those that are used in several ways."""
+) -> tuple[dict[Spot, list[str]], list[int]]:
+    """The new numbers of every target, and which targets were used before, where other numbers are right."""
     edits: dict[Spot, list[str]] = {}
-    first: dict[Spot, Array] = {}
-    notes: list[str] = []
-    for target, q, X in zip(targets, done.q_command, done.X_command, strict=True):
+    again: list[int] = []
+    for i, (target, q, X) in enumerate(zip(targets, done.q_command, done.X_command, strict=True)):
         old = target.spot.old(texts[target.spot.file])
         if target.X is None:
             new, digits = format.joint_numbers(frames.shown(q)), _digits(format, joints=True)
         else:
             new = format.numbers(frames.in_base(target.move, X), np.array([float(text) for text in old]))
             digits = _digits(format, joints=False)
-        if target.spot not in edits:
-            edits[target.spot] = [
-                _like(text, value, k) for text, value, k in zip(old, new, digits, strict=False)
-            ]
-            first[target.spot] = X
-        elif (apart := 1e3 * float(np.linalg.norm(X[:3, 3] - first[target.spot][:3, 3]))) > SAME_MM:
+        numbers = [_like(text, value, k) for text, value, k in zip(old, new, digits, strict=False)]
+        if edits.setdefault(target.spot, numbers) != numbers:
+            again.append(i)
+    return edits, again
+
+
+def _shared(
+    targets: Sequence[Target], again: Sequence[int], asked: Compensation, done: Compensation
+) -> tuple[int, list[str]]:
+    """How many targets are used `again` where another correction is right, and a note on each use."""
+    spots, notes = set[Spot](), list[str]()
+    for i in again:
+        apart = 1e3 * float(np.linalg.norm(done.X_command[i, :3, 3] - asked.X_command[i, :3, 3]))
+        if apart > SAME_MM:
+            spots.add(targets[i].spot)
             notes.append(
-                f"{target.move.place}: this target is used before, where its correction differs by "
+                f"{targets[i].move.place}: this target is used before, where its correction differs by "
                 f"{apart:.2g} mm; the first one counts"
             )
-    return edits, notes
+    return len(spots), list(dict.fromkeys(notes))
 
 
 def _digits(format: Format, joints: bool) -> list[int]:
@@ -271,17 +304,25 @@ def _like(old: str, value: float, digits: int) -> str:
     return f"{value:z.{max(len(fraction), digits)}f}"
 
 
-def _written(
-    texts: Mapping[str, str], edits: Mapping[Spot, list[str]], codec: str, out: pathlib.Path, format: Format
-) -> dict[pathlib.Path, bytes]:
-    """The files with the new numbers in the old ones' places."""
-    single, files = not is_folder(out, format), {}
-    for i, (name, text) in enumerate(texts.items()):
+def _changed(texts: Mapping[str, str], edits: Mapping[Spot, list[str]]) -> dict[str, str]:
+    """The files' texts with the new numbers in the old ones' places."""
+    found = {}
+    for name, text in texts.items():
         changes = [
             change for spot, numbers in edits.items() if spot.file == name for change in spot.changes(numbers)
         ]
         for (start, end), new in sorted(changes, reverse=True):
             text = text[:start] + new + text[end:]
+        found[name] = text
+    return found
+
+
+def _files(
+    texts: Mapping[str, str], codec: str, out: pathlib.Path, format: Format
+) -> dict[pathlib.Path, bytes]:
+    """The texts as files at their places."""
+    single, files = not is_folder(out, format), {}
+    for i, (name, text) in enumerate(texts.items()):
         place = out / name
         if single:
             alike = pathlib.Path(name).suffix.lower() in NAMED_ALIKE

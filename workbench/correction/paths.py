@@ -40,7 +40,8 @@ class Path:
     time: (N,) s, rising; q: (N, n) rad or m; X: (N, 4, 4) tool in the base frame. One of q and X
     is None. wrench: (N, 6) [N, N·m] on the robot at the flange origin, base frame, and temperature:
     (N,) [degC], where the file gives them. file and lines (N): where the samples stand, for messages.
-    dwell: (N,) standstill after arrival [s], for programs; sliding: (n,) which joints slide, where known.
+    dwell: (N,) standstill after arrival [s], for programs; sliding: (n,) which joints slide, where known;
+    files: (N) each sample's own, of programs that stand in several.
     """
 
     time: Array
@@ -54,6 +55,7 @@ class Path:
     lines: tuple[int, ...] = ()
     dwell: Array | None = None
     sliding: tuple[bool, ...] = ()
+    files: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time)
@@ -65,7 +67,7 @@ class Path:
     def place(self, index: int) -> str:
         """Where a sample stands: file and line."""
         line = self.lines[index] if self.lines else index + 2
-        file = self.file or (self.title or "path") + ".csv"
+        file = self.files[index] if self.files else self.file or (self.title or "path") + ".csv"
         return f"{file} line {line}"
 
 

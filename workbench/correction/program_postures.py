@@ -48,7 +48,8 @@ def joints_at(
     def follow() -> None:
         """The poses collected so far, from the last joints known."""
         if run:
-            q.extend(postures.along(run, q[-1] if q else start))
+            before = None if run[0].move.anew else q[-1] if q else start
+            q.extend(postures.along(run, before))
             run.clear()
 
     for target in targets:
@@ -56,7 +57,7 @@ def joints_at(
             follow()
             q.append(frames.joints(target.move.arm))
             continue
-        if target.move.free:  # not along a line from the pose before
+        if target.move.free or target.move.anew:  # not along a line from the pose before
             follow()
         run.append(target)
     follow()
@@ -164,8 +165,8 @@ class _Postures:
         dense = dense if len(dense) > 1 else np.repeat(dense, 2, axis=0)  # a path has two samples at least
         ends = np.minimum(np.searchsorted(at, np.arange(len(dense))), len(run) - 1)
         lines = tuple(run[i].move.line for i in ends)
-        file = run[0].move.place.split(" line ")[0]
-        told = Path(np.arange(float(len(dense))), X=dense, file=file, lines=lines)
+        files = tuple(run[i].move.file for i in ends)
+        told = Path(np.arange(float(len(dense))), X=dense, lines=lines, files=files)
         return nominal_joints(self.robot, told, start=start)[at]
 
     def _note(self, target: Target, what: str, q: Array) -> None:

@@ -53,6 +53,7 @@ def scan(files: Mapping[str, str]) -> Motions:
             start += len(line)
     for root in as_run(_programs(source, files[source]), _called):
         reader.motions.tool = reader.motions.base = UNSAID
+        reader.motions.anew()
         for number, at in root:
             reader.motions.line = number
             reader.read(number, at)

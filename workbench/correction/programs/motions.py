@@ -65,7 +65,8 @@ class Move:
     arm: turning joints [rad]; rails [m]; speed [m/s], turn [rad/s], duration [s] of the leg, NaN where not
     said; share of the joints' full speed; blend: corner [m]; via: of a circle, in `base`, with its own spot.
     free: the joints go there at once, not the tool along a line. posture: what the file says of it there;
-    near: joints [rad] that it is to be nearest to. load: what the file says that the arm carries here.
+    near: joints [rad] that it is to be nearest to. load: what the file says that the arm carries here. anew:
+    what comes before in the list says nothing of where the arm comes from.
     """
 
     kind: Literal["pose", "joints"]
@@ -88,6 +89,12 @@ class Move:
     posture: Posture | None = None
     near: tuple[float, ...] | None = None
     load: LoadData | None = None
+    anew: bool = False
+
+    @property
+    def file(self) -> str:
+        """The file in which it stands."""
+        return self.place.split(" line ")[0]
 
 
 class Motions:
@@ -107,6 +114,7 @@ class Motions:
         self.remarks: list[Fault] = []
         self.moves: list[Move] = []
         self.line: int | str = ""
+        self._anew = False
         self._dwell: dict[int, float] = {}
 
     def pose(
@@ -148,7 +156,13 @@ class Motions:
 
     def _add(self, move: Move) -> None:
         line = self.line if isinstance(self.line, int) else 0
-        self.moves.append(replace(move, tool=self.tool, base=self.base, load=self.load, line=line))
+        here = replace(move, tool=self.tool, base=self.base, load=self.load, line=line, anew=self._anew)
+        self.moves.append(here)
+        self._anew = False
+
+    def anew(self) -> None:
+        """A program begins that nothing calls: the arm may come from anywhere."""
+        self._anew = bool(self.moves)
 
     @property
     def _where(self) -> str:
@@ -165,7 +179,9 @@ class Motions:
 
     def fault(self, line: int | str, what: str, mend: str = "") -> None:
         where = f" line {line}" if isinstance(line, int) else f" {line}" if line else ""
-        self.faults.append(Fault(f"{self.place}{where}", what, mend))
+        fault = Fault(f"{self.place}{where}", what, mend)
+        if fault not in self.faults:  # of a program that is called twice
+            self.faults.append(fault)
 
     def remark(self, what: str) -> None:
         """Something at this line that does not keep the motions from being read, and that a user of these

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from bisect import bisect
 from collections.abc import Mapping
 
 import numpy as np
@@ -12,92 +11,88 @@ from ...files.program_text import NO_AXIS, code_of
 from ...robot import rotations
 from ...robot.schema import LoadData
 from .base import Array
-from .format import NUMBER
 from .motions import NONE, Frame, Motions, Spot
 from .posture import of_abb
+from .rapid_data import GIVEN, SET, Data
+from .rapid_run import Statement, in_order, routines
 from .text import arguments
 
 RAPID_FULL_JOINT_SPEED = 1000.0  # mm/s at the tool that counts as full speed of a joint move
-MOVE = re.compile(r"\b(MoveL|MoveJ|MoveAbsJ|MoveC)(?:DO|AO|GO|Sync)?(?:\s+|(?=\\))", re.I)
+LONGEST = 60  # characters of a target in a message
+MOVE = re.compile(r"\b(MoveL|MoveJ|MoveAbsJ|MoveC)(?:DO|AO|GO|Sync)?(?:\s+|(?=[\\[]))", re.I)
 UNREAD = re.compile(
     r"(?<![\w\\.])(W?Arc[LC]\d?(?:Start|End)?|Trigg(?:L|J|C|LIOs)|Search[LC]|MoveExtJ|"
-    r"(?:Spot|Paint|Disp|Cap|Contact)[LJC])(?=[\s\\])(?!\s*:=)",
+    r"(?:Spot|Paint|Disp|Cap|Contact)[LJC])(?=[\s\\[])(?!\s*:=)",
     re.I,
 )
+OPTION = re.compile(r"\\\s*(WObj|TLoad)\s*:=\s*(\w[\w.]*\s*(?:\{[^}]*\})?)", re.I)
 SHIFTED = re.compile(r"\b((?:PDisp|EOffs)(?:On|Set|Add))\b", re.I)
-SET = re.compile(r"(?<![\w\\.])(\w+)\s*(?:\{[^}]*\})?(?:\.\w+)*\s*:=")  # no option
-GIVEN = re.compile(r"\b(?:CONST|VAR|PERS)\s+\w+\s+\w+\s*(?:\{[^}]*\}\s*)?:=", re.I)
-EMPTY = re.compile(r"\b(?:VAR|PERS)\s+\w+\s+(\w+)\s*$", re.I)  # declared without a value
-TAKES = re.compile(r"\b(?:PROC|FUNC\s+\w+)\s+\w+\s*\(([^)]*)\)", re.I)
-DECLARED = re.compile(
-    r"\b(robtarget|jointtarget|tooldata|wobjdata|speeddata|zonedata)\s+(\w+)\s*:=\s*(\[.*\])", re.I | re.S
-)
-
-# between these, in turn: the module's data, and a routine's own
-ROUTINE = re.compile(r"\b(?:PROC|FUNC|TRAP|ENDPROC|ENDFUNC|ENDTRAP)\b", re.I)
-
-Text = tuple[int, str]  # where the text begins in the file, the text
-Key = tuple[int, str]  # routine and name
-NOTHING = (0, "")
 
 
 def scan(files: Mapping[str, str]) -> Motions:
-    """The motions of a module, with the places of their numbers."""
+    """The motions of a module in the order in which they run, with the places of their numbers."""
     file, text = next(iter(files.items()))
     code = code_of(text, "!")
-    reader = _Reader(file, Motions(file))
+    motions = Motions(file)
     if match := re.search(r"^\s*MODULE\s+(\w+)", code, re.I | re.M):
-        reader.motions.name = match[1]
+        motions.name = match[1]
     statements = [(match.start(), match[0]) for match in re.finditer(r"[^;]+", code)]
-    bounds = [match.start() for match in ROUTINE.finditer(code)]
-    for start, statement in statements:
-        if match := DECLARED.search(statement):
-            at = start + match.start(3)
-            reader.declare(bisect(bounds, at), match[2], (at, match[3]))
-        elif match := EMPTY.search(statement):
-            reader.declare(bisect(bounds, start + match.start()), match[1], NOTHING)
-    for match in TAKES.finditer(code):
-        for name in re.findall(r"(\w+)\s*(?:\{[^}]*\})?\s*(?:[,|]|$)", match[1]):
-            reader.declare(bisect(bounds, match.start()), name, NOTHING)
-    for start, statement in statements:
-        for match in () if GIVEN.search(statement) else SET.finditer(statement):
-            reader.computed.add(reader.key(match[1], bisect(bounds, start + match.start(1))))
-    shifted = -1  # the routine in which targets are
-    for start, statement in statements:
-        match = MOVE.search(statement) or UNREAD.search(statement) or SHIFTED.search(statement)
-        if match:
-            reader.routine = bisect(bounds, start + match.start(1))
-            reader.motions.line = code.count("\n", 0, start + match.start(1)) + 1
-        if match and match.re is SHIFTED:
-            shifted = reader.routine
-            reader.motions.remark(f"{match[1]} shifts targets: those of other routines are taken without")
-        elif re.search(r"\b(?:PDisp|EOffs)Off\b", statement, re.I):
-            shifted = -1
-        elif match and (match.re is UNREAD or (reader.routine == shifted and match[1].lower() != "moveabsj")):
-            what = "cannot be read" if match.re is UNREAD else "goes to a shifted target"
-            reader.motions.fault(int(reader.motions.line), f"{match[1]} {what}", "export the path anew")
-        elif match:
-            reader.move(match[1].lower(), start + match.end(), statement[match.end() :])
-        elif match := re.search(r"\bConf(J|L)\s*\\(On|Off)\b", statement, re.I):
-            reader.obeyed[match[1].upper()] = match[2].lower() == "on"
-        elif re.search(r"\bGripLoad\s+(?!load0\b)", statement, re.I):
-            reader.motions.line = code.count("\n", 0, start + len(statement)) + 1
-            reader.motions.remark("GripLoad: this load is not counted, only that of the tool")
-        elif match := re.search(r"\bWaitTime(?:\s*\\InPos\s*,)?\s*([\d.]+)", statement, re.I):
-            reader.motions.wait(float(match[1]))
-    return reader.motions
+    bounds = routines(code)
+    data = Data(code, statements, bounds)
+    for root in in_order(code, statements, bounds):
+        reader = _Reader(file, code, motions, data)
+        motions.anew()
+        for statement in root:
+            reader.read(statement)
+    return motions
 
 
 class _Reader:
-    """Reads one move at a time, with the data that the module declares."""
+    """Reads one statement at a time, with what holds there of those before."""
 
-    def __init__(self, file: str, motions: Motions) -> None:
-        self.file, self.motions = file, motions
-        self.declared: dict[Key, Text] = {}
-        self.shared: dict[str, Key] = {}  # those of the module by their name
-        self.computed: set[Key] = set()  # data that the program sets
-        self.routine = 0
+    def __init__(self, file: str, code: str, motions: Motions, data: Data) -> None:
+        self.file, self.code, self.motions, self.data = file, code, motions, data
         self.obeyed = {"J": True, "L": True}  # ConfJ and ConfL
+        self.shifted = False
+
+    def read(self, statement: Statement) -> None:
+        """A motion, or what counts for those to come."""
+        start, text = statement.start, statement.text
+        self.data.routine, self.data.index = statement.routine, statement.index
+        match = MOVE.search(text) or UNREAD.search(text) or SHIFTED.search(text)
+        place = match.start(1) if match else len(text) - len(text.lstrip())
+        self.motions.line = line = self.code.count("\n", 0, start + place) + 1
+        if match and match.re is SHIFTED:
+            self.shifted = True
+            what = "shifts targets: those of routines that are called elsewhere are taken without"
+            self.motions.remark(f"{match[1]} {what}")
+        elif re.search(r"\b(?:PDisp|EOffs)Off\b", text, re.I):
+            self.shifted = False
+        elif match and (match.re is UNREAD or (self.shifted and match[1].lower() != "moveabsj")):
+            what = "cannot be read" if match.re is UNREAD else "goes to a shifted target"
+            self.motions.fault(line, f"{match[1]} {what}", "export the path anew")
+        elif match:
+            self.move(match[1].lower(), start + match.end(), text[match.end() :])
+        elif match := re.search(r"\bConf(J|L)\s*\\\s*(On|Off)\b", text, re.I):
+            self.obeyed[match[1].upper()] = match[2].lower() == "on"
+        elif match := re.search(r"\bGripLoad\s+(?!load0\b)", text, re.I):
+            self.motions.line = self.code.count("\n", 0, start + match.start()) + 1
+            self.motions.remark("GripLoad: this load is not counted, only that of the tool")
+        elif match := re.search(r"\bWaitTime(?:\s*\\\s*InPos\s*,)?\s*([\d.]+)", text, re.I):
+            self.motions.wait(float(match[1]))
+        elif not GIVEN.search(text) and not SET.search(text):
+            self._other(start, text)
+
+    def _other(self, start: int, text: str) -> None:
+        """Another instruction: told where it takes a target, since it may go there."""
+        parts = [(at, part.split("\\")[0].split()) for at, part in arguments(text)]
+        for at, words in parts:
+            if words and self.data.is_target(words[-1]) and "RETURN" not in text.upper().split():
+                self.motions.line = self.code.count("\n", 0, start + text.index(words[-1], at)) + 1
+                name = parts[0][1][-2 if len(parts[0][1]) > 1 and words is parts[0][1] else -1]
+                what = f"{name} takes the target {words[-1]!r}: whether and how it goes there cannot be read"
+                self.motions.fault(self.motions.line, what, "give a MoveL, MoveJ, MoveC or MoveAbsJ")
+                return
 
     def move(self, kind: str, start: int, text: str) -> None:
         """Targets, speed, zone and tool."""
@@ -110,14 +105,15 @@ class _Reader:
             return
         targets = [self._target(*part) for part in parts[:ends]]
         for (_, name), found in zip(parts, targets, strict=False):
-            computed = self._is_computed(name)
+            computed = self.data.is_computed(name)
             if found is None or computed:
-                if "(" in name:
-                    what, mend = f"{name!r} is computed", "give its numbers"
-                elif computed:
-                    what, mend = f"{name!r} is set in the program", "give its numbers"
+                short = name if len(name) <= LONGEST else f"{name[: LONGEST - 3]}..."
+                if computed and self.data.is_set(name):
+                    what, mend = f"{short!r} is set in the program", "give its numbers"
+                elif computed or "(" in name or name.startswith("["):
+                    what, mend = f"{short!r} is computed", "give its numbers"
                 else:
-                    what, mend = f"no target {name!r} declared", "declare it in this module"
+                    what, mend = f"no target {short!r} declared", "declare it in this module"
                 self.motions.fault(line, what, mend)
                 return
         speed, zone, tool = (part for _, part in parts[ends : ends + 3])
@@ -125,7 +121,7 @@ class _Reader:
         if moved:
             self.motions.fault(line, moved, "export the path anew")
             return
-        said = re.search(r"\\T\s*:=\s*([\d.]+)", speed, re.I)
+        said = re.search(r"\\\s*T\s*:=\s*([\d.]+)", speed, re.I)
         duration = float(said[1]) if said else np.nan
         (numbers, spans), *_ = [found for found in targets[-1:] if found]
         if kind == "moveabsj":
@@ -140,7 +136,7 @@ class _Reader:
                 return
         over = targets[0] if kind == "movec" else None
         free = kind == "movej"
-        corner = re.search(r"\\Z\s*:=\s*([\d.]+)", zone, re.I) or re.fullmatch(r"z(\d+)", zone, re.I)
+        corner = re.search(r"\\\s*Z\s*:=\s*([\d.]+)", zone, re.I) or re.fullmatch(r"z(\d+)", zone, re.I)
         self.motions.pose(
             _frame(numbers),
             _rails(numbers[11:]),
@@ -158,79 +154,54 @@ class _Reader:
     def _frames(self, tool: str, options: str) -> str:
         """Tool and work object of a move; what cannot be read of them, "" where all can."""
         name = tool.split("\\")[0].strip().lower()
-        wobj = re.search(r"\\WObj\s*:=\s*(\w+)", options, re.I)
-        base = wobj[1].lower() if wobj else "wobj0"
-        computed = [one for one in (name, base) if self._is_computed(one)]
+        said = {key.lower(): one.strip().lower() for key, one in OPTION.findall(options)}
+        base = said.get("wobj", "wobj0")
+        computed = [one for one in (name, base) if self.data.is_computed(one)]
         if computed:
             return f"{computed[0]!r} is set in the program"
         if name == "tool0":
             self.motions.tool, self.motions.load = NONE, None
-        elif (found := self._numbers(*self._text(0, name))) is not None and len(found[0]) >= 11:
+        elif (found := self.data.numbers(0, name)) is not None and len(found[0]) >= 11:
             numbers = found[0]
-            if self._flags(name)[:1] == ["FALSE"]:
+            if self.data.flags(name)[:1] == ["FALSE"]:
                 return f"tool {name!r} stands still, and the robot holds the work object"
             self.motions.tool = Frame(_frame(numbers))
-            known = numbers[7] > 0.001
-            com = (numbers[8], numbers[9], numbers[10])
-            self.motions.load = LoadData(mass_kg=numbers[7], com_mm=com) if known else None
+            self.motions.load = _load(numbers[7:11])
         else:
             self.motions.elsewhere("tool", name)
+        if (total := said.get("tload", "load0")) != "load0":
+            found = None if self.data.is_computed(total) else self.data.numbers(0, total)
+            self.motions.load = _load(found[0][:4]) if found and len(found[0]) >= 4 else None
+            if found is None:
+                self.motions.remark(f"TLoad {total!r} is not in the file: no load of this motion is counted")
         if base == "wobj0":
             self.motions.base = NONE
-        elif (found := self._numbers(*self._text(0, base))) is not None and len(found[0]) >= 14:
-            if self._flags(base)[:2] not in (["FALSE", "TRUE"], ["FALSE"]):
+        elif (found := self.data.numbers(0, base)) is not None and len(found[0]) >= 14:
+            if self.data.flags(base)[:2] not in (["FALSE", "TRUE"], ["FALSE"]):
                 return f"work object {base!r} is moved by a robot or an axis"
             self.motions.base = Frame(_frame(found[0]) @ _frame(found[0][7:]))
         else:
             self.motions.elsewhere("base", base)
         return ""
 
-    def _flags(self, name: str) -> list[str]:
-        """What is TRUE and FALSE in the data of a tool or work object."""
-        return re.findall(r"\b(?:TRUE|FALSE)\b", self._text(0, name)[1].upper())
-
-    def _text(self, start: int, text: str) -> Text:
-        text = text.split("\\")[0].strip()
-        if text.startswith("["):
-            return start, text
-        return self.declared.get(self.key(text, self.routine), NOTHING)
-
-    def declare(self, routine: int, name: str, text: Text) -> None:
-        """Data of a routine, or of the module between them."""
-        key = routine, name.lower()
-        self.declared[key] = text
-        if routine % 2 == 0:
-            self.shared.setdefault(key[1], key)
-
-    def key(self, name: str, routine: int) -> Key:
-        """Of the data that a name means in a routine: its own, or the module's."""
-        key = routine, name.lower()
-        return key if key in self.declared else self.shared.get(key[1], (0, key[1]))
-
-    def _is_computed(self, text: str) -> bool:
-        """Whether the program sets the data of a name."""
-        return self.key(text.split("\\")[0].strip(), self.routine) in self.computed
-
-    def _numbers(self, start: int, text: str) -> tuple[list[float], list[tuple[int, int]]] | None:
-        words = re.sub(rf"{NUMBER}|\b(?:TRUE|FALSE)\b", "", text, flags=re.I)
-        if not text or re.search(r"[A-Z_]", words, re.I):  # not there, or a number is computed
-            return None
-        found = list(re.finditer(NUMBER, text))
-        spans = [(start + match.start(), start + match.end()) for match in found]
-        return [float(match[0]) for match in found], spans
-
     def _target(self, start: int, text: str) -> tuple[list[float], list[tuple[int, int]]] | None:
-        found = self._numbers(*self._text(start, text))
+        found = self.data.numbers(start, text)
         return found if found and len(found[0]) in (12, 17) else None
 
     def _speed(self, text: str) -> float:
         """mm/s: `v100\\V:=35`, `v100`, `[35,500,5000,1000]` or the name of a speeddata."""
-        if match := re.search(r"\\V\s*:=\s*([\d.]+)", text, re.I):
+        if match := re.search(r"\\\s*V\s*:=\s*([\d.]+)", text, re.I):
             return float(match[1])
-        if found := self._numbers(*self._text(0, text)):
+        if found := self.data.numbers(0, text):
             return found[0][0]
         match = re.fullmatch(r"v(\d+)", text.split("\\")[0], re.I)
         return float(match[1]) if match else np.nan
+
+
+def _load(numbers: list[float]) -> LoadData | None:
+    """Mass [kg] and centre of mass [mm]; 0.001 kg stands for none."""
+    mass, x, y, z = numbers
+    return LoadData(mass_kg=mass, com_mm=(x, y, z)) if mass > 0.001 else None
 
 
 def _rails(numbers: list[float]) -> tuple[float, ...]:

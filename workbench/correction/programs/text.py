@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
@@ -24,12 +25,25 @@ def arguments(text: str) -> list[tuple[int, str]]:
     return parts
 
 
+def place_in_array(text: str, index: Mapping[str, int]) -> int | None:
+    """The number of an array's entry, `2`, `i` or `i+1`, with loop variables by their names; None where it is
+    computed."""
+    match = re.fullmatch(r"\s*(\w+)\s*(?:([-+])\s*(\d+))?\s*", text)
+    if match is None:
+        return None
+    first = int(match[1]) if match[1].isdigit() else index.get(match[1])
+    return None if first is None else first + int(f"{match[2] or '+'}{match[3] or 0}")
+
+
 def as_run(
     programs: Mapping[str, Sequence[Line]], called: Callable[[Line], str | None]
 ) -> Iterator[Iterator[Line]]:
     """The lines of programs in the order in which they run, those that a line calls (`called`: its name) in
-    its place: of each program that no other calls."""
-    inner = {called(line) for name, lines in programs.items() for line in lines if called(line) != name}
+    its place: of each program that no other calls, and of the first of those that only call each other."""
+    calls = {
+        name: [other for line in lines if (other := called(line)) in programs and other != name]
+        for name, lines in programs.items()
+    }
 
     def lines_of(name: str, within: tuple[str, ...]) -> Iterator[Line]:
         for line in programs[name]:
@@ -39,5 +53,16 @@ def as_run(
             else:
                 yield line
 
-    roots = [name for name in programs if name not in inner] or list(programs)[:1]
+    inner = {other for others in calls.values() for other in others}
+    roots, reached = list[str](), set[str | None]()
+    for name in (*(name for name in programs if name not in inner), *programs):
+        if name in reached:
+            continue
+        roots.append(name)
+        new: list[str | None] = [name]
+        while new:
+            one = new.pop()
+            if one is not None and one not in reached:
+                reached.add(one)
+                new += calls[one]
     return (lines_of(name, (name,)) for name in roots)

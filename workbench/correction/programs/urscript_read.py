@@ -33,6 +33,7 @@ def scan(files: Mapping[str, str]) -> Motions:
     reader = _Reader(file)
     for root in as_run(_functions(text), lambda line: _called(line[2])):
         reader.motions.tool = UNSAID
+        reader.motions.anew()
         for number, start, line in root:
             reader.motions.line = number
             reader.read(number, start, line)
