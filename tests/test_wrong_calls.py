@@ -142,3 +142,21 @@ def test_a_robots_name_names_files(tmp_path, capsys, name):
     urdf = ROOT / "models" / "kr500" / "kr500.urdf"
     assert "--name" in wrong(capsys, "init", urdf, "--name", name, "--out", tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_floor_above_the_robot_is_told(tmp_path, capsys):
+    """It is checked by nobody where everything lies below it: 5 m for 5 dm, say."""
+    (tmp_path / "cell.toml").write_text("schema = 1\n[driving]\nfloor_mm = 5000\n")
+    call = [
+        "plan",
+        "kr500",
+        "--quick",
+        "--poses",
+        "3",
+        "--cell",
+        tmp_path / "cell.toml",
+        "--out",
+        tmp_path / "o",
+    ]
+    assert main([str(word) for word in call]) == 0
+    assert "warning: floor and link_3 touch in nearly all poses" in capsys.readouterr().err
