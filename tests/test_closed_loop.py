@@ -472,6 +472,22 @@ def test_what_cannot_be_leaves_nothing_behind(files, tmp_path, model, truth, sai
     assert not (tmp_path / "out").exists()
 
 
+def test_a_tool_that_turns_where_it_is_runs_in_the_paths_own_time():
+    """Axis 6 alone turns by 20° in 1 s: its flange, on the axis, goes nowhere."""
+    robot = load_robot("kr500")
+    q = np.tile(POSES["kr500"], (21, 1))
+    q[:, 5] += np.radians(np.linspace(0, 20, 21))
+    path = Path(np.linspace(0, 1, 21), q=q)
+    done = verify(path, robot, robot, speeds=[0.03, 0.3], repeats=0)
+    (series,) = done.series
+    assert series.speed == 0.0
+    assert 1.0 <= series.time[-1] < 2.0  # and comes to rest; no speed in m/s stretches it
+    assert any("run in the path's own time" in note for note in done.notes)
+    assert series.trials["corrected"].figures.rms_mm < 0.1 * series.trials["uncorrected"].figures.rms_mm
+    with pytest.raises(InputError, match="--sweep"):
+        verify(path, robot, robot, speeds=None, repeats=0, sweep=True)
+
+
 def test_bad_calls_are_told(files):
     with pytest.raises(InputError, match="m/s"):
         verify_file(files, "kr500", speeds=[0.0])

@@ -183,6 +183,8 @@ def test_sliding_joints_and_few_joints_follow_the_position(tmp_path, name: str) 
     bent = extended(robot, [(run_out, [2e-4, 0.0]), (screw, [0.0, 2e-4, *[0.0] * (len(screw.params) - 2)])])
     done = compensate(bent, path, Conditions(tool_mass=5.0))
     assert done.position_only
+    turned = 1e3 * np.linalg.norm(done.after[:, 3:], axis=1).max()
+    assert any(f"its orientation stays off by up to {turned:.2g} mrad" in line for line in done.lines())
     assert done.before_mm.min() > 0.1
     assert done.after_mm.max() < 1e-6
     assert in_drake(bent, done, Conditions(tool_mass=5.0), 15)[:, 0].max() < 1e-8

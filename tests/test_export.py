@@ -2,6 +2,7 @@
 
 import ast
 import importlib.util
+import json
 import sys
 from dataclasses import replace
 
@@ -107,6 +108,35 @@ def test_urdf_is_the_calibrated_arm_in_drake_and_pinocchio(tmp_path, name):
         assert np.abs(data.oMf[tool].rotation - where.R[-1, i]).max() < 1e-9
     nominal = frames(replace(content.arm, geometry=0 * content.arm.geometry), joints(content))
     assert np.abs(where.p[-1] - nominal.p[-1]).max() > 1e-4
+
+
+@pytest.mark.parametrize("to", ["urdf", "sdf", "drake"])
+def test_meshes_are_what_other_programs_read(tmp_path, to):
+    """OBJ with its z up beside the file, as large as the glTF by its own accessor, whose y is up."""
+    robot = load_robot("kr500")
+    written = {file.name: file for file in export(robot, to, tmp_path).files}
+    text = next(file for name, file in written.items() if name in ("kr500.urdf", "kr500.sdf")).read_text()
+    assert ".gltf" not in text
+    for name in ("base_link", *robot.links):
+        assert f"{name}.obj" in text
+        lines = written[f"{name}.obj"].read_text().splitlines()
+        vertices = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], dtype=float)
+        said = json.loads((robot.urdf.parent / f"{name}.gltf").read_text())
+        ends = [(a["min"], a["max"]) for a in said["accessors"] if a["type"] == "VEC3" and "min" in a]
+        (x, y, z), (X, Y, Z) = np.min([low for low, _ in ends], 0), np.max([high for _, high in ends], 0)
+        assert vertices.min(axis=0) == pytest.approx([x, -Z, y], abs=1e-5)
+        assert vertices.max(axis=0) == pytest.approx([X, -z, Y], abs=1e-5)
+        assert f"mtllib {name}.mtl" in lines
+        linear = said["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][0]
+        red = next(line for line in written[f"{name}.mtl"].read_text().splitlines() if line.startswith("Kd"))
+        assert ((float(red.split()[1]) + 0.055) / 1.055) ** 2.4 == pytest.approx(linear, abs=0.01)
+
+
+def test_without_the_library_meshes_stay_and_a_note_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr("workbench.robot.meshes._library", lambda: False)
+    written = export("kr500", "urdf", tmp_path)
+    assert "link_1.gltf" in {file.name for file in written.files}
+    assert any("glTF" in line and "pip install" in line for line in written.header)
 
 
 def drakes_rest(plant, context, robot, q):

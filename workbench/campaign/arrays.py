@@ -42,7 +42,10 @@ def campaign_from(
     seen = _points(points, file)
     faults = [*check_targets(place, file, robot), *poses.faults, *seen.faults]
     if not faults:
-        faults = [*check_poses(poses, file, robot), *check_points(seen, file.noise.sigma_mm is not None)]
+        faults = [
+            *check_poses(poses, robot, file.payloads),
+            *check_points(seen, file.noise.sigma_mm is not None),
+        ]
     if faults:
         raise InputError(faults)
     try:

@@ -11,9 +11,12 @@ from ..files.faults import Fault, InputError
 from ..files.toml import read_toml
 from ..robot.schema import toml_faults
 
+MOST = 1e6  # mm: what is said to be farther is a slip; of times likewise
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+Millimetres = Annotated[FiniteFloat, Field(ge=-MOST, le=MOST)]
+Place = tuple[Millimetres, Millimetres, Millimetres]
+Positive = Annotated[FiniteFloat, Field(gt=0, le=MOST)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0, le=MOST)]
 
 
 class _Section(BaseModel):
@@ -23,7 +26,7 @@ class _Section(BaseModel):
 class InstrumentData(_Section):
     """`[instrument]`: where it stands while it measures. Planned poses are those that it sees."""
 
-    xyz_mm: Vector3
+    xyz_mm: Place
     """its measuring head, in the robot's base frame"""
     acceptance_deg: Annotated[FiniteFloat, Field(gt=0, le=180)] = 30.0
     """half the cone into which a reflector opens (of a 1.5 inch one about 30, of a probe as its maker
@@ -40,7 +43,7 @@ class ObstacleData(_Section):
     """edges of a box about its middle"""
     mesh: str | None = None
     """file in metres beside this one: .obj, .gltf, .stl"""
-    xyz_mm: Vector3 = (0.0, 0.0, 0.0)
+    xyz_mm: Place = (0.0, 0.0, 0.0)
     """where it is: the box's middle, the mesh's origin"""
     abc_deg: Vector3 = (0.0, 0.0, 0.0)
     """how it is turned: Rz(a) Ry(b) Rx(c)"""
@@ -60,7 +63,7 @@ class DrivingData(_Section):
 
     speed_share: Annotated[FiniteFloat, Field(gt=0, le=1)] = 0.1
     """of the joints' full speed"""
-    floor_mm: FiniteFloat | None = 0.0
+    floor_mm: Millimetres | None = 0.0
     """height of the floor in the base frame"""
     clearance_mm: NotNegative = 20.0
     """that all bodies keep from each other"""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +28,8 @@ def check_targets(path: Path, file: CampaignFile, robot: Robot) -> list[Fault]:
     ]  # fmt: skip
 
 
-def check_poses(poses: Table, file: CampaignFile, robot: Robot) -> list[Fault]:
-    """Faults of `poses.csv` beyond single cells."""
+def check_poses(poses: Table, robot: Robot, payloads: Collection[str] | None = None) -> list[Fault]:
+    """Faults of `poses.csv` beyond single cells. payloads: those that it may name; None: any."""
     n = len(robot.joints)
     table = Table(poses.path, poses.lines, poses.numbers, poses.texts, poses.labels)
     for name in poses.unused:
@@ -44,14 +45,12 @@ def check_poses(poses: Table, file: CampaignFile, robot: Robot) -> list[Fault]:
                 Fault(str(poses.path), f"{given[0]} but no {absent}", f"give all {n} joints or none")
             )
     _check_unique(table)
-    if "payload" in table.texts:
-        known = ["", *file.payloads]
+    if payloads is not None and "payload" in table.texts:
+        known = ["", *payloads]
         rows = [row for row, name in enumerate(table.texts["payload"]) if name not in known]
         names = [table.texts["payload"][row] for row in rows]
-        told = ", ".join(file.payloads) or "none"
-        mends = [
-            suggest(name, file.payloads) or f"[payloads] has: {told}; empty = no payload" for name in names
-        ]
+        told = ", ".join(payloads) or "none"
+        mends = [suggest(name, payloads) or f"[payloads] has: {told}; empty = no payload" for name in names]
         table.add_faults(rows, [f"payload {name!r} is not declared" for name in names], mends)
     for name in _all(n, "dir"):
         if name in table.numbers:

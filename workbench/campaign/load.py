@@ -44,7 +44,12 @@ def load_campaign(path: str | Path) -> Campaign:
     except InputError as error:
         raise InputError([*error.faults, *faults]) from None
     poses = _poses_table(path, file, robot)
-    faults = [*check_targets(path, file, robot), *poses.faults, *check_poses(poses, file, robot), *faults]
+    faults = [
+        *check_targets(path, file, robot),
+        *poses.faults,
+        *check_poses(poses, robot, file.payloads),
+        *faults,
+    ]
     if faults:
         raise InputError(faults)
     if file.poses.joints == "controller":

@@ -26,6 +26,17 @@ def payload(text: str, robot: Robot) -> tuple[str, Load]:
     return name, load(rest, "--payload")
 
 
+def named_loads(texts: Sequence[str], robot: Robot) -> dict[str, Load]:
+    """Loads by their names, each as `payload` reads it. Raises InputError for a name that is there twice."""
+    loads: dict[str, Load] = {}
+    for text in texts:
+        name, one = payload(text, robot)
+        if name in loads:
+            raise InputError(Fault("--payload", f"{name!r} is given twice", "give each load its own name"))
+        loads[name] = one
+    return loads
+
+
 def load(text: str, place: str) -> Load:
     """A load of KG:x,y,z (mm); place: the option, for the fault."""
     mass, _, com = text.partition(":")

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from ..correction.conditions import Conditions
     from ..robot.kinematics import Array
 
+MOST = 1_000_000  # of what can be counted; mm and other units of a number, more is a slip
+
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
@@ -110,6 +112,8 @@ def frame(text: str) -> Array:
     told = _listed(text)
     if len(told) not in (3, 6):
         raise argparse.ArgumentTypeError(f"{text!r} is no x,y,z or x,y,z,a,b,c (mm, deg)")
+    if max(map(abs, told[:3])) > MOST:
+        raise argparse.ArgumentTypeError(f"{text!r} is more than 1 km away (mm, deg)")
     turn = np.radians([(told + [0.0] * 3)[3:6]])
     return pose(1e-3 * np.array(told[:3]), from_zyx(turn)[0])
 
@@ -157,27 +161,29 @@ def above_zero(what: str) -> Callable[[str], float]:
     """What reads a number above zero: `what` it is, for the message."""
 
     def read(text: str) -> float:
-        if len(told := _listed(text)) != 1 or told[0] <= 0:
-            raise argparse.ArgumentTypeError(f"{text!r} is no {what} above zero")
+        if len(told := _listed(text)) != 1 or not 0 < told[0] <= MOST:
+            raise argparse.ArgumentTypeError(f"{text!r} is no {what} above zero, or too large")
         return told[0]
 
     return read
 
 
-def not_negative(what: str) -> Callable[[str], float]:
-    """What reads a number from zero: `what` it is, for the message."""
+def not_negative(what: str, most: float = MOST) -> Callable[[str], float]:
+    """What reads a number from zero to `most`: `what` it is, for the message."""
 
     def read(text: str) -> float:
-        if len(told := _listed(text)) != 1 or told[0] < 0:
-            raise argparse.ArgumentTypeError(f"{text!r} is no {what} of zero or more")
+        if len(told := _listed(text)) != 1 or not 0 <= told[0] <= most:
+            raise argparse.ArgumentTypeError(f"{text!r} is no {what} of zero or more, or too large")
         return told[0]
 
     return read
 
 
 def positive(text: str) -> int:
-    """A whole number from 1."""
-    return _whole(text, 1)
+    """A whole number from 1, of things to make."""
+    if (count := _whole(text, 1)) > MOST:
+        raise argparse.ArgumentTypeError(f"{text!r} is too many: {MOST} are the most")
+    return count
 
 
 def from_zero(text: str) -> int:
@@ -242,13 +248,15 @@ def started(model: str, told: Array | None) -> Array | None:
 
 def conditions(model: str, payload: str, campaign: Campaign | None, told: bool = True) -> Conditions:
     """Tool and payload along the path, as the campaign or else the model states them; told: with a word
-    where no payload of the model's is taken."""
+    where no payload of the model's is taken. Raises InputError for the campaign of another robot."""
+    from ..campaign.same_robot import check_same_robot
     from ..correction.conditions import conditions_of, stated_conditions
     from ..robot.description import load_robot
 
-    if campaign is not None:
-        return conditions_of(campaign, payload)
     robot = load_robot(model)
+    if campaign is not None:
+        check_same_robot(robot, campaign)
+        return conditions_of(campaign, payload)
     if told and robot.payloads and not payload:
         known = ", ".join(robot.payloads)
         progress(f"the arm is taken to carry no payload; the model knows {known} (--payload NAME)")

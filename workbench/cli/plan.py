@@ -99,7 +99,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     from ..campaign import Campaign
     from ..campaign.cell import read_cell
-    from ..campaign.payloads import payload
+    from ..campaign.payloads import named_loads
     from ..correction.programs import find_format
     from ..correction.programs.measuring import check_format
     from ..measurement.design import plan
@@ -122,7 +122,7 @@ def run(arguments: argparse.Namespace) -> None:
         cell=cell,
         dwell=arguments.dwell,
         torque=arguments.torque,
-        payloads=dict(payload(text, robot) for text in arguments.payload),
+        payloads=named_loads(arguments.payload, robot),
         progress=progress,
     )
     files = [] if made.drive is None else _write(source, made, poses, program, arguments)

@@ -125,13 +125,13 @@ def _without_tool_poses(arguments: argparse.Namespace) -> None:
 
 def _measured(robot: Robot, arguments: argparse.Namespace) -> Campaign:
     """The campaign that `--poses` names, under its own loads. Raises InputError for another robot."""
+    from ..campaign.same_robot import check_same_robot
+
     if arguments.payload:
         mend = "leave it out: the campaign says what the arm carries"
         raise InputError(Fault("--payload", "goes with poses that do not say theirs", mend))
     (campaign,) = load_all([arguments.poses])
-    if campaign.robot.joint_names != robot.joint_names:
-        what = f"is of {campaign.robot.name}, whose joints are not those of {arguments.model}"
-        raise InputError(Fault(arguments.poses, what, "name a campaign of the model's robot"))
+    check_same_robot(robot, campaign)
     return campaign
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..files.faults import Fault, InputError
-from .arguments import Commands, check_folder, json_option, out_option, positive, seed_option
+from .arguments import Commands, check_folder, json_option, not_negative, out_option, positive, seed_option
+from .status import warn
 
 if TYPE_CHECKING:
     import numpy as np
@@ -48,18 +48,22 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--tool", metavar="KG[:x,y,z mm]", help="always mounted (default: the model's)")
     parser.add_argument(
-        "--sigma-mm", type=float, default=0.03, metavar="MM", help="noise per axis, one sigma (0.03)"
+        "--sigma-mm",
+        type=not_negative("length"),
+        default=0.03,
+        metavar="MM",
+        help="noise per axis, one sigma (0.03)",
     )
     parser.add_argument(
         "--geometry-mm",
-        type=float,
+        type=not_negative("length"),
         default=0.5,
         metavar="MM",
         help="random errors of lengths, one sigma (0.5)",
     )
     parser.add_argument(
         "--geometry-mrad",
-        type=float,
+        type=not_negative("angle", 1000.0),
         default=0.5,
         metavar="MRAD",
         help="random errors of angles, one sigma (0.5)",
@@ -67,10 +71,14 @@ def add(commands: Commands) -> None:
     parser.add_argument("--shots", type=positive, default=1, metavar="N", help="readings per standstill (1)")
     parser.add_argument("--approach", action="store_true", help="record random sides of approach (dir1 ...)")
     parser.add_argument(
-        "--hours", type=float, default=0.0, metavar="H", help="record times over so many hours"
+        "--hours", type=not_negative("time"), default=0.0, metavar="H", help="record times over so many hours"
     )
     parser.add_argument(
-        "--warm-degC", type=float, default=0.0, metavar="K", help="record a warm-up from 20 °C by this much"
+        "--warm-degC",
+        type=not_negative("rise of temperature", 200.0),
+        default=0.0,
+        metavar="K",
+        help="record a warm-up from 20 °C by this much",
     )
     out_option(parser, "folder for campaign.toml and its tables (reports/simulated)", "reports/simulated")
     seed_option(parser, "poses, geometry, noise, sides and order")
@@ -88,6 +96,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..robot.description import load_robot
     from ..robot.schema import stated_load
     from ..simulation.virtual_campaign import Truth, idle_effects, random_geometry, simulate
+    from .told import beyond_limits
 
     check_folder(arguments.out)
     robot = load_robot(arguments.robot)
@@ -105,6 +114,8 @@ def run(arguments: argparse.Namespace) -> None:
         temperature=poses.temperature,
         title=f"{robot.title}, simulated, {len(poses.q)} poses",
     )
+    for words in beyond_limits(robot, poses.q):
+        warn(words)
     if poses.ids:
         plan = plan.with_poses(ids=poses.ids)
     problem = problem_of(plan)
@@ -121,7 +132,7 @@ def run(arguments: argparse.Namespace) -> None:
         raise InputError([_with_option(fault) for fault in error.faults]) from None
     for effect in idle_effects(plan, truth):
         said = "moves no point in these poses: it has nothing to act on (masses, payload, stiffness?)"
-        print(f"warning: {effect.label} {said}", file=sys.stderr)
+        warn(f"{effect.label} {said}")
     hidden = [f"simulated, seed {arguments.seed}", *(f"hidden: {effect_text(e, v)}" for e, v in effects)]
     write_campaign(arguments.out, campaign, comments=hidden)
     facts = {"robot": robot.name, "n_poses": len(campaign.poses.q), "folder": str(arguments.out)}
@@ -142,7 +153,7 @@ def _told(
     from ..campaign import payloads
     from . import told
 
-    loads = dict(payloads.payload(text, robot) for text in arguments.payload)
+    loads = payloads.named_loads(arguments.payload, robot)
     if arguments.poses is not None:
         poses, loads = told.from_file(robot, arguments.poses, loads)
     elif arguments.grid is not None:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..campaign.check import check_poses
 from ..campaign.file import pose_columns
 from ..campaign.payloads import Load
 from ..campaign.planned import random_poses
@@ -19,6 +20,9 @@ from ..files.tables import Layout, read_table
 from ..robot.description import Robot
 from ..robot.kinematics import Array
 from ..robot.schema import stated_load
+from .arguments import MOST
+
+MOST_TURNED = 100.0  # rad: no joint turns so far
 
 
 @dataclass(frozen=True)
@@ -82,8 +86,12 @@ def from_file(robot: Robot, file: str, loads: dict[str, Load]) -> tuple[Told, di
     rows = [row for row, name in enumerate(names) if name and name not in loads]
     what = [f"payload {names[row]!r} is not known" for row in rows]
     table.add_faults(rows, what, [f"say --payload {names[row]}=KG" for row in rows])
-    if table.faults:
-        raise InputError(table.faults)
+    for j, joint in enumerate(robot.joints, 1):
+        if joint.kind == "revolute" and (name := f"q{j}") in table.numbers:
+            many = np.abs(table.numbers[name]) > MOST_TURNED
+            table.add_fault_where(many, name, "is many turns", f"are these degrees? then name it {name}_deg")
+    if faults := [*table.faults, *check_poses(table, robot)]:
+        raise InputError(faults)
 
     def columns(labels: Sequence[str]) -> Array | None:
         given = [table.numbers.get(label) for label in labels]
@@ -100,37 +108,52 @@ def from_file(robot: Robot, file: str, loads: dict[str, Load]) -> tuple[Told, di
         direction=columns([f"dir{j + 1}" for j in range(n)]),
         time=filled(table.numbers.get("t"), 0.0),
         temperature=filled(table.numbers.get("temp"), 0.0),
-        ids=_unique(table.texts.get("pose_id", ())),
+        ids=tuple(table.texts.get("pose_id", ())),
     )
     return told, loads
 
 
-def _unique(ids: Sequence[str]) -> tuple[str, ...]:
-    """The names of poses; none where they do not tell them apart."""
-    return tuple(ids) if len({*ids}) == len(ids) and all(ids) else ()
-
-
 def at_random(robot: Robot, count: int, rng: np.random.Generator) -> Told:
     """Random poses within the limits. Raises InputError."""
-    if count < 1:
-        raise InputError(Fault("--random", f"is {count}", "give a number of poses"))
+    if not 1 <= count <= MOST:
+        raise InputError(Fault("--random", f"is {count}", f"give a number of poses, {MOST} at most"))
     return Told(random_poses(robot, count, rng))
 
 
 def on_grid(robot: Robot, text: str) -> Told:
     """Joints from joint=from:to:count,... in deg or mm; those not named at 0. Raises InputError."""
-    values = [np.zeros(1)] * len(robot.joints)
+    values, given = [np.zeros(1)] * len(robot.joints), set[str]()
+    poses = 1
     for part in text.split(","):
         name, _, span = part.partition("=")
         if name not in robot.joint_names:
             raise InputError(Fault("--grid", f"no joint {name!r}", f"known: {', '.join(robot.joint_names)}"))
+        if name in given:
+            raise InputError(Fault("--grid", f"{name} is there twice", "give one range for each joint"))
+        given.add(name)
         j = robot.joint_names.index(name)
         try:
             low, high, count = span.split(":")
-            unit = 1e-3 if robot.joints[j].kind == "prismatic" else np.pi / 180
-            values[j] = unit * np.linspace(float(low), float(high), int(count))
+            ends, number = (float(low), float(high)), int(count)
+            if number < 1 or not np.isfinite(ends).all():
+                raise ValueError
         except ValueError:
             raise InputError(
                 Fault("--grid", f"{part!r} is no JOINT=FROM:TO:COUNT", "like joint_2=-60:20:9")
             ) from None
+        poses *= number
+        if poses > MOST:
+            raise InputError(Fault("--grid", f"has more than {MOST} poses", "take a coarser grid"))
+        unit = 1e-3 if robot.joints[j].kind == "prismatic" else np.pi / 180
+        values[j] = unit * np.linspace(*ends, number)
     return Told(np.array(list(product(*values))))
+
+
+def beyond_limits(robot: Robot, q: Array) -> list[str]:
+    """A warning for each joint that poses (N, n) [rad, m] have beyond its limits."""
+    counts = [int(np.count_nonzero(joint.beyond(at))) for joint, at in zip(robot.joints, q.T, strict=True)]
+    return [
+        f"beyond the limits of {joint.name} (at {count} of {len(q)} poses): are these its units?"
+        for joint, count in zip(robot.joints, counts, strict=True)
+        if count
+    ]

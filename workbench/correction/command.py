@@ -114,6 +114,12 @@ class Compensation:
             f"{_size(self.before_mm)} uncorrected, {_size(self.after_mm)} corrected",
             "that is what the model leaves of its own errors; what to expect of the robot: workbench predict",
         ]
+        if self.position_only:
+            turned = 1e3 * float(np.linalg.norm(self.after[:, 3:], axis=1).max())
+            found.append(
+                "with fewer than six joints only the tool's place is corrected: its orientation stays off by "
+                f"up to {turned:.2g} mrad"
+            )
         anew = self.before_anew_mm
         if mostly_place(self.before_mm, anew):
             found.append(

@@ -58,9 +58,19 @@ def parse_effect(text: str, problem: Problem) -> tuple[Effect, Array]:
         if not math.isfinite(numbers[key]):
             raise InputError(Fault(text, f"{key} is {value[:SHOWN]!r}, not a number"))
     order = numbers.pop("order", None)
-    return from_record(
+    if order is not None and order <= 0:
+        raise InputError(Fault(text, f"order is {order:g}", "cycles per joint turn, above zero"))
+    effect, values = from_record(
         EffectRecord(cause=cause.strip(), order=order, values=numbers, **strings), problem, text
     )
+    faults = [
+        Fault(text, f"{p.name} = {value:g} cannot be", f"between {p.lower:g} and {p.upper:g} {p.unit}")
+        for p, value in zip(effect.params, values, strict=True)
+        if not p.lower <= value <= p.upper
+    ]
+    if faults:
+        raise InputError(faults)
+    return effect, values
 
 
 def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[Effect, Array]:

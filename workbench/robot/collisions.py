@@ -26,7 +26,7 @@ STEP = 0.2  # rad (m) of all joints together between two quick looks, which find
 NEAR = 0.2  # m: how much room is measured at a look on a way; more counts as this
 SHARE, LEAST = 0.5, 1e-3  # of the clearance, and m: what a body may travel unseen between two looks
 FLOOR, AROUND = "floor", "surroundings"
-WIDE, DEEP = 100.0, 2.0  # m, of the floor's box
+WIDE, DEEP = 100.0, 100.0  # m, of the floor's box: nothing is below it
 
 
 @dataclass(frozen=True, eq=False)

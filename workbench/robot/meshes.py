@@ -23,6 +23,7 @@ GRIDS = (100, 60, 40, 25)  # cells along a mesh
 SHOWN_AS_IS = (".gltf", ".obj")  # by Drake's Meshcat
 SMALL = 1_000_000  # bytes of a file that needs no fewer faces
 CONVERTED = (".stl", ".dae", ".obj", ".gltf", ".glb", ".ply")
+GLTF = (".gltf", ".glb")  # few loaders of URDF and SDF read it
 ROOT_OF_GLTF = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # its y is up
 HOW = "pip install 'robot-workbench[robots]'"
 
@@ -126,7 +127,7 @@ def _converted(file: Path, scale: tuple[float, float, float], stem: Path, faces:
 
     try:
         scene = trimesh.load_scene(file)
-        if file.suffix.lower() in (".gltf", ".glb"):
+        if file.suffix.lower() in GLTF:
             scene.apply_transform(ROOT_OF_GLTF)
         bodies = _by_colour(scene, np.array(scale) * _metres(scene.units))
         share = min(1.0, faces / max(1, sum(len(mesh.faces) for _, mesh in bodies)))
@@ -142,6 +143,33 @@ def _converted(file: Path, scale: tuple[float, float, float], stem: Path, faces:
     except Exception:  # whatever is wrong with a mesh, it is only a picture
         return []
     return parts
+
+
+def obj_of_gltf(file: Path, mtl: str) -> tuple[str, str] | None:
+    """A glTF mesh as OBJ, its z up, and its colours, without textures, as the OBJ's MTL, a file of the name
+    `mtl`. None where the library lacks or the file is unreadable."""
+    if not _library():
+        return None
+    import trimesh
+
+    try:
+        scene = trimesh.load_scene(file)
+        scene.apply_transform(ROOT_OF_GLTF)
+        for mesh in scene.geometry.values():
+            material = getattr(mesh.visual, "material", None)
+            if material is not None:
+                rgba = np.asarray(material.main_color, dtype=float) / 255
+                rgba[:3] = np.where(
+                    rgba[:3] > 0.0031308, 1.055 * rgba[:3] ** (1 / 2.4) - 0.055, 12.92 * rgba[:3]
+                )
+                plain = trimesh.visual.material.SimpleMaterial(diffuse=np.rint(255 * rgba).astype(np.uint8))
+                mesh.visual = trimesh.visual.TextureVisuals(material=plain)
+        text, beside = trimesh.exchange.obj.export_obj(
+            scene, include_normals=False, return_texture=True, mtl_name=mtl, header=None, digits=6
+        )
+    except Exception:  # whatever is wrong with a mesh, it is only a picture
+        return None
+    return text, beside.get(mtl, b"").decode()
 
 
 def _coarser(mesh: Any, faces: int) -> Any:

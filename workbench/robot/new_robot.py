@@ -56,6 +56,9 @@ def new_robot(
     urdf = parse_urdf(text, source, read_as)
     guess = guess_flange(urdf, base) if flange is None else Guess(flange, "as said")
     chain = read_chain(urdf, guess.flange, base)
+    if name is not None and not re.fullmatch(r"\w[\w.-]*", name):
+        what = f"{name!r} is no name of files"
+        raise InputError(Fault("--name", what, "letters, figures, _ and - alone, like kr500"))
     name = name or _name(source, arguments or {})
     meshes = mesh_files(urdf, chain, given)
     with tempfile.TemporaryDirectory(prefix="workbench-") as scratch:

@@ -179,7 +179,8 @@ class RobotFile(_Table):
     payloads: dict[str, LoadData] = {}
     """in a model.toml: the campaign's loads by name"""
     geometry: dict[str, dict[str, float]] = {}
-    """in a model.toml: corrections tx ty tz rx ry rz [m, rad] by joint"""
+    """in a model.toml: corrections by joint, Trans(tx, ty, tz) Rx Ry Rz [m, rad] before its motion, on the
+    joint's axes in the URDF, which the smallest rotation turns so that z is the axis of motion"""
     effects: tuple[EffectRecord, ...] = ()
     """in a model.toml: what was found"""
     prediction: Uncertainty | None = None

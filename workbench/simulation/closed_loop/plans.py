@@ -13,10 +13,12 @@ from ...correction.paths import Path
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from ...robot.rotations import angle_between
 from .runs import World
-from .ways import way_of
+from .ways import SAME, way_of
 
 LEAST_TOLD = 1e-9  # rad, m: by which a command has to differ to be run beside another
+STILL = 1e-6  # m/s: a tool that is no faster turns or stands: its path runs in its own time
 LONGEST = 60.0  # s that a run may take in the simulated world
 
 
@@ -73,12 +75,12 @@ class Plans:
         return {name: self.way.command(q) for name, q in out.items()}
 
     def at_speeds(self, speeds: Sequence[float] | None) -> tuple[list[tuple[Path, float]], list[str]]:
-        """The path at each tool speed, slowest first: its time stretched, within what a run may last."""
+        """The path at each tool speed, slowest first: its time stretched, within what a run may last. A tool
+        that turns and does not move has no speed: 0, in the path's own time."""
         p, time = self.way.rows[:, :3, 3], self.path.time
         own = float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
-        if own <= 0:
-            place = self.path.file or self.path.title or "path"
-            raise InputError(Fault(place, "the tool does not move", "give a path"))
+        if own <= STILL:
+            return self._in_own_time()
         length, found, notes = float(time[-1] - time[0]), {}, []
         for speed in speeds if speeds is not None else (own,):
             stretch = min(own / speed, LONGEST / length)
@@ -89,3 +91,16 @@ class Plans:
                 self.path, time=time[0] + stretch * (time - time[0])
             )  # fmt: skip
         return [(found[speed], speed) for speed in sorted(found)], notes
+
+    def _in_own_time(self) -> tuple[list[tuple[Path, float]], list[str]]:
+        """A path along which the tool hardly moves: as it is, within what a run may last."""
+        rows, time = self.way.rows, self.path.time
+        steps = np.linalg.norm(np.diff(rows[:, :3, 3], axis=0), axis=1)
+        turns = angle_between(rows[:-1, :3, :3], rows[1:, :3, :3])
+        if max(steps.max(), turns.max()) <= SAME:
+            place = self.path.file or self.path.title or "path"
+            raise InputError(Fault(place, "the tool does not move", "give a path"))
+        share = min(1.0, LONGEST / float(time[-1] - time[0]))
+        note = "the tool turns where it is, which no speed in m/s says: run in the path's own time"
+        notes = [f"{note}, {share:.3g} times as long" if share < 1 else note]
+        return [(replace(self.path, time=time[0] + share * (time - time[0])), 0.0)], notes

@@ -78,6 +78,9 @@ def verify(
     world = World(truth, belief, loads, true_conditions or loads, tool, loop or truth.loop, on_limit=on_limit)
     plans = Plans(world, path, start, seed)
     timed, notes = plans.at_speeds(speeds)
+    if sweep and not timed[0][1]:
+        what = "goes with a path along which the tool moves"
+        raise InputError(Fault("--sweep", what, "leave it out: here the tool only turns"))
     commands = [plans.commands(p) for p, _ in timed]
     way = plans.way
     timed = [(way.along(p), speed) for p, speed in timed]

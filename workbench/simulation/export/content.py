@@ -10,17 +10,16 @@ import numpy as np
 from ...campaign import Campaign
 from ...campaign.planned import planned, random_poses
 from ...campaign.problem import Problem, problem_of
+from ...campaign.same_robot import check_same_robot
 from ...correction.conditions import Conditions
 from ...correction.extended_arm import ExtendedArm, extended_arm
 from ...effects.acting import Acting
 from ...effects.base import Effect
-from ...files.faults import Fault, InputError
 from ...robot.compensator import CompensatorLaw
 from ...robot.description import Robot
 from ...robot.equilibrium import equilibrium
 from ...robot.kinematics import Arm, Array, frames
 from ...robot.loads import Loads
-from ...robot.rigid_plant import arrays
 
 GRID = 200  # poses that are drawn where no campaign says any
 IDLE = 1e-6  # m at the flange, at most: a spring that might as well be stiff
@@ -132,19 +131,11 @@ def kind_of(item: Part, problem: Problem) -> str:
     return "torque" if (loads.torque != problem.loads.torque).any() else "mass"
 
 
-def _check_same(robot: Robot, campaign: Campaign) -> None:
-    """Raises InputError for the campaign of another robot, whose poses and loads say nothing here."""
-    own, other = (arrays(one) for one in (robot, campaign.robot))
-    if own.names != other.names or not np.allclose(own.p, other.p, atol=1e-6):
-        what = f"is of {campaign.robot.name}, which is not the robot of {robot.path or robot.name}"
-        raise InputError(Fault(str(campaign.path), what, "name a campaign of this robot"))
-
-
 def content_of(robot: Robot, campaign: Campaign | None, conditions: Conditions) -> Content:
     """The robot with these loads in the campaign's poses, or in drawn ones (seed 0)."""
     side = time = temperature = None
     if campaign is not None:
-        _check_same(robot, campaign)
+        check_same_robot(robot, campaign)
         poses = campaign.poses
         where = f"the {len(poses.q)} poses of {campaign.title or campaign.path.name}"
         q, side, time, temperature = poses.q, poses.side, poses.time, poses.temperature

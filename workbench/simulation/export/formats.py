@@ -44,6 +44,7 @@ def in_drake(content: Content) -> list[str]:
     return [
         *assumed(content),
         f"gravity is the plant's: set_gravity_vector([{x}, {y}, {z}]); Drake's own is 9.81",
+        *urdf.mesh_notes(content),
     ]
 
 

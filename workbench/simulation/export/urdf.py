@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...robot.kinematics import Array
+from ...robot.meshes import GLTF, HOW, obj_of_gltf
 from ...robot.plants import rigid_arm_plant
 from ...robot.rigid_plant import rigid_twin
 from ...robot.rotations import zyx_angles
@@ -18,7 +19,7 @@ from .text import numbers, xml_comment
 from .tree import tree_of
 
 Files = Mapping[str, str | bytes]
-Meshes = Mapping[str, tuple[str, Path]]
+Meshes = Mapping[str, tuple[str, Mapping[str, bytes]]]
 MESHES = "meshes"  # folder beside what is exported
 
 
@@ -46,33 +47,47 @@ def write(content: Content, header: list[str]) -> Files:
 def notes(content: Content) -> list[str]:
     """What else a reader must know."""
     mass = content.payload[0]
-    return (
-        [f"tool and payload, {mass:g} kg, are not in the file: it has the links' masses alone"]
-        if mass
-        else []
-    )
+    told = f"tool and payload, {mass:g} kg, are not in the file: it has the links' masses alone"
+    return [*([told] if mass else []), *mesh_notes(content)]
+
+
+def mesh_notes(content: Content) -> list[str]:
+    """A note on meshes that many programs do not read."""
+    left = [name for name, _ in mesh_files(content.robot.urdf).values() if Path(name).suffix.lower() in GLTF]
+    said = f"meshes in glTF ({left[0]} ...) are for Drake, others want OBJ: {HOW} writes it" if left else ""
+    return [said] if left else []
 
 
 def mesh_files(urdf: Path) -> Meshes:
-    """File name as the URDF writes it → its name beside what is exported, and the file, of the meshes that
-    are named by their place: one below the URDF keeps its name, one elsewhere comes into `meshes`. A name
-    with a scheme, as package://, counts from anywhere."""
+    """File name as the URDF writes it → its name beside what is exported, and the files behind it by their
+    names there, of the meshes that are named by their place: one below the URDF keeps its name, one elsewhere
+    comes into `meshes`. glTF becomes OBJ. A name with a scheme, as package://, counts from anywhere."""
     names = {mesh.get("filename", "") for mesh in read_root(urdf).iter("mesh")}
     files = {name: urdf.parent / name for name in sorted(names) if name and "://" not in name}
     files = {name: file for name, file in files.items() if file.is_file()}
-    found = {name: (name, file) for name, file in files.items() if _below(name)}
+    beside = {name: name for name in files if _below(name)}
     for name, file in files.items():
         if not _below(name):
             free = f"{MESHES}/{file.name}"
-            if free in {taken for taken, _ in found.values()}:
-                free = f"{MESHES}/{len(found)}_{file.name}"
-            found[name] = free, file
-    return found
+            beside[name] = free if free not in beside.values() else f"{MESHES}/{len(beside)}_{file.name}"
+    return {name: _read(file, beside[name], {*beside.values()}) for name, file in files.items()}
+
+
+def _read(file: Path, name: str, taken: set[str]) -> tuple[str, Mapping[str, bytes]]:
+    """A mesh's name beside what is exported, and the files behind it. taken: the names of all."""
+    place = Path(name)
+    if place.suffix.lower() in GLTF:
+        stem = place.with_suffix("") if place.with_suffix(".obj").as_posix() not in taken else place
+        mtl = f"{stem.name}.mtl"
+        if found := obj_of_gltf(file, mtl):
+            obj = stem.with_name(f"{stem.name}.obj").as_posix()
+            return obj, {obj: found[0].encode(), stem.with_name(mtl).as_posix(): found[1].encode()}
+    return name, {name: file.read_bytes()}
 
 
 def contents(meshes: Meshes) -> dict[str, bytes]:
     """The mesh files by their names beside what is exported."""
-    return {name: file.read_bytes() for name, file in meshes.values()}
+    return {name: data for _, files in meshes.values() for name, data in files.items()}
 
 
 def _below(name: str) -> bool:
