@@ -35,6 +35,7 @@ from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitt
 from .scatter import beyond_all
 from .stages import Group, rms_mm
 
+SURELY = 3.0  # standard deviations
 UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
 
 
@@ -90,11 +91,16 @@ class Selection:
 
     def worth_mm(self, member: Member) -> float:
         """RMS length [mm] of what a member makes of the points."""
-        chosen = Chosen(self.reduced, self.members if member in self.members else [member])
-        own = chosen.own[chosen.members.index(member)]
-        index, beta = chosen.index[own], chosen.beta[own]
-        S = self.reduced.S.between(index, index)
-        return 1e3 * self.fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / self.reduced.dof))
+        members = self.members if member in self.members else [member]
+        return made_mm(self.fit, self.reduced, members, members.index(member))
+
+
+def made_mm(fit: Fit, reduced: Reduced, members: Sequence[Member], i: int) -> float:
+    """RMS length [mm] of what the i-th of some members makes of the points."""
+    chosen = Chosen(reduced, members)
+    index, beta = chosen.index[chosen.own[i]], chosen.beta[chosen.own[i]]
+    S = reduced.S.between(index, index)
+    return 1e3 * fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / reduced.dof))
 
 
 def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
@@ -203,18 +209,36 @@ def _renamed_at_no_loss(
 ) -> tuple[list[Member], list[Shares]]:
     """The members with the likelier names of their shares, unless these, with what they have beside their
     forms, predict worse what they did not see: then what is there without a name is better than another's."""
-    components, problem = best.competition.components, best.found.model.problem
-
-    def error(chosen: Sequence[Member]) -> float:
-        effects = effects_of(best.competition, chosen)
-        forms = [(e, m.scale) for m in chosen for e in components[m.component].forms[m.form].effects]
-        beside = beside_forms(forms, problem, effects)
-        return rms_mm(heldout(refitted(best.found, [*effects, *beside])))
-
     new, theirs = renamed(best.competition, members, shares)
-    if {m.component for m in new} == {m.component for m in members} or error(members) > BETTER * error(new):
+    same = {m.component for m in new} == {m.component for m in members}
+    if same or _heldout_mm(best, members) > BETTER * _heldout_mm(best, new):
         return new, theirs
     return members, shares
+
+
+def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
+    """What members with all that they have beside their forms leave on poses held out, RMS."""
+    components, problem = best.competition.components, best.found.model.problem
+    effects = effects_of(best.competition, members)
+    forms = [(e, m.scale) for m in members for e in components[m.component].forms[m.form].effects]
+    beside = beside_forms(forms, problem, effects)
+    return rms_mm(heldout(refitted(best.found, [*effects, *beside])))
+
+
+def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares]) -> list[Shares]:
+    """The shares, where a likelier name predicts worse than the member by surely more than forms miss: there
+    as if all were true to their forms."""
+    competition, out = best.competition, list(shares)
+    for i, member in enumerate(members):
+        alone: list[Shares] = [{m.component: 1.0} for m in members]
+        alone[i] = shares[i]
+        new, _ = renamed(competition, members, alone)
+        if {m.component for m in new} == {m.component for m in members}:
+            continue
+        missed = SURELY * PRIORS.form * made_mm(best.found, competition.reduced, members, i)
+        if _heldout_mm(best, new) ** 2 > _heldout_mm(best, members) ** 2 + missed**2:
+            out[i] = competition.shares(members, true=frozenset({member.component}))[i]
+    return out
 
 
 def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[Round, list[Member], list[Shares]]:
@@ -230,6 +254,7 @@ def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[Round,
             break
         del members[least]  # one at a time: two that stand in for each other are not both superfluous
         shares = best.competition.shares(members)
+    shares = _no_excuse(best, members, shares)
     # forms are not as true as the search takes them: of two that may be, what predicts better decides
     members, shares = renamed(best.competition, members, shares, below=PRIORS.absent)
     members, shares = _renamed_at_no_loss(best, members, shares)

@@ -242,15 +242,18 @@ def with_companions(
 def beside_forms(
     scaled: Iterable[tuple[Effect, float]], about: Problem, there: Iterable[Effect]
 ) -> dict[Effect, Key]:
-    """What effects in their scales have beside their forms without a name of its own, and whose it is: of
-    each function the first, and none that is there already."""
-    found, had = dict[Effect, Key](), {(e.variant, e.where) for e in there if e.cause == UNKNOWN}
+    """What effects in their scales have beside their forms that no law names, and whose it is: of each
+    function the first, and none that is there already."""
+
+    def place(one: Effect) -> tuple[str, str, Where]:
+        return one.cause, one.variant if one.cause == UNKNOWN else "", one.where
+
+    found, had = dict[Effect, Key](), {place(e) for e in there}
     for effect, scale in scaled:
         for share, companion in (*effect.companions(about), *effect.rarer(about)):
-            place = companion.variant, companion.where
-            if companion.cause == UNKNOWN and place not in had:
+            if (companion.cause == UNKNOWN or companion.local) and place(companion) not in had:
                 found[companion.sized(scale * share)] = effect.key
-                had.add(place)
+                had.add(place(companion))
     return found
 
 

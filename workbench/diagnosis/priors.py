@@ -38,7 +38,7 @@ class Priors:
     unstated: float = 0.2
     rarer: float = 0.3
     scales: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
-    largest: float = 10.0
+    largest: float = 30.0
     smallest: float = 1.0
     form: float = 0.03
     kin: float = 3.0

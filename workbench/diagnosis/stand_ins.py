@@ -32,11 +32,11 @@ class StandIns:
     That one fits better than another says less than it seems to. No form is quite true: what a large
     effect's form misses is as large as a small effect (`PRIORS.form`), and some odds are too large by a
     factor (`times_too_sure`) but for what a cause that may be true to its form wins without its companions.
-    Two orders of one gear are one form.
+    Two orders of one gear are one form. true: components in whose place forms are taken to be true.
     """
 
-    def __init__(self, reduced: Reduced, components: Sequence[Component]) -> None:
-        self.reduced, self.components = reduced, components
+    def __init__(self, reduced: Reduced, components: Sequence[Component], true: frozenset[int]) -> None:
+        self.reduced, self.components, self.true = reduced, components, true
 
     def believed(
         self, chosen: Chosen, i: int, weights: dict[int, Weight], logs: dict[int, float]
@@ -49,7 +49,8 @@ class StandIns:
             k: v for k, v in logs.items() if k == own or self._of_itself(chosen, i, k, weights[k], takes[k])
         }
         rivals = [k for k in logs if self._differ(k, own)]
-        out = self._no_truer_than_forms(chosen, i, takes, logs, rivals)
+        excused = [] if own in self.true else rivals
+        out = self._no_truer_than_forms(chosen, i, takes, logs, excused)
         for k in rivals:
             times = self._times_too_sure(k, own)
             if times == 1:
