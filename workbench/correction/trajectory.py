@@ -39,11 +39,11 @@ class Trajectory:
     extended: ExtendedArm
 
     def jacobian(self, part: slice) -> Array:
-        """(K, rows, n) of some samples, as `Tip` makes it."""
+        """(K, 6, n) of some samples, as `Tip` makes it."""
         return self.tip.jacobian(self.nominal, frames(self.nominal, self.q[part]))
 
     def gain(self, part: slice) -> Array:
-        """(K, n, rows) of some samples, as `Tip` makes it."""
+        """(K, n, 6) of some samples, as `Tip` makes it."""
         return self.tip.gain(self.nominal, self.jacobian(part))
 
     def forward(self, q: Array) -> Array:
@@ -116,5 +116,5 @@ def rigid(arm: Arm, X_FT: Array, limits: Range) -> tuple[Arm, Tip]:
 
 def _reach_said(arm: Arm, tip: Tip) -> str:
     if tip.rows == 3:
-        return f"the tool cannot get there ({arm.n} joints: only its place counts)"
+        return f"the tool cannot get there ({arm.n} joints: its place counts, however it is turned)"
     return "the tool cannot get there in this posture"
