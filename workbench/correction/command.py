@@ -117,8 +117,8 @@ class Compensation:
         if self.position_only:
             turned = 1e3 * float(np.linalg.norm(self.after[:, 3:], axis=1).max())
             found.append(
-                "with fewer than six joints the tool's place comes first, and its orientation as far as they can "
-                f"turn it: it stays off by up to {turned:.2g} mrad"
+                "with fewer than six joints the tool's place comes first, and its orientation as far as they "
+                f"can turn it: it stays off by up to {turned:.2g} mrad"
             )
         anew = self.before_anew_mm
         if mostly_place(self.before_mm, anew):
