@@ -233,6 +233,25 @@ def test_four_joints_turn_the_tool_as_far_as_they_can(tmp_path) -> None:
     assert np.linalg.norm(off.after[:, 3:], axis=1).max() < 0.51
 
 
+def test_six_joints_of_which_four_are_parallel_are_no_six(tmp_path) -> None:
+    """A palletizer whose rods have columns of their own: a roll that no joint makes is not asked for."""
+    urdf = """<robot name="pal"><link name="l0"/>"""
+    for i, (xyz, axis) in enumerate(
+        [("0 0 .6", "0 0 1"), (".3 0 .2", "0 1 0"), ("0 0 1.2", "0 1 0"), ("0 0 0", "0 1 0"),
+         ("1.3 0 0", "0 1 0"), (".2 0 -.1", "0 0 -1")]
+    ):  # fmt: skip
+        urdf += f"""<link name="l{i + 1}"/><joint name="q{i + 1}" type="continuous"><parent link="l{i}"/>
+          <child link="l{i + 1}"/><origin xyz="{xyz}"/><axis xyz="{axis}"/></joint>"""
+    (tmp_path / "pal.urdf").write_text(urdf + "</robot>")
+    (tmp_path / "pal.toml").write_text('schema=1\nname="pal"\nurdf="pal.urdf"\nflange="l6"\n')
+    robot = extended(load_robot(tmp_path / "pal.toml"), [])
+    q = np.linspace([0.1, 0.2, -0.2, 0.5, -0.5, 0.3], [0.6, 0.5, -0.5, 0.2, -0.2, 0.9], 40)
+    done = compensate(robot, Path(np.linspace(0, 4, 40), q=q))
+    assert done.position_only
+    assert done.after_mm.max() < 1e-6
+    assert np.linalg.norm(done.after[:, 3:], axis=1).max() < np.linalg.norm(done.before[:, 3:], axis=1).max()
+
+
 def test_branch_is_that_of_the_start_and_stays() -> None:
     robot = load_robot("kr500")
     path = raster(0.6, 0.4, 0.05, Run(work_frame([1.4, -0.2, 0.9]), speed=0.3, period=0.01))

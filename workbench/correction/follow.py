@@ -90,7 +90,7 @@ def start_postures(arm: Arm, tip: Tip, X: Array, limits: Range, start: Array | N
     if start is not None or not len(q):
         return q
     off = np.linalg.norm(tip.error(frames(arm, q), target[: len(q)])[:, 3:], axis=1)
-    q = q[off < off.min() + SAME]  # few joints reach a place in other turns of the tool as well
+    q = q[off < off.min() + SAME]  # of 3 rows: a place is reached in other turns of the tool as well
     turns = np.where(arm.prismatic, 0.0, np.round((q - (low + high) / 2) / (2 * np.pi)))
     q = q - 2 * np.pi * turns
     q = q[np.argsort(-limits.margin(q), kind="stable")]

@@ -11,18 +11,20 @@ from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.rotations import cross, pose, vectors
 
 DAMPING = 1e-4  # of a joint motion, relative to the arm's length: only felt at a singularity
-TURN_DAMPING = 0.02  # likewise, of the turns of fewer than six joints, which need not have them at any cost
+TURN_DAMPING = 0.02  # likewise, of turns that come second to the place: they are not had at any cost
 STEP = 0.3  # rad, or of the arm's length: the longest step of any joint
 REACHED_WITHIN = 1e-11  # m
 JACOBIAN_ROUNDS = 5  # rounds that one Jacobian serves
-PLACE_ROUNDS = 10  # the last ones, in which few joints that do not come to rest turn the tool no further
+PLACE_ROUNDS = (
+    10  # the last ones, in which an arm of 3 rows that does not come to rest turns the tool no more
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Tip:
     """The tool on the flange, and how much of its pose the arm can serve.
 
-    R: (3, 3), p: (3,) [m] tool in the flange frame. rows: 6, or 3 where an arm has fewer than six joints: it
+    R: (3, 3), p: (3,) [m] tool in the flange frame. rows: 6, or 3 where an arm cannot turn it every way: it
     follows the place, and with the freedom that is left the orientation as near as it can (a SCARA's turn
     about the vertical, say). length: [m] that a rad counts, about a third of the arm's reach.
     """
@@ -75,8 +77,8 @@ class Tip:
         return J.transpose(0, 2, 1)
 
     def gain(self, arm: Arm, J: Array, turn: bool = True) -> Array:
-        """(K, n, 6) joint motion [rad, m] per scaled error [m]: the damped inverse, of least norm; of few
-        joints that of the place, and, with what moves no place, of the `turn` (Siciliano & Slotine 1991)."""
+        """(K, n, 6) joint motion [rad, m] per scaled error [m]: the damped inverse, of least norm; of 3
+        rows that of the place, and, with what moves no place, of the `turn` (Siciliano & Slotine 1991)."""
         inverse = damped_inverse(J[:, : self.rows], DAMPING * self.length)
         if self.rows < 6:
             free = np.eye(arm.n) - inverse @ J[:, :3]
