@@ -78,7 +78,7 @@ class Tip:
 
     def gain(self, arm: Arm, J: Array, turn: bool = True) -> Array:
         """(K, n, 6) joint motion [rad, m] per scaled error [m]: the damped inverse, of least norm; of 3
-        rows that of the place, and, with what moves no place, of the `turn` (Siciliano & Slotine 1991)."""
+        rows that of the place, and, with what moves no place, of the `turn`."""
         inverse = damped_inverse(J[:, : self.rows], DAMPING * self.length)
         if self.rows < 6:
             free = np.eye(arm.n) - inverse @ J[:, :3]

@@ -101,7 +101,7 @@ def _nominal(
         assert path.X is not None
         X = path.X
         q, reached = follow(nominal, tip, X, limits, start, seed)
-        troubles += unreached(reached, _reach_said(arm, tip))
+        troubles += unreached(reached, _reach_said(tip))
     troubles += out_of_range(robot, q, "the path itself")
     if faults := impossible(path, troubles):
         raise InputError(faults)
@@ -125,7 +125,7 @@ def _every_way(arm: Arm, tip: Tip) -> bool:
     return arm.n >= 6 and float(np.linalg.svd(J, compute_uv=False)[:, 5].max()) > NO_WAY
 
 
-def _reach_said(arm: Arm, tip: Tip) -> str:
+def _reach_said(tip: Tip) -> str:
     if tip.rows == 3:
         return "the tool cannot get there, however it is turned"
     return "the tool cannot get there in this posture"
