@@ -1,8 +1,9 @@
-"""Wrenches that are stated otherwise than they acted are told as that, and not as causes."""
+"""Wrenches and gravity that are stated otherwise than they acted are told as that, and not as causes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -79,3 +80,38 @@ def test_another_unit_is_remarked() -> None:
 @pytest.mark.parametrize("hidden", [(), (WEAK,), ("joint_compliance:joint=joint_2,relative=2.0",)])
 def test_right_wrenches_are_no_mistake(hidden: tuple[str, ...]) -> None:
     assert not [note for note in prepare(pulled(*hidden)).notes if "wrenches" in note]
+
+
+def stands(gravity: tuple[float, float, float], *hidden: str, name: str = "rx170") -> Campaign:
+    """Poses of an arm that stands elsewhere than on a floor, with a robot's TOML that says nothing of it."""
+    robot = load_robot(name)
+    plan = planned(replace(robot, gravity=gravity), random_poses(robot, 60, np.random.default_rng(1)))
+    effects = tuple(parse_effect(text, problem(plan)) for text in hidden)
+    return replace(simulate(plan, Truth(effects=effects, sigma=3e-5), seed=2), robot=robot)
+
+
+@pytest.mark.parametrize("name", ["rx170", "kr500"])
+@pytest.mark.parametrize("hidden", [(), (WEAK,)], ids=["sound", "weak"])
+def test_an_arm_that_hangs_is_no_arm_of_negative_masses(name: str, hidden: tuple[str, ...]) -> None:
+    """Its links weigh minus once what the URDF says, for sure, was the verdict."""
+    with pytest.raises(InputError) as caught:
+        prepare(stands((0.0, 0.0, 9.80665), *hidden, name=name))
+    (fault,) = caught.value.faults
+    assert "as under 0.00 0.00 9.81 m/s² on the base's axes, not 0.00 0.00 -9.81" in fault.what
+    assert "`gravity`" in fault.mend
+
+
+def test_an_arm_on_a_wall_is_told_to_say_so() -> None:
+    """The geometry turns its base by nearly a right angle."""
+    with pytest.raises(InputError) as caught:
+        prepare(stands((9.80665, 0.0, 0.0)))
+    (fault,) = caught.value.faults
+    assert fault.what.startswith("ry of joint_1 would have to be ")
+    assert "`gravity` in the robot's TOML" in fault.mend
+
+
+@pytest.mark.parametrize(
+    "hidden", [(), (WEAK,), ("link_mass:link=link_3,mass=-20",), ("foundation:compliance=2e-6",)]
+)
+def test_gravity_as_stated_is_no_mistake(hidden: tuple[str, ...]) -> None:
+    prepare(stands((0.0, 0.0, -9.80665), *hidden))

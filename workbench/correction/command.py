@@ -43,7 +43,7 @@ class Compensation:
     to the path, uncorrected and corrected, what is left out included; between: (N − 1,) [m] what is left
     halfway from sample to sample (`left_between`). direction: (N, n) sides from which
     the joints come (None: no effect asks). forward: joints → tool poses, as the controller has them.
-    position_only: an arm of fewer than six joints.
+    position_only: the arm cannot turn its tool every way; it serves the place, and of the turn what it can.
     """
 
     path: Path
@@ -117,8 +117,8 @@ class Compensation:
         if self.position_only:
             turned = 1e3 * float(np.linalg.norm(self.after[:, 3:], axis=1).max())
             found.append(
-                "with fewer than six joints only the tool's place is corrected: its orientation stays off by "
-                f"up to {turned:.2g} mrad"
+                "this arm cannot turn its tool every way: the place comes first, orientation as far as it "
+                f"goes: it stays off by up to {turned:.2g} mrad"
             )
         anew = self.before_anew_mm
         if mostly_place(self.before_mm, anew):

@@ -64,7 +64,7 @@ def follow(
 def path_way(tip: Tip, X: Array) -> Array:
     """(N,) way of the tool from the first pose: turns [rad] and shifts in lengths of the tip, added up."""
     shift = np.linalg.norm(np.diff(X[:, :3, 3], axis=0), axis=1) / tip.length
-    turn = angle_between(X[:-1, :3, :3], X[1:, :3, :3]) if tip.rows == 6 else np.zeros(len(shift))
+    turn = angle_between(X[:-1, :3, :3], X[1:, :3, :3])
     return np.concatenate([[0.0], np.cumsum(shift + turn)])
 
 
@@ -89,6 +89,8 @@ def start_postures(arm: Arm, tip: Tip, X: Array, limits: Range, start: Array | N
     q = q[solved]
     if start is not None or not len(q):
         return q
+    off = np.linalg.norm(tip.error(frames(arm, q), target[: len(q)])[:, 3:], axis=1)
+    q = q[off < off.min() + SAME]  # of 3 rows: a place is reached in other turns of the tool as well
     turns = np.where(arm.prismatic, 0.0, np.round((q - (low + high) / 2) / (2 * np.pi)))
     q = q - 2 * np.pi * turns
     q = q[np.argsort(-limits.margin(q), kind="stable")]

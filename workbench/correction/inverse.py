@@ -11,17 +11,22 @@ from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.rotations import cross, pose, vectors
 
 DAMPING = 1e-4  # of a joint motion, relative to the arm's length: only felt at a singularity
+TURN_DAMPING = 0.02  # likewise, of turns that come second to the place: they are not had at any cost
 STEP = 0.3  # rad, or of the arm's length: the longest step of any joint
 REACHED_WITHIN = 1e-11  # m
 JACOBIAN_ROUNDS = 5  # rounds that one Jacobian serves
+PLACE_ROUNDS = (
+    10  # the last ones, in which an arm of 3 rows that does not come to rest turns the tool no more
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Tip:
     """The tool on the flange, and how much of its pose the arm can serve.
 
-    R: (3, 3), p: (3,) [m] tool in the flange frame. rows: 6, or 3 where an arm with fewer than six joints
-    follows the position only. length: [m] that a rad counts, about a third of the arm's reach.
+    R: (3, 3), p: (3,) [m] tool in the flange frame. rows: 6, or 3 where an arm cannot turn it every way: it
+    follows the place, and with the freedom that is left the orientation as near as it can (a SCARA's turn
+    about the vertical, say). length: [m] that a rad counts, about a third of the arm's reach.
     """
 
     R: Array
@@ -48,11 +53,19 @@ class Tip:
         return out
 
     def scaled(self, error: Array) -> Array:
-        """(K, rows) [m]: turns count with `length`."""
-        return np.concatenate([error[:, :3], self.length * error[:, 3:]], axis=1)[:, : self.rows]
+        """(K, 6) [m]: turns count with `length`."""
+        return np.concatenate([error[:, :3], self.length * error[:, 3:]], axis=1)
+
+    def left(self, arm: Arm, scaled: Array, step: Array) -> Array:
+        """(K,) [m] that the arm can still take off the scaled error (K, 6); step: (K, n) [rad, m] that its
+        joints would go for it."""
+        off = np.abs(scaled[:, : self.rows]).max(axis=1)
+        if self.rows == 6:
+            return np.asarray(off)
+        return np.maximum(off, np.abs(np.where(arm.prismatic, 1.0, self.length) * step).max(axis=1))
 
     def jacobian(self, arm: Arm, where: Frames) -> Array:
-        """(K, rows, n) [m]: of the scaled error, per rad or, of a sliding joint, per `length`."""
+        """(K, 6, n) [m]: of the scaled error, per rad or, of a sliding joint, per `length`."""
         slots = np.arange(1, arm.n + 1)
         axis = where.axes[:, slots, arm.axial % 6]
         p = self.place(where)[1]
@@ -61,11 +74,16 @@ class Tip:
         J[..., 3:] = self.length * axis
         J[:, arm.prismatic, :3] = self.length * axis[:, arm.prismatic]
         J[:, arm.prismatic, 3:] = 0.0
-        return np.asarray(J[..., : self.rows].transpose(0, 2, 1))
+        return J.transpose(0, 2, 1)
 
-    def gain(self, arm: Arm, J: Array) -> Array:
-        """(K, n, rows) joint motion [rad, m] per scaled error [m]: the damped inverse, of least norm."""
-        inverse = damped_inverse(J, DAMPING * self.length)
+    def gain(self, arm: Arm, J: Array, turn: bool = True) -> Array:
+        """(K, n, 6) joint motion [rad, m] per scaled error [m]: the damped inverse, of least norm; of 3
+        rows that of the place, and, with what moves no place, of the `turn`."""
+        inverse = damped_inverse(J[:, : self.rows], DAMPING * self.length)
+        if self.rows < 6:
+            free = np.eye(arm.n) - inverse @ J[:, :3]
+            turned = turn * free @ damped_inverse(J[:, 3:] @ free, TURN_DAMPING * self.length)
+            inverse = np.concatenate([inverse - turned @ J[:, 3:] @ inverse, turned], axis=2)
         inverse[:, arm.prismatic] *= self.length
         return inverse
 
@@ -92,17 +110,18 @@ def newton(
     """Joints (K, n) that put the tool on X: (K, 4, 4), from the guess q, and which of them do."""
     q = q.copy()
     active = np.arange(len(q))
-    gain = np.zeros((len(q), arm.n, tip.rows))
+    gain = np.zeros((len(q), arm.n, 6))
+    there = np.zeros(len(q), dtype=bool)
     for count in range(rounds):
         where = frames(arm, q[active])
         error = tip.scaled(tip.error(where, X[active]))
         if count % refresh == 0:
-            gain = tip.gain(arm, tip.jacobian(arm, where))
-        far = np.abs(error).max(axis=1) > REACHED_WITHIN
-        active, error, gain = active[far], error[far], gain[far]
+            gain = tip.gain(arm, tip.jacobian(arm, where), count < rounds - PLACE_ROUNDS)
+        there[active] = np.abs(error[:, : tip.rows]).max(axis=1) <= REACHED_WITHIN
+        step = np.einsum("kij,kj->ki", gain, error)
+        far = tip.left(arm, error, step) > REACHED_WITHIN
+        active, gain, step = active[far], gain[far], step[far]
         if not len(active):
             break
-        q[active] += limited(arm, tip, np.einsum("kij,kj->ki", gain, error))
-    there = np.ones(len(q), dtype=bool)
-    there[active] = False
+        q[active] += limited(arm, tip, step)
     return q, there

@@ -17,7 +17,7 @@ from ..campaign.problem import Problem
 from ..effects.acting import Shares
 from ..robot.kinematics import Array
 from .extended_arm import parts
-from .inverse import limited
+from .inverse import PLACE_ROUNDS, limited
 from .trajectory import Trajectory
 
 TOLERANCE = 1e-10  # m, turns with the tip's length
@@ -66,7 +66,7 @@ def correct(trajectory: Trajectory, q: Array, direction: Array | None, sag: Arra
 
 
 def _step(trajectory: Trajectory, problem: Problem, gain: Array, scaled: Array, shares: Shares) -> Array:
-    """(K, n) change of the command that takes the error (K, rows) [m] off."""
+    """(K, n) change of the command that takes the scaled error (K, 6) [m] off."""
     slope = trajectory.extended.acting.ripple_slope(problem, shares)
     step = np.einsum("kij,kj->ki", gain, scaled) / (1 + slope)
     return limited(trajectory.nominal, trajectory.tip, step)
@@ -111,20 +111,23 @@ def _part(
         error = tip.error(where, trajectory.X[active])
         out.sag[active], out.error[active] = new, error
         change = (new - sag).reshape(len(q), -1)
-        busy = np.abs(change).max(axis=1) > still
+        there = np.abs(change).max(axis=1) <= still
+        busy = ~there
         if tolerance is not None:
             scaled = tip.scaled(error)
-            busy |= np.abs(scaled).max(axis=1) > tolerance
             if count % REFRESH == 0:
-                gain = tip.gain(nominal, tip.jacobian(nominal, where))
+                gain = tip.gain(nominal, tip.jacobian(nominal, where), count < ROUNDS - PLACE_ROUNDS)
             # what the joints yield more than they did is taken off before it shows
-            step = _step(trajectory, problem, gain, scaled, here) - change[:, nominal.axial]
+            step = _step(trajectory, problem, gain, scaled, here)
+            there &= np.abs(scaled[:, : tip.rows]).max(axis=1) <= tolerance
+            busy |= tip.left(nominal, scaled, step) > tolerance
+            step -= change[:, nominal.axial]
             out.q[active[busy]] += step[busy]
             gain = gain[busy]
+        out.there[active] = there
         active = active[busy]
         if not len(active):
             return count
-    out.there[active] = False
     return ROUNDS
 
 

@@ -21,6 +21,9 @@ from .inverse import Tip
 from .paths import Path
 from .trouble import Trouble, impossible, out_of_range, ranges_of, unreached
 
+POSTURES = 8
+NO_WAY = 1e-3  # of the largest motions [rad, lengths of the tip]: less is none
+
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
@@ -39,11 +42,11 @@ class Trajectory:
     extended: ExtendedArm
 
     def jacobian(self, part: slice) -> Array:
-        """(K, rows, n) of some samples, as `Tip` makes it."""
+        """(K, 6, n) of some samples, as `Tip` makes it."""
         return self.tip.jacobian(self.nominal, frames(self.nominal, self.q[part]))
 
     def gain(self, part: slice) -> Array:
-        """(K, n, rows) of some samples, as `Tip` makes it."""
+        """(K, n, 6) of some samples, as `Tip` makes it."""
         return self.tip.gain(self.nominal, self.jacobian(part))
 
     def forward(self, q: Array) -> Array:
@@ -98,7 +101,7 @@ def _nominal(
         assert path.X is not None
         X = path.X
         q, reached = follow(nominal, tip, X, limits, start, seed)
-        troubles += unreached(reached, _reach_said(arm, tip))
+        troubles += unreached(reached, _reach_said(tip))
     troubles += out_of_range(robot, q, "the path itself")
     if faults := impossible(path, troubles):
         raise InputError(faults)
@@ -110,11 +113,19 @@ def rigid(arm: Arm, X_FT: Array, limits: Range) -> tuple[Arm, Tip]:
     nominal = replace(
         arm.with_geometry(np.zeros_like(arm.geometry)), compliance=np.zeros_like(arm.compliance)
     )
-    length = reach(arm, X_FT, limits.upper) / 3
-    return nominal, Tip(X_FT[:3, :3], X_FT[:3, 3], 6 if arm.n >= 6 else 3, length)
+    tip = Tip(X_FT[:3, :3], X_FT[:3, 3], 6, reach(arm, X_FT, limits.upper) / 3)
+    return nominal, tip if _every_way(nominal, tip) else replace(tip, rows=3)
 
 
-def _reach_said(arm: Arm, tip: Tip) -> str:
+def _every_way(arm: Arm, tip: Tip) -> bool:
+    """Whether the arm can move and turn its tool every way, in any of some postures at random: not with fewer
+    than six joints, nor where axes are parallel as in a palletizer."""
+    q = np.random.default_rng(arm.n).uniform(-1, 1, (POSTURES, arm.n))
+    J = tip.jacobian(arm, frames(arm, np.where(arm.prismatic, tip.length, 1.0) * q)) / tip.length
+    return arm.n >= 6 and float(np.linalg.svd(J, compute_uv=False)[:, 5].max()) > NO_WAY
+
+
+def _reach_said(tip: Tip) -> str:
     if tip.rows == 3:
-        return f"the tool cannot get there ({arm.n} joints: only its place counts)"
+        return "the tool cannot get there, however it is turned"
     return "the tool cannot get there in this posture"

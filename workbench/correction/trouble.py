@@ -69,9 +69,9 @@ def too_fast(robot: Robot, q: Array, time: Array) -> list[Trouble]:
 
 
 def near_singular(arm: Arm, tip: Tip, J: Array, first: int = 0) -> list[Trouble]:
-    """Samples where some tool motion takes far more joint motion than elsewhere. J: (N, rows, n); first: the
+    """Samples where some tool motion takes far more joint motion than elsewhere. J: (N, 6, n); first: the
     number of the first sample."""
-    J = J / tip.length
+    J = J[:, : tip.rows] / tip.length
     # the sum of 1/σ² over the singular values: only where it is large is the smallest one computed
     weak = np.einsum("kii->k", np.linalg.inv(J @ J.transpose(0, 2, 1) + DAMPING**2 * np.eye(tip.rows)))
     found = []

@@ -51,7 +51,7 @@ def nameless_of(selection: Selection, worth_mm: float) -> list[Finding]:
         if effect.key in selection.beside.values():
             why = "by nothing but what real ones have beside that form: something else does this"
         elif effect.acts == "yielding":
-            why = "with less than no compliance: something else gives way"
+            why = "with less than no compliance: something else gives way, or gravity is another than stated"
         structure = f"looks like {words_of(*effect.key)}, but {why}"
         worth = selection.gains_mm[effect.key]
         found.append(_plain(structure, f"What is left {structure}.", effect.where, worth))

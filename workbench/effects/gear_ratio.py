@@ -73,5 +73,11 @@ class GearRatio(TransmissionEffect):
 
     def sentence(self, values: Array) -> str:
         word = "further" if values[0] > 0 else "less"
-        size = f"{short(abs(values[0]) * 1e6)} ppm {word}"
-        return f"{self.where.joint} moves {size} than commanded: its ratio is wrong."
+        if self.sliding:
+            size, what = (
+                f"{short(abs(values[0]) * 1e3)} mm per m {word}",
+                "the lead of its screw, its rack or its scale",
+            )
+        else:
+            size, what = f"{short(abs(values[0]) * 1e6)} ppm {word}", "its ratio"
+        return f"{self.where.joint} moves {size} than commanded: {what} is wrong."

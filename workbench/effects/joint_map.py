@@ -44,7 +44,7 @@ class JointMap(TransmissionEffect):
 
     cause: ClassVar[str] = "joint_map"
     title: ClassVar[str] = "A joint errs as a function of its own angle"
-    called: ClassVar[str] = "transmission error over the angle"
+    called: ClassVar[str] = "transmission error over the range"
     as_rounded: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = f(q)"
     settings: ClassVar[tuple[str, ...]] = ("first", "span", "length", "size")

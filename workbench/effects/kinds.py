@@ -244,7 +244,8 @@ class LoadEffect(Effect):
         size, unit = float(np.linalg.norm(values)) or 1.0, self.params[0].unit
         load, name = "N" if problem.arm.prismatic[j] else "N·m", problem.arm.names[j]
         per = "" if unit == "1" else f" per {unit}"
-        return Drawn(torque / size, f"load on {name}{per}", f"{load}/({unit})" if per else load, torque,
+        unit = f"({unit})" if "·" in unit or "/" in unit else unit
+        return Drawn(torque / size, f"load on {name}{per}", f"{load}/{unit}" if per else load, torque,
                      f"load on {name}", load)  # fmt: skip
 
     def drawn_over_joint(self, problem: Problem, j: int, torque: Array) -> Drawn:

@@ -87,9 +87,9 @@ def read_chain(urdf: Urdf, flange: str, base: str | None = None) -> Chain:
 
 _OWN = (
     'between base and flange every joint has to be its own: write type="fixed" where it stood still, or take '
-    "<mimic> out and give it a column in the poses (`plan` and `compensate` then move it by itself, which no "
-    "drive does); of a telescope, write one joint that moves as far as all its stages together, the others "
-    "fixed"
+    "<mimic> out and give it a column in the poses (`plan` and `compensate` then move it by itself, and what "
+    "is soft before it is loaded otherwise than through rods); of a telescope, write one joint that moves as "
+    "far as all its stages together, the others fixed"
 )
 
 

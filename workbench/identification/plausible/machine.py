@@ -61,6 +61,8 @@ def _farthest(geometry: Fit) -> Fault | None:
     joint = problem.arm.names[slot - 1]
     what = f"{GEOMETRY[component]} of {joint} would have to be {size} off: no {problem.robot.title} is"
     mend = "check the units, the poses and which robot this is"
+    if slot == 1 and component >= 3 and problem.arm.weighed:  # the base, as far as gravity tells
+        mend += "; on a ceiling or a wall say which way is down: `gravity` in the robot's TOML"
     return Fault(str(problem.campaign.path), what, mend)
 
 
