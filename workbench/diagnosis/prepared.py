@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..campaign import Campaign, join
+from ..campaign import Campaign, calibrated, join
 from ..campaign.parted import parted
 from ..campaign.problem import Problem, problem
 from ..effects.given import Given, exclusions, given_facts
@@ -307,7 +307,8 @@ def _fitted(sound: _Sound) -> Prepared:
         geometry = replace(geometry, model=replace(geometry.model, problem=problem))
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
     nominal = fit(model, as_stated, covariance, geometry=False)
-    notes = (*sound.notes, *rigid_targets(geometry), *common_factor(geometry), *_coarse(coarse))
+    said = (*rigid_targets(geometry), *calibrated.remarks(problem), *common_factor(geometry))
+    notes = (*sound.notes, *said, *_coarse(coarse))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)
 
 

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..campaign.calibrated import contradicted
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from .base import Param, Rest
@@ -39,7 +40,13 @@ class TrackerScale(InstrumentEffect):
     def needs(cls, problem: Problem) -> str | None:
         fixed = [target.on for target in problem.campaign.targets if target.fixed]
         if any(fixed.count(on) > 1 for on in fixed):
-            return None
+            off = contradicted(problem)
+            if off is None:
+                return None
+            return (
+                f"distances between calibrated targets are up to {1e3 * off:.3f} mm off what is stated, and "
+                "no one scale makes them right: look at their places"
+            )
         return (
             "no known distance: link lengths take up a scale; state two targets of one link "
             "as calibrated (fixed = true), or measure a scale bar"
