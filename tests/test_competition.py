@@ -137,7 +137,7 @@ def test_weights_in_batches_are_those_of_each_form_alone(competition, chosen):
             d, V = np.linalg.eigh(S)
             d, y = np.maximum(d, 0), V.T @ u
             for scale, weight in zip(SCALES, WEIGHTS, strict=True):
-                if scale > PRIORS.largest and not component.nameless:
+                if scale > PRIORS.largest and component.by_loads:
                     continue
                 held = scale**2 / (1 + scale**2 * d)
                 gain = -0.5 * (reduced.noise_dof + reduced.dof) * np.log(1 - (held * y**2).sum() / before)

@@ -111,6 +111,11 @@ class Component:
         return any(effect.in_proportion for form in self.forms for effect in form.effects)
 
     @property
+    def by_loads(self) -> bool:
+        """Whether it is a cause by which an arm bends under its loads."""
+        return not self.nameless and any(effect.by_loads for form in self.forms for effect in form.effects)
+
+    @property
     def certain(self) -> bool:
         """Whether no machine is without it, whatever its size: what has no name, but is always there."""
         return self.nameless and self.effect is not None and self.effect.always

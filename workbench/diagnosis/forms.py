@@ -34,9 +34,9 @@ class Forms:
         self._log_share = np.concatenate([[], *(component.log_shares for component in components)])
         main = np.array([form.main for _, form in forms], int)
         self._own = np.where(main < self._width, main, 0)  # 0: no companions follow
-        named = np.array([not components[k].nameless for k, _ in forms], bool)[:, None]
         certain = np.array([components[k].certain for k, _ in forms], bool)[:, None]
-        self._ruled_out = (named & (PRIORS.largest < SCALES)) | (certain & (PRIORS.smallest > SCALES))
+        bends = np.array([components[k].by_loads for k, _ in forms], bool)[:, None]
+        self._ruled_out = (bends & (PRIORS.largest < SCALES)) | (certain & (PRIORS.smallest > SCALES))
         ends = np.cumsum([0, *(len(component.forms) for component in components)])
         self._of = [np.arange(a, b) for a, b in pairwise(ends.tolist())]
 

@@ -13,12 +13,12 @@ class Priors:
     same of a gear line of unknown order. free: of a function without a name, by what it is a function of.
     unstated: of a yield for which the model has no number, at each place. rarer: weight of a form with what
     only some machines have, over that without it. scales: sizes of an effect in usual sizes, with half-Cauchy
-    weights 1/(1 + s²) per s; largest: beyond which nothing passes for a cause; smallest: below which
-    nothing is that is certain to be there: else a cause that looks like it would take its place after all.
-    form: share of an effect that its form and its companions miss, on a real machine; kin, yields: times
-    over that log odds are too sure between a run-out and a map of one joint, and between two causes that
-    yield to loads; shadow: size of a cause by loads, over that of what loads do without a name, from which
-    it is no part of that.
+    weights 1/(1 + s²) per s; largest: beyond which no cause bends an arm by its loads, or excuses points that
+    are far off; smallest: below which nothing is that is certain to be there: else a cause that looks like it
+    would take its place after all. form: share of an effect that its form and its companions miss, on a real
+    machine; kin, yields: times over that log odds are too sure between a run-out and a map of one joint, and
+    between two causes that yield to loads; shadow: size of a cause by loads, over that of what loads do
+    without a name, from which it is no part of that.
     noise_dof: how well a stated noise is known (its sigma to 4 %). wrong_sign: probability that a number that
     physics holds to one sign has the other; other_side: the same of what goes with the side of approach,
     which campaigns may write down the other way round; pushes_back: of a spring, which would give against
@@ -38,7 +38,7 @@ class Priors:
     unstated: float = 0.2
     rarer: float = 0.3
     scales: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
-    largest: float = 30.0
+    largest: float = 10.0
     smallest: float = 1.0
     form: float = 0.03
     kin: float = 3.0
