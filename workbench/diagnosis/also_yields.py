@@ -18,9 +18,9 @@ from ..effects.base import Effect
 from ..identification.fit import ROUGH, TOLERANCE, Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
-from .competition import Selection
+from .competition import SURELY, Selection
 from .components import Key, bare, usual
-from .off_form import SURELY, of_itself
+from .off_form import of_itself
 from .rounds import BETTER
 from .scatter import with_scatter
 from .stages import rms_mm

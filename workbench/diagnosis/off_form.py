@@ -16,14 +16,12 @@ from ..effects.base import Effect
 from ..identification.fit import ROUGH, Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
-from .competition import Selection
+from .competition import SURELY, Selection
 from .components import Key, bare, beside_forms
 from .remainder import remainder
 from .rounds import BETTER
 from .scatter import with_scatter
 from .stages import rms_mm, without
-
-SURELY = 3.0  # standard deviations
 
 
 def with_own_forms(selection: Selection, noise: Covariance, noise_known: bool, seed: int) -> Selection:
