@@ -146,8 +146,8 @@ def test_what_a_cause_is_off_its_form_is_nothing_unknown():
     assert (cause.cause, str(cause.where.joint)) == ("gear_eccentricity", "joint_1")
     assert {rival.cause for rival in cause.rivals} <= {"joint_map"}
     assert diagnosis.verdict in ("named", "ambiguous")
-    (note,) = diagnosis.notes
-    assert "no more than causes of this size leave" in note
+    assert not diagnosis.notes
+    assert diagnosis.stages[-1].heldout_rms_mm < 0.06  # of noise 0.054; 0.069 without what stands beside
 
 
 def test_a_broad_map_is_not_taken_for_a_run_out_for_sure():

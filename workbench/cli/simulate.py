@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..campaign import payloads, write_campaign
     from ..campaign.planned import planned
     from ..campaign.problem import problem_of
-    from ..effects.records import effect_text, parse_effect
+    from ..effects.records import check_possible, effect_text, parse_effect
     from ..robot.description import load_robot
     from ..robot.schema import stated_load
     from ..simulation.virtual_campaign import Truth, idle_effects, random_geometry, simulate
@@ -120,6 +120,8 @@ def run(arguments: argparse.Namespace) -> None:
         plan = plan.with_poses(ids=poses.ids)
     problem = problem_of(plan)
     effects = tuple(parse_effect(text, problem) for text in arguments.effect)
+    for text, (effect, values) in zip(arguments.effect, effects, strict=True):
+        check_possible(text, effect, values)
     lengths, angles = 1e-3 * arguments.geometry_mm, 1e-3 * arguments.geometry_mrad
     truth = Truth(
         geometry=random_geometry(problem.arm, rng, lengths, angles),

@@ -217,12 +217,14 @@ def _renamed_at_no_loss(
 
 
 def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
-    """What members with all that they have beside their forms leave on poses held out, RMS."""
+    """What members leave on poses held out, RMS, with all that they have beside their forms where that is
+    less."""
     components, problem = best.competition.components, best.found.model.problem
     effects = effects_of(best.competition, members)
     forms = [(e, m.scale) for m in members for e in components[m.component].forms[m.form].effects]
     beside = beside_forms(forms, problem, effects)
-    return rms_mm(heldout(refitted(best.found, [*effects, *beside])))
+    models = [effects, [*effects, *beside]] if beside else [effects]
+    return min(rms_mm(heldout(refitted(best.found, model))) for model in models)
 
 
 def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares]) -> list[Shares]:

@@ -35,7 +35,9 @@ class StandIns:
     Two orders of one gear are one form. true: components in whose place forms are taken to be true.
     """
 
-    def __init__(self, reduced: Reduced, components: Sequence[Component], true: frozenset[int]) -> None:
+    def __init__(
+        self, reduced: Reduced, components: Sequence[Component], true: frozenset[int] = frozenset()
+    ) -> None:
         self.reduced, self.components, self.true = reduced, components, true
 
     def believed(

@@ -60,9 +60,13 @@ def parse_effect(text: str, problem: Problem) -> tuple[Effect, Array]:
     order = numbers.pop("order", None)
     if order is not None and order <= 0:
         raise InputError(Fault(text, f"order is {order:g}", "cycles per joint turn, above zero"))
-    effect, values = from_record(
+    return from_record(
         EffectRecord(cause=cause.strip(), order=order, values=numbers, **strings), problem, text
     )
+
+
+def check_possible(text: str, effect: Effect, values: Array) -> None:
+    """Raises InputError for values (p,) that physics does not allow. text: where they are said."""
     faults = [
         Fault(text, f"{p.name} = {value:g} cannot be", f"between {p.lower:g} and {p.upper:g} {p.unit}")
         for p, value in zip(effect.params, values, strict=True)
@@ -70,7 +74,6 @@ def parse_effect(text: str, problem: Problem) -> tuple[Effect, Array]:
     ]
     if faults:
         raise InputError(faults)
-    return effect, values
 
 
 def from_record(item: EffectRecord, problem: Problem, text: str = "") -> tuple[Effect, Array]:
