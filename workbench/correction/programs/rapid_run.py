@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from bisect import bisect
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
+from .loops import Index, Loop, unrolled
 from .rapid_data import calls
 from .text import as_run
 
@@ -25,7 +27,7 @@ class Statement:
     start: int
     text: str
     routine: int
-    index: Mapping[str, int] = field(default_factory=dict)
+    index: Index = field(default_factory=dict)
 
 
 def routines(code: str) -> list[int]:
@@ -57,58 +59,24 @@ def in_order(
         match = known.search(statement.text) if known else None
         return match[1].upper() if match else None
 
-    return as_run({name: list(_unrolled(lines)) for name, lines in programs.items()}, called)
+    return as_run({name: list(unrolled(lines, _loops)) for name, lines in programs.items()}, called)
 
 
-@dataclass
-class _Loop:
-    """Statements and loops within a loop. values: of its variable; None where it runs once."""
-
-    name: str = ""
-    values: range | None = None
-    inner: list[Statement | _Loop] = field(default_factory=list)
-
-    def run(self, index: Mapping[str, int]) -> Iterator[Statement]:
-        for value in self.values or (None,):
-            now = index if value is None else {**index, self.name: value}
-            for one in self.inner:
-                if isinstance(one, _Loop):
-                    yield from one.run(now)
-                else:
-                    yield Statement(one.start, one.text, one.routine, now)
-
-    def over(self, entry: re.Pattern[str]) -> bool:
-        """Whether an entry of an array is named so in it."""
-        return any(
-            one.over(entry) if isinstance(one, _Loop) else bool(entry.search(one.text)) for one in self.inner
-        )
+def _loops(statement: Statement) -> Iterator[Loop | None]:
+    """The loops that begin and end in a statement."""
+    for match in LOOP.finditer(statement.text):
+        if match[1] is None:
+            yield None
+            continue
+        entry = re.compile(rf"\{{[^}}]*\b{match[1]}\b[^}}]*\}}", re.I)
+        yield Loop(match[1].lower(), partial(_values, match), entry)
 
 
-def _unrolled(statements: Sequence[Statement]) -> Iterator[Statement]:
-    """A routine's statements, those of loops over arrays again for each number that the loop has."""
-    loops = [_Loop()]
-    for statement in statements:
-        for match in LOOP.finditer(statement.text):
-            if match[1] is None:
-                loops = loops[:-1] if len(loops) > 1 else loops
-                continue
-            bounds = [text.strip() for text in (match[2], match[3], match[4] or "1")]
-            whole = all(re.fullmatch(r"-?\d+", text) for text in bounds)
-            first, last, step = (int(text) for text in bounds) if whole else (0, 0, 1)
-            step = step if match[4] or first <= last else -1
-            values = range(first, last + (1 if step > 0 else -1), step) if whole and step else None
-            loop = _Loop(match[1].lower(), values)
-            loops[-1].inner.append(loop)
-            loops.append(loop)
-        loops[-1].inner.append(statement)
-    for loop in _all(loops[0]):
-        if not loop.over(re.compile(rf"\{{[^}}]*\b{loop.name}\b[^}}]*\}}", re.I)):
-            loop.values = None
-    return loops[0].run({})
-
-
-def _all(loop: _Loop) -> Iterator[_Loop]:
-    for one in loop.inner:
-        if isinstance(one, _Loop):
-            yield one
-            yield from _all(one)
+def _values(match: re.Match[str], _: Index) -> range | None:
+    """The numbers of a loop; None where a bound is computed."""
+    bounds = [text.strip() for text in (match[2], match[3], match[4] or "1")]
+    if not all(re.fullmatch(r"-?\d+", text) for text in bounds):
+        return None
+    first, last, step = (int(text) for text in bounds)
+    step = step if match[4] or first <= last else -1
+    return (range(first, last + (1 if step > 0 else -1), step) or None) if step else None

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 from ...files.faults import Fault, InputError
 from ...files.program_text import code_of
+from .loops import Index, Loop, unrolled
 from .motions import Spot
 from .text import place_in_array
 
@@ -39,7 +41,7 @@ class Line:
     code: Code
     number: int
     text: str
-    index: Mapping[str, int] = field(default_factory=dict)
+    index: Index = field(default_factory=dict)
 
 
 @dataclass
@@ -76,45 +78,30 @@ def application(project: str, files: Mapping[str, str]) -> Application:
     return found
 
 
-def unrolled(code: Code, sizes: Mapping[str, int]) -> list[Line]:
-    """A program's lines, those of loops over arrays again for each number that the loop has."""
-    return list(_lines(code, code.lines, {}, sizes))
+def run_of(code: Code, sizes: Mapping[str, int]) -> list[Line]:
+    """A program's lines as they run. sizes: of arrays."""
+    lines = [Line(code, number, text) for number, text in code.lines]
+    return list(unrolled(lines, partial(_loops, sizes)))
 
 
-def _lines(
-    code: Code, lines: Sequence[tuple[int, str]], index: Mapping[str, int], sizes: Mapping[str, int]
-) -> Iterator[Line]:
-    i = 0
-    while i < len(lines):
-        number, text = lines[i]
-        loop = LOOP.match(text)
-        if loop is None:
-            yield Line(code, number, text, index)
-            i += 1
-            continue
-        end = _end(lines, i)
-        inner, name = lines[i + 1 : end], loop[1]
-        over = any(re.search(rf"\[[^]]*\b{name}\b[^]]*\]", line) for _, line in inner)
-        first, last, step = (_bound(said, index, sizes) for said in (loop[2], loop[3], loop[4] or "1"))
-        if over and first is not None and last is not None and step:
-            for value in range(first, last + (1 if step > 0 else -1), step):
-                yield from _lines(code, inner, {**index, name: value}, sizes)
-        else:
-            yield from _lines(code, inner, {k: v for k, v in index.items() if k != name}, sizes)
-        i = end + 1
+def _loops(sizes: Mapping[str, int], line: Line) -> Iterator[Loop | None]:
+    """The loop that begins or ends in a line."""
+    if line.text.lower() == "endfor":
+        yield None
+    elif match := LOOP.match(line.text):
+        entry = re.compile(rf"\[[^]]*\b{match[1]}\b[^]]*\]")
+        yield Loop(match[1], partial(_values, match, sizes), entry)
 
 
-def _end(lines: Sequence[tuple[int, str]], start: int) -> int:
-    """Where the loop ends that begins at a line."""
-    depth = 0
-    for k in range(start, len(lines)):
-        depth += bool(LOOP.match(lines[k][1])) - (lines[k][1].lower() == "endfor")
-        if depth == 0:
-            return k
-    return len(lines)
+def _values(match: re.Match[str], sizes: Mapping[str, int], index: Index) -> range | None:
+    """The numbers of a loop; None where a bound is computed."""
+    first, last, step = (_bound(said, index, sizes) for said in (match[2], match[3], match[4] or "1"))
+    if first is None or last is None or not step:
+        return None
+    return range(first, last + (1 if step > 0 else -1), step)
 
 
-def _bound(text: str, index: Mapping[str, int], sizes: Mapping[str, int]) -> int | None:
+def _bound(text: str, index: Index, sizes: Mapping[str, int]) -> int | None:
     """A bound of a loop: `3`, `-1`, `size(pPath)-1`."""
     if match := re.fullmatch(r"size\(\s*(\w+)\s*\)\s*(?:([-+])\s*(\d+))?", text):
         size = sizes.get(match[1])

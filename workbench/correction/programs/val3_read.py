@@ -13,7 +13,7 @@ from .format import NUMBER
 from .motions import NONE, Frame, Motions
 from .posture import of_staubli
 from .text import arguments, as_run, place_in_array
-from .val3_data import Code, Line, Row, application, unrolled
+from .val3_data import Code, Line, Row, application, run_of
 
 MOVE = re.compile(r"(?:\w+\s*(?:\[.*\])?\s*=\s*)?(move[jlc])\s*\(", re.I)  # it may give a number back
 UNREAD = re.compile(r"\b(alterMove[jlc]\w*|move[jlc]\w*)\s*\(", re.I)
@@ -55,7 +55,7 @@ class _Reader:
                         if sets
                     }
             self.computed |= named - code.own
-        lines = {name: unrolled(code, self.data.sizes) for name, code in codes.items()}
+        lines = {name: run_of(code, self.data.sizes) for name, code in codes.items()}
         for root in as_run(lines, _called):
             self.motions.anew()
             for line in root:
