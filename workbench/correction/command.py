@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -41,9 +41,8 @@ class Compensation:
     q_command: (N, n) joints to command; X_command: (N, 4, 4) tool poses that the nominal controller has
     to be told to take them. before, after: (N, 6) way [m] and turn [rad] from the extended robot's tool
     to the path, uncorrected and corrected, what is left out included; between: (N − 1,) [m] what is left
-    halfway from sample to sample (`left_between`). direction: (N, n) sides from which
-    the joints come (None: no effect asks). forward: joints → tool poses, as the controller has them.
-    position_only: the arm cannot turn its tool every way; it serves the place, and of the turn what it can.
+    halfway from sample to sample (`left_between`). direction: (N, n) sides from which the joints come (None:
+    no effect asks). trajectory: what it was made from.
     """
 
     path: Path
@@ -61,14 +60,22 @@ class Compensation:
     troubles: tuple[Trouble, ...]
     notes: tuple[str, ...]
     rounds: int
-    forward: Callable[[Array], Array]
-    sliding: tuple[bool, ...]
-    position_only: bool
+    trajectory: Trajectory
 
     def __repr__(self) -> str:
         before, after = self.before_mm, self.after_mm
         said = f"{self.path!r} by {self.method}"
         return f"Compensation of {said}: {before.mean():.4f} mm before, {after.mean():.4f} mm after"
+
+    @property
+    def sliding(self) -> tuple[bool, ...]:
+        """Which joints slide."""
+        return tuple(bool(slides) for slides in self.trajectory.nominal.prismatic)
+
+    @property
+    def position_only(self) -> bool:
+        """The arm cannot turn its tool every way; it serves the place, and of the turn what it can."""
+        return self.trajectory.tip.rows == 3
 
     @property
     def before_mm(self) -> Array:
@@ -234,15 +241,13 @@ def compensate(
             *_coarse(trajectory, speed, shares),
         ),
         rounds=rest.rounds,
-        forward=trajectory.forward,
-        sliding=tuple(bool(slides) for slides in trajectory.nominal.prismatic),
-        position_only=trajectory.tip.rows == 3,
+        trajectory=trajectory,
     )
 
 
-def judged(robot: Robot, done: Compensation, conditions: Conditions, q: Array) -> Compensation:
+def judged(done: Compensation, q: Array) -> Compensation:
     """The same path with other joints (N, n) commanded, near those that correct it: what they leave."""
-    trajectory = trajectory_of(robot, done.path, conditions, done.tool)
+    trajectory = done.trajectory
     command, after = trajectory.forward(q), settle(trajectory, q, done.direction)
     between = left_between(trajectory, q, command, done.direction)
     return replace(done, q_command=q, X_command=command, after=after.error, between=between)

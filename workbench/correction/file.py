@@ -139,10 +139,10 @@ def compensate_file(
     def forward(q: Array) -> Array:
         """The controller's joints → tool poses."""
         if not chosen.own_joints or export.as_urdf:
-            return done.forward(q)
+            return done.trajectory.forward(q)
         told = as_urdf(Program("", q=q, kind="joints", sliding=program.sliding), robot).q
         assert told is not None
-        return done.forward(told)
+        return done.trajectory.forward(told)
 
     effect = rounding_effect(program, chosen, forward)
     return Written(done, tuple(files), effect, program.count, read)

@@ -126,7 +126,7 @@ def compensate_program(
     texts = _changed(texts, edits)
     back = targets_of([move for move in chosen.scan(texts).moves if move.spot is not None])
     q = _as_written(robot, frames, [back[i] for i in kept], asked.q_command)
-    done = _at_own_tools([judged(robot, run, conditions, q) for run in runs], of, targets)
+    done = _at_own_tools([judged(run, q) for run in runs], of, targets)
     shared, notes = _shared(targets, again, asked, done)
     notes += [*remarks, *postures]
     notes += list(dict.fromkeys(str(remark) for remark in motions.remarks))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +21,7 @@ from .modes import Modes, modes
 from .outcomes import accuracy, orders, trial
 from .plans import Plans
 from .repeatability import repeatability
-from .runs import FEED_FORWARD, FeedForward, World, simulate_all
+from .runs import FEED_FORWARD, FeedForward, Outcome, World, simulate_all
 from .simulation import first_step
 from .sweep import swept
 from .tasks import others, repeated, settling
@@ -94,27 +94,19 @@ def verify(
         left = swept(world, way, path, commands[-1], workers, progress) if sweep else None
     except OverLimit as over:
         raise InputError(_over(path, over, truth)) from None
-    p = way.X[:, :3, 3]
-    lines = orders(truth, belief)
-    series, place = [], 0
-    for (at, speed), variants, first in zip(timed, commands, settled, strict=True):
-        names = [name for name in (*variants, *extra) if name != "corrected"]
-        outcomes = {"corrected": first} | dict(zip(names, done[place:], strict=False))
-        place += len(names)
-        trials = {
-            name: trial(name, outcomes[name], p, at.time, lines) for name in COMMAND_NAMES if name in outcomes
-        }
-        refined = first.step < 0.99 * first_step(world.loop)
-        series.append(
-            Series(speed, first.time - first.time[0], trials, first.step, 1e6 * first.change, refined)
-        )
+    rest = iter(done)
+    p, lines = way.X[:, :3, 3], orders(truth, belief)
+    series = [
+        _series(world, at, own, first, rest, p, lines, extra)
+        for at, own, first in zip(timed, commands, settled, strict=True)
+    ]
     return Verification(
         robot=truth,
         path=path,
         X=way.X,
         normal=normal(p),
         series=tuple(series),
-        repeats=accuracy(series[-1], done[place:], p),
+        repeats=accuracy(series[-1], list(rest), p),
         expected_mm=plans.expected_mm,
         same=truth is belief,
         repeatability=repeatability(truth, plans.geometry.q_nominal),
@@ -122,6 +114,28 @@ def verify(
         sweep=left,
         notes=tuple(dict.fromkeys([*path.warnings, *notes, *plans.notes, *settled[0].notes, *done[0].notes])),
     )
+
+
+def _series(
+    world: World,
+    timed: tuple[Path, float],
+    commands: Mapping[str, Array],
+    corrected: Outcome,
+    rest: Iterator[Outcome],
+    p: Array,
+    lines: Sequence[tuple[str, int, float]],
+    extra: Sequence[str],
+) -> Series:
+    """All commands' runs at one speed; of the others than the corrected one they are the next of `rest`."""
+    path, speed = timed
+    names = [name for name in (*commands, *extra) if name != "corrected"]
+    outcomes = {"corrected": corrected} | {name: next(rest) for name in names}
+    trials = {
+        name: trial(name, outcomes[name], p, path.time, lines) for name in COMMAND_NAMES if name in outcomes
+    }
+    refined = corrected.step < 0.99 * first_step(world.loop)
+    time = corrected.time - corrected.time[0]
+    return Series(speed, time, trials, corrected.step, 1e6 * corrected.change, refined)
 
 
 def _over(path: Path, over: OverLimit, truth: Robot) -> Fault:
