@@ -155,6 +155,7 @@ def test_a_reading_of_a_rival_tells_a_joint_as_soft_as_it_would_have_to_be():
         held = replace(offers, carried={soft.key: carried})
         said = [one for one in decide._readings(prior.problem, tie, held, 20.0) if "lift" in one.words]
         std = float(said[0].command.partition("std=")[2])
-        assert (
-            0 < std * (carried + imitated) ** 2 < abs(imitated)
-        )  # an error of the compliance, below its size
+        off = std * (carried + imitated) ** 2  # so far the compliance would be
+        assert 0 < off < abs(imitated)
+    stand_in = replace(offers, unsettled=frozenset({soft.key}))
+    assert not [one for one in decide._readings(prior.problem, tie, stand_in, 20.0) if "lift" in one.words]

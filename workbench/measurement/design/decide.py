@@ -56,12 +56,14 @@ READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of
 @dataclass(frozen=True, eq=False)
 class Offers:
     """What may be measured next. effects: at stake; measured: their sensitivity in the campaign; carried: the
-    numbers of the fitted model's effects that have one."""
+    numbers of the fitted model's effects that have one; unsettled: those that stand in for what has no name,
+    with numbers that the data do not settle: what a reading of them would have to be nobody knows."""
 
     prior: PriorInformation
     effects: ValuedEffects
     measured: Sensitivity | None
     carried: Mapping[Key, float] = field(default_factory=dict)
+    unsettled: frozenset[Key] = frozenset()
 
     @cached_property
     def records(self) -> Campaign:
@@ -117,7 +119,8 @@ def _decided(outcome: Outcome, told: Sequence[tuple[Finding, Tie]]) -> Outcome:
     valued = at_zero([tie for _, tie in told])
     model, values = outcome.fit.model, outcome.fit.state.values
     carried = {e.key: float(v[0]) for e, v in zip(model.effects, values, strict=True) if len(v) == 1}
-    offers = Offers(prior, valued, prior.of_campaign(valued), carried)
+    unsettled = frozenset(carried) - {(f.cause, f.where) for f in outcome.diagnosis.causes}
+    offers = Offers(prior, valued, prior.of_campaign(valued), carried, unsettled)
     found = {id(f): _decisions(tie, _heard(tie, f), offers) for f, tie in told}
     causes = tuple(replace(f, decide=found.get(id(f), ())) for f in outcome.diagnosis.causes)
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
@@ -226,7 +229,7 @@ def _readings(problem: Problem, tie: Tie, offers: Offers, now: float) -> list[De
     space, carried = offers.space, offers.carried
     likeliest = sorted(tie.rivals, key=lambda rival: -tie.chance(rival.key))
     only = len({rival.key for rival in tie.rivals}) == 1
-    for effect in (tie.effect, *likeliest):
+    for effect in (tie.effect, *(rival for rival in likeliest if rival.key not in offers.unsettled)):
         spread, after = _spread(tie, effect, space, now)
         for name, unit in effect.wholes.items():
             abouts = _abouts(tie, effect, space, carried.get(effect.key, 0.0))
