@@ -16,6 +16,7 @@ from workbench.diagnosis.sets import Competition
 from workbench.effects import catalogue
 from workbench.effects.place import Where
 from workbench.effects.unnamed.loads import OwnWeights
+from workbench.report.content import content
 
 SOFT = {"joint_2": 2e-5, "joint_3": 2e-5}  # rad/(N·m)
 YIELDS = tuple(f"joint_compliance:joint={joint},compliance={c}" for joint, c in SOFT.items())
@@ -66,6 +67,8 @@ def test_an_arm_without_masses_that_yields_under_loads_too_has_no_gear_that_errs
     assert told <= {"joint_compliance", "link_bending", "lost_motion", "unknown"}
     (rest,) = (one for one in found.causes if one.cause == "unknown")
     assert rest.structure.startswith("depends on weights beyond joint_2, which the model lacks")
+    assert rest.separate_by == "state the links' masses in the URDF"
+    assert content(found)["next"] == f"What has no name may get one: {rest.separate_by}."
 
 
 def test_nothing_takes_the_place_of_what_is_certain(tmp_path):

@@ -16,6 +16,7 @@ from workbench.identification.heldout import folds_of, heldout
 from workbench.identification.model import Model
 from workbench.identification.noise import Covariance
 from workbench.robot.description import load_robot
+from workbench.robot.equilibrium import NoRest
 from workbench.robot.kinematics import RY
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
@@ -297,3 +298,16 @@ def test_loads_and_repeats_of_a_pose_are_held_out_together():
     out = heldout(result, folds=40)
     left = fit(Model(double), result.state, noise_of(double).without(double.positions == 3), tolerance=1e-4)
     assert np.abs(out - left.residual)[double.positions == 3].max() < 1e-6
+
+
+def test_what_another_effect_alone_held_up_is_fitted_anew():
+    """With a joint far too soft to bear the arm, as one is whose counterpart has gone from the model, there
+    is no place to start from: the robot as it is takes its place."""
+    job, _ = measured("irb120", poses=20, judge=1)
+    soft = JointCompliance(Where(joint="joint_2"))
+    both = fit(Model(job, (soft, JointCompliance(Where(joint="joint_3")))))
+    lost = replace(both, state=replace(both.state, values=(np.array([5.0]), np.array([0.0]))))
+    with pytest.raises(NoRest):
+        lost.model.loaded(lost.state)
+    (alone,), (found,) = (refit(one, [soft]).state.values for one in (both, lost))
+    assert found == pytest.approx(alone, abs=1e-8)

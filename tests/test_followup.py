@@ -208,7 +208,8 @@ def test_a_scale_is_asked_for_where_a_mass_is_a_rival(open_tie):
     chances = {soft.key: 0.5, **{rival.key: 0.25 for rival in rivals}}
     tie = tie_between(prior.fit, soft, values, rivals, chances)
     space = design_space(prior.of_records(campaign, at_zero([tie])), prior.of_campaign(at_zero([tie])))
-    ways = decide._readings(prior.problem, tie, space, least(space, space.before, tie))
+    offers = SimpleNamespace(space=space, carried={}, unsettled=frozenset())
+    ways = decide._readings(prior.problem, tie, offers, least(space, space.before, tie))
     (scale,) = (way for way in ways if "mass_kg" in way.words)
     assert scale.words.endswith("kg: whether it is link_mass(link_3)")
     assert "--known link_mass:link=link_3,mass_kg=VALUE,std=" in scale.command

@@ -27,6 +27,7 @@ from workbench.measurement.design.ties import (
     best_records,
     contains,
     fewest,
+    imitation,
     least,
     tie_between,
 )
@@ -134,3 +135,27 @@ def test_a_stiffness_of_a_rigid_joint_is_read_near_what_was_found():
     )
     soft = JointCompliance(Where(joint="elbow_joint"))
     assert decide._slope(job, soft, "stiffness", 2e-6) == pytest.approx(4e-12, rel=1e-3)
+
+
+def test_a_reading_of_a_rival_tells_a_joint_as_soft_as_it_would_have_to_be():
+    """Near the usual size it would be a thousand times what such a joint has; and what the model carries of
+    it is read as well."""
+    robot = load_robot("ur5")
+    campaign = simulate(planned(robot, random_poses(robot, 20, np.random.default_rng(3))), Truth(sigma=3e-5))
+    prior = from_campaign(replace(campaign, noise_sigma=3e-5))
+    about = "joint=shoulder_lift_joint,variant=1,amplitude=2e-3,phase=1.57"
+    wave, values = parse_effect(f"gear_eccentricity:{about}", prior.problem)
+    soft = JointCompliance(Where(joint="shoulder_lift_joint"))
+    tie = tie_between(prior.fit, wave, values, (soft, JointCompliance(Where(joint="elbow_joint"))), {})
+    valued = at_zero([tie])
+    offers = decide.Offers(prior, valued, prior.of_campaign(valued))
+    i, j = (offers.space.columns(e) - offers.space.background for e in (wave, soft))
+    imitated = imitation(offers.space.left(offers.space.before), i, j, tie.size)[0] * soft.params[0].typical
+    for carried in (0.0, 5e-5):
+        held = replace(offers, carried={soft.key: carried})
+        said = [one for one in decide._readings(prior.problem, tie, held, 20.0) if "lift" in one.words]
+        std = float(said[0].command.partition("std=")[2])
+        off = std * (carried + imitated) ** 2  # so far the compliance would be
+        assert 0 < off < abs(imitated)
+    stand_in = replace(offers, unsettled=frozenset({soft.key}))
+    assert not [one for one in decide._readings(prior.problem, tie, stand_in, 20.0) if "lift" in one.words]

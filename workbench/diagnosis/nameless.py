@@ -87,7 +87,15 @@ def _as_one(found: list[Finding], worth_mm: float) -> Finding:
     structure = f"{first.structure} (besides: {also})" if also else first.structure
     sentence = f"What is left {structure}."
     rivals = tuple(likeliest.values())[:ALSO_TOLD]
-    return replace(first, gain_mm=worth_mm, structure=structure, sentence=sentence, rivals=rivals)
+    advice = "; ".join(dict.fromkeys(one.separate_by for one in found if one.separate_by)) or None
+    return replace(
+        first,
+        gain_mm=worth_mm,
+        structure=structure,
+        sentence=sentence,
+        rivals=rivals,
+        separate_by=advice,
+    )
 
 
 def scattering(selection: Selection, left: Remainder, noise: Covariance, rms_mm: float) -> Finding:
@@ -150,6 +158,7 @@ def _unknown(final: Fit, function: Unnamed, probability: float, worth: float) ->
         status="ambiguous",
         gain_mm=worth,
         probability=float(np.clip(probability, 0.0, 1.0)),
+        separate_by=function.lacks or None,
         structure=structure,
         sentence=f"What is left {structure}.",
         evidence=structure_evidence(final, function),

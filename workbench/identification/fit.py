@@ -8,6 +8,7 @@ that no point shows, whatever the pose, are held to half a millimetre: they are 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,6 +17,7 @@ from scipy.linalg import solve_triangular
 
 from ..campaign.problem import Problem
 from ..effects.base import UNKNOWN, Effect
+from ..robot.equilibrium import NoRest
 from ..robot.kinematics import Array
 from .gauss_newton import Normal
 from .model import Linearisation, Model, State
@@ -273,7 +275,8 @@ def _along(
 
 
 def refit(result: Fit, effects: Sequence[Effect], tolerance: float = TOLERANCE) -> Fit:
-    """The same data with other effects, started from the numbers that a fit has already."""
+    """The same data with other effects, started from the numbers that a fit has already; from the robot as it
+    is where an arm of these numbers does not stand, what held it up being gone."""
     had = {
         (effect.key, effect.variant, len(values)): values
         for effect, values in zip(result.model.effects, result.state.values, strict=True)
@@ -284,10 +287,12 @@ def refit(result: Fit, effects: Sequence[Effect], tolerance: float = TOLERANCE) 
     )
     model = replace(result.model, effects=tuple(effects))
     start = replace(result.state, values=values)
-    found = fit(model, start, result.noise, tolerance=tolerance)
-    if found.converged:
-        return found
+    found = list[Fit]()
+    with suppress(NoRest):
+        found.append(fit(model, start, result.noise, tolerance=tolerance))
+        if found[0].converged:
+            return found[0]
     # what was not in the model has bent the geometry far along what hardly shows: from the robot as it is
     again = replace(start_state(model.problem), values=tuple(0.0 * v for v in values))
-    other = fit(model, again, result.noise, tolerance=tolerance)
-    return min(found, other, key=lambda one: one.cost)
+    found.append(fit(model, again, result.noise, tolerance=tolerance))
+    return min(found, key=lambda one: one.cost)

@@ -151,7 +151,11 @@ def _summary(diagnosis: Diagnosis) -> str:
 
 
 def _next(diagnosis: Diagnosis) -> str:
-    """What to do next, in a sentence: what would decide the largest open cause, or what to record."""
+    """What to do next, in a sentence: what the model lacks, what would decide the largest open cause, or
+    what to record."""
+    for finding in diagnosis.causes:
+        if finding.cause == UNKNOWN and finding.separate_by:
+            return f"What has no name may get one: {finding.separate_by}."
     for finding in sorted(diagnosis.causes, key=lambda finding: -finding.gain_mm):
         offered = [decision(one) for one in to_decide(finding)][:1] or [finding.separate_by or ""]
         if offered[0]:

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationInfo, 
 
 DIGITS = 6
 ON_A_LINE = 12
+LEAST = 20  # held-out points that can be said to hold in 95 %
 Numbers = tuple[FiniteFloat, ...]
 Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 

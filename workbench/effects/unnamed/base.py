@@ -28,6 +28,7 @@ class Unnamed(Effect):
     cause: ClassVar[str] = UNKNOWN
     title: ClassVar[str] = "Something that no cause of the catalogue explains"
     settings: ClassVar[tuple[str, ...]] = ("size",)
+    lacks: ClassVar[str] = ""  # what to state so that it may get a name
 
     @property
     @abstractmethod

@@ -128,6 +128,7 @@ class OwnWeights(Unnamed, DirectEffect):
     links: int = 1
 
     always: ClassVar[bool] = True
+    lacks: ClassVar[str] = "state the links' masses in the URDF"
 
     depends: ClassVar[Depends] = frozenset({"joints"})
     by_loads: ClassVar[bool] = True

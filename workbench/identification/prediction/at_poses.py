@@ -21,7 +21,7 @@ from ...robot.description import Robot, load_robot
 from ...robot.kinematics import Array
 from ...robot.rotations import from_vectors
 from ...robot.schema import stated_load
-from ...robot.uncertainty import Uncertainty
+from ...robot.uncertainty import LEAST, Uncertainty
 from .ranges import MARGIN, beyond_range
 from .tempering import Tempering
 from .tool import tool_motion, tool_points, tool_problem
@@ -130,7 +130,8 @@ def required_uncertainty(robot: Robot) -> Uncertainty:
     """What a model knows of its errors; raises `InputError` where it does not say."""
     if robot.uncertainty is None:
         what = "has no [prediction]: it does not say how sure it is"
-        raise InputError(Fault(str(robot.path or robot.name), what, "give the model.toml of a new diagnosis"))
+        mend = f"give the model.toml of a diagnosis by at least {LEAST} points of targets on the flange"
+        raise InputError(Fault(str(robot.path or robot.name), what, mend))
     return robot.uncertainty
 
 

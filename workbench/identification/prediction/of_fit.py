@@ -16,7 +16,7 @@ from ...effects.base import Effect
 from ...robot.equilibrium import NoRest
 from ...robot.kinematics import Array
 from ...robot.rotations import from_vectors, skew, vectors
-from ...robot.uncertainty import DIGITS, ToolPoint, Uncertainty, factor_lines
+from ...robot.uncertainty import DIGITS, LEAST, ToolPoint, Uncertainty, factor_lines
 from ..fit import Fit, fit, start_state
 from ..model import Model
 from ..noise import Covariance, stated_noise
@@ -31,7 +31,6 @@ FAINT = 0.01  # of the tool's spread at the measured poses: what leaving directi
 SEED = 0
 PLACES = 200  # measured ones that are kept for a map
 ON_A_LINE = 1e-3  # of the distance from the base: points so near to a line show no turn about it
-LEAST = 20  # held-out points that can be said to hold in 95 %
 
 
 def uncertainty(result: Fit) -> Uncertainty | None:

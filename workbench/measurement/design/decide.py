@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from shlex import quote
 
@@ -16,7 +16,7 @@ from ...campaign import Campaign
 from ...campaign.problem import Problem
 from ...diagnosis.result import Decision, Finding
 from ...diagnosis.run import Outcome
-from ...effects import separation_beside
+from ...effects import Key, separation_beside
 from ...effects.base import Effect
 from ...effects.given import given_facts
 from ...effects.records import effect_text
@@ -55,11 +55,15 @@ READINGS = np.geomspace(1.0, 1e-3, 60)  # spread of a reading, in usual sizes of
 
 @dataclass(frozen=True, eq=False)
 class Offers:
-    """What may be measured next. effects: at stake; measured: their sensitivity in the campaign."""
+    """What may be measured next. effects: at stake; measured: their sensitivity in the campaign; carried: the
+    numbers of the fitted model's effects that have one; unsettled: those that stand in for what has no name,
+    with numbers that the data do not settle: what a reading of them would have to be nobody knows."""
 
     prior: PriorInformation
     effects: ValuedEffects
     measured: Sensitivity | None
+    carried: Mapping[Key, float] = field(default_factory=dict)
+    unsettled: frozenset[Key] = frozenset()
 
     @cached_property
     def records(self) -> Campaign:
@@ -113,7 +117,10 @@ def _decided(outcome: Outcome, told: Sequence[tuple[Finding, Tie]]) -> Outcome:
     """The outcome, these ambiguous findings with what would decide. Raises InputError."""
     prior = from_prepared(outcome.prepared)
     valued = at_zero([tie for _, tie in told])
-    offers = Offers(prior, valued, prior.of_campaign(valued))
+    model, values = outcome.fit.model, outcome.fit.state.values
+    carried = {e.key: float(v[0]) for e, v in zip(model.effects, values, strict=True) if len(v) == 1}
+    unsettled = frozenset(carried) - {(f.cause, f.where) for f in outcome.diagnosis.causes}
+    offers = Offers(prior, valued, prior.of_campaign(valued), carried, unsettled)
     found = {id(f): _decisions(tie, _heard(tie, f), offers) for f, tie in told}
     causes = tuple(replace(f, decide=found.get(id(f), ())) for f in outcome.diagnosis.causes)
     return replace(outcome, diagnosis=replace(outcome.diagnosis, causes=causes))
@@ -145,7 +152,7 @@ def _decisions(tie: Tie, heard: Tie, offers: Offers) -> tuple[Decision, ...]:
         words = f"record the torques of the drives (columns {columns}) at {count} more poses"
         command = f"workbench plan {source} --tell {tell} --poses {count} --torque --out follow-up"
         found.append(Decision("drive_torque", words, command, count, now, after))
-    found += _readings(problem, heard, space, now)
+    found += _readings(problem, heard, offers, now)
     others: list[str] = []
     if poses is None and torque is None:
         others += _told_by_torque(offers, heard, columns)
@@ -216,15 +223,17 @@ def _whole(tie: Tie, rival: Effect) -> str:
     )
 
 
-def _readings(problem: Problem, tie: Tie, space: DesignSpace, now: float) -> list[Decision]:
+def _readings(problem: Problem, tie: Tie, offers: Offers, now: float) -> list[Decision]:
     """Quantities of the cause or its likeliest rivals that another instrument reads, and how exactly."""
     found: dict[str, Decision] = {}
+    space, carried = offers.space, offers.carried
     likeliest = sorted(tie.rivals, key=lambda rival: -tie.chance(rival.key))
     only = len({rival.key for rival in tie.rivals}) == 1
-    for effect in (tie.effect, *likeliest):
+    for effect in (tie.effect, *(rival for rival in likeliest if rival.key not in offers.unsettled)):
         spread, after = _spread(tie, effect, space, now)
         for name, unit in effect.wholes.items():
-            slope = _slope(problem, effect, name, _about(tie, effect))
+            abouts = _abouts(tie, effect, space, carried.get(effect.key, 0.0))
+            slope = max(_slope(problem, effect, name, about) for about in abouts)
             if not spread or not slope or len(effect.params) != 1:
                 continue
             std = float(f"{spread * effect.params[0].typical / slope:.1g}")
@@ -264,13 +273,16 @@ def _spread(tie: Tie, effect: Effect, space: DesignSpace, now: float) -> tuple[f
     return 0.0, 0.0
 
 
-def _about(tie: Tie, effect: Effect) -> float:
-    """The parameter near which a reading is expected: as found; of a rival as the model has it, or in its
-    usual size where the model has no number (a joint that is rigid there)."""
+def _abouts(tie: Tie, effect: Effect, space: DesignSpace, carried: float) -> list[float]:
+    """Parameters near which a reading may turn out: as found; of a rival as the fitted model carries it (in
+    its usual size where that has no number, a joint that is rigid), and as large as it has to be to be what
+    was found: a stiffness is to be read as exactly as the softer of both asks."""
     typical = effect.params[0].typical
     if effect is tie.effect:
-        return float(tie.size[0]) * typical
-    return 0.0 if effect.stated else typical
+        return [float(tie.size[0]) * typical]
+    i, j = (space.columns(e) - space.background for e in (tie.effect, effect))
+    imitated = float(imitation(space.left(space.before), i, j, tie.size)[0])
+    return [carried or (0.0 if effect.stated else typical), carried + imitated * typical]
 
 
 def _slope(problem: Problem, effect: Effect, name: str, about: float) -> float:
