@@ -156,14 +156,25 @@ def test_a_fact_that_the_data_of_a_campaign_refute_is_told_and_not_kept_to():
     assert refuted.headline == plain.headline
 
 
+def test_one_nest_that_moved_is_told_by_its_name():
+    first = ON_FLANGE[0]
+    assert first.xyz is not None
+    moved = replace(first, xyz=(first.xyz[0], first.xyz[1], first.xyz[2] + 5e-4))
+    unsaid = seen(2, (moved, *ON_FLANGE[1:]))
+    comparison = compare([seen(1), replace(unsaid, targets=seen(1).targets)])
+    said = comparison.headline.split("; ")[-1]
+    assert said.startswith("T1 sits elsewhere by 0.5")
+    assert said.endswith("(not T2 and T3): reflectors were mounted anew, or are warmer.")
+
+
 def test_targets_that_moved_as_stated_are_told_as_that():
     moved = tuple(
         replace(t, xyz=(t.xyz[0], t.xyz[1], t.xyz[2] + by))
         for t, by in zip(ON_FLANGE, (5e-4, 0, 0), strict=True)
     )
     comparison = compare([seen(1), seen(2, moved)])
-    assert "the targets sit elsewhere by 0.5" in comparison.headline
-    assert comparison.headline.endswith("mm, as stated.")
+    assert "T1 sits elsewhere by 0.5" in comparison.headline
+    assert comparison.headline.endswith("mm (not T2 and T3), as stated.")
     assert "targets moved, as stated: T1 0." in said_of(comparison)["apart_lines"][1]
     told = comparison.to_json()["apart"][1]
     assert told["targets_moved"]

@@ -112,7 +112,7 @@ def _other(system: System, beside: Sequence[Apart]) -> list[str]:
 def _elsewhere(targets: TargetsMoved) -> Iterator[str]:
     """Which targets sit elsewhere on the robot, and why that may be."""
     if targets.restated:
-        yield f"{_sit(targets.restated)}, as stated"
+        yield f"{_these(targets, targets.restated)}, as stated"
     for one in targets.together:
         own = [target for target in targets.each if target.target in one.targets]
         others = [target.target for target in targets.each if not target.moved and target not in own]
@@ -127,14 +127,25 @@ def _elsewhere(targets: TargetsMoved) -> Iterator[str]:
                 "them; if they sit where they did, state them with `fixed = true` to tell"
             )
     if targets.alone:
-        yield f"{_sit(targets.alone)}: tool or reflectors were mounted anew, or are warmer"
+        tool = "tool or " if len(targets.alone) == len(targets.each) else ""
+        yield f"{_these(targets, targets.alone)}: {tool}reflectors were mounted anew, or are warmer"
+
+
+def _these(targets: TargetsMoved, moved: Sequence[TargetMoved]) -> str:
+    """That some targets sit elsewhere, by their names where others do not."""
+    if len(moved) == len(targets.each):
+        return _sit(moved)
+    still = [target.target for target in targets.each if not target.moved]
+    also = f" (not {listed(still)})" if still else ""
+    return f"{_sit(moved, listed([target.target for target in moved]))}{also}"
 
 
 def _sit(moved: Sequence[TargetMoved], who: str = "the targets") -> str:
     """That targets sit elsewhere, and by how much the farthest of them."""
     by = max(moved, key=lambda target: float(np.linalg.norm(target.by_mm)))
     size, std = float(np.linalg.norm(by.by_mm)), float(np.linalg.norm(by.std_mm))
-    return f"{who} sit elsewhere by {with_std(size, std)} mm"
+    verb = "sits" if len(moved) == 1 else "sit"
+    return f"{who} {verb} elsewhere by {with_std(size, std)} mm"
 
 
 def _scatters(one: Apart, first: Apart) -> Iterator[str]:
