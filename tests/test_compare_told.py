@@ -23,6 +23,7 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.campaign.data import Target
+from workbench.campaign.other_tools import with_tools_as_loads
 from workbench.cli.main import main
 from workbench.diagnosis.changes.findings import of_robot, stood_still
 from workbench.diagnosis.changes.result import Comparison
@@ -154,6 +155,36 @@ def test_a_fact_that_the_data_of_a_campaign_refute_is_told_and_not_kept_to():
     assert len(refuted.notes) == 2  # and none that the noise does not explain what the model leaves
     assert all("the data contradict it" in note and "was not kept to" in note for note in refuted.notes)
     assert refuted.headline == plain.headline
+
+
+def held() -> list[Campaign]:
+    """Two plans, half of the poses of each with a load."""
+    load = {"heavy": (100.0, [0.15, 0.0, 0.0])}
+    poses = [random_poses(robot(), POSES, np.random.default_rng(seed)) for seed in (1, 2)]
+    which = ["heavy", ""] * (POSES // 2)
+    return [planned(robot(), q, targets=ON_FLANGE, payload=which, payloads=load) for q in poses]
+
+
+def test_another_tool_is_a_load_of_its_own():
+    """What each campaign states to be mounted weighs on the arm as before, alone and beside a payload."""
+    gripper, gun = (
+        replace(one, tool_mass=mass, tool_com=np.array([0.1, 0.0, 0.1]))
+        for one, mass in zip(held(), (40.0, 150.0), strict=True)
+    )
+    assert with_tools_as_loads([gripper, gripper])[1] == ()
+    (first, second), (said,) = with_tools_as_loads([gripper, gun])
+    assert "40, 150 kg" in said
+    assert second.payload_names == ("", "tool", *gun.payload_names[1:])
+    for own, of in ((first, gripper), (second, gun)):
+        carried = own.load_mass[own.poses.payload]
+        assert carried == pytest.approx(of.tool_mass + of.load_mass[of.poses.payload])
+        moment = (own.load_mass[:, None] * own.load_com)[own.poses.payload]
+        stated = (of.load_mass[:, None] * of.load_com)[of.poses.payload]
+        assert moment == pytest.approx(stated + of.tool_mass * of.tool_com)
+    truth = Truth(sigma=SIGMA, geometry=random_geometry(problem_of(gun).arm, np.random.default_rng(0)))
+    comparison = compare([simulate(c, truth, seed=seed) for seed, c in enumerate((gripper, gun))])
+    assert not comparison.changed
+    assert said in comparison.notes
 
 
 def test_one_nest_that_moved_is_told_by_its_name():

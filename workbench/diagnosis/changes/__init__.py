@@ -15,6 +15,7 @@ import numpy as np
 
 from ...campaign import Campaign, load_campaign
 from ...campaign.known import with_known
+from ...campaign.other_tools import with_tools_as_loads
 from ...files.faults import Fault, InputError
 from ..candidates import testable
 from ..headline import listed
@@ -59,14 +60,15 @@ def compare(
     if len(campaigns) < 2:
         raise InputError(Fault("compare", "one campaign alone", "name two or more of one robot"))
     loaded = [one if isinstance(one, Campaign) else load_campaign(one) for one in campaigns]
+    loaded, tools = with_tools_as_loads(loaded)
     occasions, whole = occasions_of([with_known(one, known) for one in loaded], progress)
     progress("comparing")
     decided = decide(occasions, whole, testable(whole)[0])
     progress("writing down what was found")
-    return _assembled(decided, whole.campaign.files)
+    return _assembled(decided, whole.campaign.files, tools)
 
 
-def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
+def _assembled(decided: Decided, inputs: Mapping[str, str], notes: Sequence[str]) -> Comparison:
     system = decided.system
     shapes = [decided.shape(m) for m in decided.members]
     final = relinearised(system, shapes, decided.solved)
@@ -92,7 +94,7 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
         tuple(repeats(decided, changes)),
         beside,
         tuple(tracks(decided)),
-        tuple(_notes(decided)),
+        (*notes, *_notes(decided)),
         inputs,
     )
 
