@@ -195,7 +195,7 @@ def test_one_nest_that_moved_is_told_by_its_name():
     comparison = compare([seen(1), replace(unsaid, targets=seen(1).targets)])
     said = comparison.headline.split("; ")[-1]
     assert said.startswith("T1 sits elsewhere by 0.5")
-    assert said.endswith("(not T2 and T3): reflectors were mounted anew, or are warmer.")
+    assert said.endswith("(not T2 and T3): its reflector or nest was mounted anew, or is warmer.")
 
 
 def test_targets_that_moved_as_stated_are_told_as_that():

@@ -129,8 +129,12 @@ def _elsewhere(targets: TargetsMoved) -> Iterator[str]:
                 "them; if they sit where they did, state them with `fixed = true` to tell"
             )
     if targets.alone:
-        tool = "tool or " if len(targets.alone) == len(targets.each) else ""
-        yield f"{_these(targets, targets.alone)}: {tool}reflectors were mounted anew, or are warmer"
+        why = "tool or reflectors were mounted anew, or are warmer"
+        if len(targets.alone) < len(targets.each):
+            several = len(targets.alone) > 1
+            why = "their reflectors were" if several else "its reflector or nest was"
+            why += f" mounted anew, or {'are' if several else 'is'} warmer"
+        yield f"{_these(targets, targets.alone)}: {why}"
 
 
 def _these(targets: TargetsMoved, moved: Sequence[TargetMoved]) -> str:
