@@ -376,13 +376,13 @@ def test_the_poses_that_can_speak_of_a_change_are_those_that_either_side_covered
     assert covered(system, middle, "joint_1")[::2].tolist() == [False, False, True, True, False, False]
 
 
-def test_a_number_that_adds_up_moved_by_its_difference():
+def test_a_number_that_adds_up_changed_by_its_difference():
     play = "lost_motion:joint=joint_2,variant=play,amplitude=3e-4"
     change = only(compare([before(), measured(2, effects=(play,))]))
     assert change.cause == "lost_motion"
     assert change.before == ()
     assert within(change.parameters[0], 3e-4)
-    assert moved_by(change).startswith("lost motion in joint_2 moved by ")
+    assert moved_by(change).startswith("lost motion in joint_2 changed by ")
 
 
 def test_forms_of_one_cause_are_told_apart_in_what_did_not_change():
@@ -440,6 +440,18 @@ def unplaced() -> Change:
     return Change(
         label, "unknown", where, "surroundings", "possible", "june", False, 0.011, 0.5, size, 0.04, rivals
     )
+
+
+def test_a_robot_that_may_have_changed_is_not_called_unchanged():
+    """What leads is the surroundings', and what may stand in its place the robot's."""
+    size = (Parameter("coefficient", 2e-6, 1e-6, "1/K"),)
+    warmer = Change(
+        "thermal_growth", "thermal_growth", Where(), "surroundings", "ambiguous", "june", False, 0.5, 0.4,
+        size, 0.04, (rival("foundation", 0.3),),
+    )  # fmt: skip
+    assert "everything else unchanged within 0.02 mm" in headline([warmer], 0.02, [], False)
+    common = replace(warmer, rivals=(rival("foundation", 0.3, change=False),))
+    assert "the robot is unchanged within 0.02 mm" in headline([common], 0.02, [], False)
 
 
 def test_what_cannot_be_placed_takes_one_clause_and_its_candidates_come_by_probability():

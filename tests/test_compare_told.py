@@ -23,6 +23,7 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.campaign.data import Target
+from workbench.campaign.other_tools import with_tools_as_loads
 from workbench.cli.main import main
 from workbench.diagnosis.changes.findings import of_robot, stood_still
 from workbench.diagnosis.changes.result import Comparison
@@ -156,14 +157,55 @@ def test_a_fact_that_the_data_of_a_campaign_refute_is_told_and_not_kept_to():
     assert refuted.headline == plain.headline
 
 
+def held() -> list[Campaign]:
+    """Two plans, half of the poses of each with a load."""
+    load = {"heavy": (100.0, [0.15, 0.0, 0.0])}
+    poses = [random_poses(robot(), POSES, np.random.default_rng(seed)) for seed in (1, 2)]
+    which = ["heavy", ""] * (POSES // 2)
+    return [planned(robot(), q, targets=ON_FLANGE, payload=which, payloads=load) for q in poses]
+
+
+def test_another_tool_is_a_load_of_its_own():
+    """What each campaign states to be mounted weighs on the arm as before, alone and beside a payload."""
+    gripper, gun = (
+        replace(one, tool_mass=mass, tool_com=np.array([0.1, 0.0, 0.1]))
+        for one, mass in zip(held(), (40.0, 150.0), strict=True)
+    )
+    assert with_tools_as_loads([gripper, gripper])[1] == ()
+    (first, second), (said,) = with_tools_as_loads([gripper, gun])
+    assert "40, 150 kg" in said
+    assert second.payload_names == ("", "tool", *gun.payload_names[1:])
+    for own, of in ((first, gripper), (second, gun)):
+        carried = own.load_mass[own.poses.payload]
+        assert carried == pytest.approx(of.tool_mass + of.load_mass[of.poses.payload])
+        moment = (own.load_mass[:, None] * own.load_com)[own.poses.payload]
+        stated = (of.load_mass[:, None] * of.load_com)[of.poses.payload]
+        assert moment == pytest.approx(stated + of.tool_mass * of.tool_com)
+    truth = Truth(sigma=SIGMA, geometry=random_geometry(problem_of(gun).arm, np.random.default_rng(0)))
+    comparison = compare([simulate(c, truth, seed=seed) for seed, c in enumerate((gripper, gun))])
+    assert not comparison.changed
+    assert said in comparison.notes
+
+
+def test_one_nest_that_moved_is_told_by_its_name():
+    first = ON_FLANGE[0]
+    assert first.xyz is not None
+    moved = replace(first, xyz=(first.xyz[0], first.xyz[1], first.xyz[2] + 5e-4))
+    unsaid = seen(2, (moved, *ON_FLANGE[1:]))
+    comparison = compare([seen(1), replace(unsaid, targets=seen(1).targets)])
+    said = comparison.headline.split("; ")[-1]
+    assert said.startswith("T1 sits elsewhere by 0.5")
+    assert said.endswith("(not T2 and T3): its reflector or nest was mounted anew, or is warmer.")
+
+
 def test_targets_that_moved_as_stated_are_told_as_that():
     moved = tuple(
         replace(t, xyz=(t.xyz[0], t.xyz[1], t.xyz[2] + by))
         for t, by in zip(ON_FLANGE, (5e-4, 0, 0), strict=True)
     )
     comparison = compare([seen(1), seen(2, moved)])
-    assert "the targets sit elsewhere by 0.5" in comparison.headline
-    assert comparison.headline.endswith("mm, as stated.")
+    assert "T1 sits elsewhere by 0.5" in comparison.headline
+    assert comparison.headline.endswith("mm (not T2 and T3), as stated.")
     assert "targets moved, as stated: T1 0." in said_of(comparison)["apart_lines"][1]
     told = comparison.to_json()["apart"][1]
     assert told["targets_moved"]

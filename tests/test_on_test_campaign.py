@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from diagnosis_cases import measured, with_points
 
+from workbench import diagnose, load_robot
 from workbench.diagnosis.on_test_campaign import test_figures as figures_on
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import FaultFound
+from workbench.files.faults import InputError
 from workbench.report.terminal import fault_lines
 from workbench.robot.rotations import from_vectors
 
@@ -38,6 +40,14 @@ def test_an_instrument_elsewhere_is_told_with_what_its_own_frame_leaves():
     assert left == pytest.approx(figures(test).after_mean_mm, rel=0.3)
     named = replace(with_points(test, test.points + 0.004), setup_names=("afterwards",))
     assert figures(named).notes == ()
+
+
+def test_another_robot_is_no_test_though_its_joints_have_the_same_names():
+    left, right = load_robot("ma1400-left"), load_robot("ma1400-right")
+    assert left.joint_names == right.joint_names
+    _, test, _ = halves()
+    with pytest.raises(InputError, match="is of ma1400-right, which is not the robot of"):
+        diagnose(replace(test, robot=left), test=replace(test, robot=right))
 
 
 def test_poses_that_were_fitted_are_no_test():

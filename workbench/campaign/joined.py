@@ -14,6 +14,7 @@ from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from .data import Array, Campaign, IntArray, Target
 from .known import KnownData
+from .other_tools import same_tool
 from .poses import join_poses
 
 
@@ -104,8 +105,7 @@ def _differences(campaigns: Sequence[Campaign]) -> list[Fault]:
         if other.six_dof != first.six_dof:
             what = f"[noise] pose is {str(other.six_dof).lower()}, not as in {first.path}"
             faults.append(Fault(place, what, "make them agree, or diagnose them apart"))
-        same_place = first.tool_mass == 0.0 or np.allclose(other.tool_com, first.tool_com, rtol=0, atol=1e-9)
-        if not np.isclose(other.tool_mass, first.tool_mass, rtol=1e-9) or not same_place:
+        if not same_tool(first, other):
             mend = "make them agree; what differs goes into [payloads] and the column payload"
             faults.append(Fault(f"{place}: tool", f"not the tool of {first.path}", mend))
     return faults

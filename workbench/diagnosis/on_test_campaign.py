@@ -27,19 +27,10 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
 
     Frame and targets come from the fitted set-up of the same name; only set-ups that the fitted
     campaigns do not have, or have in two parts, get their own, fitted on the test poses. Data faults are
-    left out by the rules of the fit; the figures of all points stand beside. Raises InputError where it is
-    of another robot.
+    left out by the rules of the fit; the figures of all points stand beside.
     """
     final = final.lasting
     fitted = final.model.problem
-    if campaign.robot.joint_names != fitted.robot.joint_names:
-        raise InputError(
-            Fault(
-                str(campaign.path),
-                f"its robot is {campaign.robot.name}",
-                f"give a test of {fitted.robot.name}",
-            )
-        )
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
     meant, said = believed(possible.problem)

@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 from ..campaign import Campaign, load_campaign
 from ..campaign.known import with_known
 from ..campaign.problem import Problem
+from ..campaign.same_robot import check_same_robot
 from ..effects.base import Effect
 from ..identification.fit import Fit
 from .also_yields import with_what_also_yields
@@ -60,7 +61,7 @@ def diagnose(
     campaign.toml. test: poses kept apart; nothing is fitted on it but the frame and targets of set-ups that
     the campaigns do not have. progress: is told each step in words. seed: of the groups of poses that are
     held out in turn. known: facts beside those of `[known]`, as `--known` takes them. Raises `InputError`
-    where the data are unusable.
+    where the data are unusable, or the test of another robot.
 
     >>> import numpy as np
     >>> from workbench import Truth, load_robot, parse_effect, planned, problem, random_poses
@@ -80,6 +81,8 @@ def diagnose(
 
 
 def _diagnosed(campaigns: list[Campaign], test: Campaign | None, progress: Progress, seed: int) -> Outcome:
+    if test is not None:
+        check_same_robot(campaigns[0].robot, test)
     prepared = prepare(campaigns, progress)
     campaigns.clear()  # of a large one, parts stand in `prepared`: the whole takes room
     test = test or prepared.spare

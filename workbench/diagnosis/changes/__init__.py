@@ -15,6 +15,7 @@ import numpy as np
 
 from ...campaign import Campaign, load_campaign
 from ...campaign.known import with_known
+from ...campaign.other_tools import with_tools_as_loads
 from ...files.faults import Fault, InputError
 from ..candidates import testable
 from ..headline import listed
@@ -59,14 +60,15 @@ def compare(
     if len(campaigns) < 2:
         raise InputError(Fault("compare", "one campaign alone", "name two or more of one robot"))
     loaded = [one if isinstance(one, Campaign) else load_campaign(one) for one in campaigns]
+    loaded, tools = with_tools_as_loads(loaded)
     occasions, whole = occasions_of([with_known(one, known) for one in loaded], progress)
     progress("comparing")
     decided = decide(occasions, whole, testable(whole)[0])
     progress("writing down what was found")
-    return _assembled(decided, whole.campaign.files)
+    return _assembled(decided, whole.campaign.files, tools)
 
 
-def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
+def _assembled(decided: Decided, inputs: Mapping[str, str], notes: Sequence[str]) -> Comparison:
     system = decided.system
     shapes = [decided.shape(m) for m in decided.members]
     final = relinearised(system, shapes, decided.solved)
@@ -92,7 +94,7 @@ def _assembled(decided: Decided, inputs: Mapping[str, str]) -> Comparison:
         tuple(repeats(decided, changes)),
         beside,
         tuple(tracks(decided)),
-        tuple(_notes(decided)),
+        (*notes, *_notes(decided)),
         inputs,
     )
 
@@ -112,7 +114,7 @@ def _other(system: System, beside: Sequence[Apart]) -> list[str]:
 def _elsewhere(targets: TargetsMoved) -> Iterator[str]:
     """Which targets sit elsewhere on the robot, and why that may be."""
     if targets.restated:
-        yield f"{_sit(targets.restated)}, as stated"
+        yield f"{_these(targets, targets.restated)}, as stated"
     for one in targets.together:
         own = [target for target in targets.each if target.target in one.targets]
         others = [target.target for target in targets.each if not target.moved and target not in own]
@@ -127,14 +129,29 @@ def _elsewhere(targets: TargetsMoved) -> Iterator[str]:
                 "them; if they sit where they did, state them with `fixed = true` to tell"
             )
     if targets.alone:
-        yield f"{_sit(targets.alone)}: tool or reflectors were mounted anew, or are warmer"
+        why = "tool or reflectors were mounted anew, or are warmer"
+        if len(targets.alone) < len(targets.each):
+            several = len(targets.alone) > 1
+            why = "their reflectors were" if several else "its reflector or nest was"
+            why += f" mounted anew, or {'are' if several else 'is'} warmer"
+        yield f"{_these(targets, targets.alone)}: {why}"
+
+
+def _these(targets: TargetsMoved, moved: Sequence[TargetMoved]) -> str:
+    """That some targets sit elsewhere, by their names where others do not."""
+    if len(moved) == len(targets.each):
+        return _sit(moved)
+    still = [target.target for target in targets.each if not target.moved]
+    also = f" (not {listed(still)})" if still else ""
+    return f"{_sit(moved, listed([target.target for target in moved]))}{also}"
 
 
 def _sit(moved: Sequence[TargetMoved], who: str = "the targets") -> str:
     """That targets sit elsewhere, and by how much the farthest of them."""
     by = max(moved, key=lambda target: float(np.linalg.norm(target.by_mm)))
     size, std = float(np.linalg.norm(by.by_mm)), float(np.linalg.norm(by.std_mm))
-    return f"{who} sit elsewhere by {with_std(size, std)} mm"
+    verb = "sits" if len(moved) == 1 else "sit"
+    return f"{who} {verb} elsewhere by {with_std(size, std)} mm"
 
 
 def _scatters(one: Apart, first: Apart) -> Iterator[str]:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
 from ..headline import listed, words_of
+from .candidates import PLACED
 from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, Rival, bounds
 
 MOST_SAID = 3
@@ -52,6 +53,7 @@ def moved_by(change: Change) -> str:
     one = len(change.parameters) == 1 and not change.before
     at = f"{change.moves_mm:.2f} mm RMS at the targets"
     what = name_of(change)
+    stepped = "moved" if change.cause == PLACED and (one or change.course == LEVELS) else "changed"
     if change.cause == UNKNOWN:
         return f"{what} changed by {at}"
     by = said(largest) if one else f"{at} ({_from_to(change) or f'{largest.name} by {said(largest)}'})"
@@ -62,9 +64,8 @@ def moved_by(change: Change) -> str:
     if change.course == LEVELS:
         each = [f"{said(_clearest(numbers))} in {label}" for label, numbers in change.levels]
         of = "" if one else f"{at}: {largest.name} "
-        return f"{what} moved more than once, against the first by {of}{listed(each)}"
-    verb = "is off" if change.side == "load" else "moved" if one else "changed"
-    return f"{what} {verb} by {by}"
+        return f"{what} {stepped} more than once, against the first by {of}{listed(each)}"
+    return f"{what} {'is off' if change.side == 'load' else stepped} by {by}"
 
 
 def _from_to(change: Change) -> str:
@@ -94,10 +95,11 @@ def headline(
     it `bounds` them, beside what the nominal robot is off (nominal_mm); else what the `last`
     campaign could not have shown. hidden: joints a change of whose zero would look like a move of the
     instrument or the targets."""
-    robot = [c for c in changes if c.side == "robot" and (c.placed or c.status != POSSIBLE)]
+    told = [c for c in changes if c.placed or c.status != POSSIBLE]
+    robot = [c for c in told if c.side == "robot"]
     sure = [moved_by(c) for c in changes if c.status == "named"]
-    open_ = [_either(c) for c in changes if c.status != "named" and (c.placed or c.status != POSSIBLE)]
-    none = not robot and not robot_changed
+    open_ = [_either(c) for c in told if c.status != "named"]
+    none = not any(map(_may_be_robot, told)) and not robot_changed
     if bounds(within_mm, nominal_mm, robot):
         what = "the robot is" if none else "everything else"
         rest = f"{what} unchanged within {max(within_mm, 0.001):.2g} mm"
@@ -114,6 +116,12 @@ def headline(
     nowhere = [_either(c) for c in changes if c.status == POSSIBLE and not c.placed]
     text = "; ".join([*parts, rest, *nowhere[:MOST_SAID], *apart])
     return f"{text}." if sure else f"{text[0].upper()}{text[1:]}."  # a name stays as it is written
+
+
+def _may_be_robot(change: Change) -> bool:
+    """Whether a change that is told is of the robot, or one that is told in its place."""
+    likely = (r.side for r in change.rivals if r.change and r.probability >= WORTH_SAYING)
+    return "robot" in (change.side, *likely)
 
 
 def hidden_size(within_mm: float, nominal_mm: float) -> str:
