@@ -36,3 +36,15 @@ def test_what_a_run_out_has_beside_its_form_is_in_the_model_and_not_without_a_na
     found = diagnosed("ur5", 1, 0.5, heights, seed=1, poses=48)
     assert "unknown" not in {cause.cause for cause in found.causes}
     assert found.stages[-1].heldout_rms_mm < 0.08 < 0.1 * found.stages[1].heldout_rms_mm
+
+
+def test_a_play_that_is_not_the_same_all_around_is_a_play():
+    robot, rng = load_robot("ur5"), np.random.default_rng(4)
+    q = random_poses(robot, 60, rng)
+    side = rng.choice([-1.0, 1.0], q.shape)
+    behind = -3e-4 * side[:, 1] * (1 + 0.25 * np.sin(q[:, 1] + 1))
+    seen = simulate(planned(robot, q + np.outer(behind, np.arange(6) == 1)), Truth(sigma=NOISE), seed=4)
+    (cause,) = diagnose(seen.with_poses(q=q, side=side)).diagnosis.causes
+    assert (cause.cause, cause.where.joint, cause.status) == ("backlash", robot.joint_names[1], "named")
+    width = cause.parameters[0]
+    assert abs(width.value - 3e-4) < 3 * width.std < 0.15 * 3e-4

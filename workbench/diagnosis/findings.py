@@ -32,6 +32,7 @@ from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
 from .stages import geometry_alone, pose_errors, rms_mm, stages_of
+from .unseen import allowing_for_unseen
 
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
 
@@ -60,7 +61,8 @@ def assemble(parts: Parts) -> Diagnosis:
     left, beyond = _left(prepared, selection)
     best = stages[-1].heldout_rms_mm
     with_names = stages[stages.index(base) + len(groups)].heldout_rms_mm
-    findings = [_finding(parts, *group) for group in groups]
+    sure = _how_sure(parts) if groups else final.covariance
+    findings = [_finding(parts, *group, sure) for group in groups]
     ceiling = min(best, ceiling_mm(final, parts.candidates))
     brought = base.heldout_rms_mm - with_names
     noise_mm = 1e3 * float(np.sqrt(3) * final.usual)
@@ -217,8 +219,14 @@ def _beside_what_is_found(findings: list[Finding]) -> list[Finding]:
     ]
 
 
-def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
-    """One cause. own: numbers of its effects in the fit."""
+def _how_sure(parts: Parts) -> Array:
+    """(P, P) how far the final fit's numbers are off in the mean square, for all that may be there beside."""
+    final = parts.selection.fit
+    return allowing_for_unseen(final, _companions(parts.selection, final), parts.candidates)
+
+
+def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Finding:
+    """One cause. own: numbers of its effects in the fit; sure: (P, P), see `_how_sure`."""
     final, selection = parts.selection.fit, parts.selection
     found = standing(selection, effect)
     rivals = found.rivals
@@ -230,7 +238,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int]) -> Finding:
     )
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
-    parameters, sentence = _describe(final, own)
+    parameters, sentence = _describe(final, own, sure)
     strongest = max((i for i in own if final.model.effects[i].key == effect.key), key=final.wald)
     return Finding(
         cause=effect.cause,
@@ -316,8 +324,9 @@ def _handicap(components: Sequence[Component], own: int, other: int | None) -> f
     return float(np.exp(max(components[own].log_odds - components[other].log_odds, 0.0)))
 
 
-def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], str]:
-    """Parameters and sentence; further parts of one cause carry their order or form in the name."""
+def _describe(final: Fit, own: Sequence[int], sure: Array) -> tuple[tuple[Parameter, ...], str]:
+    """Parameters and sentence; further parts of one cause carry their order or form in the name. sure: (P, P)
+    covariance of the fit's numbers."""
     parameters: list[Parameter] = []
     sentences: list[str] = []
     there = [(final.model.effects[i], final.effect_values(i)[0]) for i in own]
@@ -325,9 +334,9 @@ def _describe(final: Fit, own: Sequence[int]) -> tuple[tuple[Parameter, ...], st
     there += [(item.effect, given[k, None]) for k, item in enumerate(final.model.given)]
     for n, i in enumerate(own):
         effect = final.model.effects[i].beside(there)
-        values, covariance = final.effect_values(i)
+        values, part = final.state.values[i], final.columns.effect[i]
         sentences.append(effect.sentence(values))
-        for p in effect.report(values, covariance):
+        for p in effect.report(values, sure[part, part]):
             clash = n > 0 and any(p.name == other.name for other in parameters)
             mark = f"order {effect.where.order:g}" if effect.where.order is not None else effect.variant
             parameters.append(replace(p, name=f"{p.name} ({mark})") if clash else p)

@@ -118,15 +118,19 @@ class Tilt(Unnamed, DirectEffect):
 
 @dataclass(frozen=True)
 class Side(Unnamed, TransmissionEffect):
-    """A joint's error by its side of approach and its angle."""
+    """A joint's error by its side of approach, different around its turn. mean: share of what is the same all
+    around, 0 or 1. That is a play, whatever it does beside, so nothing else competes with it as that; models
+    written before had it in here."""
 
     variant: str = "side"
+    mean: float = 1.0
 
+    settings: ClassVar[tuple[str, ...]] = ("size", "mean")
     depends: ClassVar[Depends] = frozenset({"joints", "side"})
 
     @property
     def functions(self) -> int:
-        return 3
+        return 3 if self.mean else 2
 
     @property
     def variable(self) -> str:
@@ -143,11 +147,13 @@ class Side(Unnamed, TransmissionEffect):
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         j = joints.index(str(self.where.joint))
         side = np.zeros(len(q)) if direction is None else direction[:, j]
-        return np.column_stack([side, side * np.sin(q[:, j]), side * np.cos(q[:, j])])
+        around = np.column_stack([side * np.sin(q[:, j]), side * np.cos(q[:, j])])
+        return np.column_stack([side, around]) if self.mean else around
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
         side = problem.campaign.poses.side
         if side is None:
             return []
-        return [cls(Where(joint=n)) for j, n in enumerate(problem.arm.names) if np.ptp(side[:, j]) > 0]
+        names = problem.arm.names
+        return [cls(Where(joint=n), mean=0.0) for j, n in enumerate(names) if np.ptp(side[:, j]) > 0]
