@@ -95,14 +95,30 @@ class Competition:
         return self._in_order(members)
 
     def _settled(self, members: list[Member]) -> list[Member]:
-        """A set in which no two components are likelier in the place of one: else the search goes on."""
+        """A set in which no two components are likelier in the place of one, and no one in the place of two:
+        else the search goes on."""
         everything = np.ones(len(self.components), bool)
         for _ in range(EXCHANGES):
-            split = self.split(members)
-            if split is None:
+            better = self.split(members) or self.merged(members)
+            if better is None:
                 break
-            members = self.search(split, everything)
+            members = self.search(better, everything)
         return members
+
+    def merged(self, members: Sequence[Member]) -> list[Member] | None:
+        """The set without one of its members that add little, the others exchanged, where that is likelier;
+        None where it is not. What two causes do together, neither of them quite, another may do alone."""
+        if len(members) < 2:
+            return None
+        now, everything = self.score(members), np.ones(len(self.components), bool)
+        for member in members:
+            others = [other for other in members if other is not member]
+            if member.component in self.certain or now - self.score(others) > max(ABOUT, SHARE * now):
+                continue
+            new = self.exchanged(others, everything)
+            if self.score(new) > now + CLEARLY:
+                return new
+        return None
 
     def split(self, members: Sequence[Member]) -> list[Member] | None:
         """The set with two components in the place of one of its strongest members, where that is likelier;
