@@ -21,6 +21,7 @@ EXCHANGES = 4  # rounds of them
 AT_ONCE = 4  # members that are weighed together: of as many, one changes
 STRONGEST, PAIRS = 6, 3  # members in the place of which two are tried, and how many such pairs
 ABOUT, SHARE = 5.0, 0.02  # log odds that the estimate of a pair's may be off, and of those that it has
+LITTLE = 0.1  # of a set's log odds: what a member adds that may not be needed beside another one
 CLEARLY = 0.5  # log odds by which another component must be likelier to take a member's place
 
 Mask = NDArray[np.bool_]
@@ -113,7 +114,7 @@ class Competition:
         now, everything = self.score(members), np.ones(len(self.components), bool)
         for member in members:
             others = [other for other in members if other is not member]
-            if member.component in self.certain or now - self.score(others) > max(ABOUT, SHARE * now):
+            if member.component in self.certain or now - self.score(others) > max(ABOUT, LITTLE * now):
                 continue
             new = self.exchanged(others, everything)
             if self.score(new) > now + CLEARLY:
