@@ -21,7 +21,7 @@ EXCHANGES = 4  # rounds of them
 AT_ONCE = 4  # members that are weighed together: of as many, one changes
 STRONGEST, PAIRS = 6, 3  # members in the place of which two are tried, and how many such pairs
 ABOUT, SHARE = 5.0, 0.02  # log odds that the estimate of a pair's may be off, and of those that it has
-LITTLE = 0.1  # of a set's log odds: what a member adds that may not be needed beside another one
+WEAKEST = 3  # members without which another may be likelier in another's place
 CLEARLY = 0.5  # log odds by which another component must be likelier to take a member's place
 
 Mask = NDArray[np.bool_]
@@ -109,13 +109,9 @@ class Competition:
     def merged(self, members: Sequence[Member]) -> list[Member] | None:
         """The set without one of its members that add little, the others exchanged, where that is likelier;
         None where it is not. What two causes do together, neither of them quite, another may do alone."""
-        if len(members) < 2:
-            return None
         now, everything = self.score(members), np.ones(len(self.components), bool)
-        for member in members:
-            others = [other for other in members if other is not member]
-            if member.component in self.certain or now - self.score(others) > max(ABOUT, LITTLE * now):
-                continue
+        without = [[*members[:i], *members[i + 1 :]] for i in range(len(members))] if len(members) > 1 else []
+        for others in sorted(without, key=self.score, reverse=True)[:WEAKEST]:
             new = self.exchanged(others, everything)
             if self.score(new) > now + CLEARLY:
                 return new
