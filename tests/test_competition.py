@@ -215,6 +215,33 @@ def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
     assert few.split([Member(0, 0, 1.0)]) is None  # nothing else is there
 
 
+def test_one_in_the_place_of_two_is_found_where_it_takes_neither_place_alone():
+    """The data are a + b, and but for a little c alone: beside either of a and b the other is worth more."""
+    a, b, odd = np.eye(3) * 60.0
+    data = np.array([72.0, 8.0, 0.0])
+    columns = np.column_stack([a, b, 60.0 * data / np.linalg.norm(data) + 0.03 * odd])
+    left = Reduced(
+        tuple((slice(k, k + 1),) for k in range(3)),
+        Stored(columns.T @ columns),
+        columns.T @ data,
+        float(data @ data) + 300,
+        300.0,
+        300.0,
+    )
+    form = Form((), np.ones(1), ())
+    components = [Component((f"cause_{k}", Where()), (form,), float(np.log(0.01))) for k in range(3)]
+    competition = Competition(left, components)
+    everything = np.ones(3, bool)
+    pair = competition.exchanged([Member(0, 0, 1.0), Member(1, 0, 0.3)], everything)
+    assert {m.component for m in pair} == {0, 1}
+    merged = competition.merged(pair)
+    assert merged is not None
+    assert [m.component for m in merged] == [2]
+    assert competition.score(merged) > competition.score(pair)
+    assert competition.merged(merged) is None
+    assert [m.component for m in competition.best()] == [2]
+
+
 def test_what_two_take_together_is_what_they_take_as_large_as_alone(competition, chosen):
     weights = competition.beside(chosen)
     some = [Member(k, weights[k].form, weights[k].scale) for k in list(weights)[:30:3]]

@@ -21,6 +21,7 @@ EXCHANGES = 4  # rounds of them
 AT_ONCE = 4  # members that are weighed together: of as many, one changes
 STRONGEST, PAIRS = 6, 3  # members in the place of which two are tried, and how many such pairs
 ABOUT, SHARE = 5.0, 0.02  # log odds that the estimate of a pair's may be off, and of those that it has
+WEAKEST = 3  # members without which another may be likelier in another's place
 CLEARLY = 0.5  # log odds by which another component must be likelier to take a member's place
 
 Mask = NDArray[np.bool_]
@@ -95,14 +96,26 @@ class Competition:
         return self._in_order(members)
 
     def _settled(self, members: list[Member]) -> list[Member]:
-        """A set in which no two components are likelier in the place of one: else the search goes on."""
+        """A set in which no two components are likelier in the place of one, and no one in the place of two:
+        else the search goes on."""
         everything = np.ones(len(self.components), bool)
         for _ in range(EXCHANGES):
-            split = self.split(members)
-            if split is None:
+            better = self.split(members) or self.merged(members)
+            if better is None:
                 break
-            members = self.search(split, everything)
+            members = self.search(better, everything)
         return members
+
+    def merged(self, members: Sequence[Member]) -> list[Member] | None:
+        """The set without one of its members that add little, the others exchanged, where that is likelier;
+        None where it is not. What two causes do together, neither of them quite, another may do alone."""
+        now, everything = self.score(members), np.ones(len(self.components), bool)
+        without = [[*members[:i], *members[i + 1 :]] for i in range(len(members))] if len(members) > 1 else []
+        for others in sorted(without, key=self.score, reverse=True)[:WEAKEST]:
+            new = self.exchanged(others, everything)
+            if self.score(new) > now + CLEARLY:
+                return new
+        return None
 
     def split(self, members: Sequence[Member]) -> list[Member] | None:
         """The set with two components in the place of one of its strongest members, where that is likelier;
