@@ -116,6 +116,13 @@ def test_a_frame_may_begin_with_a_minus(capsys):
     assert said.base[0][0] == "BASE_DATA[1]"
 
 
+@pytest.mark.parametrize("place", ["", " "])
+def test_an_empty_place_is_not_the_current_folder(place, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["diagnose", "campaign.toml", "--out", place])
+    assert "--out: is empty" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("given", [["A=0,0,1"], ["0,0,1", "0,0,2"]])
 def test_frames_with_names_are_for_programs(given):
     pairs = [named_frame(text) for text in given]

@@ -44,7 +44,7 @@ from workbench.simulation.closed_loop.page import page as whole_page
 from workbench.simulation.closed_loop.pictures import pictures, sweep_picture
 from workbench.simulation.closed_loop.repeatability import repeatability
 from workbench.simulation.closed_loop.simulation import run
-from workbench.simulation.closed_loop.verification import Sweep
+from workbench.simulation.closed_loop.verification import Sweep, speed_text
 
 LOADS = Conditions(
     "heavy",
@@ -484,6 +484,7 @@ def test_a_tool_that_turns_where_it_is_runs_in_the_paths_own_time():
     assert 1.0 <= series.time[-1] < 2.0  # and comes to rest; no speed in m/s stretches it
     assert any("run in the path's own time" in note for note in done.notes)
     assert series.trials["corrected"].figures.rms_mm < 0.1 * series.trials["uncorrected"].figures.rms_mm
+    assert speed_text(series.speed) == "the path's own speed"
     with pytest.raises(InputError, match="--sweep"):
         verify(path, robot, robot, speeds=None, repeats=0, sweep=True)
 

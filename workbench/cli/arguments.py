@@ -25,7 +25,14 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 def out_option(parser: argparse.ArgumentParser, what: str, default: str | None = None) -> None:
     """`--out`; what: file or folder, and what is written there where nothing is said."""
     path = Path(default) if default else None
-    parser.add_argument("--out", type=Path, default=path, metavar="PATH", help=what)
+    parser.add_argument("--out", type=_place, default=path, metavar="PATH", help=what)
+
+
+def _place(text: str) -> Path:
+    """A path that was said: "" would be the current folder."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("is empty: name a file or folder")
+    return Path(text)
 
 
 def json_option(parser: argparse.ArgumentParser) -> None:

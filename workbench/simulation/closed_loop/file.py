@@ -22,7 +22,15 @@ from ...robot.loop import Loop
 from .limits import OnLimit
 from .proof import SPEEDS, verify
 from .runs import FeedForward
-from .verification import COMMAND_NAMES, Verification, anew_said, perfect_said, step_said, sweep_said
+from .verification import (
+    COMMAND_NAMES,
+    Verification,
+    anew_said,
+    perfect_said,
+    speed_text,
+    step_said,
+    sweep_said,
+)
 
 DIGITS = 9  # of errors
 
@@ -46,7 +54,7 @@ class Verified:
         lines += [f"{found.robot.title}, {found.path.title}: {found.judged} in closed loop"]
         for series in found.series:
             lines.append(
-                f"  {f'at {series.speed:.3g} m/s, mm':<30}"
+                f"  {f'at {speed_text(series.speed)}, mm':<30}"
                 + "".join(f"{name:>9}" for name in ("mean", "RMS", "95 %", "max", "R_a", "R_z"))
             )
             for name, trial in series.trials.items():
@@ -57,7 +65,7 @@ class Verified:
         for r in found.repeats:
             rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"
             runs = "one run" if r.count == 1 else f"{r.count} runs"
-            what = f"{COMMAND_NAMES[r.name]}, {runs} at {r.speed:.3g} m/s"
+            what = f"{COMMAND_NAMES[r.name]}, {runs} at {speed_text(r.speed)}"
             lines.append(f"  {what}: AT {mm(r.at_mm)} mm, RT {rt}")
         lines.append(f"  {found.repeatability.said}")
         lines += [f"  {said}" for said in (anew_said(found), perfect_said(found.slow)) if said]

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from ...report.markup import render
 from ...report.numbers import mm, significant
 from ...report.study import Table, Tile
-from .pictures import pictures, speed_text, sweep_picture
+from .pictures import pictures, sweep_picture
 from .repeatability import Repeatability
 from .verification import (
     COMMAND_NAMES,
@@ -15,6 +15,7 @@ from .verification import (
     Verification,
     anew_said,
     perfect_said,
+    speed_text,
     step_said,
     sweep_said,
 )

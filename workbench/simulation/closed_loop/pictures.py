@@ -12,7 +12,7 @@ from ...report.numbers import mm, mm_change, significant
 from ...robot.kinematics import Array
 from .measures import spectrum
 from .repeatability import Repeatability
-from .verification import COMMAND_NAMES, Series, Sweep, Verification, sweep_said
+from .verification import COMMAND_NAMES, Series, Sweep, Verification, speed_text, sweep_said
 
 LED, LAGGED = "#7a4fa3", "#2f7f86"
 COMMAND_COLOURS = {
@@ -166,11 +166,6 @@ def _beside(axes: Any, repeatability: Repeatability) -> list[float]:
             axes.axhline(height, color=MUTED, lw=1.2, ls=style, label=label)
             heights.append(height)
     return heights
-
-
-def speed_text(speed: float) -> str:
-    """A tool speed for people."""
-    return f"{speed:.3g} m/s"
 
 
 def _thinned(x: Array, y: Array) -> tuple[Array, Array]:

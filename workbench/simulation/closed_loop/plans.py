@@ -15,10 +15,10 @@ from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.rotations import angle_between
 from .runs import World
+from .verification import STILL
 from .ways import SAME, way_of
 
 LEAST_TOLD = 1e-9  # rad, m: by which a command has to differ to be run beside another
-STILL = 1e-6  # m/s: a tool that is no faster turns or stands: its path runs in its own time
 LONGEST = 60.0  # s that a run may take in the simulated world
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...report.meshcat_page import draw_links, look, meshcat_alone, pack, round_factor, with_panel
 from ...robot.kinematics import Array
-from .pictures import COMMAND_COLOURS, speed_text
-from .verification import Verification
+from .pictures import COMMAND_COLOURS
+from .verification import Verification, speed_text
 
 FRAMES = 160
 TUBE_POINTS = 1200  # at most

@@ -10,13 +10,13 @@ from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from .runs import FeedForward, Outcome, Task
-from .verification import COMMAND_NAMES
+from .verification import COMMAND_NAMES, speed_text
 
 
 def settling(X: Array, timed: list[tuple[Path, float]], commands: list[dict[str, Array]]) -> list[Task]:
     """The corrected path at each speed, which settles the step for the others."""
     return [
-        Task(f"corrected by everything, {speed:.3g} m/s", p, q["corrected"], X, settled=True)
+        Task(f"corrected by everything, {speed_text(speed)}", p, q["corrected"], X, settled=True)
         for (p, speed), q in zip(timed, commands, strict=True)
     ]
 
@@ -33,10 +33,10 @@ def others(
     for (p, speed), variants, first in zip(timed, commands, settled, strict=True):
         for name, q in variants.items():
             if name != "corrected":
-                said = f"{COMMAND_NAMES[name].lower()}, {speed:.3g} m/s"
+                said = f"{COMMAND_NAMES[name].lower()}, {speed_text(speed)}"
                 tasks.append(Task(said, p, q, X, step=first.step))
         for name in extra:
-            said = f"{name} feed-forward, {speed:.3g} m/s"
+            said = f"{name} feed-forward, {speed_text(speed)}"
             tasks.append(Task(said, p, variants["corrected"], X, step=first.step, ahead=name))
     return tasks
 

@@ -26,7 +26,7 @@ COMMAND_NAMES = {
     "perfect": "What a perfect model would reach",
 }
 
-
+STILL = 1e-6  # m/s: a tool that is no faster turns or stands: its path runs in its own time
 SAME = "The model ran against itself: this shows what the controller adds, not how accurate the robot is"
 
 
@@ -204,6 +204,11 @@ class Verification:
             "notes": list(self.notes),
             "inputs": dict(self.inputs),
         }
+
+
+def speed_text(speed: float) -> str:
+    """A tool speed [m/s] for people."""
+    return f"{speed:.3g} m/s" if speed > STILL else "the path's own speed"
 
 
 def step_said(series: Series) -> str:
