@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..identification.prediction import ToolErrors
 from ..robot.description import Robot
 from ..robot.kinematics import Array
-from .meshcat_page import draw_robot, look, meshcat_alone, pack, with_panel
+from .meshcat_page import draw_robot, look, meshcat_alone, pack, upright, with_panel
 from .workspace_map import class_edges, class_labels, opaque_colours
 
 MOST_PLACES = 6000
@@ -27,11 +27,12 @@ def expected_scene(
     middle = int(np.argmin(np.linalg.norm(places - np.median(places, axis=0), axis=1)))
     with meshcat_alone() as meshcat:
         links = draw_robot(meshcat, robot, errors.campaign.poses.q[middle], "/robot")
-        seen = np.concatenate([places, measured, links])
+        view = upright(robot)
+        seen = np.concatenate([places, measured, links]) @ view
         low, high = seen.min(axis=0), seen.max(axis=0)
         extent = float(np.linalg.norm(high - low))
         centre = ((low + high) / 2).tolist()
-        look(meshcat, centre, extent, links[-1] - links[0])
+        look(meshcat, view, centre, extent, (links[-1] - links[0]) @ view)
         html: str = meshcat.StaticHtml()
     step = max(1, -(-len(places) // MOST_PLACES))
     data = {

@@ -16,10 +16,12 @@ import numpy as np
 from ..robot.description import Robot
 from ..robot.drake_faults import quiet
 from ..robot.kinematics import Array
+from ..robot.rotations import turn_z_to
 from .legible import legible
 from .markup import render
 
 DRAKES_HEAD = re.compile(r"<head>.*?</head>", re.DOTALL)
+ON_THE_BASE = ("/robot", "/ghost", "/ghosts", "/obstacles", "/instrument", "/overlay")  # drawn in its frame
 ASIDE = -60.0  # degrees from the arm's direction, from where a scene is seen
 FILE_NAMES = re.compile(r"^// .* from .*\n", re.MULTILINE)  # Drake's remarks where it found a mesh
 
@@ -75,6 +77,12 @@ def draw_links(meshcat: Any, robot: Robot, poses: Array, prefix: str, time: Arra
     show(0.0, poses[0])
 
 
+def upright(robot: Robot) -> Array:
+    """(3, 3) axes of a view in the base's, the last one up: a robot that hangs is seen to hang."""
+    weight = float(np.linalg.norm(robot.gravity))
+    return turn_z_to(-np.array(robot.gravity) / weight) if weight > 0 else np.eye(3)
+
+
 def camera(centre: list[float], extent: float, arm: Array, aside: float = ASIDE) -> tuple[Array, Array]:
     """Where the camera stands, and what it looks at (3,): the side of the arm (base to flange)."""
     azimuth = np.arctan2(arm[1], arm[0]) + np.radians(aside)
@@ -84,10 +92,17 @@ def camera(centre: list[float], extent: float, arm: Array, aside: float = ASIDE)
     return middle + extent * ahead, middle
 
 
-def look(meshcat: Any, centre: list[float], extent: float, arm: Array, aside: float = ASIDE) -> None:
-    """The camera in its place; a light ground; no axes."""
+def look(
+    meshcat: Any, view: Array, centre: list[float], extent: float, arm: Array, aside: float = ASIDE
+) -> None:
+    """All upright in a view (3, 3) on the axes of which `centre` and `arm` are; the camera in its place; a
+    light ground; no axes."""
+    from pydrake.math import RigidTransform, RotationMatrix
+
     meshcat.SetCamera(meshcat.PerspectiveCamera(fov=38, near=0.05, far=200))
     meshcat.SetCameraPose(*camera(centre, extent, arm, aside))
+    for name in ON_THE_BASE:
+        meshcat.SetTransform(name, RigidTransform(RotationMatrix(view.T)))
     for name in ("/Axes", "/Grid"):
         meshcat.SetProperty(name, "visible", False)
     meshcat.SetProperty("/Background", "top_color", [0.985, 0.988, 0.992])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..diagnosis.result import Diagnosis, PoseErrors
 from ..robot.description import Robot
 from ..robot.kinematics import Array
-from .meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, with_panel
+from .meshcat_page import draw_robot, look, meshcat_alone, pack, round_factor, upright, with_panel
 
 SCENE_POINTS = 6000  # at most
 ARROW_LENGTH = 0.13  # of the scene's size: the length of a large nominal error's arrow
@@ -71,8 +71,9 @@ def scene_of(robot: Robot, shown: Shown, title: str) -> str:
         reach = draw_robot(meshcat, robot, np.asarray(shown.q, dtype=float), "/robot")
         if shown.ghost_q is not None:
             draw_robot(meshcat, robot, np.asarray(shown.ghost_q, dtype=float), "/ghost")
-        data = _data(shown, reach)
-        look(meshcat, data["centre"], data["extent"], reach[-1] - reach[0])
+        view = upright(robot)
+        data = _data(shown, reach @ view, view)
+        look(meshcat, view, data["centre"], data["extent"], (reach[-1] - reach[0]) @ view)
         html: str = meshcat.StaticHtml()
     return with_panel(html, "scene_overlay.html", data, title)
 
@@ -86,13 +87,14 @@ def _middle_pose(diagnosis: Diagnosis, robot: Robot) -> Array:
     return np.asarray(diagnosis.q[int(np.argmin(distance))])
 
 
-def _data(shown: Shown, links: Array) -> dict[str, Any]:
-    """What the overlay draws: places and errors as packed numbers, stages, enlargement, colours."""
+def _data(shown: Shown, links: Array, view: Array) -> dict[str, Any]:
+    """What the overlay draws: places and errors as packed numbers, stages, enlargement, colours; and
+    where to look, on the axes of the view (3, 3), as the links (L, 3) are."""
     points = shown.points
     step = max(1, -(-len(points) // SCENE_POINTS))
     pose = np.arange(len(points)) if shown.pose is None else shown.pose
     target = np.zeros(len(points), dtype=np.int64) if shown.target is None else shown.target
-    seen = np.concatenate([points, links])
+    seen = np.concatenate([points @ view, links])
     low, high = seen.min(axis=0), seen.max(axis=0)
     extent = float(np.linalg.norm(high - low)) * (1.0 if len(points) else 1.4) or 1.0
     sizes = np.linalg.norm(next(iter(shown.stages.values())), axis=1)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...report.meshcat_page import ASIDE, camera, draw_robot, look, meshcat_alone, pack, with_panel
+from ...report.meshcat_page import ASIDE, camera, draw_robot, look, meshcat_alone, pack, upright, with_panel
 from ...robot.hulls import STANDING
 from ...robot.kinematics import Array, frames
 from .block import Drive
@@ -39,25 +39,29 @@ def scene(drive: Drive, reach: Reach) -> str:
             if hull.slot == STANDING:
                 shape = Convex(hull.vertices.T.copy(), hull.name)
                 meshcat.SetObject(f"/obstacles/{number}", shape, Rgba(*OBSTACLE))
-        data = _data(drive, reach, points, links)
+        view = upright(robot)
+        data = _data(drive, reach, points, links, view)
         if data["eye"]:
             size = 0.02 * data["extent"]
-            meshcat.SetObject("/instrument", Box(size, size, 2 * size), Rgba(0.1, 0.1, 0.12, 1))
-            meshcat.SetTransform("/instrument", RigidTransform(np.array(data["eye"])))
-        aside = _unhidden(reach, data["centre"], NEARER * data["extent"], links, points.reshape(-1, 3))
-        look(meshcat, data["centre"], NEARER * data["extent"], links[-1] - links[0], aside)
+            meshcat.SetObject("/instrument/box", Box(size, size, 2 * size), Rgba(0.1, 0.1, 0.12, 1))
+            meshcat.SetTransform("/instrument/box", RigidTransform(np.array(data["eye"])))
+        aside = _unhidden(reach, view, data["centre"], NEARER * data["extent"], links, points.reshape(-1, 3))
+        arm = (links[-1] - links[0]) @ view
+        look(meshcat, view, data["centre"], NEARER * data["extent"], arm, aside)
         html: str = meshcat.StaticHtml()
     return with_panel(html, "plan_overlay.html", data, f"{robot.title}: planned poses")
 
 
-def _unhidden(reach: Reach, centre: list[float], extent: float, links: Array, points: Array) -> float:
+def _unhidden(
+    reach: Reach, view: Array, centre: list[float], extent: float, links: Array, points: Array
+) -> float:
     """From which side [degrees beside the arm] the robot and its targets are seen best past what stands
     around."""
     standing = [hull for hull in reach.hulls if hull.slot == STANDING]
-    seen = np.concatenate([links, points])
+    seen, arm = np.concatenate([links, points]), (links[-1] - links[0]) @ view
 
     def hidden(aside: float) -> int:
-        eye = np.broadcast_to(camera(centre, extent, links[-1] - links[0], aside)[0], seen.shape)
+        eye = np.broadcast_to(view @ camera(centre, extent, arm, aside)[0], seen.shape)
         return int(np.any([hides(hull, eye, seen, carries=True) for hull in standing], axis=0).sum())
 
     return min(SIDES, key=hidden) if standing else ASIDE
@@ -87,10 +91,11 @@ def _spread(q: Array, count: int) -> NDArray[np.int64]:
     return np.unique(chosen)
 
 
-def _data(drive: Drive, reach: Reach, points: Array, links: Array) -> dict[str, Any]:
+def _data(drive: Drive, reach: Reach, points: Array, links: Array, view: Array) -> dict[str, Any]:
     eye = None if reach.sight is None else reach.sight.eye
     standing = [hull.vertices for hull in reach.hulls if hull.slot == STANDING]
     seen = np.concatenate([points.reshape(-1, 3), links, *([] if eye is None else [eye[None]]), *standing])
+    seen = seen @ view
     low, high = seen.min(axis=0), seen.max(axis=0)
     high[2] += MARGIN * float(np.linalg.norm(high - low))
     return {
