@@ -18,7 +18,7 @@ from ..components import EVERY_FINER, Component, Form, form_of, log_odds_of
 from ..priors import PRIORS
 from ..rounds import LOOSE
 from .courses import any_course, courses
-from .occasions import Occasion
+from .occasions import Occasion, with_same_effects
 
 USUAL = 2e-4  # m, rad: usual size of a change of geometry
 PLACED = "geometry"  # cause of a number of the geometry
@@ -124,6 +124,7 @@ def candidates_of(
     occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]
 ) -> list[Candidate]:
     """All of them. effects: of the catalogue, at every place that the joined campaigns can show."""
+    alike = with_same_effects(occasions)
     shared, may_be = occasions[0].fit.model.effects, occasions[0].may_be
     out = list(_geometry(occasions, whole))
     places: dict[object, list[Effect]] = {}
@@ -141,8 +142,8 @@ def candidates_of(
         if effect.key not in known and effect in effects and not _later_load(effect, occasions[0]):
             finer = [fine for one in own for fine in one.finer()[::EVERY_FINER]]
             shapes = [
-                *(_shape(occasions, (e,)) for e in (*own, *finer) if e.whole),
-                *(_shape(occasions, t) for t in together),
+                *(_shape(alike, (e,)) for e in (*own, *finer) if e.whole),
+                *(_shape(alike, t) for t in together),
             ]
             out += _common(effect, shapes, log_odds_of(effect, sites))
         shapes = [replace(_shape(occasions, (e,)), wrong_sign=0.5) for e in own if e.whole]

@@ -92,6 +92,23 @@ def occasions_of(campaigns: Sequence[Campaign], progress: Progress) -> tuple[lis
     return out, whole
 
 
+def with_same_effects(occasions: Sequence[Occasion]) -> list[Occasion]:
+    """The occasions, each with its own geometry, and all with the mean of their effects. Of what is common to
+    them, columns differ by their poses alone there: where a joint is softer at one, heavier links at all
+    would do more at that one, and look like its change."""
+    states = [one.fit.state for one in occasions]
+    given = np.mean([state.given for state in states], axis=0)
+    values = tuple(np.mean(each, axis=0) for each in zip(*(state.values for state in states), strict=True))
+    out = []
+    for one in occasions:
+        result, state = one.fit, replace(one.fit.state, values=values, given=given)
+        try:
+            out.append(one.at(fit(result.model, state, result.noise, max_iterations=1)))
+        except ArithmeticError:  # an arm too soft to stand
+            out.append(one)
+    return out
+
+
 def _searched(prepared: Prepared) -> tuple[Fit, Sequence[GivenFact]]:
     """The fit with the causes that a campaign shows by itself, and what became of what was given; one of few
     poses shows none."""

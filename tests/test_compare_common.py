@@ -1,0 +1,38 @@
+"""What all campaigns have, beside what changed between them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench import Truth, load_robot, parse_effect, planned, problem_of, random_poses, simulate
+from workbench.campaign import Campaign
+from workbench.diagnosis.candidates import testable as candidates_of
+from workbench.diagnosis.changes.decision import decide
+from workbench.diagnosis.changes.occasions import occasions_of
+
+BEFORE, AFTER = 1.2e-5, 2.0e-5  # rad/(N·m)
+
+
+def soft(seed: int, compliance: float) -> Campaign:
+    """A robot without stiffness in its model."""
+    robot = load_robot("lrmate200id")
+    plan = planned(robot, random_poses(robot, 30, np.random.default_rng(seed)))
+    texts = [
+        f"joint_compliance:joint=joint_2,compliance={compliance}",
+        "joint_compliance:joint=joint_3,compliance=1.5e-5",
+    ]
+    hidden = tuple(parse_effect(text, problem_of(plan)) for text in texts)
+    return simulate(plan, Truth(effects=hidden, sigma=2e-5), seed=seed)
+
+
+def test_links_that_are_heavier_in_all_campaigns_are_no_joint_that_became_softer():
+    """They do more where a joint is softer: at each campaign's own compliance the masses of all links, at a
+    hundred percent more, stood in for its change, and the joint of both was stiff."""
+    occasions, whole = occasions_of([soft(1, BEFORE), soft(2, AFTER)], lambda _: None)
+    decided = decide(occasions, whole, candidates_of(whole)[0])
+    members = [(decided.candidates[m.component], decided.shape(m)) for m in decided.members]
+    changed = [(candidate.cause, candidate.where.joint) for candidate, _ in members if candidate.change]
+    assert changed == [("joint_compliance", "joint_2")]
+    for one, true in zip(decided.system.occasions, (BEFORE, AFTER), strict=True):
+        (value,) = one.fit.state.values[0]
+        assert abs(value - true) < 1e-6
