@@ -207,12 +207,12 @@ def test_the_camera_does_not_stand_behind_a_fence() -> None:
     links, extent = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.5], [0.6, 0.0, 0.6]]), 3.0
     open_cell = reached("irb120", CellData())
     centre = [0.3, 0.0, 0.4]
-    assert _unhidden(open_cell, centre, extent, links, links) == ASIDE
+    assert _unhidden(open_cell, np.eye(3), centre, extent, links, links) == ASIDE
     eye, middle = camera(centre, extent, links[-1] - links[0])
     x, y, _ = (1e3 * (0.6 * eye + 0.4 * middle)).tolist()
     fence = ObstacleData(name="fence", box_mm=(100, 4000, 5000), xyz_mm=(x, y, 1500), abc_deg=(ASIDE, 0, 0))
     fenced = reached("irb120", CellData(obstacles=(fence,)))
-    assert _unhidden(fenced, centre, extent, links, links) != ASIDE
+    assert _unhidden(fenced, np.eye(3), centre, extent, links, links) != ASIDE
 
 
 # ---------------------------------------------------------------- order
