@@ -186,11 +186,8 @@ def test_the_score_of_a_set_is_its_log_posterior_odds(competition):
     assert competition.score([]) == 0
 
 
-def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
-    """c is nearly a + b, and the data are a + b: by itself each of a and b is worth less than c."""
-    a, b, odd = np.eye(3) * 60.0
-    columns = np.column_stack([a, b, (a + b) / np.sqrt(2) + 0.08 * odd])
-    data = np.array([60.0, 60.0, 0.0]) * 1.2
+def of_columns(columns, data):
+    """Three causes of one number each, in a column (rows,) each, and what is to be explained (rows,)."""
     left = Reduced(
         tuple((slice(k, k + 1),) for k in range(3)),
         Stored(columns.T @ columns),
@@ -201,7 +198,15 @@ def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
     )
     form = Form((), np.ones(1), ())
     components = [Component((f"cause_{k}", Where()), (form,), float(np.log(0.01))) for k in range(3)]
-    competition = Competition(left, components)
+    return Competition(left, components)
+
+
+def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
+    """c is nearly a + b, and the data are a + b: by itself each of a and b is worth less than c."""
+    a, b, odd = np.eye(3) * 60.0
+    columns = np.column_stack([a, b, (a + b) / np.sqrt(2) + 0.08 * odd])
+    data = np.array([60.0, 60.0, 0.0]) * 1.2
+    competition = of_columns(columns, data)
     alone = [Member(2, 0, 1.0)]
     everything = np.ones(3, bool)
     assert [m.component for m in competition.exchanged(alone, everything)] == [2]
@@ -211,7 +216,8 @@ def test_two_in_the_place_of_one_are_found_where_neither_does_alone():
     assert competition.score(split) > competition.score(alone)
     assert competition.split(split) is None
     assert [m.component for m in competition.best()] == [0, 1]
-    few = Competition(replace(left, parts=left.parts[2:]), components[2:])
+    left = competition.reduced
+    few = Competition(replace(left, parts=left.parts[2:]), competition.components[2:])
     assert few.split([Member(0, 0, 1.0)]) is None  # nothing else is there
 
 
@@ -220,17 +226,7 @@ def test_one_in_the_place_of_two_is_found_where_it_takes_neither_place_alone():
     a, b, odd = np.eye(3) * 60.0
     data = np.array([72.0, 8.0, 0.0])
     columns = np.column_stack([a, b, 60.0 * data / np.linalg.norm(data) + 0.03 * odd])
-    left = Reduced(
-        tuple((slice(k, k + 1),) for k in range(3)),
-        Stored(columns.T @ columns),
-        columns.T @ data,
-        float(data @ data) + 300,
-        300.0,
-        300.0,
-    )
-    form = Form((), np.ones(1), ())
-    components = [Component((f"cause_{k}", Where()), (form,), float(np.log(0.01))) for k in range(3)]
-    competition = Competition(left, components)
+    competition = of_columns(columns, data)
     everything = np.ones(3, bool)
     pair = competition.exchanged([Member(0, 0, 1.0), Member(1, 0, 0.3)], everything)
     assert {m.component for m in pair} == {0, 1}
@@ -240,6 +236,8 @@ def test_one_in_the_place_of_two_is_found_where_it_takes_neither_place_alone():
     assert competition.score(merged) > competition.score(pair)
     assert competition.merged(merged) is None
     assert [m.component for m in competition.best()] == [2]
+    competition.certain = frozenset({1})  # in every set
+    assert competition.merged(pair) is None
 
 
 def test_what_two_take_together_is_what_they_take_as_large_as_alone(competition, chosen):

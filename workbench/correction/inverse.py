@@ -15,9 +15,7 @@ TURN_DAMPING = 0.02  # likewise, of turns that come second to the place: they ar
 STEP = 0.3  # rad, or of the arm's length: the longest step of any joint
 REACHED_WITHIN = 1e-11  # m
 JACOBIAN_ROUNDS = 5  # rounds that one Jacobian serves
-PLACE_ROUNDS = (
-    10  # the last ones, in which an arm of 3 rows that does not come to rest turns the tool no more
-)
+PLACE_ROUNDS = 10  # the last ones, in which an arm of 3 rows that does not rest turns the tool no more
 
 
 @dataclass(frozen=True, eq=False)

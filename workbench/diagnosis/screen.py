@@ -64,10 +64,16 @@ def quadratic(S: Array, u: Array, own: Array) -> tuple[float, int]:
 def reduce_columns(fit: Fit, G: Array) -> tuple[Array, Array, Array]:
     """S, u and own length² of whitened columns G: (N, D, g), the fit's own columns projected out."""
     flat = G.reshape(-1, G.shape[2])
-    J = fit.J.reshape(-1, fit.J.shape[2]) * fit.columns.prior
-    Z = solve_triangular(fit.upper, J.T @ flat, trans="T", check_finite=False)
+    Z = along_own(fit, flat)
     gram = flat.T @ flat
     return gram - Z.T @ Z, flat.T @ fit.r.ravel() - Z.T @ still_to_go(fit), np.diag(gram).copy()
+
+
+def along_own(fit: Fit, flat: Array) -> Array:
+    """(P, g) what a fit's own numbers take of whitened columns (rows, g), through its factor: Zᵀ Z of their
+    products."""
+    J = fit.J.reshape(-1, fit.J.shape[2]) * fit.columns.prior
+    return np.asarray(solve_triangular(fit.upper, J.T @ flat, trans="T", check_finite=False))
 
 
 def still_to_go(fit: Fit) -> Array:

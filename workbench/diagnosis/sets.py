@@ -110,7 +110,11 @@ class Competition:
         """The set without one of its members that add little, the others exchanged, where that is likelier;
         None where it is not. What two causes do together, neither of them quite, another may do alone."""
         now, everything = self.score(members), np.ones(len(self.components), bool)
-        without = [[*members[:i], *members[i + 1 :]] for i in range(len(members))] if len(members) > 1 else []
+        without = [
+            [*members[:i], *members[i + 1 :]]
+            for i, member in enumerate(members)
+            if member.component not in self.certain
+        ]
         for others in sorted(without, key=self.score, reverse=True)[:WEAKEST]:
             new = self.exchanged(others, everything)
             if self.score(new) > now + CLEARLY:

@@ -9,7 +9,7 @@ as it then is in the mean square: by its variance, and by where it would have go
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
@@ -20,6 +20,7 @@ from ..identification.fit import Fit
 from ..robot.kinematics import Array
 from .components import Key, usual
 from .priors import PRIORS
+from .screen import along_own
 
 Sized = tuple[Effect, Array]  # with its prior sizes (p,)
 
@@ -27,18 +28,14 @@ Sized = tuple[Effect, Array]  # with its prior sizes (p,)
 def allowing_for_unseen(fit: Fit, companions: Sequence[Sized], candidates: Sequence[Effect]) -> Array:
     """(P, P) mean squares of how far a fit's numbers are off. companions: what its causes have beside their
     forms, in their sizes."""
-    known = [*_of_the_same_bodies(fit, candidates), *companions]
     there = {(effect.key, effect.variant) for effect in fit.model.effects}
-    known = list({(e.key, e.variant): (e, size) for e, size in reversed(known)}.values())
-    known = [(e, size) for e, size in known if (e.key, e.variant) not in there]
-    there |= {(e.key, e.variant) for e, _ in known}
-    unseen = [(e, size) for e, size in _elsewhere(fit, candidates) if (e.key, e.variant) not in there]
+    known = _new([*_of_the_same_bodies(fit, candidates), *companions], there)
+    unseen = _new(_elsewhere(fit, candidates), there)
     every = [*known, *unseen]
     if not every:
         return fit.covariance
     G = np.concatenate([fit.whitened(e) * size for e, size in every], axis=2).reshape(fit.r.size, -1)
-    J = (fit.J * fit.columns.prior).reshape(fit.r.size, -1)
-    Z = solve_triangular(fit.upper, J.T @ G, trans="T")
+    Z = along_own(fit, G)
     S, u = G.T @ G - Z.T @ Z, G.T @ fit.r.ravel()
     taken = -solve_triangular(fit.upper, Z) * fit.columns.prior[:, None]  # by the fit's numbers
     own = sum(len(size) for _, size in known)
@@ -53,6 +50,16 @@ def allowing_for_unseen(fit: Fit, companions: Sequence[Sized], candidates: Seque
         odds.append(0.5 * u @ mean - np.log(np.diag(factor[0])).sum() + np.log(scale / (1 + scale**2)))
     weights = np.exp(odds - logsumexp(odds))
     return np.asarray(fit.covariance + np.einsum("k,kij->ij", weights, np.array(squares)))
+
+
+def _new(sized: Iterable[Sized], there: set[tuple[Key, str]]) -> list[Sized]:
+    """Those that are not there yet, each once; they are then."""
+    found = []
+    for effect, size in sized:
+        if (effect.key, effect.variant) not in there:
+            there.add((effect.key, effect.variant))
+            found.append((effect, size))
+    return found
 
 
 def _elsewhere(fit: Fit, candidates: Sequence[Effect]) -> Iterator[Sized]:

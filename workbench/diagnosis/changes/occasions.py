@@ -14,7 +14,7 @@ from ...effects.base import Effect
 from ...effects.given import Exclusion, may_be
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit, fit, refit, start_state
-from ...identification.model import Model
+from ...identification.model import Model, State
 from ...identification.noise import Covariance
 from ...identification.plausible import enough_beside_others, enough_together, too_few_alone
 from ...robot.kinematics import Array
@@ -49,9 +49,12 @@ class Occasion:
         """Whether nobody said what it is, or that it is not there."""
         return may_be(effect, self.fit.model.given, self.excluded)
 
-    def at(self, result: Fit) -> Occasion:
-        """The same, linearised elsewhere."""
-        return replace(self, fit=result)
+    def at(self, state: State) -> Occasion:
+        """The same, linearised elsewhere; where it is, if an arm so soft does not stand."""
+        try:
+            return replace(self, fit=fit(self.fit.model, state, self.fit.noise, max_iterations=1))
+        except ArithmeticError:
+            return self
 
 
 def occasions_of(campaigns: Sequence[Campaign], progress: Progress) -> tuple[list[Occasion], Problem]:
@@ -99,14 +102,7 @@ def with_same_effects(occasions: Sequence[Occasion]) -> list[Occasion]:
     states = [one.fit.state for one in occasions]
     given = np.mean([state.given for state in states], axis=0)
     values = tuple(np.mean(each, axis=0) for each in zip(*(state.values for state in states), strict=True))
-    out = []
-    for one in occasions:
-        result, state = one.fit, replace(one.fit.state, values=values, given=given)
-        try:
-            out.append(one.at(fit(result.model, state, result.noise, max_iterations=1)))
-        except ArithmeticError:  # an arm too soft to stand
-            out.append(one)
-    return out
+    return [one.at(replace(one.fit.state, values=values, given=given)) for one in occasions]
 
 
 def _searched(prepared: Prepared) -> tuple[Fit, Sequence[GivenFact]]:

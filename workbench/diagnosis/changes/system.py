@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular, svd
 
-from ...identification.fit import fit
 from ...identification.prediction.ranges import beyond_range
 from ...identification.rows import moved
 from ...robot.kinematics import Array
@@ -231,9 +230,5 @@ def relinearised(system: System, shapes: Sequence[Shape], solved: Solved) -> lis
                     wanted[part.start - start : part.stop - start] += value[first : first + p]
                 first += p
         step = np.concatenate([background[system.local[k]], wanted - numbers_of(one)[start:]])
-        state = moved(one.problem, result.columns, result.state, result.line.centre, step)
-        try:
-            out.append(one.at(fit(result.model, state, result.noise, max_iterations=1)))
-        except ArithmeticError:  # an arm too soft to stand: what it was is near enough
-            out.append(one)
+        out.append(one.at(moved(one.problem, result.columns, result.state, result.line.centre, step)))
     return out
