@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...correction.command import Compensation, compensate
-from ...correction.conditions import Conditions
 from ...correction.paths import Path
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
@@ -36,7 +35,7 @@ class Plans:
         self.notes: list[str] = []
         self.expected_mm = 0.0
         # geometry and the nominal joints are the same at every speed
-        self.geometry = self._compensate(self.path, world.belief, world.conditions, "geometry")
+        self.geometry = self._compensate(self.path, world.belief, "geometry")
         rows, q = self.geometry.X_desired, self.geometry.q_nominal
         self.way = way_of(world.belief, self.path, rows, q, world.tool)
         if self.way.uneven:
@@ -46,12 +45,12 @@ class Plans:
                 f"behind {where} the arm cannot run straight to the next row{more}: its joints run evenly"
             )
 
-    def _compensate(self, path: Path, robot: Robot, conditions: Conditions, method: str) -> Compensation:
+    def _compensate(self, path: Path, robot: Robot, method: str) -> Compensation:
         world = self.world
         return compensate(
             robot,
             path,
-            conditions,
+            world.conditions,
             tool=world.tool,
             start=self.start,
             method=method,
@@ -62,7 +61,7 @@ class Plans:
     def commands(self, path: Path) -> dict[str, Array]:
         """Joints (M, n) of each variant along the way."""
         world = self.world
-        everything = self._compensate(path, world.belief, world.conditions, "exact")
+        everything = self._compensate(path, world.belief, "exact")
         self.notes += everything.remarks()
         if not self.expected_mm:
             self.expected_mm = float(np.sqrt((everything.after_mm**2).mean()))
@@ -70,7 +69,7 @@ class Plans:
         if np.abs(self.geometry.q_command - self.geometry.q_nominal).max() > LEAST_TOLD:
             out["geometry"] = self.geometry.q_command
         if world.truth is not world.belief:
-            best = self._compensate(path, world.truth, world.true_conditions, "exact")
+            best = self._compensate(path, world.truth, "exact")
             out["perfect"] = best.q_command
         return {name: self.way.command(q) for name, q in out.items()}
 
