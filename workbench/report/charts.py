@@ -166,10 +166,9 @@ def plane(
     series: Mapping[str, Trace],
     xlabel: str,
     ylabel: str,
-    height: float = 4.2,
 ) -> Figure:
     """Lines in a plane with equal scales: a path seen from above."""
-    with drawing(name, height) as (axes, svg):
+    with drawing(name, 4.2) as (axes, svg):
         for key, line in series.items():
             axes.plot(line.x, line.y, line.style, color=line.colour, lw=1.4, label=key)
         axes.set(xlabel=xlabel, ylabel=ylabel, aspect="equal")
