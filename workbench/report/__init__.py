@@ -38,4 +38,4 @@ def write_all(
         "scene.html": scene(diagnosis, robot, q, ghost_q, ghost_label).encode(),
         **beside,
     }
-    return write_together({Path(folder) / name: data for name, data in made.items()})
+    return write_together(Path(folder), made)

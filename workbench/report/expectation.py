@@ -207,7 +207,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
         "errors.csv": table_text(HEAD, _rows(e)).encode(),
         "predict.json": json_bytes(expected.to_json()),
     }
-    write_together({folder / name: data for name, data in made.items()})
+    write_together(folder, made)
 
 
 def _rows(e: ToolErrors) -> list[Sequence[str]]:

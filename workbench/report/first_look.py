@@ -163,7 +163,7 @@ def write_check(checked: Checked, folder: Path) -> None:
         "scene.html": scene_of(checked.robot, checked.shown, checked.title).encode(),
         "check.json": json_bytes(checked.facts),
     }
-    write_together({folder / name: data for name, data in made.items()})
+    write_together(folder, made)
 
 
 def _picture(checked: Checked, where: Frames) -> Figure:
