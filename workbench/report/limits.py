@@ -33,8 +33,10 @@ def detectable(diagnosis: Diagnosis) -> list[list[str]]:
     """One row per cause: the smallest size at each place, and where no possible size would show."""
     seen: dict[str, list[str]] = {}
     unseen: dict[str, list[str]] = {}
+    placed = {item.cause for item in diagnosis.detectable if place(item.where)}
     for item in diagnosis.detectable:
-        cause, where = words(item.cause), place(item.where.any_order)
+        cause = words(item.cause)
+        where = place(item.where.any_order) or ("all alike" if item.cause in placed else "")
         seen.setdefault(cause, [])
         if not item.size < IMPOSSIBLE.get(item.unit, math.inf):
             unseen.setdefault(cause, []).append(where)

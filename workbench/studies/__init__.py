@@ -43,7 +43,13 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-PUBLISHED = ("cylindrical", "kr500", "kr120", "rx170", "longlink")
+PUBLISHED = {  # and what each is about, for --help
+    "cylindrical": "stiffness of a robot with one turning and two sliding joints",
+    "kr500": "stiffness by cells of the workspace",
+    "kr120": "stiffness of an arm with a gas spring",
+    "rx170": "joint errors of a spiral, corrected offline",
+    "longlink": "calibration of seven joints on long links",
+}
 
 
 def as_package(script: str) -> str:
