@@ -235,8 +235,8 @@ def _shares(expected: Expected, e: ToolErrors) -> Figure:
             axes.axvline(1e3 * expected.tolerance, color=MIDDLE, lw=1)
         axes.set_xscale("log")
         plain_log(axes.xaxis)
-        axes.set_xlabel("95 % bound of the error (mm)")
-        axes.set_ylabel("poses inside (%)")
+        axes.set_xlabel("95 % bound of the error, mm")
+        axes.set_ylabel("poses inside, %")
         axes.legend()
     return Figure("shares", "At how many poses the tool stays inside", expected.headline, svg[0])
 
