@@ -13,6 +13,7 @@ from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.rotations import angle_between
+from .motion import path_speed
 from .runs import World
 from .verification import STILL
 from .ways import SAME, way_of
@@ -77,7 +78,7 @@ class Plans:
         """The path at each tool speed, slowest first: its time stretched, within what a run may last. A tool
         that turns and does not move has no speed: 0, in the path's own time."""
         p, time = self.way.rows[:, :3, 3], self.path.time
-        own = float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
+        own = path_speed(p, time)
         if own <= STILL:
             return self._in_own_time()
         length, found, notes = float(time[-1] - time[0]), {}, []
