@@ -92,6 +92,11 @@ class Robot:
         return tuple(joint.kind == "prismatic" for joint in self.joints)
 
     @property
+    def limits(self) -> NDArray[np.float64]:
+        """(n, 2) lower and upper limit of each joint [rad, m], infinite where there is none."""
+        return np.array([(joint.lower, joint.upper) for joint in self.joints])
+
+    @property
     def repeatability(self) -> NDArray[np.float64]:
         """(n,) of the joints, one sigma [rad, m]; zero where the TOML states none."""
         return np.array([joint.data.repeatability or 0.0 for joint in self.joints])

@@ -137,7 +137,7 @@ def study(run: StudyRun) -> Study:
 
 def loaded_poses(robot: Robot, seed: int, load: float) -> Campaign:
     """Random poses within the limits, without load and then with a share of the circle's."""
-    lower, upper = np.array([(joint.lower, joint.upper) for joint in robot.joints]).T
+    lower, upper = robot.limits.T
     q = np.random.default_rng([seed, 0]).uniform(lower, upper, size=(POSES, 3))
     wrench = np.zeros((2 * POSES, 6))
     wrench[POSES:, :3] = load * FORCE
