@@ -129,9 +129,7 @@ def _series(
     path, speed = timed
     names = [name for name in (*commands, *extra) if name != "corrected"]
     outcomes = {"corrected": corrected} | {name: next(rest) for name in names}
-    trials = {
-        name: trial(name, outcomes[name], p, path.time, lines) for name in COMMAND_NAMES if name in outcomes
-    }
+    trials = {name: trial(outcomes[name], p, path.time, lines) for name in COMMAND_NAMES if name in outcomes}
     refined = corrected.step < 0.99 * first_step(world.loop)
     time = corrected.time - corrected.time[0]
     return Series(speed, time, trials, corrected.step, 1e6 * corrected.change, refined)

@@ -74,7 +74,6 @@ class Outcome:
     links: Array
     q: Array
     motor: Array
-    real_time_factor: float
     notes: tuple[str, ...]
     step: float
     change: float = float("nan")
@@ -128,7 +127,6 @@ def simulate(world: World, task: Task) -> Outcome:
         done.links,
         done.q,
         done.motor,
-        done.real_time_factor,
         done.notes,
         step,
         change,
