@@ -41,7 +41,8 @@ def detectable(diagnosis: Diagnosis) -> list[list[str]]:
         if not item.size < IMPOSSIBLE.get(item.unit, math.inf):
             unseen.setdefault(cause, []).append(where)
             continue
-        seen[cause].append(f"{where} {size(item.size, item.unit, item.name)}".strip())
+        whole = size(item.size, item.unit, item.name).replace(" ", "\u00a0")  # on one line
+        seen[cause].append(f"{where} {whole}".strip())
     for cause, places in unseen.items():
         seen[cause].append("at no size: " + ", ".join(filter(None, places)) if any(places) else "at no size")
     return [[cause, " · ".join(sizes)] for cause, sizes in seen.items()]
