@@ -13,6 +13,16 @@ from .evidence import LEAST, Evidence
 from .priors import Prior
 
 
+def account_items(judged: Judged) -> dict[str, Table | Figure]:
+    """What a story shows of its accounts: `accounts`, `odds_table`, `odds`, and `needs`."""
+    return {
+        "accounts": accounts_table(judged),
+        "odds_table": odds_table(judged),
+        "odds": odds_figure(judged),
+        "needs": needs_table(judged),
+    }
+
+
 def accounts_table(judged: Judged) -> Table:
     """Account × printed item."""
     names = [item.name for item in judged.items]
