@@ -120,7 +120,7 @@ def _notes(decided: Decided) -> list[str]:
     if decided.system.misfit:
         out.append(
             "The noise does not explain what the model leaves: a change counts only where either half of the "
-            "poses shows it."
+            "poses shows it, and is held possible where all of them together do."
         )
         out += [
             f"{one.label}: {listed(names)} stood still there: what only a change at these would explain may "

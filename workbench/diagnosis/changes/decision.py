@@ -19,7 +19,7 @@ from ..reduced import Reduced
 from ..sets import Competition
 from .candidates import Candidate, Shape, candidates_of
 from .covered import carried_change, covered
-from .occasions import Occasion
+from .occasions import Occasion, with_same_effects
 from .search import Search
 from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
 
@@ -76,8 +76,10 @@ class Decided:
 
 
 def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]) -> Decided:
-    """The likeliest changes, linearised anew at what the first round found."""
+    """The likeliest changes, linearised anew at what the first round found. Until something is found all have
+    the same effects: at each campaign's own, what is common to them would explain that these differ."""
     noise_dof = min(known_dof(one.prepared.noise, one.fit.noise.dof) for one in occasions)
+    occasions = with_same_effects(occasions)
     for last in range(ROUNDS):
         system = system_of(occasions)
         every = candidates_of(occasions, whole, effects)
