@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,10 +22,12 @@ from workbench import (
 )
 from workbench.campaign import Campaign
 from workbench.diagnosis.changes import decision
+from workbench.diagnosis.changes.beside import Instead, how_sure
 from workbench.diagnosis.changes.decision import _told
 from workbench.diagnosis.changes.result import BACK, CREEP, Change
 from workbench.diagnosis.changes.system import System
 from workbench.diagnosis.changes.words import headline
+from workbench.diagnosis.chosen import Member
 from workbench.effects.place import Parameter, Where
 
 
@@ -75,6 +79,26 @@ def test_a_zero_is_as_sure_as_a_run_out_that_changed_along_with_it_leaves_it():
     (zero,) = change.parameters
     assert abs(zero.value - 6e-4) > 5e-5  # the wheel is in it
     assert abs(zero.value - 6e-4) < 2 * zero.std < 1.5e-4
+
+
+def test_a_number_is_as_sure_as_what_may_stand_in_the_place_of_what_else_was_found():
+    """Three times as likely as the second member is another, beside which the first is 2 more."""
+    shape = SimpleNamespace(columns=np.zeros((4, 1)), pattern=np.ones((2, 1)))
+    instead = [
+        Instead(1, 3.0, np.array([3.0, 0.0]), np.diag([0.2, 0.0])),
+        Instead(0, 9.0, np.array([0.0, 99.0]), np.diag([0.0, 9.0])),
+    ]
+    decided: Any = SimpleNamespace(
+        instead=instead,
+        members=[Member(0, 0, 1.0), Member(1, 0, 1.0)],
+        candidates=[SimpleNamespace(where=Where(link="link_1"), quantity=k) for k in range(2)],
+        shape=lambda member: shape,
+        system=SimpleNamespace(J=np.zeros((4, 0))),
+        solved=SimpleNamespace(values=np.array([1.0, 5.0]), half=np.diag([0.1, 0.3]), factor=2.0),
+    )
+    sure = decided.solved.factor * how_sure(decided, [0])
+    own, other, off = 0.25 * 0.2**2, 0.75 * 0.4**2, 0.75 * 2.0**2
+    assert float(sure[0] @ sure[0]) == pytest.approx(own + other + off)
 
 
 @pytest.mark.parametrize(("course", "said"), [

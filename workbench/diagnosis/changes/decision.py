@@ -17,6 +17,7 @@ from ..noise_choice import known_dof
 from ..priors import PRIORS
 from ..reduced import Reduced
 from ..sets import Competition
+from .beside import Instead, instead_of_members
 from .candidates import Candidate, Shape, candidates_of
 from .covered import carried_change, covered
 from .occasions import Occasion, with_same_effects
@@ -63,6 +64,10 @@ class Decided:
     @cached_property
     def chosen(self) -> Chosen:
         return Chosen(self.reduced, self.members)
+
+    @cached_property
+    def instead(self) -> list[Instead]:
+        return list(instead_of_members(self))
 
     def factor(self, pattern: Array) -> float:
         """On standard deviations of what differs between occasions, (K, c) by their shares of it: from what

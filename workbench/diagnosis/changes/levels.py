@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from ...robot.kinematics import Array
-from .beside import unseen_beside
+from .beside import how_sure
 from .candidates import Shape
 from .decision import Decided
 from .result import BACK, CREEP, LEVELS, STEP
@@ -63,7 +63,7 @@ def levels_of(decided: Decided, members: Sequence[int]) -> Levels:
     rows = [slice(n + decided.part(i).start, n + decided.part(i).stop) for i in members]
     own = list(zip(shapes, rows, strict=True))
     mean = np.sum([shape.levels(solved.values[at]) for shape, at in own], axis=0)
-    every = np.hstack([solved.half, unseen_beside(decided, members)])
+    every = how_sure(decided, members)
     half = np.sum([shape.levels(decided.factor(shape.pattern) * every[at]) for shape, at in own], axis=0)
     some = np.any([shape.pattern.any(axis=1) for shape in shapes], axis=0)
     if len(members) > 1 or shapes[0].courses > 1:
