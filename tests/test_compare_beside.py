@@ -28,6 +28,7 @@ from workbench.diagnosis.changes.result import BACK, CREEP, Change
 from workbench.diagnosis.changes.system import System
 from workbench.diagnosis.changes.words import headline
 from workbench.diagnosis.chosen import Member
+from workbench.effects.base import UNKNOWN
 from workbench.effects.place import Parameter, Where
 
 
@@ -38,6 +39,17 @@ def test_whether_there_is_something_is_told_by_the_half_that_says_least_and_what
     assert _told(together, surer) == surer
     nothing = {None: 0.5, 1: 0.5}
     assert _told(nothing, {None: 0.9, 1: 0.1}) == {None: 0.9, 1: 0.1}
+
+
+@pytest.mark.parametrize(("cause", "together", "least", "there"), [
+    ("foundation", 0.01, 0.9, True), ("foundation", 0.1, 0.9, False), ("foundation", 0.1, 0.15, True),
+    (UNKNOWN, 0.01, 0.9, False), (UNKNOWN, 0.01, 0.15, True),
+])  # fmt: skip
+def test_what_a_half_does_not_show_stays_where_all_poses_are_sure_of_it_and_it_has_a_name(
+    cause, together, least, there
+):
+    candidate: Any = SimpleNamespace(cause=cause)
+    assert decision._is_there(candidate, {None: together}, {None: least}) is there
 
 
 def test_what_all_poses_show_and_a_few_do_not_is_possible_and_never_listed_as_unchanged(monkeypatch):

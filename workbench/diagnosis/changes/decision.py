@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...effects.base import Effect
+from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ...robot.kinematics import Array
 from ..chosen import Chosen, Member, Shares
@@ -93,7 +93,8 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
         competition = Search(reduced, candidates)
         members = competition.best()
         together, shares = _shares(system, every, candidates, competition, members, noise_dof)
-        there = [i for i, share in enumerate(together) if share[None] < PRIORS.absent]
+        of = [candidates[m.component] for m in members]
+        there = [i for i, by in enumerate(zip(of, together, shares, strict=True)) if _is_there(*by)]
         gone = [candidates[m.component] for i, m in enumerate(members) if i not in there]
         mute = frozenset(one.quantity for one in gone if one.local)
         members, shares = [members[i] for i in there], [shares[i] for i in there]
@@ -142,6 +143,13 @@ def _shares(
     every_member = list(range(len(members)))
     halves = [(rows, 1.0, every_member) for rows in _halves(system)] if system.misfit and members else []
     return together, [_told(all_, some) for all_, some in zip(together, least(together, halves), strict=True)]
+
+
+def _is_there(candidate: Candidate, together: Shares, least: Shares) -> bool:
+    """Whether the poses that say least for a member show it; or all together surely do, if it has a name:
+    what has none differs where the model does not fit for that alone."""
+    sure = together[None] < 1.0 - PRIORS.named and candidate.cause != UNKNOWN
+    return sure or least[None] < PRIORS.absent
 
 
 def _told(together: Shares, least: Shares) -> Shares:

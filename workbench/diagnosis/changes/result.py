@@ -35,7 +35,7 @@ class Change:
 
     side: robot, load, instrument or surroundings; status: named (probability from 0.95 on, and no rival that
     fits as well, number for number), ambiguous (something changed here) or possible (from 0.2 on; or where
-    all poses show it and a half of them does not, the noise not explaining what is left); since:
+    all poses surely show it and a half of them does not, the noise not explaining what is left); since:
     label of the first campaign with it; alone: only that has it; course: a step that stays, off and back
     again, creeping evenly to the last campaign, or another level at each; levels: of each campaign that
     has it, its label and the numbers against the first campaign; parameters: the same where it is off by
