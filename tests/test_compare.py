@@ -31,7 +31,7 @@ from workbench.cli.main import main
 from workbench.diagnosis.changes import _apart_in_posture
 from workbench.diagnosis.changes.courses import courses
 from workbench.diagnosis.changes.covered import carried, carried_change, covered
-from workbench.diagnosis.changes.decision import _witnesses
+from workbench.diagnosis.changes.decision import _able
 from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Change, Comparison, Rival, TargetMoved, TargetsMoved
@@ -639,8 +639,8 @@ def test_poses_that_no_other_campaign_covered_are_one_draw_where_the_model_does_
     candidate: Any = SimpleNamespace(
         change=True, shapes=(SimpleNamespace(effects=(), pattern=np.array([[0.0], [1.0]])),), where=Where()
     )
-    asked = list(_witnesses(system, [candidate], [Member(0, 0, 1.0)]))
-    assert [rows.mean() for rows, _, _ in asked] == [0.5, 0.5][: 2 * misfit] + [1.0] * (factor > 1.0)
+    asked = list(_able(system, [candidate], [Member(0, 0, 1.0)]))
+    assert [rows.mean() for rows, _, _ in asked] == [1.0] * (factor > 1.0)
     assert max([1.0, *(each for _, each, _ in asked)]) == pytest.approx(factor)
 
 

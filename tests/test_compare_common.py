@@ -7,6 +7,7 @@ import numpy as np
 from workbench import Truth, load_robot, parse_effect, planned, problem_of, random_poses, simulate
 from workbench.campaign import Campaign
 from workbench.diagnosis.candidates import testable as candidates_of
+from workbench.diagnosis.changes import decision
 from workbench.diagnosis.changes.decision import decide
 from workbench.diagnosis.changes.occasions import occasions_of
 
@@ -36,3 +37,15 @@ def test_links_that_are_heavier_in_all_campaigns_are_no_joint_that_became_softer
     for one, true in zip(decided.system.occasions, (BEFORE, AFTER), strict=True):
         (value,) = one.fit.state.values[0]
         assert abs(value - true) < 1e-6
+
+
+def test_until_something_is_found_all_campaigns_have_the_same_effects(monkeypatch):
+    """At each campaign's own, what is common to them would explain that they differ."""
+    occasions, whole = occasions_of([soft(1, BEFORE), soft(2, AFTER)], lambda _: None)
+    assert abs(occasions[0].fit.state.values[0][0] - occasions[1].fit.state.values[0][0]) > 5e-6
+    began = []
+    system_of = decision.system_of
+    monkeypatch.setattr(decision, "system_of", lambda some: began.append(some) or system_of(some))
+    decide(occasions, whole, candidates_of(whole)[0])
+    first, second = (one.fit.state.values for one in began[0])
+    assert [v.tolist() for v in first] == [v.tolist() for v in second]

@@ -25,8 +25,10 @@ from workbench.campaign import Campaign
 from workbench.campaign.data import Target
 from workbench.campaign.other_tools import with_tools_as_loads
 from workbench.cli.main import main
+from workbench.diagnosis.changes.elsewhere import _elsewhere
 from workbench.diagnosis.changes.findings import of_robot, stood_still
-from workbench.diagnosis.changes.result import Comparison
+from workbench.diagnosis.changes.result import Comparison, TargetMoved, TargetsMoved
+from workbench.diagnosis.changes.targets import _may_be_warm
 from workbench.diagnosis.changes.words import headline
 from workbench.effects.place import Where
 from workbench.report.comparison import said_of
@@ -195,7 +197,7 @@ def test_one_nest_that_moved_is_told_by_its_name():
     comparison = compare([seen(1), replace(unsaid, targets=seen(1).targets)])
     said = comparison.headline.split("; ")[-1]
     assert said.startswith("T1 sits elsewhere by 0.5")
-    assert said.endswith("(not T2 and T3): its reflector or nest was mounted anew, or is warmer.")
+    assert said.endswith("(not T2 and T3): its reflector or nest was mounted anew.")
 
 
 def test_targets_that_moved_as_stated_are_told_as_that():
@@ -216,6 +218,31 @@ def test_targets_that_moved_as_stated_are_told_as_that():
         "targets where they were, though stated elsewhere"
         in (said_of(compare([seen(1), restated]))["apart_lines"][1])
     )
+
+
+def test_another_tool_is_told_as_stated_to_what_it_is_stated_to():
+    """Its places are stated to a millimetre, which the instrument sees: they are no warmer for that."""
+    moved = tuple(replace(t, xyz=tuple(v + 0.0306 for v in t.xyz or ())) for t in ON_FLANGE)
+    stated = tuple(replace(t, xyz=tuple(v + 0.030 for v in t.xyz or ())) for t in ON_FLANGE)
+    comparison = compare([seen(1), replace(seen(2, moved), targets=stated)])
+    said = comparison.headline.split("; ")[-1]
+    assert said.startswith("the targets sit elsewhere by 5")
+    assert said.endswith(" mm, as stated to 1.1 mm.")
+    assert ", as stated to 1.1 mm: " in said_of(comparison)["apart_lines"][1]
+    (first, *_) = comparison.to_json()["apart"][1]["targets"]
+    assert not first["as_stated"]
+    assert first["off_stated_mm"] == pytest.approx(1.04, abs=0.1)
+
+
+@pytest.mark.parametrize(("mm", "warm"), [(0.08, True), (0.5, False)])
+def test_targets_are_warmer_by_no_more_than_what_carries_them_grows(mm, warm):
+    place = np.array([0.1, 0.05, 0.08])
+    assert _may_be_warm(place, np.array([0.0, 0.0, 1e-3 * mm]), 1e-6 * np.eye(3)) is warm
+    each = tuple(
+        TargetMoved(f"T{k}", (0.0, 0.0, mm), (0.01,) * 3, True, None, False, "flange", warm) for k in (1, 2)
+    )
+    (said,) = _elsewhere(TargetsMoved(each, ()))
+    assert said.endswith("mounted anew, or are warmer") is warm
 
 
 def test_no_target_in_common_is_told():

@@ -8,6 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from ..diagnosis.changes.elsewhere import as_stated
 from ..diagnosis.changes.result import (
     BACK,
     CREEP,
@@ -240,8 +241,8 @@ def _targets(one: Apart, nominal_mm: float) -> str:
             return f"whether the targets moved cannot be told ({UNSURE})"
         stated = any(t.stated_mm is not None for t in targets.each)
         return f"targets where they were{', though stated elsewhere' if stated else ''}"
-    as_stated = ", as stated" if len(targets.restated) == len(targets.moved) else ""
-    return f"targets moved{as_stated}: {', '.join(f'{t.target} {_length(t)} mm' for t in targets.each)}"
+    said = f", {as_stated(targets.restated)}" if len(targets.restated) == len(targets.moved) else ""
+    return f"targets moved{said}: {', '.join(f'{t.target} {_length(t)} mm' for t in targets.each)}"
 
 
 def _length(target: TargetMoved) -> str:

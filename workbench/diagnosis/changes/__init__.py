@@ -11,8 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from ...campaign import Campaign, load_campaign
 from ...campaign.known import with_known
 from ...campaign.other_tools import with_tools_as_loads
@@ -23,16 +21,14 @@ from ..prepared import Progress
 from ..priors import PRIORS
 from .covered import hardly, inside
 from .decision import Decided, decide
+from .elsewhere import beside_the_robot
 from .findings import changes_of, hidden_zeros, loads_off, repeats, still_joints, tracks, unseen
 from .frames import apart
 from .occasions import occasions_of
-from .result import Apart, Comparison, TargetMoved, TargetsMoved
+from .result import Comparison
 from .sensitivity import nominal_mm, unchanged, within_mm
 from .system import System, relinearised
-from .words import headline, with_std
-
-OTHER_NOISE = 1.2  # ratio of two noises from which they are said to differ
-CHANCE = 1e-4  # probability of as much by chance below which they do
+from .words import headline
 
 
 def compare(
@@ -77,7 +73,7 @@ def _assembled(decided: Decided, inputs: Mapping[str, str], notes: Sequence[str]
     beside = tuple(apart(decided, final))
     bound, nominal = within_mm(decided), nominal_mm(decided)
     first = system.occasions[0].problem
-    other, zeros = _other(system, beside), hidden_zeros(decided)
+    other, zeros = beside_the_robot(system, beside), hidden_zeros(decided)
     said = headline(changes, bound, other, changed, zeros, nominal, beside[-1].label)
     return Comparison(
         first.robot.name,
@@ -97,79 +93,6 @@ def _assembled(decided: Decided, inputs: Mapping[str, str], notes: Sequence[str]
         (*notes, *_notes(decided)),
         inputs,
     )
-
-
-def _other(system: System, beside: Sequence[Apart]) -> list[str]:
-    """What is not the robot and is not as it was. How closely a model that does not fit goes through postures
-    of one campaign alone is neither."""
-    out, first = [], beside[0]
-    for k, one in enumerate(beside[1:], 1):
-        at = f" ({one.label})" if len(beside) > 2 else ""
-        out += [f"{text}{at}" for text in _elsewhere(one.moves)]
-        if not (system.misfit and (hardly(system, 0, [k]) or hardly(system, k, [0]))):
-            out += [f"{text}{at}" for text in _scatters(one, first)]
-    return out
-
-
-def _elsewhere(targets: TargetsMoved) -> Iterator[str]:
-    """Which targets sit elsewhere on the robot, and why that may be."""
-    if targets.restated:
-        yield f"{_these(targets, targets.restated)}, as stated"
-    for one in targets.together:
-        own = [target for target in targets.each if target.target in one.targets]
-        others = [target.target for target in targets.each if not target.moved and target not in own]
-        still = f" (not {listed(others)})" if others else ""
-        if one.joint is None:
-            who = f"the targets on the {one.link}, as one body,"
-            yield f"{_sit(own, who)}{still}: tool or reflectors were mounted anew"
-        else:
-            yield (
-                f"the targets on the {one.link} turned together about {one.joint} by "
-                f"{with_std(one.turn_mrad, one.turn_std_mrad)} mrad{still}: its zero moved, or what carries "
-                "them; if they sit where they did, state them with `fixed = true` to tell"
-            )
-    if targets.alone:
-        why = "tool or reflectors were mounted anew, or are warmer"
-        if len(targets.alone) < len(targets.each):
-            several = len(targets.alone) > 1
-            why = "their reflectors were" if several else "its reflector or nest was"
-            why += f" mounted anew, or {'are' if several else 'is'} warmer"
-        yield f"{_these(targets, targets.alone)}: {why}"
-
-
-def _these(targets: TargetsMoved, moved: Sequence[TargetMoved]) -> str:
-    """That some targets sit elsewhere, by their names where others do not."""
-    if len(moved) == len(targets.each):
-        return _sit(moved)
-    still = [target.target for target in targets.each if not target.moved]
-    also = f" (not {listed(still)})" if still else ""
-    return f"{_sit(moved, listed([target.target for target in moved]))}{also}"
-
-
-def _sit(moved: Sequence[TargetMoved], who: str = "the targets") -> str:
-    """That targets sit elsewhere, and by how much the farthest of them."""
-    by = max(moved, key=lambda target: float(np.linalg.norm(target.by_mm)))
-    size, std = float(np.linalg.norm(by.by_mm)), float(np.linalg.norm(by.std_mm))
-    verb = "sits" if len(moved) == 1 else "sit"
-    return f"{who} {verb} elsewhere by {with_std(size, std)} mm"
-
-
-def _scatters(one: Apart, first: Apart) -> Iterator[str]:
-    """Whether the points scatter otherwise than at the first campaign, and whose that is: the instrument's
-    where its noise as known says so too."""
-    known, now = one.sigma_mm / first.sigma_mm, one.scatter
-    if now.p_value > CHANCE or max(now.times, 1 / now.times) < OTHER_NOISE:
-        return
-    before = with_std(first.scatter.sigma_mm, first.scatter.std_mm)
-    text = f"the points scatter {with_std(now.sigma_mm, now.std_mm)} instead of {before} mm per axis"
-    if max(now.times / known, known / now.times) < OTHER_NOISE and one.source != "residual":
-        shown = one.source != first.source
-        says = "repeats or distances between targets show" if shown else "the instrument's noise says"
-        yield f"{text}, as {says}"
-    elif now.times > 1:
-        yield f"{text}: the robot repeats worse, or the instrument measures worse than its noise says"
-    else:
-        yield f"{text}: the robot repeats better, or the instrument measures better than its noise says"
 
 
 def _apart_in_posture(system: System) -> Iterator[str]:
@@ -197,7 +120,7 @@ def _notes(decided: Decided) -> list[str]:
     if decided.system.misfit:
         out.append(
             "The noise does not explain what the model leaves: a change counts only where either half of the "
-            "poses shows it."
+            "poses shows it, and is held possible where all of them together do."
         )
         out += [
             f"{one.label}: {listed(names)} stood still there: what only a change at these would explain may "

@@ -52,7 +52,7 @@ def numbers_at(decided: Decided, levels: Levels, k: int) -> tuple[Numbers, Numbe
     start = system.common.start - result.columns.geometry_slice.start
     rows = slice(start + part.start, start + part.stop)
     value = solved.values[rows] * system.prior[rows]
-    half = solved.factor * solved.half[rows] * system.prior[rows, None]
+    half = solved.factor * levels.all_numbers[rows] * system.prior[rows, None]
     main, sizes = shape.main, shape.sizes[: shape.main]
     more, more_half = levels.mean[k, :main] * sizes, levels.half[k, :main] * sizes[:, None]
     last = half + more_half

@@ -108,6 +108,11 @@ class Candidate:
         return self.cause, self.where, self.change
 
     @property
+    def local(self) -> bool:
+        """Whether it is of what a joint does where it was measured alone."""
+        return any(effect.local for shape in self.shapes for effect in shape.effects)
+
+    @property
     def any_course(self) -> bool:
         """Whether it says all that events may do."""
         return self.shapes[0].courses > 1

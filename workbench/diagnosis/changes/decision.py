@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...effects.base import Effect
+from ...effects.base import UNKNOWN, Effect
+from ...effects.place import Where
 from ...robot.kinematics import Array
 from ..chosen import Chosen, Member, Shares
 from ..noise_choice import known_dof
 from ..priors import PRIORS
 from ..reduced import Reduced
 from ..sets import Competition
+from .beside import Instead, instead_of_members
 from .candidates import Candidate, Shape, candidates_of
 from .covered import carried_change, covered
-from .occasions import Occasion
+from .occasions import Occasion, with_same_effects
 from .search import Search
 from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
 
 SURVIVES = 1e-6  # share of a column's length² that frames, targets and what is common must leave
 SAME = 0.9999  # correlation of two numbers of the geometry from which they are one and the same
 ROUNDS = 2
+
+
+Quantity = tuple[str, Where, bool]
+Witness = tuple[Mask, float, list[int]]  # rows, a factor on their noise, the members (by their numbers)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,16 +44,19 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class Decided:
-    """What the competition found. reduced: over all `candidates`; shares: per member, as in
-    `sets`; solved: all numbers with the members' own, held loosely."""
+    """What the competition found. reduced: over all `candidates`; shares: per member, as in `sets`, by those
+    of the poses that say least for it, together: by all that can speak of it; solved: all numbers with the
+    members' own, held loosely; mute: quantities that differ, but not in a pose that can speak of a change."""
 
     system: System
     candidates: tuple[Candidate, ...]
     reduced: Reduced
     members: tuple[Member, ...]
     shares: tuple[Shares, ...]
+    together: tuple[Shares, ...]
     hidden: tuple[Hidden, ...]
     solved: Solved
+    mute: frozenset[Quantity]
 
     def shape(self, member: Member) -> Shape:
         return self.candidates[member.component].shapes[member.form]
@@ -55,6 +64,10 @@ class Decided:
     @cached_property
     def chosen(self) -> Chosen:
         return Chosen(self.reduced, self.members)
+
+    @cached_property
+    def instead(self) -> list[Instead]:
+        return list(instead_of_members(self))
 
     def factor(self, pattern: Array) -> float:
         """On standard deviations of what differs between occasions, (K, c) by their shares of it: from what
@@ -68,8 +81,10 @@ class Decided:
 
 
 def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effect]) -> Decided:
-    """The likeliest changes, linearised anew at what the first round found."""
+    """The likeliest changes, linearised anew at what the first round found. Until something is found all have
+    the same effects: at each campaign's own, what is common to them would explain that these differ."""
     noise_dof = min(known_dof(one.prepared.noise, one.fit.noise.dof) for one in occasions)
+    occasions = with_same_effects(occasions)
     for last in range(ROUNDS):
         system = system_of(occasions)
         every = candidates_of(occasions, whole, effects)
@@ -77,14 +92,21 @@ def decide(occasions: Sequence[Occasion], whole: Problem, effects: Sequence[Effe
         candidates, reduced, hidden = _distinct(every, reduced)
         competition = Search(reduced, candidates)
         members = competition.best()
-        shares = _shares(system, every, candidates, competition, members, noise_dof)
-        sure = [i for i, share in enumerate(shares) if share[None] < PRIORS.absent]
-        members, shares = [members[i] for i in sure], [shares[i] for i in sure]
+        together, shares = _shares(system, every, candidates, competition, members, noise_dof)
+        of = [candidates[m.component] for m in members]
+        there = [i for i, by in enumerate(zip(of, together, shares, strict=True)) if _is_there(*by)]
+        gone = [candidates[m.component] for i, m in enumerate(members) if i not in there]
+        mute = frozenset(one.quantity for one in gone if one.local)
+        members, shares = [members[i] for i in there], [shares[i] for i in there]
+        together = [together[i] for i in there]
         shapes = [candidates[m.component].shapes[m.form] for m in members]
         solved = solve(system, shapes, [m.scale for m in members])
         if last < ROUNDS - 1:
             occasions = relinearised(system, shapes, solved)
-    return Decided(system, tuple(candidates), reduced, tuple(members), tuple(shares), tuple(hidden), solved)
+    return Decided(
+        system, tuple(candidates), reduced, tuple(members), tuple(shares), tuple(together), tuple(hidden),
+        solved, mute,
+    )  # fmt: skip
 
 
 def _shares(
@@ -94,27 +116,50 @@ def _shares(
     competition: Competition,
     members: Sequence[Member],
     noise_dof: float,
-) -> list[Shares]:
-    """The probabilities, by those of the poses that say least for each member (`_witnesses`). every: all
-    candidates, candidates: those that compete."""
+) -> tuple[list[Shares], list[Shares]]:
+    """The probabilities, by all poses that can speak of each member, and by those of them that say least for
+    it. every: all candidates, candidates: those that compete."""
 
     def shares_of(some: Competition) -> list[Shares]:
         found = zip(members, some.shares(members), strict=True)
         return [_of_quantities(candidates, member, share) for member, share in found]
 
-    out = shares_of(competition)
-    for rows, factor, own in _witnesses(system, candidates, members):
-        if not rows.any():
+    def least(found: Sequence[Shares], witnesses: Iterable[Witness]) -> list[Shares]:
+        out = list(found)
+        for rows, factor, own in witnesses:
+            if not rows.any():
+                for i in own:
+                    out[i] = {None: 1.0}
+                continue
+            reduced = replace(reduced_of(system, every, noise_dof, rows), parts=competition.reduced.parts)
+            others = shares_of(Competition(_carried(reduced, factor), competition.components))
             for i in own:
-                out[i] = {None: 1.0}
-            continue
-        reduced = replace(reduced_of(system, every, noise_dof, rows), parts=competition.reduced.parts)
-        others = shares_of(Competition(_carried(reduced, factor), competition.components))
-        for i in own:
-            k = members[i].component
-            if others[i].get(k, 0.0) < out[i].get(k, 0.0):
-                out[i] = others[i]
-    return out
+                k = members[i].component
+                if others[i].get(k, 0.0) < out[i].get(k, 0.0):
+                    out[i] = others[i]
+        return out
+
+    together = least(shares_of(competition), _able(system, candidates, members))
+    every_member = list(range(len(members)))
+    halves = [(rows, 1.0, every_member) for rows in _halves(system)] if system.misfit and members else []
+    return together, [_told(all_, some) for all_, some in zip(together, least(together, halves), strict=True)]
+
+
+def _is_there(candidate: Candidate, together: Shares, least: Shares) -> bool:
+    """Whether the poses that say least for a member show it; or all together surely do, if it has a name:
+    what has none differs where the model does not fit for that alone."""
+    sure = together[None] < 1.0 - PRIORS.named and candidate.cause != UNKNOWN
+    return sure or least[None] < PRIORS.absent
+
+
+def _told(together: Shares, least: Shares) -> Shares:
+    """Of a member, by all poses and by those that say least for it: where these say that it may be nothing,
+    what it is if it is something is told by all."""
+    nothing = least[None]
+    if nothing < PRIORS.absent or together[None] >= PRIORS.absent:
+        return least
+    there = (1.0 - nothing) / (1.0 - together[None])
+    return {None: nothing, **{k: there * p for k, p in together.items() if k is not None}}
 
 
 def _carried(reduced: Reduced, factor: float) -> Reduced:
@@ -130,17 +175,12 @@ def _carried(reduced: Reduced, factor: float) -> Reduced:
     )
 
 
-def _witnesses(
-    system: System, candidates: Sequence[Candidate], members: Sequence[Member]
-) -> Iterator[tuple[Mask, float, list[int]]]:
-    """Rows that have to show some members (by their numbers) as well, and a factor on their noise. Where the
-    noise does not explain what is left, either half of the poses; and all of them, their noise with what the
-    model lacks in postures that one side of a change has alone. Of what a joint does where it was measured
-    alone (`Effect.local`), those where it was on either side."""
+def _able(system: System, candidates: Sequence[Candidate], members: Sequence[Member]) -> Iterator[Witness]:
+    """What can speak of some members: all poses, their noise with what the model lacks in postures that one
+    side of a change has alone; of what a joint does where it was measured alone (`Effect.local`), those where
+    it was on either side."""
     every = np.ones(len(system.pose), dtype=bool)
-    if system.misfit and members:
-        yield from ((rows, 1.0, list(range(len(members)))) for rows in _halves(system))
-    told: dict[tuple[bytes, float], tuple[Mask, float, list[int]]] = {}
+    told: dict[tuple[bytes, float], Witness] = {}
     for i, member in enumerate(members):
         candidate = candidates[member.component]
         shape = candidate.shapes[member.form]
@@ -156,7 +196,9 @@ def _witnesses(
 
 
 def _halves(system: System) -> tuple[Mask, Mask]:
-    """Every other position of every occasion, in the order of measurement."""
+    """Every other position of every occasion, in the order of measurement. Where the noise does not explain
+    what is left, a change is one that both show: what only some poses show may be what the model lacks there.
+    But what all of them together show is none that is not there either."""
     number = np.concatenate([one.problem.positions for one in system.occasions])[system.pose]
     return number % 2 == 0, number % 2 == 1
 

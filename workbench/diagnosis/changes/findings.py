@@ -27,13 +27,14 @@ REPEATS = 0.5  # of its size: an error that changed by less, with 95 %, repeats
 
 
 def changes_of(decided: Decided) -> Iterator[Change]:
-    """The quantities that changed, or in whose place another did, if likely enough; the largest first. All
-    events of a quantity are its course, and the surest of them says how sure it is that it changed."""
+    """The quantities that changed, or in whose place another did, if likely enough by all poses together; the
+    largest first. All events of a quantity are its course, and the surest of them says how sure it is that
+    it changed."""
     every = [i for i, m in enumerate(decided.members) if decided.candidates[m.component].change]
     found = []
     for own in together(decided, every):
         lead = max(own, key=lambda i: _own(decided, i))
-        if sum(_changed(decided, decided.shares[lead]).values()) >= PRIORS.absent:
+        if sum(_changed(decided, decided.together[lead]).values()) >= PRIORS.absent:
             found.append(_change(decided, levels_of(decided, own), lead))
     yield from sorted(found, key=lambda change: -change.moves_mm)
 
@@ -171,10 +172,11 @@ def _moves_mm(decided: Decided, levels: Levels) -> float:
 
 def _rivals(decided: Decided, i: int) -> Iterator[Rival]:
     """What may stand in the place of the i-th member, whenever it changed, the likeliest first."""
-    share = {k: p for k, p in decided.shares[i].items() if k not in (None, decided.members[i].component)}
+    own, share = decided.members[i].component, decided.shares[i]
+    least = PRIORS.faintest_rival * sum(p for k, p in share.items() if k is not None)
     for k, p in sorted(share.items(), key=lambda way: -way[1]):
-        if k is None or p < PRIORS.faintest_rival:
-            break
+        if k is None or k == own or p < least:
+            continue
         candidate = decided.candidates[k]
         yield Rival(
             label_of(candidate),

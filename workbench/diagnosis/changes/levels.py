@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from ...robot.kinematics import Array
+from .beside import how_sure
 from .candidates import Shape
 from .decision import Decided
 from .result import BACK, CREEP, LEVELS, STEP
@@ -20,13 +21,15 @@ NOTHING = 3e-3  # probability by chance from which a level is none
 @dataclass(frozen=True, eq=False)
 class Levels:
     """A quantity that some members (by their numbers) change. mean: (K, g), half: (K, g, ·) with half halfᵀ
-    the covariance, each against the first occasion in prior sizes of `shape`; there: (K,) it is off there."""
+    the covariance, each against the first occasion in prior sizes of `shape`; there: (K,) it is off there;
+    all_numbers: (n + g, ·) half of the covariance of all that is solved for, in the same draws."""
 
     members: tuple[int, ...]
     shape: Shape
     mean: Array
     half: Array
     there: Array
+    all_numbers: Array
 
     @property
     def furthest(self) -> int:
@@ -60,13 +63,12 @@ def levels_of(decided: Decided, members: Sequence[int]) -> Levels:
     rows = [slice(n + decided.part(i).start, n + decided.part(i).stop) for i in members]
     own = list(zip(shapes, rows, strict=True))
     mean = np.sum([shape.levels(solved.values[at]) for shape, at in own], axis=0)
-    half = np.sum(
-        [shape.levels(decided.factor(shape.pattern) * solved.half[at]) for shape, at in own], axis=0
-    )
+    every = how_sure(decided, members)
+    half = np.sum([shape.levels(decided.factor(shape.pattern) * every[at]) for shape, at in own], axis=0)
     some = np.any([shape.pattern.any(axis=1) for shape in shapes], axis=0)
     if len(members) > 1 or shapes[0].courses > 1:
         some &= [_off(m, h, shapes[0].main) for m, h in zip(mean, half, strict=True)]
-    return Levels(tuple(members), shapes[0], mean, half, some)
+    return Levels(tuple(members), shapes[0], mean, half, some, every)
 
 
 def _off(mean: Array, half: Array, main: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -33,7 +34,8 @@ class Change:
     """What changed.
 
     side: robot, load, instrument or surroundings; status: named (probability from 0.95 on, and no rival that
-    fits as well, number for number), ambiguous (something changed here) or possible (from 0.2 on); since:
+    fits as well, number for number), ambiguous (something changed here) or possible (from 0.2 on; or where
+    all poses surely show it and a half of them does not, the noise not explaining what is left); since:
     label of the first campaign with it; alone: only that has it; course: a step that stays, off and back
     again, creeping evenly to the last campaign, or another level at each; levels: of each campaign that
     has it, its label and the numbers against the first campaign; parameters: the same where it is off by
@@ -123,7 +125,7 @@ class Repeats:
 class TargetMoved:
     """A target's place after minus before, on the axes of its link, one sigma each [mm]. moved: by more than
     chance; stated_mm: the same as the campaigns state it, None where both state one place, as_stated: the
-    data agree; on: its link."""
+    data agree; on: its link; may_be_warm: what carries it may have grown by as much."""
 
     target: str
     by_mm: tuple[float, float, float]
@@ -132,6 +134,19 @@ class TargetMoved:
     stated_mm: tuple[float, float, float] | None
     as_stated: bool
     on: str
+    may_be_warm: bool = False
+
+    @property
+    def off_stated_mm(self) -> float:
+        """How far from where it should have moved to, as stated; from where it was if nothing is stated."""
+        return math.dist(self.by_mm, self.stated_mm or (0.0, 0.0, 0.0))
+
+    @property
+    def restated(self) -> bool:
+        """Whether it moved as stated, or nearer to there than it was: places are not stated to what an
+        instrument tells of them."""
+        stated = self.stated_mm is not None and self.off_stated_mm < math.hypot(*self.by_mm)
+        return self.moved and (self.as_stated or stated)
 
 
 @dataclass(frozen=True)
@@ -161,12 +176,12 @@ class TargetsMoved:
     def alone(self) -> tuple[TargetMoved, ...]:
         """Those that moved, otherwise than stated and not with all of their link."""
         names = {name for one in self.together for name in one.targets}
-        return tuple(one for one in self.moved if not one.as_stated and one.target not in names)
+        return tuple(one for one in self.moved if not one.restated and one.target not in names)
 
     @property
     def restated(self) -> tuple[TargetMoved, ...]:
         """Those that moved as it was stated."""
-        return tuple(one for one in self.moved if one.as_stated)
+        return tuple(one for one in self.each if one.restated)
 
 
 @dataclass(frozen=True)

@@ -103,6 +103,7 @@ def _apart(item: Apart) -> dict[str, Any]:
                 "moved": t.moved,
                 "stated_mm": None if t.stated_mm is None else list(t.stated_mm),
                 "as_stated": t.as_stated,
+                "off_stated_mm": None if t.stated_mm is None else t.off_stated_mm,
             }
             for t in item.targets
         ],

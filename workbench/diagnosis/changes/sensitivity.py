@@ -29,7 +29,7 @@ SEEN = 0.95
 
 def unchanged(decided: Decided) -> Iterator[Unchanged]:
     """Every number that no member has, at the last campaign against those before."""
-    taken = {decided.candidates[m.component].quantity for m in decided.members}
+    taken = {decided.candidates[m.component].quantity for m in decided.members} | decided.mute
     last = decided.system.last
     found = [decided.shape(m).columns for m in decided.members]
     for k, candidate in enumerate(decided.candidates):

@@ -17,6 +17,8 @@ from .result import TargetMoved, TargetsMoved, Together
 from .system import Solved, System
 
 LEVEL = 1e-4  # of the test whether targets moved
+GROWTH = 1e-3  # of its length: what aluminium grows by where it is 40 K warmer
+SURE = 2.0  # standard deviations that a change may be less by
 SAME = 1e-7  # m: stated places that are one
 
 
@@ -58,12 +60,13 @@ def targets_moved(
                 _mm(stated) if np.abs(stated).max() > SAME else None,
                 not _off(change - stated, half, len(pairs)),
                 _link(arm, a.slot),
+                _may_be_warm(a.place, change, half),
             )
         )
     together = list[Together]()
     for slot in dict.fromkeys(a.slot for a, _ in pairs):
         own = [n for n, (a, _) in enumerate(pairs) if a.slot == slot]
-        moved = any(found[n].moved and not found[n].as_stated for n in own)
+        moved = any(found[n].moved and not found[n].restated for n in own)
         if moved and len(own) > 1 and all(part is not None for n in own for part in (pairs[n][0].part,)):
             half = _difference(system, solved, k, [pairs[n] for n in own], without)
             together += _together(arm, [pairs[n] for n in own], half, hidden)
@@ -116,6 +119,12 @@ def _off(change: Array, half: Array, tests: int) -> bool:
     if not half.any():
         return bool(np.abs(change).max() > SAME)
     return bool(((np.linalg.pinv(half) @ change) ** 2).sum() > chi2.isf(LEVEL / tests, len(change)))
+
+
+def _may_be_warm(place: Array, change: Array, half: Array) -> bool:
+    """Whether what carries a target from its link's frame may have grown by as much as surely changed."""
+    sure = float(np.linalg.norm(change)) - SURE * float(np.linalg.norm(half))
+    return sure < GROWTH * float(np.linalg.norm(place))
 
 
 def _difference(

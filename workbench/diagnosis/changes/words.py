@@ -13,7 +13,7 @@ from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, Rival, bounds
 
 MOST_SAID = 3
 MOST_WAYS = 4  # that something may be, in one line
-WORTH_SAYING = 0.05  # probability of what a change may be instead
+WORTH_SAYING = 0.05  # share of what a change may be instead, of all that it may be
 CLEAR = 3.0  # standard deviations from which a number did change
 SAID = {"rad": (1e3, "mrad"), "m": (1e3, "mm"), "rad/(N·m)": (1e9, "nrad/(N·m)")}
 
@@ -120,8 +120,13 @@ def headline(
 
 def _may_be_robot(change: Change) -> bool:
     """Whether a change that is told is of the robot, or one that is told in its place."""
-    likely = (r.side for r in change.rivals if r.change and r.probability >= WORTH_SAYING)
-    return "robot" in (change.side, *likely)
+    return "robot" in (change.side, *(r.side for r in _likely(change) if r.change))
+
+
+def _likely(change: Change) -> list[Rival]:
+    """What it may be instead."""
+    total = sum(way.probability for way in change.ways)
+    return [r for r in change.rivals if r.probability >= WORTH_SAYING * total]
 
 
 def hidden_size(within_mm: float, nominal_mm: float) -> str:
@@ -136,7 +141,17 @@ def _either(change: Change) -> str:
         return _perhaps(change)
     names = [f"{name_of(way)}{'' if way.change else ' (in all campaigns)'}" for way in change.ways]
     some = " or ".join([*names[:MOST_WAYS], *(["something less likely"] if names[MOST_WAYS:] else [])])
-    return f"something changed by {change.moves_mm:.2f} mm RMS at the targets, not decided: {some}"
+    return f"something {_course(change)}, not decided: {some}"
+
+
+def _course(change: Change) -> str:
+    """That it changed, when, and by how much."""
+    by = f"{change.moves_mm:.2f} mm RMS at the targets"
+    if change.course == BACK:
+        return f"was off by {by} in {listed([label for label, _ in change.levels])}"
+    if change.course == CREEP:
+        return f"crept evenly since {change.since}, by {by}"
+    return f"changed {'more than once, ' if change.course == LEVELS else ''}by {by}"
 
 
 def name_of(one: Change | Rival) -> str:
@@ -148,8 +163,8 @@ def _perhaps(change: Change) -> str:
     """A change that may be none, with what else it may be."""
     if not change.placed:
         return f"something of {change.moves_mm:.2f} mm RMS at the targets cannot be placed"
-    likely = [r for r in change.rivals if r.probability >= WORTH_SAYING][: MOST_WAYS - 1]
+    likely = _likely(change)[: MOST_WAYS - 1]
     others = [f"{name_of(r)} {'did' if r.change else 'is in all campaigns'}" for r in likely]
     others += ["something less likely"] if len(likely) < len(change.rivals) else []
-    ways = [f"{name_of(change)} changed by {change.moves_mm:.2f} mm RMS at the targets", *others]
+    ways = [f"{name_of(change)} {_course(change)}", *others]
     return f"not decided: {', or '.join(ways)}" if others else f"perhaps {ways[0]}"
