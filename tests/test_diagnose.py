@@ -107,6 +107,17 @@ def test_gear_error_with_a_harmonic_that_no_cause_has():
     assert diagnosis.causes[0].where.order == 200
 
 
+@pytest.mark.parametrize("order", [200.0, 91.3])
+def test_gear_error_that_is_stronger_and_ahead_on_one_side_of_the_turn(order):
+    def line(job):
+        out, q = np.zeros_like(job.q), job.q[:, 3]
+        out[:, 3] = 6e-4 * (1 + 0.35 * np.sin(q + 0.4)) * np.sin(order * q + 0.3 * np.cos(q) + 1.0)
+        return out
+
+    values = only(sound(found(measured(joints=line))), *GEAR_JOINT)
+    assert values["amplitude"] == pytest.approx(6e-4, rel=0.1)
+
+
 def test_gear_error_of_unknown_ratio():
     text = "gear_kinematic_error:joint=joint_3,order=83.7,amplitude=8e-5,phase=0.6"
     diagnosis = sound(found(measured("6R", effects=(text,), loads=(60.0,))))
