@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from workbench.correction.programs import Format, Program
+from workbench.correction.programs import Format, Program, find_format
+from workbench.correction.programs.files import beside
+from workbench.files.faults import read_text
 from workbench.robot import rotations
 from workbench.robot.schema import LoadData
+
+
+def read_program(path: Path, name: str) -> Program:
+    """The program in a file of a format, or in a folder with one, and in all that belongs to it."""
+    format = find_format(name)
+    file = next(path.glob(f"*{format.extension}")) if path.is_dir() else path
+    return format.read({one.name: read_text(one) for one in (file, *beside(file))})
 
 
 def frame(rng: np.random.Generator, size: float) -> np.ndarray:

@@ -18,16 +18,13 @@ from workbench import (
     Judged,
     Prior,
     StudyRun,
-    accounts_table,
     checked,
     draw_many,
     judge,
-    needs_table,
-    odds_figure,
-    odds_table,
     redrawn,
     tornado,
 )
+from workbench.studies.account_tables import accounts_table, needs_table, odds_figure, odds_table
 from workbench.studies.accounts import Standing
 from workbench.studies.evidence import evidence
 

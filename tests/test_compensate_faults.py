@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 import numpy as np
 import pytest
 from extended_example import extended, extended_kr500
+from program_paths import read_program
 
 from workbench.campaign.planned import planned
 from workbench.correction.command import compensate
@@ -15,7 +16,7 @@ from workbench.correction.conditions import Conditions, conditions_of
 from workbench.correction.file import compensate_file
 from workbench.correction.path_shapes import Run, circle, line, work_frame
 from workbench.correction.paths import Path, write_path
-from workbench.correction.programs import formats, read_program
+from workbench.correction.programs import formats
 from workbench.correction.trajectory import nominal_joints
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.joint_compliance import JointCompliance

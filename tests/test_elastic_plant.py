@@ -121,7 +121,7 @@ def test_another_gas_or_coil_needs_another_twin(name):
 def test_without_a_spring_the_arm_finds_no_rest():
     robot, arm, yielding, loads, q = case("kr500")
     twin = elastic_twin(arm, robot, yielding, compensator=loads.compensator)
-    twin.set_stiffness(2, RZ, 0.0)
+    twin.springs[2, RZ].SetStiffness(twin.context, 0.0)
     with pytest.raises(ArithmeticError):
         rests_apart(twin, arm, yielding, loads, q)
 

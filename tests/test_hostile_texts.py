@@ -114,8 +114,8 @@ def proof_of(text: str) -> Verification:
     error = 1e-4 * np.stack([np.sin(t), np.cos(t), t], axis=1)
     lines = (Line(3.0, 0.01, text),)
     trials = {
-        name: Trial(name, k * error, k * error, np.tile(np.eye(4), (50, 7, 1, 1)), np.zeros((50, 6)),
-                    figures(k * error, k * error, k * error[:, 2], t), lines, 1.0)
+        name: Trial(k * error, k * error, np.tile(np.eye(4), (50, 7, 1, 1)), np.zeros((50, 6)),
+                    figures(k * error, k * error, k * error[:, 2], t), lines)
         for name, k in (("uncorrected", 9.0), ("corrected", 1.0))
     }  # fmt: skip
     return Verification(

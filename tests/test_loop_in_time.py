@@ -422,7 +422,7 @@ def test_a_step_that_is_too_long_is_halved_by_itself():
     path = line(0.1, Run(work_frame((1.6, 0.3, 0.9), along=(0.0, 1.0, 0.0)), speed=0.2, period=0.01))
     command = compensate(robot, path, HEAVY)
     loop = Loop(position_period=5e-3, drive_period=5e-3, delay=0.0, velocity_filter=0.0)
-    world = World(robot, robot, HEAVY, HEAVY, None, loop)
+    world = World(robot, robot, HEAVY, None, loop)
     task = Task("a coarse one", path, command.q_command, command.X_desired, settled=True)
     done = simulate(world, task)
     assert done.step < first_step(loop)

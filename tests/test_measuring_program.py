@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from program_paths import read_program
 from test_controller import MAKERS
 
 from workbench.campaign.file import pose_columns
 from workbench.cli.main import main
-from workbench.correction.programs import as_urdf, find_format, measured, measuring_program, read_program
+from workbench.correction.programs import Program, as_urdf, find_format, measuring_program
 from workbench.files.faults import InputError
 from workbench.files.tables import Layout, read_table
 from workbench.robot.convention import Controller
@@ -23,6 +24,12 @@ def planned_joints(name: str, count: int = 12) -> np.ndarray:
     robot, rng = load_robot(name), np.random.default_rng(3)
     lower, upper = (np.array([getattr(joint, side) for joint in robot.joints]) for side in ("lower", "upper"))
     return rng.uniform(0.9 * lower, 0.9 * upper, (count, len(lower)))
+
+
+def measured(program: Program) -> Program:
+    """The targets at which a measuring program stands still, without what it passes on the way to them."""
+    still = program.dwell > 0
+    return replace(program, q=program.q[still], dwell=program.dwell[still], time=None)
 
 
 @pytest.mark.parametrize("name", MAKERS)
@@ -47,7 +54,7 @@ def test_without_sides_every_joint_arrives_upwards_but_at_its_end() -> None:
     robot = load_robot("kr500")
     q = planned_joints("kr500")
     q[0, 0] = robot.joints[0].lower
-    program = as_urdf(measuring_program(robot, q, "krl"), robot)
+    program = as_urdf(measuring_program(robot, q, find_format("krl")), robot)
     assert program.q is not None
     step = program.q[1::2] - program.q[0::2]
     assert (step > -1e-12).all()
@@ -57,12 +64,16 @@ def test_without_sides_every_joint_arrives_upwards_but_at_its_end() -> None:
 def test_what_cannot_be_measured() -> None:
     robot, q = load_robot("kr500"), planned_joints("kr500")
     with pytest.raises(InputError, match="pose 3: joint_2: is out of its range"):
-        measuring_program(robot, np.where(np.arange(12)[:, None] * [0, 1, 0, 0, 0, 0] == 2, 9.0, q), "krl")
+        measuring_program(
+            robot, np.where(np.arange(12)[:, None] * [0, 1, 0, 0, 0, 0] == 2, 9.0, q), find_format("krl")
+        )
     with pytest.raises(InputError, match="dwell: is 0 s"):
-        measuring_program(robot, q, "krl", 0)
+        measuring_program(robot, q, find_format("krl"), 0)
     with pytest.raises(InputError, match="--as-urdf"):
-        measuring_program(replace(robot, controller=Controller()), q, "rapid")
-    assert measuring_program(replace(robot, controller=Controller()), q, "rapid", as_urdf=True).notes
+        measuring_program(replace(robot, controller=Controller()), q, find_format("rapid"))
+    assert measuring_program(
+        replace(robot, controller=Controller()), q, find_format("rapid"), as_urdf=True
+    ).notes
 
 
 def test_plan_writes_poses_and_program(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -87,7 +98,7 @@ def test_plan_writes_poses_and_program(tmp_path: Path, capsys: pytest.CaptureFix
 def test_poses_on_the_way_are_passed() -> None:
     robot, q = load_robot("irb120"), planned_joints("irb120", 4)
     via = [(), (q[0] / 2,), (), (q[1] / 2, q[2] / 2)]
-    program = as_urdf(measuring_program(robot, q, "rapid", via=via), robot)
+    program = as_urdf(measuring_program(robot, q, find_format("rapid"), via=via), robot)
     assert program.q is not None
     assert program.dwell.tolist() == [0, 4, 0, 0, 4, 0, 4, 0, 0, 0, 4]
     np.testing.assert_allclose(program.q[[2, 7, 8]], [q[0] / 2, q[1] / 2, q[2] / 2], atol=1e-9)

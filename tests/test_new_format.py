@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from program_paths import read_program
 
 from workbench import compensate, load_path, load_robot
 from workbench.cli.main import main
@@ -89,7 +90,7 @@ def test_a_new_format_is_one_new_file(gcode, tmp_path, capsys):
     arguments = ["compensate", table, "--model", robot.path, "--format", "gcode", "--out", program]
     assert main([str(word) for word in arguments]) == 0
     assert "rounding moves the tool by" in capsys.readouterr().out
-    back = programs.read_program(program, "gcode")
+    back = read_program(program, "gcode")
     wanted = compensate(robot, load_path(table, robot)).program("seam", "poses")
     assert back.name == "seam"
     np.testing.assert_allclose(back.X[:, :3, 3], wanted.X[:, :3, 3], atol=1e-7)

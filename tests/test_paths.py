@@ -9,10 +9,11 @@ import pytest
 from campaign_example import write_robot
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from program_paths import read_program
 from scipy.spatial.transform import Rotation
 
 from workbench.correction.paths import Path, load_path, write_path
-from workbench.correction.programs import Program, read_program, write_program
+from workbench.correction.programs import Program, find_format, write_program
 from workbench.files.faults import InputError
 from workbench.robot.description import Robot, load_robot
 from workbench.robot.rotations import angle_between, pose
@@ -130,7 +131,7 @@ def test_a_program_is_written_as_the_path_is(tmp_path: FilePath, robot: Robot) -
     program = Program(
         "other", q=path.q, time=path.time, dwell=path.dwell, kind="joints", sliding=path.sliding
     )
-    write_program(program, "csv", tmp_path / "other.csv")
+    write_program(program, find_format("csv"), tmp_path / "other.csv")
     assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
     assert read_program(tmp_path / "one.csv", "csv").dwell.tolist() == [0.0, 1.0]
 

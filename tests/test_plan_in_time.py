@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from program_paths import read_program
 
 from workbench import Truth, load_robot, plan, planned, random_poses, simulate
 from workbench.campaign.cell import CellData, DrivingData
 from workbench.cli.main import main
-from workbench.correction.programs import read_program
 from workbench.files.faults import InputError
 from workbench.measurement.design.candidates import Factors, candidates
 from workbench.measurement.design.prior_information import from_robot

@@ -27,6 +27,7 @@ from workbench.robot.description import Robot, load_robot
 
 VARIANTS = [example.diagnosis, example.nothing_missing, example.unknown, example.bare]
 FILES = ("result.json", "index.html", "report.pdf", "scene.html")
+HOME = np.zeros(6)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +38,7 @@ def robot() -> Robot:
 @pytest.mark.parametrize("make", VARIANTS)
 def test_everything_is_written(make: Callable[[], Diagnosis], robot: Robot, tmp_path: Path) -> None:
     diagnosis = make()
-    written = write_all(diagnosis, robot, tmp_path / "out")
+    written = write_all(diagnosis, robot, tmp_path / "out", HOME)
     assert [path.name for path in written] == list(FILES)
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(FILES)
     assert json.loads(written[0].read_text(encoding="utf-8"))["verdict"] == diagnosis.verdict
@@ -84,7 +85,7 @@ def test_page_and_pdf_come_out_the_same_twice() -> None:
 def test_failure_leaves_the_folder_as_it_was(
     robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write_all(example.bare(), robot, tmp_path)
+    write_all(example.bare(), robot, tmp_path, HOME)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
 
     def broken(*_: object) -> bytes:
@@ -92,21 +93,21 @@ def test_failure_leaves_the_folder_as_it_was(
 
     monkeypatch.setattr("workbench.report.pdf.pdf", broken)
     with pytest.raises(RuntimeError, match="no PDF today"):
-        write_all(example.diagnosis(20), robot, tmp_path)
+        write_all(example.diagnosis(20), robot, tmp_path, HOME)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_file_that_cannot_be_moved_leaves_no_rest(robot: Robot, tmp_path: Path) -> None:
     (tmp_path / "index.html").mkdir()
     with pytest.raises(OSError, match=r"index\.html"):
-        write_all(example.bare(), robot, tmp_path)
+        write_all(example.bare(), robot, tmp_path, HOME)
     assert [path.name for path in tmp_path.iterdir()] == ["index.html"]
 
 
 def test_scene_carries_robot_points_and_both_poses(robot: Robot) -> None:
     diagnosis = example.diagnosis()
     assert diagnosis.q is not None
-    alone = scene(diagnosis, robot)
+    alone = scene(diagnosis, robot, diagnosis.q[0])
     both = scene(diagnosis, robot, diagnosis.q[0], diagnosis.q[0] + 0.02, "under load, × 100")
     assert "under load, \\u00d7 100" in both
     assert len(both) > len(alone)
@@ -121,7 +122,7 @@ def test_scene_carries_robot_points_and_both_poses(robot: Robot) -> None:
 def test_report_of_a_large_campaign_stays_small(robot: Robot, tmp_path: Path) -> None:
     """Twenty times the poses: more dots, each of a few bytes; that is what makes a page quick as well."""
     sizes = [
-        [path.stat().st_size for path in write_all(example.diagnosis(n, 1), robot, tmp_path / str(n))]
+        [path.stat().st_size for path in write_all(example.diagnosis(n, 1), robot, tmp_path / str(n), HOME)]
         for n in (20, 400)
     ]
     assert all(large < 2 * small for small, large in zip(*sizes, strict=True))

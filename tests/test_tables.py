@@ -17,7 +17,7 @@ from workbench.files.tables import (
     column_cells,
     number_text,
     read_table,
-    write_table,
+    table_text,
 )
 
 WANTED = [
@@ -411,7 +411,7 @@ def test_what_is_written_is_read_back(
 ) -> None:
     path = tmp_path_factory.mktemp("round") / "points.csv"
     texts = [[name, *(number_text(value) for value in values)] for name, *values in rows]
-    write_table(path, ["pose_id", "x_m", "y_m", "z_m"], texts)
+    path.write_text(table_text(["pose_id", "x_m", "y_m", "z_m"], texts), encoding="utf-8")
     table = read_table(path, Layout(), WANTED)
     assert table.faults == []
     assert table.texts["pose_id"] == [name for name, *_ in rows]

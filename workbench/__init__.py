@@ -133,10 +133,7 @@ if TYPE_CHECKING:
     from .simulation.virtual_campaign import random_geometry as random_geometry
     from .simulation.virtual_campaign import simulate as simulate
     from .studies import as_package as as_package
-    from .studies.account_tables import accounts_table as accounts_table
-    from .studies.account_tables import needs_table as needs_table
-    from .studies.account_tables import odds_figure as odds_figure
-    from .studies.account_tables import odds_table as odds_table
+    from .studies.account_tables import account_items as account_items
     from .studies.accounts import Account as Account
     from .studies.accounts import Item as Item
     from .studies.accounts import Judged as Judged
@@ -224,7 +221,7 @@ _MODULES = {
     "simulation.export": "Exported export",
     "simulation.virtual_campaign": "Truth random_geometry simulate",
     "studies": "as_package",
-    "studies.account_tables": "accounts_table needs_table odds_figure odds_table",
+    "studies.account_tables": "account_items",
     "studies.accounts": "Account Item Judged",
     "studies.calibration": "Calibrated calibrated calibrated_table stated_table",
     "studies.claims": "Claim checked",

@@ -27,7 +27,9 @@ from .arguments import (
 
 
 def add(commands: Commands) -> None:
-    parser = commands.add_parser("compensate", help="offline path modification")
+    parser = commands.add_parser(
+        "compensate", help="the commands that put the real tool on a path; or a program corrected"
+    )
     parser.add_argument(
         "path",
         metavar="PATH.csv|PROGRAM",
@@ -59,7 +61,7 @@ def add(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    from ..correction.file import compensate_file
+    from ..correction.file import TOLERANCE_MM, Export, compensate_file
     from ..correction.in_place import compensate_program, is_program
 
     check_folder(arguments.out.parent if arguments.out else None)
@@ -85,8 +87,6 @@ def run(arguments: argparse.Namespace) -> None:
         )
         print(json.dumps(written.to_json()) if arguments.json else written.text)
         return
-    from ..correction.file import TOLERANCE_MM, Export
-
     export = Export(
         base=only_frame("base", arguments.base),
         joints=arguments.joints,

@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 def add(commands: Commands) -> None:
     parser = commands.add_parser("study", help="the published studies, and our own error rates")
     studies = parser.add_subparsers(dest="name", required=True, metavar="NAME")
-    for name in PUBLISHED:
-        _script_options(studies.add_parser(name, help="a published study"), f"reports/{name}")
-    _script_options(studies.add_parser("all", help="all of these, and a list of them"), "reports")
+    for name, about in PUBLISHED.items():
+        _script_options(studies.add_parser(name, help=f"published: {about}"), f"reports/{name}")
+    _script_options(studies.add_parser("all", help="all published ones, and a list of them"), "reports")
     for name in (*PUBLISHED, "all"):
         studies.choices[name].set_defaults(run=run)
     _add_archive(studies)
@@ -114,7 +114,7 @@ def run(arguments: argparse.Namespace) -> None:
     check_folder(folder)
     if not everything:
         _check_unmixed(folder, arguments.name)
-    found = run_published(PUBLISHED if everything else (arguments.name,), _asked(arguments))
+    found = run_published(tuple(PUBLISHED) if everything else (arguments.name,), _asked(arguments))
     if arguments.json:
         results = [study.to_json() for study in found]
         print(json.dumps(results if everything else results[0]))

@@ -95,7 +95,7 @@ def _check_units(robot: Robot, arm: Arm, path: Path, X_FT: Array) -> list[Fault]
     place = path.file or path.title or "path"
     if path.X is not None:
         far = np.linalg.norm(path.X[:, :3, 3], axis=1)
-        most = float(np.linalg.norm(arm.p[1])) + reach(arm, X_FT, np.array([j.upper for j in robot.joints]))
+        most = float(np.linalg.norm(arm.p[1])) + reach(arm, X_FT, robot.limits[:, 1])
         said = (
             f"the tool is {far.min() * 1e3:.3g} to {far.max() * 1e3:.3g} mm from the base, the arm reaches "
         )
@@ -106,7 +106,7 @@ def _check_units(robot: Robot, arm: Arm, path: Path, X_FT: Array) -> list[Fault]
             return [Fault(place, said, "are the numbers millimetres? then name the columns x_mm y_mm z_mm")]
     if path.q is not None:
         turning = ~arm.prismatic
-        limit = np.array([[j.lower, j.upper] for j in robot.joints])[turning]
+        limit = robot.limits[turning]
         q = path.q[:, turning]
         outside = (q < limit[:, 0]) | (q > limit[:, 1])
         small = np.deg2rad(q)

@@ -323,8 +323,9 @@ def _posture(trajectory: Trajectory, start: Array | None) -> Iterator[str]:
     if trajectory.path.q is None and start is None:
         shown = zip(trajectory.q[0], trajectory.nominal.prismatic, strict=True)
         said = ",".join(f"{1e3 * q:.0f}" if slides else f"{np.degrees(q):.0f}" for q, slides in shown)
+        units = "deg, mm" if any(trajectory.nominal.prismatic) else "deg"
         yield (
-            f"the posture at the first pose is chosen here: joints {said} (deg, mm); where the arm stands "
+            f"the posture at the first pose is chosen here: joints {said} ({units}); where the arm stands "
             "otherwise, say so (--start): another posture wants another correction"
         )
 

@@ -13,7 +13,7 @@ from ..files.digest import digests
 from ..files.faults import Fault, InputError
 from ..robot.description import load_robot
 from ..robot.kinematics import Array
-from .command import BANDWIDTH_HZ, EXACT, Compensation, compensate
+from .command import Compensation, compensate
 from .conditions import Conditions, carried, stated_conditions
 from .paths import load_path
 from .programs import (
@@ -104,8 +104,6 @@ def compensate_file(
     conditions: Conditions | None = None,
     tool: Array | None = None,
     start: Array | None = None,
-    method: str = EXACT,
-    bandwidth_hz: float = BANDWIDTH_HZ,
     seed: int = 0,
     export: Export | None = None,
 ) -> Written:
@@ -124,9 +122,7 @@ def compensate_file(
         stated_convention(robot)
     wanted = load_path(path, robot)
     conditions = conditions or stated_conditions(robot)
-    done = compensate(
-        robot, wanted, conditions, tool=tool, start=start, method=method, bandwidth_hz=bandwidth_hz, seed=seed
-    )
+    done = compensate(robot, wanted, conditions, tool=tool, start=start, seed=seed)
     source = pathlib.Path(path)
     read = digests([source, *robot.files])  # before the program is written, which may replace the path
     place = pathlib.Path(out) if out else source.with_name(f"{source.stem}_compensated{chosen.extension}")

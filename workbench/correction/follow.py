@@ -22,6 +22,7 @@ STARTS = 128  # random postures that are tried for the first pose
 BRANCHES = 16  # solutions of it that are followed
 MENDED = 4  # of these that are looked at knot by knot
 TRIES_IN_A_ROW = 3  # knots in a row that are tried in vain
+RETRIES = 3  # rounds in which what was not reached is tried from its neighbours
 JUMP = 0.15  # rad or lengths: joints that move by so much more than the way asks for change the branch
 SAME = 1e-3
 
@@ -183,9 +184,9 @@ def _fill(
     return _retry(arm, tip, X, q, solved)
 
 
-def _retry(arm: Arm, tip: Tip, X: Array, q: Array, solved: Bools, rounds: int = 3) -> tuple[Array, Bools]:
+def _retry(arm: Arm, tip: Tip, X: Array, q: Array, solved: Bools) -> tuple[Array, Bools]:
     """Samples that were not reached, once more from the nearest that were."""
-    for _ in range(rounds):
+    for _ in range(RETRIES):
         lost, known = np.flatnonzero(~solved), np.flatnonzero(solved)
         if not len(lost) or not len(known):
             break

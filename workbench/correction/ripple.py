@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..effects.acting import Shares
+from ..effects.base import Effect
 from ..robot.kinematics import Array
 from .extended_arm import ExtendedArm
 
@@ -72,7 +73,7 @@ def left_out(arm: ExtendedArm, q: Array, speed: Array, shares: Shares, J: Array)
         error = 1e3 * np.linalg.norm(J[:, :, joint], axis=1) * np.abs((1 - share) * angle)
         found.append(
             LeftOut(
-                f"{effect.label} of order {effect.where.order:g}",
+                with_order(effect),
                 float(frequency(effect.where.order or 0.0, speed[:, joint]).max()),
                 float(np.sqrt((error**2).mean())),
                 float(error.max()),
@@ -80,6 +81,12 @@ def left_out(arm: ExtendedArm, q: Array, speed: Array, shares: Shares, J: Array)
             )
         )
     return tuple(found)
+
+
+def with_order(effect: Effect) -> str:
+    """What an effect is called, with its cycles per joint turn where it has any: a joint may have several."""
+    order = effect.where.order
+    return effect.label if order is None else f"{effect.label} of order {order:g}"
 
 
 def spans(marked: np.ndarray) -> tuple[tuple[int, int], ...]:

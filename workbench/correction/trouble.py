@@ -33,7 +33,7 @@ class Trouble:
 
 def ranges_of(robot: Robot) -> Range:
     """The joints' limits."""
-    return Range(np.array([j.lower for j in robot.joints]), np.array([j.upper for j in robot.joints]))
+    return Range(*robot.limits.T)
 
 
 def unreached(reached: NDArray[np.bool_], what: str, kind: str = "reach") -> list[Trouble]:

@@ -14,7 +14,7 @@ from ..identification.fit import Fit, refit
 from ..identification.heldout import heldout
 from ..robot.kinematics import Array
 from .chosen import Chosen, Member, Shares
-from .components import Component, Key, bare
+from .components import Component, Key, bare, beside_forms
 from .noise_choice import known_dof
 from .prepared import Prepared
 from .priors import PRIORS
@@ -31,7 +31,7 @@ from .replication import (
     searched_in_parts,
     shown_by,
 )
-from .rounds import BETTER, CLEARER, LOOSE, Round, beside_of, converged, effects_of, refitted
+from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted, scaled_of
 from .scatter import beyond_all
 from .stages import Group, rms_mm
 
@@ -220,7 +220,7 @@ def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
     """What members leave on poses held out, RMS, with all that they have beside their forms where that is
     less."""
     effects = effects_of(best.competition, members)
-    beside = beside_of(best.competition, members, effects, best.found.model.problem)
+    beside = beside_forms(scaled_of(best.competition, members), best.found.model.problem, effects)
     models = [effects, [*effects, *beside]] if beside else [effects]
     return min(rms_mm(heldout(refitted(best.found, model))) for model in models)
 

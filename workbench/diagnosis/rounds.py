@@ -87,7 +87,8 @@ def _converged(
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
-    more than that, is what it leaves: else the data would be believed in what no member can say.
+    more than that, is what it leaves: else the data would be believed in what no member can say. What gear
+    lines have beside them is no scatter, no noise and no other line.
     A set that stays is judged at its own fit.
     """
     base, lines, errors, beside = geometry.noise, list[Line](), list[float](), list[Effect]()
@@ -98,10 +99,11 @@ def _converged(
         competition = _competition(at, candidates, lines, base, noise_dof)
         members = competition.best(labels)
         effects = effects_of(competition, members)
-        beside = beside_of(competition, members, effects, at.model.problem)
+        with_bands = [one for one in scaled_of(competition, members) if one[0].ordered]
+        beside = list(beside_forms(with_bands, at.model.problem, effects))
         labels = [competition.components[m.component].label for m in members]
         if not noise_known:
-            at_base = refitted(replace(at, noise=base), effects)
+            at_base = refitted(replace(at, noise=base), [*effects, *beside])
             base = from_residual(at_base)[0]
         after = found = _fitted(at if noise_known else at_base, effects, beside, base, scatters)
         whole = refitted(found, [*found.model.effects, *beside])
@@ -219,13 +221,10 @@ def effects_of(competition: Competition, members: Sequence[Member]) -> list[Effe
     return out
 
 
-def beside_of(
-    competition: Competition, members: Sequence[Member], effects: Sequence[Effect], problem: Problem
-) -> list[Effect]:
-    """What members have beside their forms, in their scales, that is not among the effects."""
+def scaled_of(competition: Competition, members: Sequence[Member]) -> list[tuple[Effect, float]]:
+    """The effects of members' forms, each in its member's scale."""
     parts = competition.components
-    forms = [(e, m.scale) for m in members for e in parts[m.component].forms[m.form].effects]
-    return list(beside_forms(forms, problem, effects))
+    return [(e, m.scale) for m in members for e in parts[m.component].forms[m.form].effects]
 
 
 def worth_of(chosen: Chosen, without: int, main: Index) -> float:

@@ -4,7 +4,7 @@ from .faults import FAULTS_SHOWN
 from .table_columns import Column, ColumnPlace, Layout, suggest
 from .table_read import Table, parse_table, read_table
 from .table_units import UNITS
-from .table_write import column_cells, number_text, table_text, write_table
+from .table_write import column_cells, number_text, table_text
 
 __all__ = [
     "FAULTS_SHOWN",
@@ -19,5 +19,4 @@ __all__ = [
     "read_table",
     "suggest",
     "table_text",
-    "write_table",
 ]

@@ -15,7 +15,7 @@ def write_all(
     diagnosis: Diagnosis,
     robot: Robot,
     folder: str | Path,
-    q: Array | None = None,
+    q: Array,
     ghost_q: Array | None = None,
     ghost_label: str = "",
     beside: Mapping[str, bytes] = MappingProxyType({}),
@@ -23,7 +23,7 @@ def write_all(
     """Write `result.json`, `index.html`, `report.pdf` and `scene.html`; their paths.
 
     Everything is made before anything is written, so a failure leaves the folder as it was.
-    `q`, `ghost_q`, `ghost_label`: poses of the scene, see `scene.scene`. beside: more files, by name.
+    `q`, `ghost_q`, `ghost_label`: of the scene, see `scene.Shown`. beside: more files, by name.
     """
     from .content import gather
     from .page import page
@@ -38,4 +38,4 @@ def write_all(
         "scene.html": scene(diagnosis, robot, q, ghost_q, ghost_label).encode(),
         **beside,
     }
-    return write_together({Path(folder) / name: data for name, data in made.items()})
+    return write_together(Path(folder), made)

@@ -71,17 +71,20 @@ def curves(
     log: bool = False,
     height: float = 2.7,
 ) -> Figure:
-    """Curves over a common x (K,); intervals as bands (of "o" series: as bars)."""
+    """Curves over a common x (K,); intervals as bands, of "o" series as bars, side by side where x counts."""
     at = np.asarray(x, dtype=float)
+    counts = bool((at == np.round(at)).all())
+    shift = np.linspace(-0.06, 0.06, len(series)) if counts and len(series) > 1 else np.zeros(len(series))
     with drawing(name, height) as (axes, svg):
-        for colour, (key, given) in zip(_colours(series), series.items(), strict=True):
-            _curve(axes, at, given, colour, key)
+        for k, (colour, (key, given)) in enumerate(zip(_colours(series), series.items(), strict=True)):
+            bars = "o" in given.style and given.low is not None
+            _curve(axes, at + bars * shift[k], given, colour, key)
         if log:
             axes.set_yscale("log")
             plain_log(axes.yaxis)
         axes.set(xlabel=xlabel, ylabel=ylabel)
         axes.margins(x=0.02)
-        if (at == np.round(at)).all():
+        if counts:
             from matplotlib.ticker import MaxNLocator
 
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -166,10 +169,9 @@ def plane(
     series: Mapping[str, Trace],
     xlabel: str,
     ylabel: str,
-    height: float = 4.2,
 ) -> Figure:
     """Lines in a plane with equal scales: a path seen from above."""
-    with drawing(name, height) as (axes, svg):
+    with drawing(name, 4.2) as (axes, svg):
         for key, line in series.items():
             axes.plot(line.x, line.y, line.style, color=line.colour, lw=1.4, label=key)
         axes.set(xlabel=xlabel, ylabel=ylabel, aspect="equal")

@@ -46,7 +46,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> None:
         "report.pdf": typeset("comparison.typ", said, figures),
         "comparison.json": json_bytes(comparison.to_json()),
     }
-    write_together({folder / name: data for name, data in made.items()})
+    write_together(folder, made)
 
 
 def short_comparison(comparison: Comparison, folder: Path | None) -> str:

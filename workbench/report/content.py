@@ -51,6 +51,14 @@ LAMBDA = (
     "their form, which no real machine is, and one may be likelier than the other before the data. So a "
     "cause may be open at a large λ: it is settled where λ outweighs both."
 )
+DETECTABLE = (
+    "Smaller effects than these would have stayed unseen (80 % power). Of a mass, a length is how far its "
+    "centre would have to be off."
+)
+UNIDENTIFIABLE = (
+    "These corrections of the joints' frames (tx, ty, tz: shifts; rx, ry, rz: turns; z is the axis of "
+    "motion) stay as the model has them: in these poses they move no point, or as others do."
+)
 OUTSIDE = "something that no cause of the catalogue explains"
 SOURCES = {
     "stated": "stated in the campaign",
@@ -78,8 +86,10 @@ def content(diagnosis: Diagnosis) -> Content:
         "of_lambda": LAMBDA if any(finding.decide for finding in diagnosis.causes) else "",
         "not_testable": not_testable(diagnosis),
         "detectable": detectable(diagnosis),
+        "detectable_said": DETECTABLE,
         "faults": [_fault(fault) for fault in diagnosis.faults],
         "unidentifiable": unidentifiable(diagnosis),
+        "unidentifiable_said": UNIDENTIFIABLE,
         "geometry": [_geometry(parameter) for parameter in diagnosis.geometry],
         "facts": [[name, value] for name, value in _facts(diagnosis)],
         "notes": list(diagnosis.notes),
@@ -340,7 +350,7 @@ def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         ("Robot", f"{diagnosis.robot_title} ({diagnosis.robot})"),
         ("Campaign", diagnosis.campaign),
         ("Measured", f"{diagnosis.n_poses} poses, {diagnosis.n_points} points"),
-        ("Noise", f"σ = {mm(noise.sigma_mm)} mm per axis, {SOURCES[noise.source]}. {noise.sentence}".strip()),
+        ("Noise, one sigma", noise.sentence or f"{mm(noise.sigma_mm)} mm per axis, {SOURCES[noise.source]}"),
     ]
     if noise.repeatability_mm is not None:
         facts.append(("Repeatability", f"{mm(noise.repeatability_mm)} mm per axis, one sigma"))

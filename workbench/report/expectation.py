@@ -207,7 +207,7 @@ def write_expected(expected: Expected, folder: Path) -> None:
         "errors.csv": table_text(HEAD, _rows(e)).encode(),
         "predict.json": json_bytes(expected.to_json()),
     }
-    write_together({folder / name: data for name, data in made.items()})
+    write_together(folder, made)
 
 
 def _rows(e: ToolErrors) -> list[Sequence[str]]:
@@ -235,8 +235,8 @@ def _shares(expected: Expected, e: ToolErrors) -> Figure:
             axes.axvline(1e3 * expected.tolerance, color=MIDDLE, lw=1)
         axes.set_xscale("log")
         plain_log(axes.xaxis)
-        axes.set_xlabel("95 % bound of the error (mm)")
-        axes.set_ylabel("poses inside (%)")
+        axes.set_xlabel("95 % bound of the error, mm")
+        axes.set_ylabel("poses inside, %")
         axes.legend()
     return Figure("shares", "At how many poses the tool stays inside", expected.headline, svg[0])
 

@@ -134,13 +134,15 @@ def campaign(diagnosis: Diagnosis) -> Figure | None:
         dots(axes, poses + 1.0, worst_after, AFTER, "after")
         axes.set_yscale("log")
         plain_log(axes.yaxis)
-        axes.axhline(3.4 * diagnosis.noise.sigma_mm, color=NOISE, ls="--", lw=1.2)
+        axes.axhline(
+            3.4 * diagnosis.noise.sigma_mm, color=NOISE, ls="--", lw=1.2, label="noise alone: seldom more"
+        )
         if len(odd):
             ring = {"ms": 10, "mfc": "none", "mec": INK, "mew": 1.2}
             axes.plot(poses[odd] + 1, worst_after[odd], "o", **ring, label="data fault")
         axes.set(xlabel="pose, in the order of the campaign", ylabel="worst point of the pose, mm")
         axes.set_xlim(0, poses.max() + 2)
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
     share = np.mean(worst_after < worst_before)
     said = mm_change(float(np.median(worst_before)), float(np.median(worst_after)))
     return Figure(

@@ -163,7 +163,7 @@ def write_check(checked: Checked, folder: Path) -> None:
         "scene.html": scene_of(checked.robot, checked.shown, checked.title).encode(),
         "check.json": json_bytes(checked.facts),
     }
-    write_together({folder / name: data for name, data in made.items()})
+    write_together(folder, made)
 
 
 def _picture(checked: Checked, where: Frames) -> Figure:
@@ -175,8 +175,8 @@ def _picture(checked: Checked, where: Frames) -> Figure:
             ax.plot(joints[:, a], joints[:, b], "-o", color=MUTED, lw=4, ms=6, mfc=INK, mec="none", zorder=1)
             _scatter(ax, shown.points[~bad], a, b, AFTER, "measured")
             _scatter(ax, shown.points[bad], a, b, BEFORE, "suspicious")
-            ax.set_xlabel(f"{'xyz'[a]} (m)")
-            ax.set_ylabel(f"{'xyz'[b]} (m)")
+            ax.set_xlabel(f"{'xyz'[a]}, m")
+            ax.set_ylabel(f"{'xyz'[b]}, m")
             ax.set_aspect("equal", adjustable="datalim")
         if len(shown.points):
             axes[0].legend()

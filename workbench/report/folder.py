@@ -10,10 +10,11 @@ from typing import Any
 from ..files.whole import put_all
 
 
-def write_together(files: Mapping[Path, bytes]) -> tuple[Path, ...]:
-    """Write the files of one result, all or none; their paths. The folders they stand in are made."""
-    put_all(files)
-    return tuple(files)
+def write_together(folder: Path, files: Mapping[str, bytes | str]) -> tuple[Path, ...]:
+    """Write the files of one result, by their names in the folder, all or none; their paths."""
+    placed = {folder / name: data for name, data in files.items()}
+    put_all(placed)
+    return tuple(placed)
 
 
 def json_bytes(data: Mapping[str, Any]) -> bytes:

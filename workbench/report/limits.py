@@ -33,13 +33,16 @@ def detectable(diagnosis: Diagnosis) -> list[list[str]]:
     """One row per cause: the smallest size at each place, and where no possible size would show."""
     seen: dict[str, list[str]] = {}
     unseen: dict[str, list[str]] = {}
+    placed = {item.cause for item in diagnosis.detectable if place(item.where)}
     for item in diagnosis.detectable:
-        cause, where = words(item.cause), place(item.where.any_order)
+        cause = words(item.cause)
+        where = place(item.where.any_order) or ("all alike" if item.cause in placed else "")
         seen.setdefault(cause, [])
         if not item.size < IMPOSSIBLE.get(item.unit, math.inf):
             unseen.setdefault(cause, []).append(where)
             continue
-        seen[cause].append(f"{where} {size(item.size, item.unit, item.name)}".strip())
+        whole = size(item.size, item.unit, item.name).replace(" ", "\u00a0")  # on one line
+        seen[cause].append(f"{where} {whole}".strip())
     for cause, places in unseen.items():
         seen[cause].append("at no size: " + ", ".join(filter(None, places)) if any(places) else "at no size")
     return [[cause, " · ".join(sizes)] for cause, sizes in seen.items()]

@@ -22,10 +22,10 @@ def write_outcome(outcome: Outcome, folder: str | Path) -> None:
     n = int(np.argmax(np.abs(axial).sum(axis=1)))
     q = outcome.problem.q[n]
     bend = float(np.abs(axial[n]).max())
-    ghost = label = None
+    ghost, label = None, ""
     if bend > 1e-7:
         factor = float(f"{0.1 / bend:.1g}")
         ghost, label = q + factor * axial[n], f"loaded, deflection × {factor:g}"
     files = fit_files(folder / "model.toml", fit)
     model = {path.relative_to(folder).as_posix(): text.encode() for path, text in files.items()}
-    write_all(outcome.diagnosis, outcome.problem.robot, folder, q, ghost, label or "", model)
+    write_all(outcome.diagnosis, outcome.problem.robot, folder, q, ghost, label, model)

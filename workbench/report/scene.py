@@ -45,13 +45,12 @@ class Shown:
 def scene(
     diagnosis: Diagnosis,
     robot: Robot,
-    q: Array | None = None,
+    q: Array,
     ghost_q: Array | None = None,
-    ghost_label: str = "the same pose under load, deflection enlarged",
+    ghost_label: str = "",
 ) -> str:
-    """The scene of a diagnosis as one HTML text. q: default a pose in the middle of the campaign."""
-    shown = shown_of(diagnosis, _middle_pose(diagnosis, robot) if q is None else q)
-    shown = replace(shown, ghost_q=ghost_q, ghost_label=ghost_label)
+    """The scene of a diagnosis as one HTML text, with the robot and its ghost at joints (n,); see `Shown`."""
+    shown = replace(shown_of(diagnosis, q), ghost_q=ghost_q, ghost_label=ghost_label)
     return scene_of(robot, shown, f"{diagnosis.robot_title}, {diagnosis.campaign}")
 
 
@@ -76,15 +75,6 @@ def scene_of(robot: Robot, shown: Shown, title: str) -> str:
         look(meshcat, view, data["centre"], data["extent"], (reach[-1] - reach[0]) @ view)
         html: str = meshcat.StaticHtml()
     return with_panel(html, "scene_overlay.html", data, title)
-
-
-def _middle_pose(diagnosis: Diagnosis, robot: Robot) -> Array:
-    """The measured pose nearest to the median of all; joints at zero when there is none."""
-    if diagnosis.q is None or len(diagnosis.q) == 0:
-        return np.zeros(len(robot.joints))
-    spread = np.std(diagnosis.q, axis=0) + 1e-9
-    distance = np.linalg.norm((diagnosis.q - np.median(diagnosis.q, axis=0)) / spread, axis=1)
-    return np.asarray(diagnosis.q[int(np.argmin(distance))])
 
 
 def _data(shown: Shown, links: Array, view: Array) -> dict[str, Any]:

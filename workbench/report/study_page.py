@@ -34,7 +34,7 @@ def write_study(study: Study, folder: Path) -> None:
     }
     if study.sealed:
         made[TRUTH] = json_bytes({"campaigns": study.sealed})
-    write_together({folder / name: data for name, data in made.items()})
+    write_together(folder, made)
 
 
 def page(study: Study, said: Mapping[str, Any]) -> str:

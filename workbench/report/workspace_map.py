@@ -33,8 +33,8 @@ def workspace_map(
             _cells(ax, places[:, view], value, outside, edges)
             at = measured[:, view]
             ax.plot(at[:, 0], at[:, 1], ".", color=INK, ms=2, zorder=3)
-            ax.set_xlabel(f"{'xyz'[view[0]]} (m)")
-            ax.set_ylabel(f"{'xyz'[view[1]]} (m)")
+            ax.set_xlabel(f"{'xyz'[view[0]]}, m")
+            ax.set_ylabel(f"{'xyz'[view[1]]}, m")
             ax.set_aspect("equal", adjustable="datalim")
         _legend(axes[0], edges, bool(outside.any()), bool(len(measured)))
     low, high = (1e3 * float(end(value[~outside])) for end in (np.min, np.max))

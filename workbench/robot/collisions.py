@@ -140,7 +140,7 @@ def collisions(
 def _levers(robot: Robot, arm: Arm, hulls: Sequence[Hull]) -> Array:
     """(n, n + 1) bounds on how far [m] 1 rad (1 m) of each joint moves what a slot carries."""
     out = np.zeros((arm.n, arm.n + 1))
-    ends = np.nan_to_num([(j.lower, j.upper) for j in robot.joints], posinf=np.pi, neginf=-np.pi)
+    ends = np.nan_to_num(robot.limits, posinf=np.pi, neginf=-np.pi)
     slide = np.where(arm.prismatic, np.abs(ends).max(axis=1), 0.0)
     for hull in hulls:
         far = float(np.linalg.norm(hull.vertices, axis=1).max())

@@ -92,6 +92,11 @@ class Robot:
         return tuple(joint.kind == "prismatic" for joint in self.joints)
 
     @property
+    def limits(self) -> NDArray[np.float64]:
+        """(n, 2) lower and upper limit of each joint [rad, m], infinite where there is none."""
+        return np.array([(joint.lower, joint.upper) for joint in self.joints])
+
+    @property
     def repeatability(self) -> NDArray[np.float64]:
         """(n,) of the joints, one sigma [rad, m]; zero where the TOML states none."""
         return np.array([joint.data.repeatability or 0.0 for joint in self.joints])
@@ -107,11 +112,11 @@ class Robot:
         return {joint.name: joint for joint in self.joints}[name]
 
 
-def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
+def load_robot(robot: str | Path) -> Robot:
     """Load a robot by name or by path and check it.
 
-    robot: a name that `list_robots` has, or the path of a robot's TOML, a model.toml included; beside: the
-    folder from which a relative path counts. Raises `InputError` with every fault of the TOML and the URDF.
+    robot: a name that `list_robots` has, or the path of a robot's TOML, a model.toml included. Raises
+    `InputError` with every fault of the TOML and the URDF.
 
     >>> from workbench import load_robot
     >>> robot = load_robot("cylindrical")
@@ -120,7 +125,7 @@ def load_robot(robot: str | Path, beside: Path | None = None) -> Robot:
     >>> robot.joint("joint_1").data.stiffness  # N·m/rad
     1000000.0
     """
-    path = find_robot(robot, beside)
+    path = find_robot(robot)
     file = parse_robot(path)
     urdf = path.parent / file.urdf
     found = read_chain(read_urdf(urdf), file.flange, file.base)

@@ -77,10 +77,6 @@ class ElasticTwin:
         """Mass [kg] and mass times centre of mass (3,) [kg·m] of tool and payload, flange frame."""
         self.built.bodies[-1].SetSpatialInertiaInBodyFrame(self.context, point_inertia(mass, moment))
 
-    def set_stiffness(self, slot: int, component: int, stiffness: float) -> None:
-        """Stiffness of one of Drake's own turning springs [N·m/rad]. Raises KeyError where there is none."""
-        self.springs[slot, component].SetStiffness(self.context, stiffness)
-
     def set_loads(self, loads: Loads) -> None:
         """Payload, wrench, joint torques and the compensator's charge of one pose (N = 1). Raises ValueError
         for another coil or another gas than the twin was built with."""

@@ -15,6 +15,7 @@ from .guess import Guess, guess_flange
 from .meshes import mesh_files, mesh_notes, pictures, unreadable
 from .packages import Given
 from .plain_urdf import left_out, plain_text
+from .schema import STANDARD_GRAVITY
 from .urdf import parse_urdf, read_xml
 from .xacro_files import expanded, is_xacro
 
@@ -81,7 +82,7 @@ def _name(source: Path, arguments: Mapping[str, str]) -> str:
 
 def _toml(name: str, guess: Guess, chain: Chain, source: Path) -> str:
     """The robot's TOML: what is known, and as comments what is worth stating."""
-    gravity = [round(9.80665 * value, 9) + 0.0 for value in chain.down]
+    gravity = [round(STANDARD_GRAVITY * value, 9) + 0.0 for value in chain.down]
     head = toml_text({"schema": 1, "name": name, "title": name, "urdf": f"{name}.urdf"})
     lines = [
         "# Made by `workbench init`. Lines that begin with # may be filled in; leave what is not known.",

@@ -80,7 +80,7 @@ def axial_joint(
 
 
 def give_joint(
-    plant: MultibodyPlant, name: str, frame: Frame, axis: Array, point: Array | None, damping: float = 0.0
+    plant: MultibodyPlant, name: str, frame: Frame, axis: Array, point: Array | None, damping: float
 ) -> Joint:
     """A joint that turns about `axis` (3,) through `point` (3,) [m], or shifts along it (None)."""
     body = plant.AddRigidBody(f"{name}_body", SpatialInertia.Zero())
@@ -91,7 +91,7 @@ def give_joint(
     return plant.AddJoint(kind(name, on_parent, on_child, axis, damping=damping))
 
 
-def add_rotor(plant: MultibodyPlant, joint: Joint, inertia: float, gear_ratio: float = 1.0) -> None:
+def add_rotor(plant: MultibodyPlant, joint: Joint, inertia: float, gear_ratio: float) -> None:
     """Gives a joint's own motion the inertia of a rotor [kg·m² on the rotor's side]."""
     actuator = plant.AddJointActuator(f"{joint.name()}_rotor", joint)
     actuator.set_default_rotor_inertia(inertia)

@@ -59,9 +59,9 @@ def link_poses(robot: Robot, q: Array) -> Array:
     return out
 
 
-def arrays(robot: Robot, twin: Twin | None = None) -> Arm:
-    """The arm's arrays, read from the rigid twin's Context (once)."""
-    twin = twin or rigid_twin(robot)
+def arrays(robot: Robot) -> Arm:
+    """The arm's arrays, read from the rigid twin's Context."""
+    twin = rigid_twin(robot)
     plant, context = twin.plant, twin.context
     n = len(robot.joints)
     slots = n + 2

@@ -1,7 +1,7 @@
 """Measured campaigns from Drake: its kinematics, its torques, its loaded equilibrium, pose by pose.
 
 What the simulated robot is really like stands in a `Truth`: geometry, effects of the catalogue, and
-hooks for forms that the catalogue does not have. The batch model of `model.py` takes no part in it.
+hooks for forms that the catalogue does not have. The batch model of `identification` takes no part in it.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ To begin one of your own, copy a folder to any place and change it:
 What such a page says it has to earn:
 
 - `judge(accounts, items, draws, run)` holds several accounts of how the print came to be, the authors' own
-  among them, against all that is printed; `accounts_table`, `odds_table` and so on show it.
+  among them, against all that is printed; `account_items(judged)` shows it.
 - `calibrated(judged, items)` gives odds that are as right as they say, for few draws of many numbers: worlds
   drawn from the accounts are judged as the print is (`calibrated_table`, `stated_table`).
 - `draw_many(work, priors, draws, run)` draws the headline over seeds and over what had to be assumed;
@@ -43,7 +43,13 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-PUBLISHED = ("cylindrical", "kr500", "kr120", "rx170", "longlink")
+PUBLISHED = {  # and what each is about, for --help
+    "cylindrical": "stiffness of a robot with one turning and two sliding joints",
+    "kr500": "stiffness by cells of the workspace",
+    "kr120": "stiffness of an arm with a gas spring",
+    "rx170": "joint errors of a spiral, corrected offline",
+    "longlink": "calibration of seven joints on long links",
+}
 
 
 def as_package(script: str) -> str:

@@ -13,6 +13,16 @@ from .evidence import LEAST, Evidence
 from .priors import Prior
 
 
+def account_items(judged: Judged) -> dict[str, Table | Figure]:
+    """What a story shows of its accounts: `accounts`, `odds_table`, `odds`, and `needs`."""
+    return {
+        "accounts": accounts_table(judged),
+        "odds_table": odds_table(judged),
+        "odds": odds_figure(judged),
+        "needs": needs_table(judged),
+    }
+
+
 def accounts_table(judged: Judged) -> Table:
     """Account × printed item."""
     names = [item.name for item in judged.items]
@@ -90,12 +100,8 @@ def shared(judged: Judged) -> dict[str, Prior]:
     return {k: p for k, p in first.priors.items() if all(a.priors.get(k) == p for a in others)}
 
 
-def odds_figure(judged: Judged, name: str = "odds") -> Figure:
-    """Evidence of each account, relative to the best.
-
-    judged: as `judge` gives it; name: of the figure. An account's log₁₀ odds with two Monte-Carlo errors to
-    either side.
-    """
+def odds_figure(judged: Judged) -> Figure:
+    """Log₁₀ odds of each account to the best, with two Monte-Carlo errors to either side."""
     best = judged.evidence[judged.best].log10
     logs = [max(e.log10 - best, -300.0) for e in judged.evidence.values()]
     errors = [min(e.error, 300.0) for e in judged.evidence.values()]
@@ -115,7 +121,7 @@ def odds_figure(judged: Judged, name: str = "odds") -> Figure:
         title = f"Of the accounts, “{_words(judged, first)}” carries {probability(shares[first])}"
     names = [a.words for a in judged.accounts]
     return charts.rows(
-        name, title, names, series, "log₁₀ of the odds to the best account, ± two standard deviations"
+        "odds", title, names, series, "log₁₀ of the odds to the best account, ± two standard deviations"
     )
 
 

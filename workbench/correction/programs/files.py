@@ -1,4 +1,4 @@
-"""Programs to and from disk, and what the rounding of their numbers does at the tool."""
+"""Programs to disk, and what the rounding of their numbers does at the tool."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...files.faults import Fault, InputError, read_text
+from ...files.faults import Fault, InputError
 from ...files.whole import put_all
 from ...robot import rotations
 from .base import Array, Program
@@ -39,18 +39,14 @@ def rounding_effect(
     program: Program,
     format: Format,
     forward: Callable[[Array], Array] | None = None,
-    lever: float = 0.0,
 ) -> RoundingEffect:
     """Writes the program, reads it back and compares, at the tool.
 
     forward: (N, n) joints → (N, 4, 4) tool poses; needed for a program of joints.
-    lever:   distance [m] of the point that matters from the origin of X (the flange, say): a turn
-             counts with it.
     The tool's own frame is rounded too: what the controller does is X̃ T̃⁻¹ T.
     """
     off, turned = zip(*(_rounded(piece, format, forward) for piece in _pieces(program, format)), strict=True)
-    angle = np.concatenate(turned)
-    error = np.concatenate(off) + lever * angle
+    error, angle = np.concatenate(off), np.concatenate(turned)
     return RoundingEffect(1e3 * float(error.mean()), 1e3 * float(error.max()), float(np.degrees(angle.max())))
 
 
@@ -166,21 +162,3 @@ def beside(path: Path) -> list[Path]:
     there = sorted(path.parent.iterdir())
     found = [one for pattern in wanted for one in there if fnmatchcase(one.name.lower(), pattern.lower())]
     return list(dict.fromkeys(found))
-
-
-def read_program(path: Path, format: Format) -> Program:
-    """The program in a file, with the files that belong to it (VAL 3: the folder; KRL: its .dat)."""
-    if path.is_dir():
-        found = sorted(path.glob(f"*{format.extension}"))
-        if not found:
-            raise InputError(Fault(str(path), f"has no {format.extension} file", "name the file"))
-        path = found[0]
-    files = {one.name: read_text(one) for one in (path, *beside(path))}
-    try:
-        return format.read(files)
-    except InputError:
-        raise
-    except (ValueError, IndexError) as error:
-        raise InputError(
-            Fault(str(path), f"is no {format.title} program: {error}", "check the format")
-        ) from error

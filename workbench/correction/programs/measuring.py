@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -66,7 +65,7 @@ def measuring_program(
     return as_shown(program, robot, as_urdf) if format.own_joints else program
 
 
-def check_format(robot: Robot, format: Format, as_urdf: bool = False) -> None:
+def check_format(robot: Robot, format: Format, as_urdf: bool) -> None:
     """Raises `InputError` where no program of the format drives this robot: to be asked before poses are
     chosen."""
     limits = ranges_of(robot)
@@ -80,10 +79,3 @@ def approaches(robot: Robot, q: Array, sides: Array) -> Array:
     before = q - sides * np.where(robot.sliding, APPROACH[1], APPROACH[0])
     limits = ranges_of(robot)
     return np.clip(before, limits.lower, limits.upper)
-
-
-def measured(program: Program) -> Program:
-    """The targets at which a measuring program stands still, without what it passes on the way to them."""
-    still = program.dwell > 0
-    assert program.q is not None
-    return replace(program, q=program.q[still], dwell=program.dwell[still], time=None)

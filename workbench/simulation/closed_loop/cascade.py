@@ -43,7 +43,8 @@ class Gains:
 class Cascade:
     """The feedback of n joints, on columns: every state is (n,), or (n, m) for m cases at once.
 
-    limit: (n,) torque; speed: (n,) set-point's; both infinite in the linear analysis.
+    before: encoders at the last reading; speed: as measured and filtered; integral: the velocity loop's
+    torque; correction: of the velocity, by the position loop.
     """
 
     loop: Loop

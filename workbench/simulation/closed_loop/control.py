@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 from pydrake.multibody.tree import MultibodyForces
-from scipy.ndimage import gaussian_filter1d
 
 from ...robot.compensator import compensator_law
 from ...robot.description import Robot
@@ -16,7 +15,7 @@ from ...robot.loop import Loop
 from ...robot.rigid_plant import arrays
 from .drives import rigid_machine
 from .mechanics import Mechanics
-from .motion import Motion, interpolated
+from .motion import Motion, interpolated, slow_part
 
 FEED_FORWARD_PERIOD = 0.004  # s between the instants at which the nominal robot's torques are computed
 
@@ -28,9 +27,7 @@ def feed_forward(nominal: Mechanics, motion: Motion, loop: Loop) -> Array:
     the motor has to, and its own inertia is added to these torques for the whole command.
     """
     stride = max(1, round(FEED_FORWARD_PERIOD / motion.period))
-    slow = gaussian_filter1d(
-        motion.q, 1 / (2 * np.pi * loop.feed_forward_hz) / motion.period, axis=0, mode="nearest"
-    )
+    slow = slow_part(motion.q, loop.feed_forward_hz, motion.period)
     v = np.gradient(slow, motion.period, axis=0)
     a = np.gradient(v, motion.period, axis=0)
     at = np.unique(np.append(np.arange(0, len(slow), stride), len(slow) - 1))

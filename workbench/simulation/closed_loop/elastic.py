@@ -12,8 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
 
 from ...correction.conditions import Conditions
 from ...correction.paths import Path
@@ -23,7 +21,7 @@ from ...robot.kinematics import Arm, Array, Frames, frames
 from ...robot.loads import Loads
 from ...robot.loop import Loop
 from ...robot.rotations import cross
-from .motion import Motion, interpolated
+from .motion import Motion, interpolated, slow_part
 
 PERIOD = 0.004  # s between the instants at which the deflection is computed
 
@@ -38,7 +36,7 @@ def with_elastic_lead(
     t = np.append(np.arange(0.0, moved.duration, PERIOD), moved.duration)
     joints = interpolated(t, moved.times, moved.q)
     # twice as far as the torques: what is fed forward here does not drive a mode
-    slow = gaussian_filter1d(joints, 1 / (4 * np.pi * loop.feed_forward_hz) / PERIOD, axis=0, mode="nearest")
+    slow = slow_part(joints, 2 * loop.feed_forward_hz, PERIOD)
     at = _nearest(t, moved)
     trajectory = trajectory_of(belief, replace(path, q=q, X=None), conditions, tool)
     extended = trajectory.extended
@@ -52,11 +50,7 @@ def with_elastic_lead(
     tip, nominal = trajectory.tip, trajectory.nominal
     moved_by = tip.error(frames(arm, slow, direct + yields), tip.pose(where))
     gain = tip.gain(nominal, tip.jacobian(nominal, frames(nominal, slow)))
-    lead = CubicSpline(t, np.einsum("kij,kj->ki", gain, tip.scaled(moved_by)), bc_type="natural")
-    times = moved.times
-    return replace(
-        moved, q=moved.q + lead(times), v=moved.v + lead(times, 1), a=moved.a + lead(times, 2)
-    )  # fmt: skip
+    return moved.ahead(t, np.einsum("kij,kj->ki", gain, tip.scaled(moved_by)))
 
 
 def _nearest(t: Array, moved: Motion) -> NDArray[np.int64]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...correction.conditions import Conditions
+from ...correction.paths import Path as Wanted
 from ...correction.paths import load_path
 from ...files.digest import digests
 from ...files.faults import Fault, InputError
@@ -33,6 +34,7 @@ from .verification import (
 )
 
 DIGITS = 9  # of errors
+WIDTH = max(map(len, COMMAND_NAMES.values()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +56,15 @@ class Verified:
         lines += [f"{found.robot.title}, {found.path.title}: {found.judged} in closed loop"]
         for series in found.series:
             lines.append(
-                f"  {f'at {speed_text(series.speed)}, mm':<30}"
-                + "".join(f"{name:>9}" for name in ("mean", "RMS", "95 %", "max", "R_a", "R_z"))
+                f"  {f'at {speed_text(series.speed)}, mm':<{WIDTH}}"
+                + "".join(f"{name:>9}" for name in ("mean", "RMS", "95 %", "max", "Ra", "Rz"))
             )
             for name, trial in series.trials.items():
                 f = trial.figures
                 values = (f.mean_mm, f.rms_mm, f.p95_mm, f.max_mm, f.ra_mm, f.rz_mm)
-                lines.append(f"  {COMMAND_NAMES[name]:<30}" + "".join(f"{mm(value):>9}" for value in values))
+                lines.append(
+                    f"  {COMMAND_NAMES[name]:<{WIDTH}}" + "".join(f"{mm(value):>9}" for value in values)
+                )
             lines.append(f"  {found.repeatability.short}; {step_said(series)}")
         for r in found.repeats:
             rt = "not known" if r.rt_mm is None else f"{mm(r.rt_mm)} mm"
@@ -101,24 +105,7 @@ def verify_file(
     the other arguments were read from. Raises `InputError` with all faults of the files; nothing is written
     then.
     """
-    faults: list[Fault] = []
-    robots: list[Robot] = []
-    for file in (model, truth):
-        try:
-            robots.append(load_robot(file) if file is not None else robots[0])
-        except InputError as error:
-            faults += error.faults
-        except IndexError:
-            break
-    try:
-        wanted = load_path(path, robots[0] if robots else None)
-    except InputError as error:
-        faults += error.faults
-    if out is not None and Path(out).exists() and not Path(out).is_dir():
-        faults.append(Fault(str(out), "is a file, not a folder", "name a folder with --out"))
-    if faults:
-        raise InputError(faults)
-    belief, true_robot = robots
+    wanted, belief, true_robot = _read(path, model, truth, out)
     found = verify(
         wanted,
         true_robot,
@@ -140,6 +127,28 @@ def verify_file(
     return Verified(found, write_verification(found, Path(out)) if out is not None else ())
 
 
+def _read(
+    path: str | Path, model: str | Path, truth: str | Path | None, out: str | Path | None
+) -> tuple[Wanted, Robot, Robot]:
+    """The path, the model and the truth. Raises `InputError` with the faults of all, and of `out`."""
+    faults: list[Fault] = []
+
+    def tried(load: Callable[..., Any], *source: Any) -> Any:
+        try:
+            return load(*source)
+        except InputError as error:
+            faults.extend(error.faults)
+
+    belief = tried(load_robot, model)
+    true_robot = belief if truth is None else tried(load_robot, truth)
+    wanted = tried(load_path, path, belief or true_robot)
+    if out is not None and Path(out).exists() and not Path(out).is_dir():
+        faults.append(Fault(str(out), "is a file, not a folder", "name a folder with --out"))
+    if faults:
+        raise InputError(faults)
+    return wanted, belief, true_robot
+
+
 def write_verification(found: Verification, folder: Path) -> tuple[Path, ...]:
     """Writes `verify.json`, `verify.html`, `scene.html`, `errors.csv`, all of them or none; their paths."""
     from .page import page
@@ -151,7 +160,7 @@ def write_verification(found: Verification, folder: Path) -> tuple[Path, ...]:
         "scene.html": scene(found).encode(),
         "errors.csv": _errors(found).encode(),
     }
-    return write_together({folder / name: data for name, data in made.items()})
+    return write_together(folder, made)
 
 
 def _errors(found: Verification) -> str:

@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
 
 from ...correction.conditions import Conditions
 from ...correction.paths import Path
@@ -19,7 +17,7 @@ from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.loop import Loop
 from ...robot.rotations import vectors
-from .motion import Motion, interpolated
+from .motion import Motion, interpolated, slow_part
 
 PERIOD = 0.004  # s of the lead's grid
 
@@ -46,13 +44,6 @@ def with_loop_lead(
     error[:, 3:] = vectors(wanted[:, :3, :3] @ predicted[:, :3, :3].swapaxes(1, 2))
     change = np.einsum("kij,kj->ki", trajectory.gain(slice(None)), trajectory.tip.scaled(error))
     t = np.append(np.arange(0.0, moved.duration, PERIOD), moved.duration)
-    smooth = gaussian_filter1d(
-        interpolated(t, moved.sample_times, change),
-        1 / (2 * np.pi * loop.feed_forward_hz) / PERIOD,
-        axis=0,
-        mode="nearest",
+    return moved.ahead(
+        t, slow_part(interpolated(t, moved.sample_times, change), loop.feed_forward_hz, PERIOD)
     )
-    lead, times = CubicSpline(t, smooth, bc_type="natural"), moved.times
-    return replace(
-        moved, q=moved.q + lead(times), v=moved.v + lead(times, 1), a=moved.a + lead(times, 2)
-    )  # fmt: skip

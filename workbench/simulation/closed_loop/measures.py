@@ -13,6 +13,7 @@ from .motion import interpolated
 
 LEAST_SHARE = 0.3  # of what is left near a line, that a gear has to explain to be named
 LEAST_CYCLES = 3.0  # of a gear along the path
+MOST_LINES = 5
 
 
 @dataclass(frozen=True)
@@ -112,7 +113,7 @@ def spectrum(time: Array, error: Array) -> tuple[Array, Array]:
 
 
 def main_lines(
-    time: Array, error: Array, q: Array, orders: Sequence[tuple[str, int, float]], most: int = 5
+    time: Array, error: Array, q: Array, orders: Sequence[tuple[str, int, float]]
 ) -> tuple[Line, ...]:
     """The highest lines of the error's spectrum. orders: (name, joint, cycles per joint turn) of known gears.
 
@@ -121,7 +122,7 @@ def main_lines(
     frequency, amplitude = spectrum(time, error)
     peaks = find_peaks(amplitude)[0]
     peaks = peaks[frequency[peaks] * (time[-1] - time[0]) > 3.5]
-    chosen = peaks[np.argsort(-amplitude[peaks])][:most]
+    chosen = peaks[np.argsort(-amplitude[peaks])][:MOST_LINES]
     found = []
     for k in chosen:
         if amplitude[k] > 0.02 * amplitude[chosen[0]]:

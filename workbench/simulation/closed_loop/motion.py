@@ -8,7 +8,7 @@ moment, so curves are not cut.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -48,6 +48,11 @@ class Motion:
     def duration(self) -> float:
         return self.period * (len(self.q) - 1)
 
+    def ahead(self, t: Array, lead: Array) -> Motion:
+        """The same with the drives ahead by a lead (J, n) at instants t (J,) [s]."""
+        curve, times = CubicSpline(t, lead, bc_type="natural"), self.times
+        return replace(self, q=self.q + curve(times), v=self.v + curve(times, 1), a=self.a + curve(times, 2))
+
 
 def curve(time: Array, q: Array, corners: NDArray[np.int64]) -> PPoly:
     """Joints (…, n) over the path's time, from those q (N, n) at times (N,): cubic splines from corner to
@@ -80,6 +85,17 @@ def motion(time: Array, q: Array, sided: bool = False, corners: NDArray[np.int64
         a = _filtered(way(phase, 2) * rate[:, None] ** 2 + first * change[:, None])
     place = _filtered(place)
     return Motion(PERIOD, place, v, a, side, _instants(time - time[0], length, ramp) + LEAD)
+
+
+def slow_part(x: Array, frequency_hz: float, period: float) -> Array:
+    """x (K, n), `period` [s] apart, without what is faster than a frequency."""
+    width = 1 / (2 * np.pi * frequency_hz) / period
+    return np.asarray(gaussian_filter1d(x, width, axis=0, mode="nearest"))
+
+
+def path_speed(p: Array, time: Array) -> float:
+    """[m/s] tool speed that 95 % of the legs between places p (N, 3) [m] at times (N,) [s] keep to."""
+    return float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
 
 
 def _filtered(x: Array) -> Array:

@@ -12,19 +12,17 @@ from .runs import Outcome
 from .verification import Repeats, Series, Trial
 
 
-def trial(name: str, done: Outcome, p: Array, time: Array, lines: Sequence[tuple[str, int, float]]) -> Trial:
+def trial(done: Outcome, p: Array, time: Array, lines: Sequence[tuple[str, int, float]]) -> Trial:
     """A run judged at the path's places p (N, 3) [m], at its own times (N,) [s]."""
     error = done.tool[:, :3, 3] - p
     across = beside(error, tangents(p))
     return Trial(
-        name,
         error,
         across,
         done.links,
         done.motor,
         figures(error, across, error @ normal(p), time),
         main_lines(done.time, across, done.q, lines),
-        done.real_time_factor,
     )
 
 

@@ -97,10 +97,10 @@ def _numbers(series: Series, repeatability: Repeatability) -> Table:
 def _roughness(found: Verification) -> Table:
     n = ", ".join(f"{x:.2f}" for x in found.normal + 0.0)
     return Table(
-        f"Error along the normal ({n}) of the path's plane, unfiltered, along the whole path (P_a and P_z of "
-        "ISO 4287): R_a the mean size about its mean line, R_z highest peak minus deepest valley. A constant "
+        f"Error along the normal ({n}) of the path's plane, unfiltered, along the whole path (Pa and Pz of "
+        "ISO 4287): Ra the mean size about its mean line, Rz highest peak minus deepest valley. A constant "
         "height is no roughness: it stands by itself.",
-        ("Speed", "Command", "R_a, mm", "R_z, mm", "Height, mm"),
+        ("Speed", "Command", "Ra, mm", "Rz, mm", "Height, mm"),
         [
             [
                 speed_text(series.speed),

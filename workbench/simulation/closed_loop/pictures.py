@@ -88,12 +88,12 @@ def _heights(found: Verification) -> Figure:
         axes.set_yticklabels([COMMAND_NAMES[name] for name in names])
         axes.grid(axis="y", visible=False)
         plain_log(axes.xaxis)
-        axes.set_xlabel("error normal to the path's plane, mm: R_a (dot), R_z (bar)")
+        axes.set_xlabel("error normal to the path's plane, mm: Ra (dot), Rz (bar)")
     first, last = (trials[name].figures for name in ("uncorrected", "corrected"))
     return Figure(
         "heights",
-        f"R_a {mm_change(first.ra_mm, last.ra_mm)}, R_z {mm_change(first.rz_mm, last.rz_mm)}",
-        "R_a and R_z of each command at the slowest speed",
+        f"Ra {mm_change(first.ra_mm, last.ra_mm)}, Rz {mm_change(first.rz_mm, last.rz_mm)}",
+        "Ra and Rz of each command at the slowest speed",
         svg[0],
     )
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...correction.command import Compensation, compensate
-from ...correction.conditions import Conditions
 from ...correction.paths import Path
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot
 from ...robot.kinematics import Array
 from ...robot.rotations import angle_between
+from .motion import path_speed
 from .runs import World
 from .verification import STILL
 from .ways import SAME, way_of
@@ -36,7 +36,7 @@ class Plans:
         self.notes: list[str] = []
         self.expected_mm = 0.0
         # geometry and the nominal joints are the same at every speed
-        self.geometry = self._compensate(self.path, world.belief, world.conditions, "geometry")
+        self.geometry = self._compensate(self.path, world.belief, "geometry")
         rows, q = self.geometry.X_desired, self.geometry.q_nominal
         self.way = way_of(world.belief, self.path, rows, q, world.tool)
         if self.way.uneven:
@@ -46,12 +46,12 @@ class Plans:
                 f"behind {where} the arm cannot run straight to the next row{more}: its joints run evenly"
             )
 
-    def _compensate(self, path: Path, robot: Robot, conditions: Conditions, method: str) -> Compensation:
+    def _compensate(self, path: Path, robot: Robot, method: str) -> Compensation:
         world = self.world
         return compensate(
             robot,
             path,
-            conditions,
+            world.conditions,
             tool=world.tool,
             start=self.start,
             method=method,
@@ -62,7 +62,7 @@ class Plans:
     def commands(self, path: Path) -> dict[str, Array]:
         """Joints (M, n) of each variant along the way."""
         world = self.world
-        everything = self._compensate(path, world.belief, world.conditions, "exact")
+        everything = self._compensate(path, world.belief, "exact")
         self.notes += everything.remarks()
         if not self.expected_mm:
             self.expected_mm = float(np.sqrt((everything.after_mm**2).mean()))
@@ -70,7 +70,7 @@ class Plans:
         if np.abs(self.geometry.q_command - self.geometry.q_nominal).max() > LEAST_TOLD:
             out["geometry"] = self.geometry.q_command
         if world.truth is not world.belief:
-            best = self._compensate(path, world.truth, world.true_conditions, "exact")
+            best = self._compensate(path, world.truth, "exact")
             out["perfect"] = best.q_command
         return {name: self.way.command(q) for name, q in out.items()}
 
@@ -78,7 +78,7 @@ class Plans:
         """The path at each tool speed, slowest first: its time stretched, within what a run may last. A tool
         that turns and does not move has no speed: 0, in the path's own time."""
         p, time = self.way.rows[:, :3, 3], self.path.time
-        own = float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
+        own = path_speed(p, time)
         if own <= STILL:
             return self._in_own_time()
         length, found, notes = float(time[-1] - time[0]), {}, []

@@ -44,7 +44,6 @@ def verify(
     feed_forward: FeedForward = "static",
     on_limit: OnLimit = "stop",
     sweep: bool = False,
-    true_conditions: Conditions | None = None,
     seed: int = 0,
     workers: int = 1,
     progress: Callable[[str], None] = lambda _: None,
@@ -54,13 +53,13 @@ def verify(
     path: N samples, joints [rad, m] or tool poses [m]; tool: (4, 4) pose of the tool in the flange frame;
     start: (n,) joints near the first pose.
     truth, belief: robots with the corrections and effects of a model.toml; where they are one, the result
-    shows what the controller adds, and says so. conditions: loads as the program believes them,
-    `true_conditions` as they are (default: the same). speeds: tool speeds [m/s] to which the path's time is
-    stretched; None: its own. repeats: runs for AT and RT. loop: the controller (default: that of the truth's
-    TOML). feed_forward: "elastic" adds a command whose drives lead by what the arm yields under its inertia,
-    "loop" also by what the model's own loop lags. on_limit: whether a drive over its limit of torque or
-    speed stops the run, or saturates. sweep: error by speed too. workers: processes. Raises `InputError`
-    where the path cannot be run, or a drive is over its limit.
+    shows what the controller adds, and says so. conditions: what it carries (default: the tool that
+    the belief states). speeds: tool speeds [m/s] to which the path's time is stretched; None: its own.
+    repeats: runs for AT and RT. loop: the controller (default: that of the truth's TOML). feed_forward:
+    "elastic" adds a command whose drives lead by what the arm yields under its inertia, "loop" also by what
+    the model's own loop lags. on_limit: whether a drive over its limit of torque or speed stops the run, or
+    saturates. sweep: error by speed too. seed: of the repeats, and of the postures tried for the first pose.
+    workers: processes. Raises `InputError` where the path cannot be run, or a drive is over its limit.
 
     >>> import numpy as np
     >>> from workbench import Path, load_robot, parse_effect, planned, problem, record, stored, verify
@@ -75,7 +74,7 @@ def verify(
     """
     _check_call(truth, belief, speeds, repeats)
     loads = conditions or stated_conditions(belief)
-    world = World(truth, belief, loads, true_conditions or loads, tool, loop or truth.loop, on_limit=on_limit)
+    world = World(truth, belief, loads, tool, loop or truth.loop, on_limit=on_limit)
     plans = Plans(world, path, start, seed)
     timed, notes = plans.at_speeds(speeds)
     if sweep and not timed[0][1]:
@@ -130,9 +129,7 @@ def _series(
     path, speed = timed
     names = [name for name in (*commands, *extra) if name != "corrected"]
     outcomes = {"corrected": corrected} | {name: next(rest) for name in names}
-    trials = {
-        name: trial(name, outcomes[name], p, path.time, lines) for name in COMMAND_NAMES if name in outcomes
-    }
+    trials = {name: trial(outcomes[name], p, path.time, lines) for name in COMMAND_NAMES if name in outcomes}
     refined = corrected.step < 0.99 * first_step(world.loop)
     time = corrected.time - corrected.time[0]
     return Series(speed, time, trials, corrected.step, 1e6 * corrected.change, refined)
@@ -153,7 +150,7 @@ def _over(path: Path, over: OverLimit, truth: Robot) -> Fault:
 
 def _modes(world: World, path: Path, q: Array) -> Modes:
     """At the path's start; q: (N, n) commands."""
-    truth = mechanics(world.truth, path, q, world.true_conditions)
+    truth = mechanics(world.truth, path, q, world.conditions)
     return modes(truth, drives(truth, q[0], world.loop), q[0])
 
 

@@ -33,13 +33,12 @@ HALVINGS = 3
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """What all runs have in common: the simulated robot, its loads, what is believed of both, the
-    controller; corners: (C,) samples in which the path turns off at once."""
+    """What all runs have in common: the simulated robot, what is believed of it, its loads, the controller;
+    corners: (C,) samples in which the path turns off at once."""
 
     truth: Robot
     belief: Robot
     conditions: Conditions
-    true_conditions: Conditions
     tool: Array | None
     loop: Loop
     on_limit: OnLimit = "saturate"
@@ -75,7 +74,6 @@ class Outcome:
     links: Array
     q: Array
     motor: Array
-    real_time_factor: float
     notes: tuple[str, ...]
     step: float
     change: float = float("nan")
@@ -83,7 +81,7 @@ class Outcome:
 
 def simulate(world: World, task: Task) -> Outcome:
     """One run. Raises OverLimit where it is to stop at a limit."""
-    truth = mechanics(world.truth, task.path, task.q, world.true_conditions)
+    truth = mechanics(world.truth, task.path, task.q, world.conditions)
     believed = mechanics(world.belief, task.path, task.q, world.conditions)
     nominal = nominal_mechanics(world.belief, believed)
     corners = world.corners[world.corners < len(task.q) - 1]
@@ -129,7 +127,6 @@ def simulate(world: World, task: Task) -> Outcome:
         done.links,
         done.q,
         done.motor,
-        done.real_time_factor,
         done.notes,
         step,
         change,

@@ -11,6 +11,7 @@ from ...correction.command import compensate
 from ...correction.paths import Path
 from ...robot.description import Robot
 from ...robot.kinematics import Array
+from .motion import path_speed
 from .runs import Outcome, Task, World, simulate_all
 from .verification import Sweep
 from .ways import Way
@@ -34,9 +35,7 @@ def swept(
     world = replace(world, on_limit="saturate")
     stiff = rigid(world.truth)
     alone = replace(world, truth=stiff, belief=stiff)
-    still = compensate(
-        stiff, replace(path), world.conditions, tool=world.tool, start=commands["uncorrected"][0]
-    )
+    still = compensate(stiff, path, world.conditions, tool=world.tool, start=commands["uncorrected"][0])
     stiffly = way.command(still.q_command)
     along, X = way.along(path), way.X
     elastic, rigids = [], []
@@ -71,8 +70,7 @@ def rigid(robot: Robot) -> Robot:
 def _at(path: Path, X: Array, speed: float) -> tuple[Path, int]:
     """The path at a tool speed, cut where it would last too long, and how many samples are left of it."""
     p, time = X[:, :3, 3], path.time
-    own = float(np.quantile(np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(time), 0.95))
-    timed = (time - time[0]) * own / speed
+    timed = (time - time[0]) * path_speed(p, time) / speed
     kept = max(int(np.searchsorted(timed, LONGEST)), 2)
     along = {
         name: None if value is None else value[:kept]

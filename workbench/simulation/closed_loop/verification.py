@@ -36,14 +36,12 @@ class Trial:
     across: (N, 3) its part across the path; links: (N, L, 4, 4) poses of base and links as simulated;
     motor: (N, n) servo error."""
 
-    name: str
     error: Array
     across: Array
     links: Array
     motor: Array
     figures: Figures
     lines: tuple[Line, ...]
-    real_time_factor: float
 
 
 @dataclass(frozen=True, eq=False)

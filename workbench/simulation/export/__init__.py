@@ -10,7 +10,7 @@ from typing import Any
 from ...campaign import Campaign
 from ...correction.conditions import Conditions, stated_conditions
 from ...files.digest import digests
-from ...files.whole import put_all
+from ...report.folder import write_together
 from ...robot.description import Robot, load_robot
 from .content import content_of
 from .formats import FORMATS, find_format
@@ -76,10 +76,9 @@ def export(
     lost = cost(content, kept, written, near)
     title = f"{loaded.title}: {chosen.title}; written by robot-workbench"
     header = [title, *lost.lines(), *_counted(loaded), *chosen.notes(written)]
-    files = {Path(out) / name: data for name, data in chosen.write(written, header).items()}
-    put_all(files)
+    files = write_together(Path(out), chosen.write(written, header))
     read = {**digests(loaded.files), **({} if campaign is None else campaign.files)}
-    return Exported(to, tuple(files), lost, tuple(header), read)
+    return Exported(to, files, lost, tuple(header), read)
 
 
 def _counted(robot: Robot) -> list[str]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...correction.ripple import with_order
 from ...effects.acting import Acting
 from ...robot.kinematics import Array, frames
 from .content import Content
@@ -75,7 +76,7 @@ def cost(content: Content, kept: Kept, written: Content, approximated: Array | N
     for item, kind in zip(acting, content.kinds, strict=True):
         rest = Acting(tuple(other for other in acting if other is not item))
         there = any(item is one for one in kept.acting) and (kind != "compensator" or kept.law is not None)
-        items.append(_item(item[0].label, there, whole, content.flange(rest)[0]))
+        items.append(_item(with_order(item[0]), there, whole, content.flange(rest)[0]))
     if approximated is None:
         approximated = kept.flange(written)[0]
     if kept.elastic and (off := off_by_hinges(written)) is not None:

@@ -26,16 +26,15 @@ def write(content: Content, header: list[str]) -> Files:
     return {f"{content.robot.name}.sdf": xml_text(root, header), **contents(meshes)}
 
 
-def sdf_of(content: Content, tree: Tree, meshes: Meshes, at: str = "") -> ET.Element:
-    """The <sdf> element; `at` goes before the meshes' names. Raises `InputError` where links and joints share
-    names, which SDF does not know."""
+def sdf_of(content: Content, tree: Tree, meshes: Meshes) -> ET.Element:
+    """The <sdf> element. Raises `InputError` where links and joints share names, which SDF does not know."""
     twice = {body.name for body in tree.bodies} & {joint.name for joint in tree.joints}
     if twice:
         what = f"a link and a joint are both called {', '.join(sorted(twice))}; in SDF no two things are"
         raise InputError(Fault(str(content.robot.urdf), what, "rename one of them there and in the TOML"))
     root = ET.Element("sdf", {"version": "1.9", "xmlns:drake": DRAKE})
     model = ET.SubElement(root, "model", {"name": tree.name})
-    pictures = _pictures(content, meshes, at)
+    pictures = _pictures(content, meshes)
     placed = {joint.child: joint for joint in tree.joints}
     for body in tree.bodies:
         _link(model, body, placed.get(body.name), pictures.get(body.name, []))
@@ -98,7 +97,7 @@ def _coil(model: ET.Element, coil: Coil) -> None:
     _put(spring, "drake:linear_spring_damper_damping", "0")
 
 
-def _pictures(content: Content, meshes: Meshes, at: str) -> dict[str, list[ET.Element]]:
+def _pictures(content: Content, meshes: Meshes) -> dict[str, list[ET.Element]]:
     """The <visual>s of the URDF's links that are meshes."""
     found: dict[str, list[ET.Element]] = {}
     for link in read_root(content.robot.urdf).findall("link"):
@@ -111,7 +110,7 @@ def _pictures(content: Content, meshes: Meshes, at: str) -> dict[str, list[ET.El
             if origin is not None:
                 _put(element, "pose", f"{origin.get('xyz', '0 0 0')} {origin.get('rpy', '0 0 0')}")
             shape = ET.SubElement(ET.SubElement(element, "geometry"), "mesh")
-            _put(shape, "uri", f"{at}{meshes[written][0]}")
+            _put(shape, "uri", meshes[written][0])
             if mesh.get("scale"):
                 _put(shape, "scale", str(mesh.get("scale")))
             found.setdefault(name, []).append(element)

@@ -68,5 +68,5 @@ def assumed(content: Content) -> list[str]:
 
 def _middle(content: Content) -> Array:
     """(n,) joints in the middle of their ranges, where inertias are taken that are not stated."""
-    ends = np.clip([(joint.lower, joint.upper) for joint in content.robot.joints], -np.pi, np.pi)
+    ends = np.clip(content.robot.limits, -np.pi, np.pi)
     return np.asarray(ends.mean(axis=1))

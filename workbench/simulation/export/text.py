@@ -22,6 +22,6 @@ def xml_comment(lines: list[str]) -> str:
     return "<!--\n" + "\n".join(f"  {line.replace('--', '- -')}" for line in lines) + "\n-->"
 
 
-def commented(lines: list[str], mark: str = "#") -> str:
-    """Lines each behind a mark."""
-    return "".join(f"{mark} {line}".rstrip() + "\n" for line in lines)
+def commented(lines: list[str]) -> str:
+    """Lines each behind a #."""
+    return "".join(f"# {line}".rstrip() + "\n" for line in lines)

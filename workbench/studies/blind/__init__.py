@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...files.whole import put_all
+from ...report.folder import write_together
 from ..case_study import CaseStudy, Record, run_cases
 from .blind_page import miss_cells, page
 from .cases import FORMS
@@ -136,4 +136,4 @@ def _write(study: BlindStudy) -> None:
         "misses.txt": "\n".join([*lines, ""]).encode(),
         "results.json": study.results,
     }
-    put_all({study.folder / name: data for name, data in files.items()})
+    write_together(study.folder, files)

@@ -63,7 +63,7 @@ def draw_robot(kind: str, folder: Path, rng: np.random.Generator) -> Robot:
 
 
 def draw_design(
-    robot: Robot, kind: str, needs: Set[str], rng: np.random.Generator, stated: bool | None = None
+    robot: Robot, kind: str, needs: Set[str], rng: np.random.Generator, stated: bool | None
 ) -> Design:
     """A design on a robot.
 

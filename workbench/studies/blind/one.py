@@ -14,11 +14,12 @@ from . import case_keys
 from .score import run_case
 
 
-def cases_again(
-    keys: Sequence[str], seed: int, report: Path | None = None, workers: int | None = None
-) -> Iterator[Record]:
-    """The records of some cases of the study with this seed, in the order of the keys, as they come. report:
-    folder under which each diagnosis' page is written. Raises InputError where there is no such case."""
+def cases_again(keys: Sequence[str], seed: int, report: Path | None, workers: int | None) -> Iterator[Record]:
+    """The records of some cases of the study with this seed, in the order of the keys, as they come.
+
+    report: folder under which each diagnosis' page is written; workers: processes, None: one a core. Raises
+    InputError where there is no such case.
+    """
     kinds = sorted({key.partition("/")[0] for key in case_keys(1)})
     faults = []
     for key in keys:

@@ -54,9 +54,9 @@ class Pool:
         """Where the tool is, seen from above."""
         return cKDTree(_plane(self.reach, self.angle))
 
-    def circle_error(self, centre: float, mass: float, force: Array = FORCE) -> float:
+    def circle_error(self, centre: float, mass: float) -> float:
         """[m] mean over the circle under the load, with links of this mass [kg] that hang on joint 2."""
-        pull = force - np.array([0.0, 0.0, mass * GRAVITY])
+        pull = FORCE - np.array([0.0, 0.0, mass * GRAVITY])
         moved = self.rows(self.circle(centre), pull).sum(axis=2)
         return float(np.linalg.norm(moved, axis=1).mean())
 

@@ -25,7 +25,7 @@ from workbench import (
     StudyRun,
     Table,
     Truth,
-    accounts_table,
+    account_items,
     as_package,
     by_joint,
     catalogue,
@@ -40,10 +40,7 @@ from workbench import (
     judge,
     load_pairs,
     load_robot,
-    needs_table,
     nominal_joints,
-    odds_figure,
-    odds_table,
     path_shapes,
     planned,
     problem_of,
@@ -85,10 +82,7 @@ def study(run: StudyRun) -> Study:
     drawn = draws(run)
     numbers = NUMBERS | judged.numbers() | drawn.by_name()
     items: dict[str, Table | Figure] = {
-        "accounts": accounts_table(judged),
-        "odds": odds_table(judged),
-        "oddsfigure": odds_figure(judged),
-        "needs": needs_table(judged),
+        **account_items(judged),
         "tornado": tornado(drawn, "lighter", "tornado", "how many times lighter the load has to be"),
     }
 
@@ -130,14 +124,14 @@ def study(run: StudyRun) -> Study:
     stands = checked(OF_DRAWS, numbers, drawn) | checked(OF_RUN, numbers)
     stands |= checked(OF_ODDS, numbers, redrawn(judged, odds))
     story = Path(__file__).with_name("story.md")
-    told = tell(story, robot, numbers, items, shown, "oddsfigure", FILES, stands)
+    told = tell(story, robot, numbers, items, shown, "odds", FILES, stands)
     hidden = dict(zip(robot.joint_names, TABLE_1.tolist(), strict=True))
     return replace(told, sealed={f"{name}/campaign.toml": {"stiffness": hidden} for name in found})
 
 
 def loaded_poses(robot: Robot, seed: int, load: float) -> Campaign:
     """Random poses within the limits, without load and then with a share of the circle's."""
-    lower, upper = np.array([(joint.lower, joint.upper) for joint in robot.joints]).T
+    lower, upper = robot.limits.T
     q = np.random.default_rng([seed, 0]).uniform(lower, upper, size=(POSES, 3))
     wrench = np.zeros((2 * POSES, 6))
     wrench[POSES:, :3] = load * FORCE

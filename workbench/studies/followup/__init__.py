@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ...files.whole import put_all
+from ...report.folder import write_together
 from ...report.markup import render
 from ..blind.cases import FORMS
 from ..blind.tally import Rate, rate
@@ -132,7 +132,7 @@ def followup(
         lost=lost,
         version=version("robot-workbench"),
     )
-    put_all({out / "index.html": page.encode(), out / "results.json": study.results})
+    write_together(out, {"index.html": page, "results.json": study.results})
     return study
 
 

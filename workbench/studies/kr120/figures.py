@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +23,8 @@ from workbench import (
 
 from .plans import spring
 from .printed import ATMOSPHERE, HALF_1, SIX, TABLE_1
+
+LOST = (-0.05, -0.1, -0.2)  # of the charge
 
 
 def plan_numbers(plan: GroupPlan) -> dict[str, float]:
@@ -147,15 +149,15 @@ def torque_figure(robot: Robot, q: Array, load: load_pairs.Load, tool: load_pair
     return charts.curves("torque", title, np.degrees(q[:, joint]), series, x, "torque, arm stretched, kN·m")
 
 
-def bias_figure(robot: Robot, q: Array, shares: Sequence[float] = (-0.05, -0.1, -0.2)) -> Figure:
-    """Shift of the flange over poses q: (N, n), arm stretched, where the charge is off by these shares."""
+def bias_figure(robot: Robot, q: Array) -> Figure:
+    """Shift of the flange over poses q: (N, n), arm stretched, where some of the charge is lost."""
     problem, joint = problem_of(planned(robot, q)), compensated_joint(robot)
     triangle, law = spring(problem)
     s, slope, _ = triangle.stretch(q[:, joint])
     stiffness = robot.joints[joint].data.stiffness or np.inf
     force = law.force(s)[2]  # per unit of charge
     shift = 1e3 * reach(problem, joint) * force * slope / stiffness  # mm
-    series = {f"{100 * share:.0f} %".replace("-", "−"): charts.Series(-share * shift) for share in shares}
+    series = {f"{100 * share:.0f} %".replace("-", "−"): charts.Series(-share * shift) for share in LOST}
     title = "How far a lost charge moves the unloaded tool"
     x, y = f"joint {joint + 1}, °", "shift of the flange, mm"
     return charts.curves("bias", title, np.degrees(q[:, joint]), series, x, y)

@@ -23,7 +23,7 @@ from workbench import (
     Study,
     StudyRun,
     Table,
-    accounts_table,
+    account_items,
     as_package,
     clear_numbers,
     clear_poses,
@@ -35,8 +35,6 @@ from workbench import (
     group_plan,
     judge,
     load_robot,
-    odds_figure,
-    odds_table,
     planned,
     problem_of,
     run_study,
@@ -159,9 +157,7 @@ def stood_in(shown: Campaign, pool: int, deciding: Campaign) -> dict[str, Array]
 def shown_accounts(judged: Judged, made: Draws) -> dict[str, Table | Figure]:
     """The accounts of Table I and what their machines do, as tables and figures."""
     return {
-        "accounts": accounts_table(judged),
-        "odds_table": odds_table(judged),
-        "odds": odds_figure(judged),
+        **account_items(judged),
         "needs": allowed_table(judged),
         "pattern": pattern_figure(judged, SHOWN),
         "patterns": pattern_table(made, judged.accounts),

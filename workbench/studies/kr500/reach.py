@@ -41,7 +41,7 @@ def joints(robot: Robot, place: Array, R: Array) -> Array:
     q4, q5 = np.arctan2(W[:, 1, 0], -W[:, 2, 0]), np.arccos(np.clip(W[:, 0, 0], -1.0, 1.0))
     q6 = np.arctan2(W[:, 0, 1], W[:, 0, 2]) % (2 * np.pi)  # about half a turn, where the tool hangs
     q = np.column_stack([q1, -upper, upper - fore, q4, q5, q6])
-    lower, higher = np.array([(joint.lower, joint.upper) for joint in robot.joints]).T
+    lower, higher = robot.limits.T
     if not (possible.all() and (q >= lower).all() and (q <= higher).all()):
         raise InputError(Fault("box", "is out of reach", "another place, height or tool"))
     return q

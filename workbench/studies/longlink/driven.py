@@ -27,7 +27,7 @@ def driven(
     true, wanted = yielding(assumed, share), circle()
     bare = with_table_3(assumed)
     loads = stated_conditions(bare)
-    world = World(true, bare, loads, loads, None, true.loop.model_copy(update={"coulomb": 0.0}))
+    world = World(true, bare, loads, None, true.loop.model_copy(update={"coulomb": 0.0}))
     X = np.tile(np.eye(4), (len(wanted), 1, 1))
     X[:, :3, 3] = wanted
     tasks = [

@@ -19,7 +19,7 @@ from workbench import (
     Study,
     StudyRun,
     Table,
-    accounts_table,
+    account_items,
     as_package,
     clear_numbers,
     clear_poses,
@@ -27,9 +27,6 @@ from workbench import (
     counterpart,
     judge,
     load_robot,
-    needs_table,
-    odds_figure,
-    odds_table,
     run_study,
     stored,
     tell,
@@ -75,10 +72,7 @@ def told(arms: Draws, judged: Judged) -> dict[str, Table | Figure]:
             100,
             "Which assumption carries the share of its error that the table of a sagging arm makes",
         ),
-        "accounts": accounts_table(judged),
-        "odds_table": odds_table(judged),
-        "odds": odds_figure(judged),
-        "needs": needs_table(judged),
+        **account_items(judged),
     }
 
 

@@ -22,6 +22,6 @@ def one_cause_each(robot: Robot, joint: str) -> dict[str, Robot]:
     return found
 
 
-def standing_error(robot: Robot, path: Path, start: Array | None = None) -> Array:
+def standing_error(robot: Robot, path: Path, start: Array) -> Array:
     """(N, 3) [m] tool minus path, uncorrected, at each sample as if the robot stood there."""
     return -compensate(robot, path, start=start, method="geometry").before[:, :3]

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from workbench import (
     Array,
     Compensation,
-    Conditions,
     Path,
     Robot,
     Task,
@@ -36,11 +35,9 @@ def draw_corrected(
     nominal: Robot,
     paths: Sequence[Path],
     beliefs: Mapping[str, Robot],
-    start: Array | None = None,
-    conditions: Conditions | None = None,
-    *,
-    workers: int = 1,
-    progress: Callable[[str], None] = lambda _: None,
+    start: Array,
+    workers: int,
+    progress: Callable[[str], None],
 ) -> list[Drawn]:
     """Each path on the simulated robot: uncorrected ("none"), and corrected by each belief, by name.
 
@@ -49,9 +46,9 @@ def draw_corrected(
 
     nominal: what the controller knows of the arm; start: (n,) joints near the first pose.
     """
-    loads = conditions or stated_conditions(nominal)
+    loads = stated_conditions(nominal)
     smooth = truth.loop.model_copy(update={"coulomb": 0.0})
-    world = World(truth, nominal, loads, loads, None, smooth)
+    world = World(truth, nominal, loads, None, smooth)
     made = [
         {name: compensate(robot, path, loads, start=start) for name, robot in beliefs.items()}
         for path in paths

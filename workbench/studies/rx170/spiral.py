@@ -66,7 +66,7 @@ def draw_spirals(
 ) -> Spirals:
     """The spiral at both speeds, uncorrected and corrected by each belief; what each cause makes of it."""
     slow, fast = (spiral_at(AWAY, speed, turns, SPACING) for speed in (SLOW, FAST))
-    drawn = draw_corrected(truth, robot, [slow, fast], beliefs, ELBOW_UP, workers=workers, progress=progress)
+    drawn = draw_corrected(truth, robot, [slow, fast], beliefs, ELBOW_UP, workers, progress)
     single = one_cause_each(truth, "joint_2")
     causes = {key: standing_error(one, slow, ELBOW_UP)[:, 2] for key, one in single.items()}
     return Spirals(

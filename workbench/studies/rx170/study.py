@@ -23,7 +23,7 @@ from workbench import (
     Study,
     StudyRun,
     Table,
-    accounts_table,
+    account_items,
     as_package,
     by_joint,
     checked,
@@ -34,9 +34,6 @@ from workbench import (
     counterpart,
     judge,
     load_robot,
-    needs_table,
-    odds_figure,
-    odds_table,
     record,
     redrawn,
     restated,
@@ -131,17 +128,14 @@ def study(run: StudyRun) -> Study:
     }
     stands = checked(OF_RUN, numbers) | checked(OF_DRAWS, numbers, drawn)
     stands |= checked(OF_ODDS, numbers, redrawn(judged, odds))
-    told = tell(STORY, robot, numbers, items, spirals.shown, "oddsfigure", FILES, stands)
+    told = tell(STORY, robot, numbers, items, spirals.shown, "odds", FILES, stands)
     return replace(told, sealed={"campaign/campaign.toml": {"effects": as_told(truth, "joint_2")}})
 
 
 def shown(judged: Judged, drawn: Draws) -> dict[str, Table | Figure]:
     """The accounts of Table II, and what carries the height that is left."""
     return {
-        "accounts": accounts_table(judged),
-        "odds": odds_table(judged),
-        "oddsfigure": odds_figure(judged),
-        "needs": needs_table(judged),
+        **account_items(judged),
         "tornado": tornado(drawn, "ra_base", "tornado", "Ra of the last run, counted from the base, mm"),
     }
 
