@@ -117,7 +117,7 @@ def test_gear_error_that_is_stronger_on_one_side_of_the_turn(seed):
     diagnosis = sound(found(measured(joints=line, poses=25, seed=seed)))
     values = only(diagnosis, "gear_kinematic_error", "joint_1")
     assert values["amplitude"] == pytest.approx(4e-4, rel=0.1)
-    assert diagnosis.stages[-1].heldout_rms_mm < 1.3 * np.sqrt(3) * 1e3 * SIGMA
+    assert diagnosis.stages[-1].heldout_rms_mm < 1.5 * np.sqrt(3) * 1e3 * SIGMA
 
 
 def test_gear_error_of_unknown_ratio():

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..campaign.problem import Problem
 from ..effects import line as gear_line
 from ..effects.base import Effect
 from ..effects.unnamed import products, unnamed
