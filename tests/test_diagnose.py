@@ -107,6 +107,19 @@ def test_gear_error_with_a_harmonic_that_no_cause_has():
     assert diagnosis.causes[0].where.order == 200
 
 
+@pytest.mark.parametrize("seed", [3, 4])
+def test_gear_error_that_is_stronger_on_one_side_of_the_turn(seed):
+    def line(job):
+        out, q = np.zeros_like(job.q), job.q[:, 0]
+        out[:, 0] = 4e-4 * (1 + 0.3 * np.sin(q + 0.4)) * np.sin(88.04 * q + 1.0)
+        return out
+
+    diagnosis = sound(found(measured(joints=line, poses=25, seed=seed)))
+    values = only(diagnosis, "gear_kinematic_error", "joint_1")
+    assert values["amplitude"] == pytest.approx(4e-4, rel=0.1)
+    assert diagnosis.stages[-1].heldout_rms_mm < 1.5 * np.sqrt(3) * 1e3 * SIGMA
+
+
 def test_gear_error_of_unknown_ratio():
     text = "gear_kinematic_error:joint=joint_3,order=83.7,amplitude=8e-5,phase=0.6"
     diagnosis = sound(found(measured("6R", effects=(text,), loads=(60.0,))))

@@ -31,7 +31,7 @@ from .replication import (
     searched_in_parts,
     shown_by,
 )
-from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted
+from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted, scaled_of
 from .scatter import beyond_all
 from .stages import Group, rms_mm
 
@@ -219,10 +219,8 @@ def _renamed_at_no_loss(
 def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
     """What members leave on poses held out, RMS, with all that they have beside their forms where that is
     less."""
-    components, problem = best.competition.components, best.found.model.problem
     effects = effects_of(best.competition, members)
-    forms = [(e, m.scale) for m in members for e in components[m.component].forms[m.form].effects]
-    beside = beside_forms(forms, problem, effects)
+    beside = beside_forms(scaled_of(best.competition, members), best.found.model.problem, effects)
     models = [effects, [*effects, *beside]] if beside else [effects]
     return min(rms_mm(heldout(refitted(best.found, model))) for model in models)
 

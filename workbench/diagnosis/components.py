@@ -187,7 +187,9 @@ def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:
     """A gear line of unknown order; sharpness: width of its peak over the whole range (log)."""
     joints = fit.model.problem.arm.n
     odds = PRIORS.line / joints * sharpness
-    return Component((effect.cause, effect.where), (form_of(fit, (effect,)),), float(np.log(odds)))
+    form = form_of(fit, (effect,))
+    forms = (form, form.alone) if effect.pure else (form,)
+    return Component((effect.cause, effect.where), forms, float(np.log(odds)))
 
 
 def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component]:

@@ -17,7 +17,7 @@ from ..identification.fit import ROUGH, Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from .competition import SURELY, Selection
-from .components import Key, bare, beside_forms
+from .components import Key, beside_forms
 from .remainder import remainder
 from .rounds import BETTER
 from .scatter import with_scatter
@@ -79,6 +79,8 @@ def _against_physics(fit: Fit, own: Sequence[int]) -> bool:
 def _beside(selection: Selection) -> dict[Effect, Key]:
     """What stands beside the named causes' forms without a name of its own, in the scale in which these were
     likeliest, and whose it is; not what the model has already."""
-    scale = {bare(selection.components[m.component].key): m.scale for m in selection.members}
-    named = ((effect, scale[effect.key]) for effect, _ in selection.groups)
-    return beside_forms(named, selection.fit.model.problem, selection.fit.model.effects)
+    every, fit = selection.components, selection.fit
+    scale = {every[m.component].key: m.scale for m in selection.members}
+    named = [fit.model.effects[i] for _, own in selection.groups for i in own]
+    scaled = [(one, scale.get((one.cause, one.where)) or scale[one.key]) for one in named]
+    return beside_forms(scaled, fit.model.problem, fit.model.effects)

@@ -16,7 +16,7 @@ from ..identification.heldout import heldout
 from ..identification.noise import Covariance, log_precision
 from .acts_through import needs_of
 from .chosen import Chosen, Member
-from .components import Component, cause_components, line_component, nameless_components
+from .components import Component, beside_forms, cause_components, line_component, nameless_components
 from .noise_choice import from_residual
 from .reduced import Index, reduce
 from .remainder import GLOBAL_LEVEL, Remainder, remainder
@@ -86,27 +86,31 @@ def _converged(
 
     The joints' scatter beside it is in the noise from the start, and shrinks as causes are found: a cause
     must stand out of it. So does a noise that nobody knows; and one that is known, where the best set leaves
-    more than that, is what it leaves: else the data would be believed in what no member can say.
+    more than that, is what it leaves: else the data would be believed in what no member can say. What gear
+    lines have beside them is no scatter, no noise and no other line.
     A set that stays is judged at its own fit.
     """
-    base, lines, errors = geometry.noise, list[Line](), list[float]()
+    base, lines, errors, beside = geometry.noise, list[Line](), list[float](), list[Effect]()
     stated, labels, before = base, list[str](), set[Effect]()
     best = None
     for _ in range(ROUNDS):
-        lines = _with_lines(at, lines)
+        lines = _with_lines(refitted(at, [*at.model.effects, *beside]), lines)
         competition = _competition(at, candidates, lines, base, noise_dof)
         members = competition.best(labels)
         effects = effects_of(competition, members)
+        with_bands = [one for one in scaled_of(competition, members) if one[0].ordered]
+        beside = list(beside_forms(with_bands, at.model.problem, effects))
         labels = [competition.components[m.component].label for m in members]
         if not noise_known:
-            at_base = refitted(replace(at, noise=base), effects)
+            at_base = refitted(replace(at, noise=base), [*effects, *beside])
             base = from_residual(at_base)[0]
-        after = found = _fitted(at if noise_known else at_base, effects, base, scatters)
-        errors.append(rms_mm(heldout(found)))
-        left = remainder(found, noise_known)
+        after = found = _fitted(at if noise_known else at_base, effects, beside, base, scatters)
+        whole = refitted(found, [*found.model.effects, *beside])
+        errors.append(rms_mm(heldout(whole)))
+        left = remainder(whole, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
-            noise = _scattering(found, base, scatters)
+            noise = _scattering(whole, base, scatters)
             after = _standing(replace(found, noise=noise), found.model.effects)
         now = Round(at, found, competition, members)
         if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
@@ -147,10 +151,13 @@ def _scattering(result: Fit, base: Covariance, scatters: bool) -> Covariance:
     return noise if scatters else replace(noise, joint=base.joint)
 
 
-def _fitted(near: Fit, effects: Sequence[Effect], base: Covariance, scatters: bool) -> Fit:
-    """A fit with these effects, under the noise with the scatter that it leaves."""
+def _fitted(
+    near: Fit, effects: Sequence[Effect], beside: Sequence[Effect], base: Covariance, scatters: bool
+) -> Fit:
+    """A fit with these effects, under the noise with the scatter that it leaves with what stands `beside`
+    their forms: what that moves scatters by no chance."""
     result = refitted(near, effects)
-    noise = _scattering(result, base, scatters)
+    noise = _scattering(refitted(result, [*result.model.effects, *beside]), base, scatters)
     if alike(noise, result.noise):
         return result
     return _standing(replace(result, noise=noise), result.model.effects)
@@ -211,6 +218,12 @@ def effects_of(competition: Competition, members: Sequence[Member]) -> list[Effe
             form = forms[int(np.argmax(worth))]
         out += [effect.sized(member.scale) for effect in form.effects]
     return out
+
+
+def scaled_of(competition: Competition, members: Sequence[Member]) -> list[tuple[Effect, float]]:
+    """The effects of members' forms, each in its member's scale."""
+    parts = competition.components
+    return [(e, m.scale) for m in members for e in parts[m.component].forms[m.form].effects]
 
 
 def worth_of(chosen: Chosen, without: int, main: Index) -> float:

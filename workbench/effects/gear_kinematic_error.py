@@ -10,9 +10,12 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Param, motion_said
+from .base import Effect, Param, motion_said
 from .harmonics import Harmonic, amplitude_phase
 from .place import Parameter, Where
+from .unnamed.joints import SideBands
+
+BANDS = 0.15  # of the amplitude, each side band: the line is 30 % stronger on one side of the turn
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,7 @@ class GearKinematicError(Harmonic):
     title: ClassVar[str] = "Kinematic error of a gear"
     ordered: ClassVar[bool] = True
     together: ClassVar[bool] = True
+    pure: ClassVar[bool] = True  # of a gear that does not run out
     as_rounded: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = A sin(k q + phi)"
     separate: ClassVar[dict[str, str]] = {
@@ -73,6 +77,11 @@ class GearKinematicError(Harmonic):
         """Orders of known ratios, and any order of a turning joint (order None, for `replace`)."""
         turning = [joint.name for joint in problem.robot.joints if joint.kind == "revolute"]
         return [*cls.sites(problem), *(cls(Where(joint=name)) for name in turning)]
+
+    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
+        """A real one is not the same all around the joint's turn."""
+        bands = SideBands(self.where)
+        return [(BANDS * self.params[0].typical / bands.params[0].typical, bands)]
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)

@@ -12,7 +12,7 @@ from ...campaign.problem import Problem
 from .base import Unnamed
 from .campaign import Along, Attitude, Bearing, Clock, PerPayload, Warmth, Zeros
 from .curved_yield import CurvedYield
-from .joints import Pair, Product, Side, Tilt
+from .joints import Pair, Product, Side, SideBands, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
 from .loads import Load, OwnWeights, Torque, UnevenTilt
 
@@ -21,7 +21,7 @@ KINDS: tuple[type[Unnamed], ...] = (
     Product,
 )  # fmt: skip
 # what causes have beside their forms, and that stands for nothing by itself
-BESIDE: tuple[type[Unnamed], ...] = (CurvedYield, OwnWeight, PivotForce, UnevenBending, UnevenTilt)
+BESIDE: tuple[type[Unnamed], ...] = (CurvedYield, OwnWeight, PivotForce, SideBands, UnevenBending, UnevenTilt)
 
 
 def unnamed(problem: Problem) -> Iterator[Unnamed]:

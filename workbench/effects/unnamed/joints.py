@@ -87,6 +87,45 @@ class Product(Unnamed, TransmissionEffect):
 
 
 @dataclass(frozen=True)
+class SideBands(Unnamed, TransmissionEffect):
+    """A gear's line is not the same all around the joint's turn: stronger, or ahead, on one side, as where a
+    gear runs out. Amplitude or phase that goes once per turn makes lines one cycle per turn below and above
+    it, `where.order`, which stand for nothing by themselves."""
+
+    variant: str = "side bands"
+
+    @property
+    def functions(self) -> int:
+        return 4
+
+    @property
+    def cycles(self) -> float:
+        if self.where.order is None:
+            raise ValueError("side bands need the order of their line (cycles per joint turn)")
+        return self.where.order
+
+    @property
+    def variable(self) -> str:
+        return f"{self.where.joint} (its line of {self.cycles:g} cycles per turn around the turn)"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(problem.q[:, problem.joint(self.where.joint)])
+
+    def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
+        angle = q[:, joints.index(str(self.where.joint))]
+        return np.column_stack([waves((self.cycles + side) * angle, 1) for side in (-1, 1)])
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        """Beside the lines of an output that turns once per motor turn, where the ratio is known."""
+        turning = [joint for joint in problem.robot.joints if joint.kind == "revolute"]
+        return [
+            cls(Where(joint=joint.name, order=abs(joint.data.gear_ratio)))
+            for joint in turning if joint.data.gear_ratio
+        ]  # fmt: skip
+
+
+@dataclass(frozen=True)
 class Tilt(Unnamed, DirectEffect):
     """A joint's frame tilts across its axis with its own angle."""
 
