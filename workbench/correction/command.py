@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ..campaign.flange_load import beyond_load
+from ..campaign.measured_when import beyond_temperature, kelvin_beyond
 from ..effects.acting import Shares
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
@@ -315,6 +316,20 @@ def _never_measured(trajectory: Trajectory) -> Iterator[str]:
         yield (
             f"at {other.sum()} of {len(other)} samples the flange is loaded otherwise than it was when the "
             "robot was measured: how it yields to that is extrapolated"
+        )
+    yield from _warmer(trajectory)
+
+
+def _warmer(trajectory: Trajectory) -> Iterator[str]:
+    """A note where it is warmer or colder than it was measured."""
+    robot, extended = trajectory.robot, trajectory.extended
+    measured = () if robot.uncertainty is None else robot.uncertainty.temperature_degC
+    by_warmth = any("temperature" in effect.uses for effect, _ in extended.acting)
+    kelvin = kelvin_beyond(extended.problem, measured, by_warmth)
+    if (off := beyond_temperature(kelvin, measured)).any():
+        yield (
+            f"{off.sum()} of {len(off)} samples are up to {np.abs(kelvin).max():.2g} K warmer or colder than "
+            "the robot was measured: how it grows by that is extrapolated"
         )
 
 

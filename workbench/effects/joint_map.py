@@ -31,7 +31,8 @@ class JointMap(TransmissionEffect):
 
     The waves' prior sizes are the square roots of the process' spectrum (Rasmussen & Williams 2006): a
     function of usual size `size` that forgets itself over `length` [rad]. q₀ `first` and L `span` [rad] are
-    where the joint was measured; beyond it the map says nothing and keeps its value at the edge.
+    where the joint was measured; beyond it the map forgets its value at the edge as the process does, over
+    `length`: what nobody measured is no error in the mean, and as unsure as the map is large.
 
     Of a sliding joint it is the pitch error of a screw or a rack over the travel, all in m.
     """
@@ -138,8 +139,17 @@ class JointMap(TransmissionEffect):
         return [cls._at(problem, j)._of_length(v) for j in range(problem.arm.n) for v in LENGTHS]
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
-        at = np.clip((q[:, joints.index(str(self.where.joint))] - self.first) / self.span, 0.0, 1.0)
-        return np.cos(np.pi * np.outer(at, np.arange(1, 1 + len(self._sizes))))
+        x = (q[:, joints.index(str(self.where.joint))] - self.first) / self.span
+        waves = np.cos(np.pi * np.outer(np.clip(x, 0.0, 1.0), np.arange(1, 1 + len(self._sizes))))
+        return waves * self._kept(q, joints)[:, None]
+
+    def beyond(self, q: Array, joints: tuple[str, ...]) -> Array:
+        return self.size * np.sqrt(1 - self._kept(q, joints) ** 2)
+
+    def _kept(self, q: Array, joints: tuple[str, ...]) -> Array:
+        """(N,) how much of its value at the edge the process still has where q (N, n) is beyond."""
+        x = q[:, joints.index(str(self.where.joint))] - self.first
+        return np.asarray(np.exp(-0.5 * ((x - np.clip(x, 0.0, self.span)) / self.length) ** 2))
 
     @property
     def names(self) -> tuple[str, ...]:
