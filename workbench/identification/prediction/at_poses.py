@@ -21,10 +21,10 @@ from ...effects.acting import Acting
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot, load_robot
 from ...robot.kinematics import Array
+from ...robot.ranges import MARGIN, beyond_range
 from ...robot.rotations import from_vectors
 from ...robot.schema import stated_load
 from ...robot.uncertainty import LEAST, Uncertainty
-from .ranges import MARGIN, beyond_range
 from .tempering import Tempering
 from .tool import tool_motion, tool_points, tool_problem
 
