@@ -71,6 +71,9 @@ def test_a_map_forgets_its_edge_over_its_length():
     assert off[2] == pytest.approx(off[1], rel=1e-6)
     assert off[3] == pytest.approx(off[1] * np.exp(-0.5))
     assert abs(off[4]) < 1e-4 * abs(off[1])
+    narrower = replace(MAP, room=0.3)
+    assert narrower.basis(q, None, NAMES)[1] == pytest.approx(np.exp(-0.5) * MAP.basis(q, None, NAMES)[1])
+    assert narrower.beyond(q, NAMES)[0] == 0.0
     assert MAP.beyond(q, NAMES) == pytest.approx(2e-4 * np.sqrt([0, 0, 0, 1 - np.exp(-1), 1]), abs=1e-6)
 
 
