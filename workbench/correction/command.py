@@ -8,7 +8,6 @@ from typing import Literal
 
 import numpy as np
 
-from ..campaign.flange_load import beyond_load
 from ..effects.acting import Shares
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
@@ -18,6 +17,7 @@ from .between import left_between
 from .conditions import Conditions, stated_conditions
 from .extended_arm import parts
 from .mirror import METHODS
+from .never_measured import never_measured
 from .paths import Path
 from .programs import LEAST_MM, Program
 from .ripple import LeftOut, frequency, left_out, ripple_shares, speeds
@@ -236,7 +236,7 @@ def compensate(
         troubles=troubles,
         notes=(
             *trajectory.extended.notes,
-            *_never_measured(trajectory),
+            *never_measured(trajectory),
             *_posture(trajectory, start),
             *_coarse(trajectory, speed, shares),
         ),
@@ -297,25 +297,6 @@ def _left_out(trajectory: Trajectory, q: Array, speed: Array, shares: Shares) ->
         return ()
     lever = np.concatenate([trajectory.jacobian(part)[:, :3] for part in parts(len(q))])
     return left_out(trajectory.extended, q, speed, shares, lever)
-
-
-def _never_measured(trajectory: Trajectory) -> Iterator[str]:
-    """Notes where the correction stands on no measurement: of this robot at all, or under such a load."""
-    robot = trajectory.robot
-    if not robot.geometry and not robot.effects:
-        yield "nothing in this model was identified: it corrects what its stated numbers say, and no more"
-    if robot.uncertainty is not None and not robot.uncertainty.base_measured:
-        yield (
-            "no target on the base was measured: the path is right in itself, but all of it may be shifted, "
-            "as far as axis 1 stands otherwise in the base: take base or work object anew with this model"
-        )
-    measured = () if robot.uncertainty is None else robot.uncertainty.flange_load
-    other = beyond_load(trajectory.extended.problem, measured)
-    if other.any():
-        yield (
-            f"at {other.sum()} of {len(other)} samples the flange is loaded otherwise than it was when the "
-            "robot was measured: how it yields to that is extrapolated"
-        )
 
 
 def _posture(trajectory: Trajectory, start: Array | None) -> Iterator[str]:

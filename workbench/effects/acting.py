@@ -88,6 +88,14 @@ class Acting:
                 out[:, joints.index(str(effect.where.joint))] += effect.basis(q, side, joints) @ values
         return out
 
+    def beyond(self, q: Array, joints: tuple[str, ...]) -> Array:
+        """(K, n) one sigma of what a joint does that `gear_error` does not have, where its functions end."""
+        out = np.zeros_like(q)
+        for effect, _ in self.items:
+            if isinstance(effect, TransmissionEffect):
+                out[:, joints.index(str(effect.where.joint))] += effect.beyond(q, joints) ** 2
+        return np.sqrt(out)
+
     def ripple_slope(self, problem: Problem, shares: Shares = WHOLE) -> Array:
         """(N, n) further motion of each joint per commanded motion, of the effects with an order."""
         ripple = [(i, *item) for i, item in enumerate(self.items) if item[0].where.order is not None]

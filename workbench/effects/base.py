@@ -217,6 +217,12 @@ class Effect(ABC):
         usual = np.where(np.isfinite(spread) | ~np.isfinite(allowed), sized, allowed)
         return np.asarray(np.minimum(usual, self.held))
 
+    @classmethod
+    def unmeasured(cls, problem: Problem, kelvin: Array, found: bool) -> Mapping[int, Array]:
+        """Column 6 · slot + component → (N, k) one sigma of k motions [m, rad] that nothing measured says, in
+        poses `kelvin` (N,) warmer than any that were. found: what one number says of it is known."""
+        return {}
+
     def finer(self) -> Sequence[Effect]:
         """The same effect with other settings, to choose from once it is accepted."""
         return ()

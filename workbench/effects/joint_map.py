@@ -30,8 +30,10 @@ class JointMap(TransmissionEffect):
     """Δq = Σ a_k cos(π k (q − q₀)/L), a Gaussian process with the length of `variant`, broad to fine.
 
     The waves' prior sizes are the square roots of the process' spectrum (Rasmussen & Williams 2006): a
-    function of usual size `size` that forgets itself over `length` [rad]. q₀ `first` and L `span` [rad] are
-    where the joint was measured; beyond it the map says nothing and keeps its value at the edge.
+    function of usual size `size` that forgets itself over `length` [rad]. The joint was measured from q₀
+    `first` over L `span` [rad], without `room` at both ends; beyond that the map forgets what it says as the
+    process does, over `length`: what nobody measured is no error in the mean, and as unsure as the map is
+    large.
 
     Of a sliding joint it is the pitch error of a screw or a rack over the travel, all in m.
     """
@@ -41,13 +43,14 @@ class JointMap(TransmissionEffect):
     length: float = 0.25
     size: float = USUAL
     sliding: bool = False
+    room: float = 0.0
 
     cause: ClassVar[str] = "joint_map"
     title: ClassVar[str] = "A joint errs as a function of its own angle"
     called: ClassVar[str] = "transmission error over the range"
     as_rounded: ClassVar[bool] = True
     equation: ClassVar[str] = "Delta q = f(q)"
-    settings: ClassVar[tuple[str, ...]] = ("first", "span", "length", "size")
+    settings: ClassVar[tuple[str, ...]] = ("first", "span", "length", "size", "room")
     smooth: ClassVar[bool] = True
     separate: ClassVar[dict[str, str]] = {
         "gear_kinematic_error": "sweep the joint in steps far below its shortest period",
@@ -110,7 +113,7 @@ class JointMap(TransmissionEffect):
         if high - low < MOVES / turn(problem)[j]:
             return None
         room = MARGIN * (high - low)
-        return replace(cls._at(problem, j), first=low - room, span=high - low + 2 * room)
+        return replace(cls._at(problem, j), first=low - room, span=high - low + 2 * room, room=room)
 
     @classmethod
     def _at(cls, problem: Problem, j: int) -> JointMap:
@@ -138,8 +141,18 @@ class JointMap(TransmissionEffect):
         return [cls._at(problem, j)._of_length(v) for j in range(problem.arm.n) for v in LENGTHS]
 
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
-        at = np.clip((q[:, joints.index(str(self.where.joint))] - self.first) / self.span, 0.0, 1.0)
-        return np.cos(np.pi * np.outer(at, np.arange(1, 1 + len(self._sizes))))
+        x = (q[:, joints.index(str(self.where.joint))] - self.first) / self.span
+        waves = np.cos(np.pi * np.outer(np.clip(x, 0.0, 1.0), np.arange(1, 1 + len(self._sizes))))
+        return waves * self._kept(q, joints)[:, None]
+
+    def beyond(self, q: Array, joints: tuple[str, ...]) -> Array:
+        return self.size * np.sqrt(1 - self._kept(q, joints) ** 2)
+
+    def _kept(self, q: Array, joints: tuple[str, ...]) -> Array:
+        """(N,) how much the process still has of what was measured, where q (N, n) is beyond."""
+        x = q[:, joints.index(str(self.where.joint))] - self.first
+        beyond = x - np.clip(x, self.room, self.span - self.room)
+        return np.asarray(np.exp(-0.5 * (beyond / self.length) ** 2))
 
     @property
     def names(self) -> tuple[str, ...]:

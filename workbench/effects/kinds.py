@@ -48,6 +48,11 @@ class TransmissionEffect(DirectEffect):
     def basis(self, q: Array, direction: Array | None, joints: tuple[str, ...]) -> Array:
         """(N, p) joint motion [rad, m] per unit of each parameter, for joints q: (N, n)."""
 
+    def beyond(self, q: Array, joints: tuple[str, ...]) -> Array:
+        """(N,) one sigma of the joint's motion [rad, m] that the parameters do not have, where q (N, n) is
+        beyond what was measured of a function that ends there."""
+        return np.zeros(len(q))
+
     def motion(self, problem: Problem) -> Mapping[int, Array]:
         joint, amount = self.of_joint(problem)
         return {int(problem.arm.axial[joint]): amount}

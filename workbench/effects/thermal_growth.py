@@ -15,6 +15,7 @@ from .coming_to_rest import SHARES, share_gone, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
 
+ALUMINIUM, STEEL = 23e-6, 11.5e-6  # 1/K
 MOST = 1e-3  # relative growth of aluminium that warms by 40 K: no arm warms up by more
 
 
@@ -97,6 +98,17 @@ class ThermalGrowth(DirectEffect):
             for slot in range(problem.arm.slots)
             for c in range(3)
             if abs(span[slot, c]) > 1e-9
+        }
+
+    @classmethod
+    def unmeasured(cls, problem: Problem, kelvin: Array, found: bool) -> Mapping[int, Array]:
+        """Every link is of one metal or another, whatever the arm grows by in the mean; where nobody knows
+        that, it is with 95 % less than if all were of aluminium."""
+        span, apart, common = problem.arm.span, (ALUMINIUM - STEEL) / 2, 0.0 if found else ALUMINIUM / 1.96
+        return {
+            6 * slot + c: kelvin[:, None] * span[slot, c] * np.append(apart * link, common)
+            for slot, link in enumerate(np.eye(problem.arm.slots))
+            for c in range(3)
         }
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:

@@ -109,7 +109,8 @@ class Expected:
         out = sum(found.values())
         lines = [
             f"{out} of {len(self.errors.outside)} poses {'lies' if out == 1 else 'lie'} outside of what was "
-            "measured, by these joints or by what they carry: what the table has of them is extrapolated"
+            "measured, by these joints, by what they carry or how warm it is: what the table has of them is "
+            "extrapolated"
         ]
         lines += [f"{said}: {count} pose{'s' * (count > 1)}" for said, count in found.most_common(LISTED)]
         return lines + ([f"and {len(found) - LISTED} more combinations"] if len(found) > LISTED else [])

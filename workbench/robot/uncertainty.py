@@ -64,8 +64,19 @@ class Uncertainty(_Table):
     """nobody knows the instrument's noise: it is in the bounds as well"""
     flange_load: Numbers = Field(default=(), min_length=0, max_length=3)
     """N, N, N·m: least and largest force, and largest moment, on the flange while it was measured"""
+    temperature_degC: Numbers = Field(default=(), min_length=0, max_length=2)
+    """least and largest temperature at which it was measured; left out: it was not recorded"""
+    time_s: Numbers = Field(default=(), min_length=0, max_length=2)
+    """first and last `t_s` at which it was measured; left out: it was not recorded"""
     measured_mm: tuple[str, ...] = ()
     """where the points' mean was measured, in the nominal robot's base: a place on each line, some of them"""
+
+    @field_validator("temperature_degC", "time_s")
+    @classmethod
+    def _ends(cls, ends: Numbers) -> Numbers:
+        if len(ends) == 1 or list(ends) != sorted(ends):
+            raise ValueError("is not a least and a largest")
+        return ends
 
     @field_validator("measured_mm")
     @classmethod

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...identification.prediction.ranges import beyond_range
 from ...robot.kinematics import Array
+from ...robot.ranges import beyond_range
 from .system import Mask, System
 
 HALF = 0.5  # of the poses: where fewer are covered, two campaigns hardly share a posture

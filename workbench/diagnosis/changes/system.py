@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular, svd
 
-from ...identification.prediction.ranges import beyond_range
 from ...identification.rows import moved
 from ...robot.kinematics import Array
+from ...robot.ranges import beyond_range
 from ..gram import OfRows
 from ..reduced import Reduced, parts_of
 from .candidates import Candidate, Shape, own_of

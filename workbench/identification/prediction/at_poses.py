@@ -12,22 +12,24 @@ from numpy.typing import NDArray
 
 from ...campaign import Campaign, Target
 from ...campaign.flange_load import beyond_load
+from ...campaign.measured_when import beyond_temperature, beyond_time, kelvin_beyond
 from ...campaign.planned import planned
 from ...campaign.problem import Problem, problem_of
 from ...correction.extended_arm import extended_arm, parts
+from ...effects import catalogue
 from ...effects.acting import Acting
 from ...files.faults import Fault, InputError
 from ...robot.description import Robot, load_robot
 from ...robot.kinematics import Array
+from ...robot.ranges import MARGIN, beyond_range
 from ...robot.rotations import from_vectors
 from ...robot.schema import stated_load
 from ...robot.uncertainty import LEAST, Uncertainty
-from .ranges import MARGIN, beyond_range
 from .tempering import Tempering
 from .tool import tool_motion, tool_points, tool_problem
 
 TOGETHER = "combination of joints"  # each of them inside of its range
-LOAD = "load on the flange"
+LOAD, WARMTH, TIME = "load on the flange", "temperature", "time"
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +116,7 @@ def predict(
     arm = extended_arm(told)
     found = [_part(told, arm.acting, data, part, instrument) for part in _parts(told)]
     error, nominal, corrected, places, far = (np.concatenate(each) for each in zip(*found, strict=True))
-    notes = [*arm.notes, *_sided(told, arm.acting)]
+    notes = [*arm.notes, *_sided(told, arm.acting), *_warm(told, data)]
     if data.instrument_inside:
         notes.append("nobody knows the instrument's noise: it is in the bounds as well")
     if not data.turn_measured:
@@ -122,7 +124,7 @@ def predict(
             "all points were measured on one line or in one place: nothing says how the base stands turned "
             "about it, and the bounds do not have that; align base and instrument by other points"
         )
-    outside = _outside(told, data, far)
+    outside = _outside(told, arm.acting, data, far)
     return ToolErrors(told.campaign, error, nominal, corrected, places, outside, tuple(notes))
 
 
@@ -161,7 +163,10 @@ def _part(
     here = replace(told, campaign=told.campaign.some(part))
     at = tool_motion(here, acting)
     moved = at.J @ placed(data, at.names)
-    fitted = moved @ moved.swapaxes(-1, -2)
+    ended = at.joint * acting.beyond(here.q, here.arm.names)[:, None, None]
+    warm = _warmed(here, acting, at.direct, _kelvin(here, acting, data))
+    unsure = np.concatenate([moved, ended, warm], axis=-1)
+    fitted = unsure @ unsure.swapaxes(-1, -2)
     joint = at.joint * np.array(data.repeatability)
     play = _play(here, acting, at.points)
     other = joint @ joint.swapaxes(-1, -2) + play @ play.swapaxes(-1, -2) + instrument**2 * np.eye(3)
@@ -192,6 +197,35 @@ def _nominal(here: Problem, data: Uncertainty, points: Array) -> tuple[Array, Ar
     return places, (points - shift) @ turn - places
 
 
+def _kelvin(told: Problem, acting: Acting, data: Uncertainty) -> Array:
+    """(N,) by how much poses are warmer than any that were measured, colder below zero."""
+    return kelvin_beyond(told, data.temperature_degC, any("temperature" in e.uses for e, _ in acting))
+
+
+def _warmed(here: Problem, acting: Acting, direct: Array, kelvin: Array) -> Array:
+    """(N, T, 3, k) one sigma of the points' motions by what warms beyond what was measured; direct: (N, T, 3,
+    6 S) how they move with the slots."""
+    found = {effect.cause for effect, _ in acting if "temperature" in effect.uses}
+    out = [np.zeros((*direct.shape[:3], 1))]
+    for cause, kind in catalogue().items():
+        motions = kind.unmeasured(here, kelvin, cause in found)
+        moved = [direct[..., c, None] * way[:, None, None] for c, way in motions.items()]
+        out += [np.sum(moved, axis=0)] if moved else []
+    return np.concatenate(out, axis=-1)
+
+
+def _warm(told: Problem, data: Uncertainty) -> Iterator[str]:
+    """A note where either the poses or the measurement do not say how warm it was."""
+    if data.temperature_degC and told.warmth is None:
+        ends = "to".join(f" {t:.3g} " for t in data.temperature_degC)
+        yield f"the poses have no temperature: the bounds are for{ends}°C, as it was measured"
+    if told.warmth is not None and not data.temperature_degC:
+        yield (
+            "no temperature was recorded when the robot was measured: what it has grown by since nobody "
+            "knows, and it is not in the bounds"
+        )
+
+
 def _play(here: Problem, acting: Acting, points: Array) -> Array:
     """(N, T, 3, n) how far the points move by the side from which each joint comes, where nobody says it."""
     if here.campaign.poses.side is not None or not any("side" in effect.uses for effect, _ in acting):
@@ -211,18 +245,25 @@ def _sided(told: Problem, acting: Acting) -> Iterator[str]:
                 yield f"{effect.label}: the poses have no dir columns; the bounds hold for either side"
 
 
-def _outside(told: Problem, data: Uncertainty, far: Array) -> tuple[str, ...]:
-    """What of each pose lies outside of what was measured: joints beyond their ranges, or the load on the
-    flange; or the joints' combination, where the fitted numbers are less sure of the tool, far (N,) [m], than
-    at any measured pose (hidden extrapolation: Montgomery et al. 2012)."""
-    lower, upper = np.array(data.lower), np.array(data.upper)
-    off = beyond_range(told.q, lower, upper)
-    names = told.arm.names
-    out = []
-    for row, loaded, spread in zip(off, beyond_load(told, data.flange_load), far, strict=True):
-        said = [names[j] for j in np.flatnonzero(row)] + [LOAD] * bool(loaded)
-        out.append("; ".join(said) or (TOGETHER if spread > (1 + MARGIN) * data.farthest else ""))
-    return tuple(out)
+def _outside(told: Problem, acting: Acting, data: Uncertainty, far: Array) -> tuple[str, ...]:
+    """What of each pose lies outside of what was measured: joints beyond their ranges, the load on the
+    flange, temperature, or time where something hangs on it; or the joints' combination, where the fitted
+    numbers are less sure of the tool, far (N,) [m], than at any measured pose (hidden extrapolation:
+    Montgomery et al. 2012)."""
+    timed = any("time" in effect.uses for effect, _ in acting)
+    beyond = {
+        LOAD: beyond_load(told, data.flange_load),
+        WARMTH: beyond_temperature(_kelvin(told, acting, data), data.temperature_degC),
+        TIME: beyond_time(told, data.time_s if timed else ()),
+    }
+    joints = beyond_range(told.q, np.array(data.lower), np.array(data.upper))
+    off = np.column_stack([joints, *beyond.values()])
+    names = (*told.arm.names, *beyond)
+    spread = far > (1 + MARGIN) * data.farthest
+    return tuple(
+        "; ".join(names[k] for k in np.flatnonzero(row)) or TOGETHER * bool(unsure)
+        for row, unsure in zip(off, spread, strict=True)
+    )
 
 
 def _metres(place: tuple[float, float, float]) -> tuple[float, float, float]:

@@ -10,6 +10,7 @@ from scipy.linalg import solve_triangular
 
 from ...campaign import Target
 from ...campaign.flange_load import flange_load
+from ...campaign.measured_when import temperatures, times
 from ...campaign.problem import Problem
 from ...effects.acting import Acting
 from ...effects.base import Effect
@@ -82,6 +83,8 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         upper=_numbers(problem.q.max(axis=0)),
         farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
         flange_load=_numbers(np.array(flange_load(problem))),
+        temperature_degC=_numbers(np.array(temperatures(problem))),
+        time_s=_numbers(np.array(times(problem))),
         instrument_inside=not known,
         measured_mm=_some((at.points.mean(axis=1) - base[:3]) @ from_vectors(base[3:])),
     )

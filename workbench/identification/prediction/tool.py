@@ -22,11 +22,13 @@ from ..rows import jacobian
 @dataclass(frozen=True)
 class ToolMotion:
     """Points (N, T, 3) [m] in the base frame, and how they move: J (N, T, 3, P) by the numbers `names` (the
-    base's shift and turn, the targets' places, geometry, effects), joint (N, T, 3, n) by the joints."""
+    base's shift and turn, the targets' places, geometry, effects), direct (N, T, 3, 6 S) by the slots'
+    motions, joint (N, T, 3, n) by the joints."""
 
     points: Array
     names: tuple[str, ...]
     J: Array
+    direct: Array
     joint: Array
 
 
@@ -58,8 +60,9 @@ def tool_motion(problem: Problem, acting: Acting) -> ToolMotion:
     cols = columns(problem, effects)
     rows = 3 * shape[1]
     J = jacobian(model, line, cols, state, np.broadcast_to(np.eye(rows), (shape[0], rows, rows)))
-    joint = line.direct[:, :, problem.arm.axial]
-    return ToolMotion(points, told_apart(cols.names), J.reshape(*shape, -1), joint.reshape(*shape, -1))
+    direct = line.direct.reshape(*shape, -1)
+    joint = direct[..., problem.arm.axial]
+    return ToolMotion(points, told_apart(cols.names), J.reshape(*shape, -1), direct, joint)
 
 
 def told_apart(names: Sequence[str]) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...robot.kinematics import Array
+from .kinematics import Array
 
 MARGIN = 0.02  # of a joint's measured range, or of the largest spread: nearer than this is inside
 
