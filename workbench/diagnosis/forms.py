@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from .weight import SCALES, Weight, most_of, table_of
 
 TINY = 1e-9
 SLACK = 1e-3  # log odds: far more than rounding
+
+Asked = TypeVar("Asked")
+Found = TypeVar("Found")
 
 
 class Forms:
@@ -37,6 +41,8 @@ class Forms:
         certain = np.array([components[k].certain for k, _ in forms], bool)[:, None]
         bends = np.array([components[k].by_loads for k, _ in forms], bool)[:, None]
         self._ruled_out = (bends & (PRIORS.largest < SCALES)) | (certain & (PRIORS.smallest > SCALES))
+        self._weights = dict[tuple[frozenset[Member], int], Weight]()
+        self._most = dict[tuple[frozenset[Member], Member, tuple[int, ...]], Array]()
         ends = np.cumsum([0, *(len(component.forms) for component in components)])
         self._of = [np.arange(a, b) for a, b in pairwise(ends.tolist())]
 
@@ -44,9 +50,22 @@ class Forms:
         self, chosen: Chosen, numbers: Sequence[int], without: NDArray[np.int64] | None = None
     ) -> list[Weight]:
         """Weights of components, by their numbers (P,), beside a set, or each beside all of it but a member,
-        by its number (P,)."""
-        if not len(numbers):
-            return []
+        by its number (P,); once each, as searches come back to the same sets."""
+        every = frozenset(chosen.members)
+        gone = [] if without is None else without.tolist()
+        rest = {i: every - {chosen.members[i]} for i in set(gone)}
+        asked = list(zip([rest[i] for i in gone] or [every] * len(numbers), numbers, strict=True))
+
+        def weighed(new: list[int]) -> list[Weight]:
+            some = [numbers[n] for n in new]
+            return self._weighed(chosen, some, None if without is None else without[new])
+
+        return _once(self._weights, asked, weighed)
+
+    def _weighed(
+        self, chosen: Chosen, numbers: Sequence[int], without: NDArray[np.int64] | None
+    ) -> list[Weight]:
+        """As `weigh`."""
         rows, counts, first = self._rows(numbers)
         gone = None if without is None else np.repeat(without, counts)
         takes = [chosen.explained] if without is None else [chosen.explained_without(i) for i in without]
@@ -72,7 +91,18 @@ class Forms:
         return out
 
     def most(self, chosen: Chosen, numbers: Sequence[int], members: Sequence[int]) -> Array:
-        """(P, M) log odds that components cannot exceed in the places of members of a set.
+        """(P, M) log odds that components cannot exceed in the places of members of a set; once each."""
+        every, others = frozenset(chosen.members), tuple(numbers)
+        asked = [(every, chosen.members[i], others) for i in members]
+
+        def limits(new: list[int]) -> Array:
+            return self._limits(chosen, numbers, [members[n] for n in new]).T
+
+        found = _once(self._most, asked, limits)
+        return np.stack(found, axis=1)
+
+    def _limits(self, chosen: Chosen, numbers: Sequence[int], members: Sequence[int]) -> Array:
+        """As `most`.
 
         Without a member the others leave more of everything, u + v and S + H Hᵀ in the place of u and S: with
         S in that of S + H Hᵀ a component takes more off χ², and its freedom costs less.
@@ -122,3 +152,13 @@ class Forms:
         for width in np.unique(widths).tolist():
             here = np.flatnonzero(widths == width)
             yield here, self._start[rows[here], None] + np.arange(width)
+
+
+def _once(
+    known: dict[Asked, Found], asked: Sequence[Asked], work: Callable[[list[int]], Iterable[Found]]
+) -> list[Found]:
+    """What is asked for, of which `work` finds what is not known yet, by its numbers among all asked for."""
+    new = [n for n, one in enumerate(asked) if one not in known]
+    if new:
+        known.update(zip([asked[n] for n in new], work(new), strict=True))
+    return [known[one] for one in asked]
