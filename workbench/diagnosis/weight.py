@@ -48,8 +48,8 @@ def prior_weight(component: Component, form: int, scale: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Spectra:
-    """Blocks S (F, p, p) in the directions V (F, p, p) in which they are diagonal: so are S + s⁻² and its inverse
-    `held` (F, scales, p) for every scale s."""
+    """Blocks S (F, p, p) in the directions V (F, p, p) in which they are diagonal: so are S + s⁻² and its
+    inverse `held` (F, scales, p) for every scale s."""
 
     V: Array
     held: Array
@@ -111,8 +111,9 @@ def most_of(left: Reduced, S: Array, u: Array, more: Array, rest: Array, own: In
 def mostly_itself(mean: Array, count: int) -> Array:
     """(F, scales) log factor on the evidence that takes out what is not the effect, but its companions: these
     are larger, each in its prior size, than `PRIORS.companions` of the effect. mean: (F, scales, p)."""
-    own, more = (np.sqrt((part**2).mean(axis=-1)) for part in np.split(mean, [count], axis=-1))
-    return np.asarray(np.where(more > PRIORS.companions * own, NOTHING_OF_IT, 0.0))
+    own, more = (np.einsum("...p,...p->...", x, x) for x in (mean[..., :count], mean[..., count:]))
+    most = PRIORS.companions**2 * (mean.shape[-1] - count) / count
+    return np.where(more > most * own, NOTHING_OF_IT, 0.0)
 
 
 def _sides(right: Array, wrong: Array, wrong_sign: Array) -> Array:
