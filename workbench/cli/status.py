@@ -23,8 +23,8 @@ class Terminated(BaseException):
 
 @contextmanager
 def loading() -> Iterator[None]:
-    """While the modules of a command are loaded nobody looks for garbage among them, nor later: there is none,
-    and they are so many that to look takes a tenth of a second, and again in the midst of the work."""
+    """While the modules of a command are loaded nobody looks for garbage among them, nor later: there is
+    none, and to look takes a tenth of a second, and again in the midst of the work."""
     gc.disable()
     try:
         yield
