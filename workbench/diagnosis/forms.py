@@ -83,8 +83,8 @@ class Forms:
         more = np.full(len(numbers), np.inf)
         np.subtract(np.log(every), np.log(np.where(alone > 0, alone, 1.0)), where=alone > 0, out=more)
         out = []
-        for i, (k, rows_k) in enumerate(zip(numbers, np.split(table, first[1:]), strict=True)):
-            form, scale = divmod(int(np.argmax(rows_k)), len(SCALES))
+        for i, (k, at, count) in enumerate(zip(numbers, first.tolist(), counts.tolist(), strict=True)):
+            form, scale = divmod(int(table[at : at + count].argmax()), len(SCALES))
             odds = float(most[i] + np.log(every[i]) + self.components[k].log_odds)
             out.append(Weight(odds, form, float(SCALES[scale]), float(more[i])))
         return out
