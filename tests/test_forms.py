@@ -16,7 +16,7 @@ from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.remainder import beyond_forms, remainder
 from workbench.diagnosis.sets import Competition
 from workbench.diagnosis.stand_ins import StandIns, times_too_sure
-from workbench.diagnosis.weight import Weight
+from workbench.diagnosis.weight import SCALES, WEIGHTS, Weight, likelihood, table_of
 from workbench.diagnosis.worth import _beyond
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.joint_map import JointMap
@@ -240,3 +240,35 @@ def test_odds_are_too_large_between_causes_of_one_kind_in_other_forms(one, other
     problem = problem_of(measured())
     effects = [parse_effect(text, problem)[0] for text in (one, other)]
     assert times_too_sure(*effects) == times_too_sure(*reversed(effects)) == times
+
+
+def test_a_form_weighs_what_its_equations_say():
+    rng = np.random.default_rng(3)
+    G, data = rng.normal(size=(3, 40, 4)), 3 * rng.normal(size=40)
+    S, u = np.einsum("fnp,fnq->fpq", G, G), np.einsum("fnp,n->fp", G, data)
+    left = Reduced((), Stored(np.zeros((0, 0))), np.zeros(0), float(data @ data), 40.0, 300.0)
+    table = table_of(left, S, u, np.zeros(3), np.full(3, 0.5), np.zeros(3, int))
+    for f, k in np.ndindex(table.shape):
+        normal = S[f] + np.eye(4) / SCALES[k] ** 2
+        gained = likelihood(left, 0.0, u[f] @ np.linalg.solve(normal, u[f]))
+        freedom = 0.5 * np.linalg.slogdet(np.eye(4) + SCALES[k] ** 2 * S[f])[1]
+        assert table[f, k] == pytest.approx(gained - freedom + WEIGHTS[k], abs=1e-9)
+
+
+@pytest.mark.usefixtures("plain")
+def test_a_set_in_another_order_is_not_weighed_again(monkeypatch):
+    data, one, two = twins(400.0, 0.3)
+    keys = [("backlash", Where(joint=f"joint_{k}")) for k in range(3)]
+    competition = competition_of(one, two, one + two, data=data, keys=keys)
+    members = [Member(0, 0, 1.0), Member(1, 0, 3.0)]
+    weights, most = (
+        lambda some: competition.forms.weigh(Chosen(competition.reduced, some), [2]),
+        lambda some, i: competition.forms.most(Chosen(competition.reduced, some), [2], [i]),
+    )
+    first, limit = weights(members), most(members, 0)
+    assert most(members, 1) != limit
+    assert weights(members[:1]) != first
+    monkeypatch.setattr("workbench.diagnosis.forms.table_of", None)
+    monkeypatch.setattr("workbench.diagnosis.forms.most_of", None)
+    assert weights(members[::-1]) == first
+    assert most(members[::-1], 1) == limit

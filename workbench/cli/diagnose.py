@@ -15,7 +15,7 @@ from .arguments import (
     out_option,
     seed_option,
 )
-from .status import progress, warn
+from .status import loading, progress, warn
 
 
 def add(commands: Commands) -> None:
@@ -38,8 +38,9 @@ def add(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    from ..diagnosis.run import diagnose
-    from ..measurement.design import what_decides
+    with loading():
+        from ..diagnosis.run import diagnose
+        from ..measurement.design import what_decides
 
     check_folder(arguments.out)
     campaigns = load_all([*arguments.campaigns, *([arguments.test] if arguments.test else [])])

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -66,8 +67,9 @@ class Form:
     @property
     def sized(self) -> list[tuple[Pattern, Array]]:
         """Its patterns, each with its prior sizes."""
-        ends = np.cumsum([pattern.amount.shape[-1] for pattern in self.patterns])
-        return list(zip(self.patterns, np.split(self.sizes, ends[:-1]), strict=True))
+        ends = accumulate((pattern.amount.shape[-1] for pattern in self.patterns), initial=0)
+        parts = (self.sizes[a:b] for a, b in pairwise(ends))
+        return list(zip(self.patterns, parts, strict=True))
 
     @property
     def shows(self) -> bool:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
-from scipy.special import logsumexp
 
 from ..robot.kinematics import Array
 from .chosen import Chosen, Member, columns_of
@@ -19,6 +19,9 @@ from .weight import SCALES, Weight, most_of, table_of
 
 TINY = 1e-9
 SLACK = 1e-3  # log odds: far more than rounding
+
+Asked = TypeVar("Asked")
+Found = TypeVar("Found")
 
 
 class Forms:
@@ -37,6 +40,8 @@ class Forms:
         certain = np.array([components[k].certain for k, _ in forms], bool)[:, None]
         bends = np.array([components[k].by_loads for k, _ in forms], bool)[:, None]
         self._ruled_out = (bends & (PRIORS.largest < SCALES)) | (certain & (PRIORS.smallest > SCALES))
+        self._weights = dict[tuple[frozenset[Member], int], Weight]()
+        self._most = dict[tuple[frozenset[Member], Member, tuple[int, ...]], Array]()
         ends = np.cumsum([0, *(len(component.forms) for component in components)])
         self._of = [np.arange(a, b) for a, b in pairwise(ends.tolist())]
 
@@ -44,9 +49,22 @@ class Forms:
         self, chosen: Chosen, numbers: Sequence[int], without: NDArray[np.int64] | None = None
     ) -> list[Weight]:
         """Weights of components, by their numbers (P,), beside a set, or each beside all of it but a member,
-        by its number (P,)."""
-        if not len(numbers):
-            return []
+        by its number (P,); once each, as searches come back to the same sets."""
+        every = frozenset(chosen.members)
+        gone = [] if without is None else without.tolist()
+        rest = {i: every - {chosen.members[i]} for i in set(gone)}
+        asked = list(zip([rest[i] for i in gone] or [every] * len(numbers), numbers, strict=True))
+
+        def weighed(new: list[int]) -> list[Weight]:
+            some = [numbers[n] for n in new]
+            return self._weighed(chosen, some, None if without is None else without[new])
+
+        return _once(self._weights, asked, weighed)
+
+    def _weighed(
+        self, chosen: Chosen, numbers: Sequence[int], without: NDArray[np.int64] | None
+    ) -> list[Weight]:
+        """As `weigh`."""
         rows, counts, first = self._rows(numbers)
         gone = None if without is None else np.repeat(without, counts)
         takes = [chosen.explained] if without is None else [chosen.explained_without(i) for i in without]
@@ -65,14 +83,25 @@ class Forms:
         more = np.full(len(numbers), np.inf)
         np.subtract(np.log(every), np.log(np.where(alone > 0, alone, 1.0)), where=alone > 0, out=more)
         out = []
-        for i, (k, rows_k) in enumerate(zip(numbers, np.split(table, first[1:]), strict=True)):
-            form, scale = divmod(int(np.argmax(rows_k)), len(SCALES))
+        for i, (k, at, count) in enumerate(zip(numbers, first.tolist(), counts.tolist(), strict=True)):
+            form, scale = divmod(int(table[at : at + count].argmax()), len(SCALES))
             odds = float(most[i] + np.log(every[i]) + self.components[k].log_odds)
             out.append(Weight(odds, form, float(SCALES[scale]), float(more[i])))
         return out
 
     def most(self, chosen: Chosen, numbers: Sequence[int], members: Sequence[int]) -> Array:
-        """(P, M) log odds that components cannot exceed in the places of members of a set.
+        """(P, M) log odds that components cannot exceed in the places of members of a set; once each."""
+        every, others = frozenset(chosen.members), tuple(numbers)
+        asked = [(every, chosen.members[i], others) for i in members]
+
+        def limits(new: list[int]) -> Array:
+            return self._limits(chosen, numbers, [members[n] for n in new]).T
+
+        found = _once(self._most, asked, limits)
+        return np.stack(found, axis=1)
+
+    def _limits(self, chosen: Chosen, numbers: Sequence[int], members: Sequence[int]) -> Array:
+        """As `most`.
 
         Without a member the others leave more of everything, u + v and S + H Hᵀ in the place of u and S: with
         S in that of S + H Hᵀ a component takes more off χ², and its freedom costs less.
@@ -85,7 +114,8 @@ class Forms:
             more = chosen.given_back(block, members)
             most = most_of(self.reduced, S, u, more, rest, self._own[rows[here]])
             most[self._ruled_out[rows[here]]] = -np.inf
-            table[here] = logsumexp(most, axis=1)
+            top = most.max(axis=1)
+            table[here] = top + np.log(np.exp(most - top[:, None]).sum(axis=1))  # SciPy's takes far longer
         table += self._log_share[rows, None]
         prior = np.array([self.components[k].log_odds for k in numbers])
         return np.asarray(np.logaddexp.reduceat(table, first, axis=0) + prior[:, None] + SLACK)
@@ -122,3 +152,13 @@ class Forms:
         for width in np.unique(widths).tolist():
             here = np.flatnonzero(widths == width)
             yield here, self._start[rows[here], None] + np.arange(width)
+
+
+def _once(
+    known: dict[Asked, Found], asked: Sequence[Asked], work: Callable[[list[int]], Iterable[Found]]
+) -> list[Found]:
+    """What is asked for, of which `work` finds what is not known yet, by its numbers among all asked for."""
+    new = [n for n, one in enumerate(asked) if one not in known]
+    if new:
+        known.update(zip([asked[n] for n in new], work(new), strict=True))
+    return [known[one] for one in asked]

@@ -152,10 +152,9 @@ class Competition:
         paid = np.array([w.log_odds for w in weights.values()]) - likelihood(self.reduced, rest.explained, q)
         odds = likelihood(self.reduced, rest.explained, both) + paid[:, None] + paid
         odds[np.tril_indices(len(odds))] = -np.inf
-        for at in np.argsort(odds, axis=None)[: -PAIRS - 1 : -1].tolist():
-            k, j = divmod(at, len(odds))
-            if odds[k, j] > least:
-                yield alone[k], alone[j]
+        first, second = np.nonzero(odds > least)
+        for at in np.argsort(odds[first, second])[: -PAIRS - 1 : -1]:
+            yield alone[first[at]], alone[second[at]]
 
     @staticmethod
     def _in_order(members: list[Member]) -> list[Member]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtrc, log_ndtr, logsumexp
 
 from ..robot.kinematics import Array
@@ -14,6 +15,7 @@ from .reduced import Index, Reduced
 
 SCALES = np.array(PRIORS.scales)
 WEIGHTS = np.log(SCALES / (1 + SCALES**2)) - logsumexp(np.log(SCALES / (1 + SCALES**2)))
+SQUARES = SCALES[:, None] ** 2
 NOTHING_OF_IT = -1e6  # log factor
 
 
@@ -44,20 +46,53 @@ def prior_weight(component: Component, form: int, scale: float) -> float:
     return float(component.log_odds + component.log_shares[form] + WEIGHTS[at])
 
 
+@dataclass(frozen=True, eq=False)
+class _Spectra:
+    """Blocks S (F, p, p) in the directions V (F, p, p) in which they are diagonal: so are S + s⁻² and its
+    inverse `held` (F, scales, p) for every scale s."""
+
+    V: Array
+    held: Array
+
+    @classmethod
+    def of(cls, S: Array) -> _Spectra:
+        w, V = np.linalg.eigh(S)
+        return cls(V, SQUARES / (1 + SQUARES * np.maximum(w, 0.0)[:, None]))
+
+    @property
+    def log_det(self) -> Array:
+        """(F, scales) log |1 + s² S|."""
+        return np.asarray(-np.log(self.held / SQUARES).sum(axis=2))
+
+    def along(self, u: Array) -> Array:
+        """(F, p, M) of M times u (F, p, M) along each direction."""
+        return np.asarray(self.V.swapaxes(1, 2) @ u)
+
+    def posterior(self, along: Array, here: NDArray[np.bool_], count: int) -> tuple[Array, Array]:
+        """Posterior mean (F, scales, p) of the numbers of some blocks, of which u is `along` (F, p), and
+        covariance of the first (count) of them."""
+        V, held = self.V[here], self.held[here]
+        first = V[:, None, :count]
+        mean = (held * along[here, None]) @ V.swapaxes(1, 2)
+        return mean, (first * held[:, :, None]) @ first.swapaxes(2, 3)
+
+
 def table_of(left: Reduced, S: Array, u: Array, explained: Array, wrong_sign: Array, own: Index) -> Array:
     """(F, scales) log Bayes factors of forms with columns S (F, p, p), u (F, p), weighed by the scales'
     priors. explained: (F,) what a set took off χ² before. own: (F,) number of an effect's
     own columns where companions follow, 0: none do."""
-    q, log_det = _quadratic(S, u)
-    table = likelihood(left, explained[:, None], q) - 0.5 * log_det + WEIGHTS
+    spectra = _Spectra.of(S)
+    along = spectra.along(u[..., None])[..., 0]
+    q = (spectra.held * along[:, None] ** 2).sum(axis=2)
+    table = likelihood(left, explained[:, None], q) - 0.5 * spectra.log_det + WEIGHTS
     alone = (wrong_sign != 0.5) & (own == 0)
     if alone.any():
-        mean, covariance = _posterior(S[alone], u[alone], 1)
+        mean, covariance = spectra.posterior(along, alone, 1)
         z = mean[..., 0] / np.sqrt(covariance[..., 0, 0])
         table[alone] += np.log(2) + _sides(log_ndtr(z), log_ndtr(-z), wrong_sign[alone])
     for count in set(own[own > 0].tolist()):
         here = own == count
-        mean, covariance = _posterior(S[here], u[here], count)
+        mean, covariance = spectra.posterior(along, here, count)
         table[here] += _present(mean[..., :count], covariance, wrong_sign[here])
         table[here] += mostly_itself(mean, count)
     return table
@@ -66,47 +101,19 @@ def table_of(left: Reduced, S: Array, u: Array, explained: Array, wrong_sign: Ar
 def most_of(left: Reduced, S: Array, u: Array, more: Array, rest: Array, own: Index) -> Array:
     """(F, scales, M) what `table_of` cannot exceed in the place of members without which a set explains rest
     (M,), where u is more (F, p, M) and S no less."""
-    held = S[:, None] + SCALES[:, None, None] ** -2.0 * np.eye(S.shape[1])
-    log_det = np.linalg.slogdet(held)[1] + 2 * S.shape[1] * np.log(SCALES)
-    together = (u[:, :, None] + more)[:, None]
-    q = (together * np.linalg.solve(held, together)).sum(axis=2)
+    spectra = _Spectra.of(S)
+    q = spectra.held @ spectra.along(u[:, :, None] + more) ** 2
     present = np.where(own > 0, -np.log(chdtrc(np.maximum(own, 1), PRIORS.present**2)), 0.0)
-    return likelihood(left, rest, q) + (WEIGHTS - 0.5 * log_det + np.log(2) + present[:, None])[..., None]
-
-
-def _quadratic(S: Array, u: Array) -> tuple[Array, Array]:
-    """uᵀ (S + s⁻²)⁻¹ u and log |1 + s² S| of blocks S (F, p, p), u (F, p) for every scale s: (F, scales).
-
-    The last row of the Cholesky factor of [[A, u], [uᵀ, c]] is L⁻¹ u, for any c that is large enough.
-    """
-    F, p = u.shape
-    A = np.empty((F, len(SCALES), p + 1, p + 1))
-    A[:, :, :p, :p] = S[:, None]
-    A[:, :, np.arange(p), np.arange(p)] = (
-        np.maximum(np.diagonal(S, axis1=1, axis2=2), 0.0)[:, None] * (1 + 1e-12) + SCALES[:, None] ** -2.0
-    )
-    A[:, :, p, :p] = A[:, :, :p, p] = u[:, None]
-    A[:, :, p, p] = 1 + 2 * (u**2).sum(axis=1)[:, None] * SCALES**2
-    L = np.linalg.cholesky(A)
-    diagonal = np.diagonal(L, axis1=2, axis2=3)[..., :p]
-    log_det = 2 * np.log(diagonal).sum(axis=2) + 2 * p * np.log(SCALES)
-    return (L[:, :, p, :p] ** 2).sum(axis=2), log_det
-
-
-def _posterior(S: Array, u: Array, count: int) -> tuple[Array, Array]:
-    """Posterior mean (F, scales, p) of each block's numbers, and covariance of the first (count) of them."""
-    A = S[:, None] + SCALES[:, None, None] ** -2.0 * np.eye(S.shape[1])
-    right = np.zeros((*A.shape[:3], count + 1))
-    right[..., range(count), range(count)], right[..., count] = 1.0, u[:, None]
-    solved = np.asarray(np.linalg.solve(A, right), dtype=np.float64)
-    return solved[..., count], solved[..., :count, :count]
+    fixed = WEIGHTS - 0.5 * spectra.log_det + np.log(2) + present[:, None]
+    return likelihood(left, rest, q) + fixed[..., None]
 
 
 def mostly_itself(mean: Array, count: int) -> Array:
     """(F, scales) log factor on the evidence that takes out what is not the effect, but its companions: these
     are larger, each in its prior size, than `PRIORS.companions` of the effect. mean: (F, scales, p)."""
-    own, more = (np.sqrt((part**2).mean(axis=-1)) for part in np.split(mean, [count], axis=-1))
-    return np.asarray(np.where(more > PRIORS.companions * own, NOTHING_OF_IT, 0.0))
+    own, more = (np.einsum("...p,...p->...", x, x) for x in (mean[..., :count], mean[..., count:]))
+    most = PRIORS.companions**2 * (mean.shape[-1] - count) / count
+    return np.where(more > most * own, NOTHING_OF_IT, 0.0)
 
 
 def _sides(right: Array, wrong: Array, wrong_sign: Array) -> Array:

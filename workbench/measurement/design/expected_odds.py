@@ -103,7 +103,8 @@ class Weighed:
             better = top > likeliest[one.of]
             explained[one.of] = np.where(better, its, explained[one.of])
             likeliest[one.of] = np.maximum(likeliest[one.of], top)
-            evidence[one.of] = np.logaddexp(evidence[one.of], np.logaddexp.reduce(logs, axis=1))
+            every = top + np.log(np.exp(logs - top[:, None]).sum(axis=1))
+            evidence[one.of] = np.logaddexp(evidence[one.of], every)
         return evidence, explained
 
     def draw(self, h: int, u: Array, count: int, rng: np.random.Generator) -> Array:
@@ -160,8 +161,12 @@ class Outlook:
         root = V * np.sqrt(np.maximum(w, 0.0)) @ V.T
         sure = PRIORS.named / (1 - PRIORS.named)
         named, believed = 0.0, 0.0
-        for h, beta, noise in self._true:
-            standing = after.standing(self.u + beta @ added + noise @ root, len(self._chances))
+        drawn = [self.u + beta @ added + noise @ root for _, beta, noise in self._true]
+        every = after.standing(np.concatenate(drawn), len(self._chances))
+        ends = np.cumsum([len(u) for u in drawn])
+        for (h, _, _), *standing in zip(
+            self._true, *(np.split(x, ends[:-1], axis=1) for x in every), strict=True
+        ):
             gained = _odds(standing, h, told) - _odds(self._standing, h, told)
             odds = np.log(told.chances / told.chances[h])[:, None] + gained / told.slow[h][:, None]
             spare = (SPARE / told.slow[h])[:, None]
@@ -176,7 +181,7 @@ def _sum_but(h: int, odds: Array) -> Array:
     return np.asarray(np.exp(np.minimum(np.delete(odds, h, axis=0), LARGEST)).sum(axis=0))
 
 
-def _odds(standing: tuple[Array, Array], h: int, hypotheses: Hypotheses) -> Array:
+def _odds(standing: Sequence[Array], h: int, hypotheses: Hypotheses) -> Array:
     """(H, D) log odds of the hypotheses over the h-th as a diagnosis believes them: what one fits better than
     another counts as far as forms are true; functions without a name, which have no form, may be worse."""
     evidence, explained = standing

@@ -46,9 +46,16 @@ class DesignSpace:
 
     def columns(self, effect: Effect) -> NDArray[np.int64]:
         """Columns of an effect's parameters."""
-        return np.array([self.names.index(name) for name in parameter_names(effect)])
+        if effect not in self._columns:
+            self._columns[effect] = np.array([self.names.index(name) for name in parameter_names(effect)])
+        return self._columns[effect]
 
-    @property
+    @cached_property
+    def _columns(self) -> dict[Effect, NDArray[np.int64]]:
+        """Those that were asked for."""
+        return {}
+
+    @cached_property
     def background(self) -> int:
         """Number of columns before the effects'."""
         return sum(not name.startswith("effect/") for name in self.names)
@@ -122,8 +129,9 @@ class DesignSpace:
         c = measured + f.T @ y
         beta = V @ c
         left = before + y.T @ y - c.T @ beta
-        S = np.matmul(F @ V, F.swapaxes(1, 2)) + np.eye(F.shape[1])
-        E = Y - F @ beta
+        flat = F.reshape(-1, b)  # one product of all, not one of each candidate
+        S = np.matmul((flat @ V).reshape(F.shape), F.swapaxes(1, 2)) + np.eye(F.shape[1])
+        E = Y - (flat @ beta).reshape(Y.shape)
         return np.asarray(left + np.matmul(E.swapaxes(1, 2), np.linalg.solve(S, E)))
 
 
