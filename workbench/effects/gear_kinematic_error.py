@@ -24,7 +24,8 @@ class GearKinematicError(Harmonic):
 
     A harmonic drive errs 2 times per motor turn (k = 2 × ratio), with weaker parts at 1 and 4 times;
     motor-side run-out once (Olabi et al. 2012). `variant` is the number of cycles per motor turn; any other
-    order has none.
+    order has none. Where the gear runs out it is stronger, or ahead, on one side of the joint's turn: side
+    bands one cycle per turn below and above are companions.
     """
 
     cause: ClassVar[str] = "gear_kinematic_error"
