@@ -286,7 +286,8 @@ def test_a_plan_varies_what_its_causes_depend_on(kr500, text, varied):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("drift", "names 1 cause, not two"),
+        ("drift", "names one cause, not two"),
+        ("drifft", "no cause 'drifft'"),
         ("drifft,backlash", "no cause 'drifft'"),
         ("gear_ratio:joint_2,drift", "'joint_2' is no place or form"),
         ("gear_ratio:joint=joint_9,drift", "no joint 'joint_9'"),

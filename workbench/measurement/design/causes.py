@@ -85,15 +85,9 @@ def chance_of(cause: str) -> tuple[str, float | None]:
 def named_causes(text: str) -> tuple[NamedCause, ...]:
     """The causes of `--tell`, two or more. Raises InputError."""
     found = split_causes(text)
-    if len(found) < 2:
-        raise InputError(
-            Fault(
-                "--tell",
-                f"{text!r} names {len(found) or 'no'} cause{'s' * (len(found) > 1)}, not two",
-                EXAMPLE,
-            )
-        )
     faults = [fault for item in found for fault in _faults(item)]
+    if not faults and len(found) < 2:
+        faults = [Fault("--tell", f"{text!r} names {'one' if found else 'no'} cause, not two", EXAMPLE)]
     if faults:
         raise InputError(faults)
     return tuple(_named(item) for item in found)
