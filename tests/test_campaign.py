@@ -9,6 +9,7 @@ import pytest
 from campaign_example import POINTS, POSES, TOML, faults, write_example
 
 from workbench.campaign import Campaign, Target, load_campaign
+from workbench.files.faults import InputError
 
 
 def warnings(campaign: Campaign) -> list[str]:
@@ -40,6 +41,15 @@ def test_loads_in_si(tmp_path: Path) -> None:
     assert list(campaign.files)[:3] == [f"{tmp_path.name}/{name}" for name in names]
     assert list(campaign.files)[3:] == ["robot/tiny.toml", "robot/tiny.urdf"]
     assert warnings(campaign) == ["campaign.toml: payload 'heavy' is at no measured pose"]
+
+
+def test_a_folder_is_its_campaign(tmp_path: Path) -> None:
+    folder = tmp_path / "measured"
+    folder.mkdir()
+    path = write_example(folder)
+    assert load_campaign(folder).path == path
+    with pytest.raises(InputError, match="is a folder, not a file"):
+        load_campaign(tmp_path)
 
 
 def test_optional_columns(tmp_path: Path) -> None:

@@ -22,8 +22,9 @@ from .six_dof import with_six_dof
 def load_campaign(path: str | Path) -> Campaign:
     """Load and check a campaign.
 
-    path: its campaign.toml; the tables that it names lie beside it. Columns carry units (`q1_deg`, `x_mm`),
-    the campaign is in rad, m, kg, N and s. Raises `InputError` with all faults of all its files at once.
+    path: its campaign.toml, or the folder with it; the tables that it names lie beside it. Columns carry
+    units (`q1_deg`, `x_mm`), the campaign is in rad, m, kg, N and s. Raises `InputError` with all faults of
+    all its files at once.
 
     >>> import numpy as np
     >>> from workbench import Truth, load_robot, planned, random_poses, simulate
@@ -35,7 +36,7 @@ def load_campaign(path: str | Path) -> Campaign:
     >>> campaign.poses.q.shape, campaign.points.shape, campaign.noise_sigma
     ((12, 3), (12, 3, 3), 2e-05)
     """
-    path = Path(path)
+    path = campaign_file(path)
     file = read_campaign_file(path)
     points = read_points(path.parent / file.points.file, file, f"{path}: points")
     faults = [*points.faults, *check_points(points, file.noise.sigma_mm is not None)]
@@ -59,6 +60,12 @@ def load_campaign(path: str | Path) -> Campaign:
     except NotInOrder:
         named = read_points(path.parent / file.points.file, file, f"{path}: points", named=True)
         raise InputError(named.faults) from None
+
+
+def campaign_file(path: str | Path) -> Path:
+    """The campaign.toml in a folder, if that has one; else the path itself."""
+    inside = Path(path) / "campaign.toml"
+    return inside if inside.is_file() else Path(path)
 
 
 class NotInOrder(Exception):

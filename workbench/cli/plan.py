@@ -159,14 +159,17 @@ def read_sources(texts: Sequence[str]) -> Campaign | Robot:
 
 def read_source(text: str) -> Campaign | Robot:
     """A robot by its name or its TOML, which names a URDF; else a campaign. Raises InputError."""
+    from ..campaign.load import campaign_file
     from ..files.toml import read_toml
     from ..robot.description import load_robot
     from ..robot.find import list_robots
 
+    named = text in {path.stem for path in list_robots()}
+    text = text if named else str(campaign_file(text))
     if Path(text).suffix in (".urdf", ".xacro"):
         raise InputError(Fault(text, "is not yet a robot", f"workbench init {text} makes one of it"))
     if not text.endswith(".toml"):
-        if Path(text).exists() and text not in {path.stem for path in list_robots()}:
+        if Path(text).exists() and not named:
             raise InputError(
                 Fault(text, "is neither a TOML file nor a robot", "name campaign.toml or a robot")
             )
