@@ -41,7 +41,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         f"joint_compliance:joint=shoulder_lift_joint,compliance={YIELDS}",
         "joint_map:joint=elbow_joint,variant=waves,amplitude=4e-4",
     ]
-    write_campaign(out / "ur10-ipa", _simulated("ur10", random_poses(load_robot("ur10"), 552, rng), ur10))
+    q = random_poses(load_robot("ur10"), 552, rng)
+    q[:, 2] /= 2  # within the turn that its map has
+    write_campaign(out / "ur10-ipa", _simulated("ur10", q, ur10))
     q = np.zeros((120, 7))
     q[:, :2] = rng.uniform(-1.4, 1.4, (120, 2))
     iiwa = _simulated("iiwa7", q, [f"joint_compliance:joint=joint_2,compliance={SOFTER}"])

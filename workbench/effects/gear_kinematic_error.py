@@ -16,6 +16,7 @@ from .place import Parameter, Where
 from .unnamed.joints import SideBands
 
 BANDS = 0.15  # of the amplitude, each side band: the line is 30 % stronger on one side of the turn
+MANY = 10.0  # cycles per turn from which it has a strength here and there: of fewer side bands make any map
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,8 @@ class GearKinematicError(Harmonic):
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real one is not the same all around the joint's turn."""
+        if self.cycles < MANY:
+            return []
         bands = SideBands(self.where)
         return [(BANDS * self.params[0].typical / bands.params[0].typical, bands)]
 
