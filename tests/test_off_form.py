@@ -3,6 +3,8 @@
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,13 +22,31 @@ from workbench import (
     simulate,
 )
 from workbench.campaign.problem import Problem
-from workbench.diagnosis.off_form import _against_physics
+from workbench.diagnosis.chosen import Member
+from workbench.diagnosis.off_form import _against_physics, _beside
+from workbench.effects import line
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
 from workbench.studies.blind.cases import draw_case
 
 MODELS = Path(__file__).resolve().parents[1] / "models"
 FOOT = 0.9  # m below the base
+
+
+def test_each_line_of_a_joint_has_side_bands_in_its_own_scale():
+    """A weak second line gave its scale to the strong one; a third is in the fit without a member."""
+    lines = tuple(line("joint_1", order) for order in (91.2, 88.9, 40.0))
+    selection: Any = SimpleNamespace(
+        fit=SimpleNamespace(model=SimpleNamespace(effects=lines, problem=None)),
+        components=[SimpleNamespace(key=(one.cause, one.where)) for one in lines[:2]],
+        members=[Member(0, 0, 30.0), Member(1, 0, 1.0)],
+        groups=[(lines[0], [0, 1, 2])],
+    )
+    found = _beside(selection)
+    assert set(found.values()) == {lines[0].key}
+    sizes = {one.where.order: one.size for one in found}
+    assert sizes.keys() == {91.2, 88.9, 40.0}
+    assert sizes[91.2] == pytest.approx(30 * sizes[88.9])
 
 
 @pytest.fixture(scope="module")

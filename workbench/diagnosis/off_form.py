@@ -17,7 +17,7 @@ from ..identification.fit import ROUGH, Fit, refit
 from ..identification.heldout import heldout
 from ..identification.noise import Covariance
 from .competition import SURELY, Selection
-from .components import Key, beside_forms
+from .components import Key, bare, beside_forms
 from .remainder import remainder
 from .rounds import BETTER
 from .scatter import with_scatter
@@ -79,8 +79,9 @@ def _against_physics(fit: Fit, own: Sequence[int]) -> bool:
 def _beside(selection: Selection) -> dict[Effect, Key]:
     """What stands beside the named causes' forms without a name of its own, in the scale in which these were
     likeliest, and whose it is; not what the model has already."""
-    every, fit = selection.components, selection.fit
-    scale = {every[m.component].key: m.scale for m in selection.members}
+    fit = selection.fit
+    scales = [(selection.components[m.component].key, m.scale) for m in selection.members]
+    scale = {bare(key): own for key, own in scales} | dict(scales)  # of two lines of a joint each its own
     named = [fit.model.effects[i] for _, own in selection.groups for i in own]
-    scaled = [(one, scale.get((one.cause, one.where)) or scale[one.key]) for one in named]
+    scaled = [(one, scale.get((one.cause, one.where), scale[one.key])) for one in named]
     return beside_forms(scaled, fit.model.problem, fit.model.effects)
