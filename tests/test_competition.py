@@ -87,7 +87,7 @@ def test_a_cause_too_soft_under_the_scatter_that_is_left_goes_alone(prepared, mo
 
     monkeypatch.setattr(rounds, "refit", careful)
     monkeypatch.setattr(rounds, "_scattering", lambda result, base, scatters: base.times(2.0))
-    found = rounds._fitted(prepared.geometry, [soft, stiff], [], base, scatters=True)
+    found, _ = rounds._fitted(prepared.geometry, [soft, stiff], [], base, scatters=True)
     assert found.model.effects == (stiff,)
     assert found.noise.usual == pytest.approx(2 * base.usual)
 

@@ -85,7 +85,7 @@ class ExtendedArm:
     @property
     def sided(self) -> bool:
         """Whether any effect depends on the side of approach."""
-        return any("side" in effect.uses for effect, _ in self.acting)
+        return "side" in self.acting.uses
 
 
 def extended_arm(problem: Problem) -> ExtendedArm:

@@ -47,7 +47,7 @@ def _elsewhere(trajectory: Trajectory, data: Uncertainty) -> Iterator[str]:
 
 
 def _warmer(trajectory: Trajectory, data: Uncertainty) -> Iterator[str]:
-    by_warmth = any("temperature" in effect.uses for effect, _ in trajectory.extended.acting)
+    by_warmth = "temperature" in trajectory.extended.acting.uses
     kelvin = kelvin_beyond(trajectory.extended.problem, data.temperature_degC, by_warmth)
     off = beyond_temperature(kelvin, data.temperature_degC)
     if off.any():

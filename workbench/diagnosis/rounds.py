@@ -90,11 +90,11 @@ def _converged(
     lines have beside them is no scatter, no noise and no other line.
     A set that stays is judged at its own fit.
     """
-    base, lines, errors, beside = geometry.noise, list[Line](), list[float](), list[Effect]()
+    base, whole, lines, errors = geometry.noise, at, list[Line](), list[float]()
     stated, labels, before = base, list[str](), set[Effect]()
     best = None
     for _ in range(ROUNDS):
-        lines = _with_lines(refitted(at, [*at.model.effects, *beside]), lines)
+        lines = _with_lines(whole, lines)
         competition = _competition(at, candidates, lines, base, noise_dof)
         members = competition.best(labels)
         effects = effects_of(competition, members)
@@ -104,14 +104,15 @@ def _converged(
         if not noise_known:
             at_base = refitted(replace(at, noise=base), [*effects, *beside])
             base = from_residual(at_base)[0]
-        after = found = _fitted(at if noise_known else at_base, effects, beside, base, scatters)
-        whole = refitted(found, [*found.model.effects, *beside])
+        found, whole = _fitted(at if noise_known else at_base, effects, beside, base, scatters)
+        after = found
         errors.append(rms_mm(heldout(whole)))
         left = remainder(whole, noise_known)
         if noise_known and (base is not stated or left.p < GLOBAL_LEVEL):
             base = stated.times(max(1.0, base.usual / stated.usual * _misfit(left, noise_dof)))
             noise = _scattering(whole, base, scatters)
             after = _standing(replace(found, noise=noise), found.model.effects)
+            whole = _with_more(after, beside)
         now = Round(at, found, competition, members)
         if best is None or errors[-1] < min(errors[:-1]) or (now.at_home and now.is_of(best)):
             best = now
@@ -153,14 +154,21 @@ def _scattering(result: Fit, base: Covariance, scatters: bool) -> Covariance:
 
 def _fitted(
     near: Fit, effects: Sequence[Effect], beside: Sequence[Effect], base: Covariance, scatters: bool
-) -> Fit:
-    """A fit with these effects, under the noise with the scatter that it leaves with what stands `beside`
-    their forms: what that moves scatters by no chance."""
+) -> tuple[Fit, Fit]:
+    """A fit with these effects, and one with what stands `beside` their forms as well, under the noise with
+    the scatter that the latter leaves: what that moves scatters by no chance."""
     result = refitted(near, effects)
-    noise = _scattering(refitted(result, [*result.model.effects, *beside]), base, scatters)
+    whole = _with_more(result, beside)
+    noise = _scattering(whole, base, scatters)
     if alike(noise, result.noise):
-        return result
-    return _standing(replace(result, noise=noise), result.model.effects)
+        return result, whole
+    result = _standing(replace(result, noise=noise), result.model.effects)
+    return result, _with_more(result, beside)
+
+
+def _with_more(result: Fit, beside: Sequence[Effect]) -> Fit:
+    """A fit with what stands beside its effects' forms as well."""
+    return refitted(result, [*result.model.effects, *beside])
 
 
 def _begun(geometry: Fit, candidates: Sequence[Effect], base: Covariance) -> Fit:

@@ -15,7 +15,7 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array
 from ..robot.loads import Loads
 from ..robot.yielding import Law, Yielding
-from .base import Effect
+from .base import NOTHING, Depends, Effect
 from .kinds import LinearYield, TransmissionEffect, YieldEffect
 
 Shares = Mapping[int, Array]
@@ -34,6 +34,11 @@ class Acting:
 
     def __len__(self) -> int:
         return len(self.items)
+
+    @property
+    def uses(self) -> Depends:
+        """What any of the effects depends on."""
+        return NOTHING.union(*(effect.uses for effect, _ in self.items))
 
     def those(self, keep: Callable[[Effect], bool]) -> Acting:
         """Only some of the effects."""

@@ -186,7 +186,7 @@ def _likeliest(
 ) -> tuple[tuple[Mistake, float], ...]:
     """Mistakes that leave `enough` at most and that the data do not tell apart: those whose mend leaves the
     fewest joints beyond their limits, the simplest and best first."""
-    lower, upper = np.array([(joint.lower, joint.upper) for joint in problem.robot.joints]).T
+    lower, upper = problem.robot.limits.T
 
     def rank(one: tuple[Mistake, float]) -> tuple[bool, int, int, float]:
         mended = data

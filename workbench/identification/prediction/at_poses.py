@@ -199,7 +199,7 @@ def _nominal(here: Problem, data: Uncertainty, points: Array) -> tuple[Array, Ar
 
 def _kelvin(told: Problem, acting: Acting, data: Uncertainty) -> Array:
     """(N,) by how much poses are warmer than any that were measured, colder below zero."""
-    return kelvin_beyond(told, data.temperature_degC, any("temperature" in e.uses for e, _ in acting))
+    return kelvin_beyond(told, data.temperature_degC, "temperature" in acting.uses)
 
 
 def _warmed(here: Problem, acting: Acting, direct: Array, kelvin: Array) -> Array:
@@ -228,7 +228,7 @@ def _warm(told: Problem, data: Uncertainty) -> Iterator[str]:
 
 def _play(here: Problem, acting: Acting, points: Array) -> Array:
     """(N, T, 3, n) how far the points move by the side from which each joint comes, where nobody says it."""
-    if here.campaign.poses.side is not None or not any("side" in effect.uses for effect, _ in acting):
+    if here.campaign.poses.side is not None or "side" not in acting.uses:
         return np.zeros((*points.shape, 1))
     out = []
     for side in np.eye(here.arm.n):
@@ -250,11 +250,10 @@ def _outside(told: Problem, acting: Acting, data: Uncertainty, far: Array) -> tu
     flange, temperature, or time where something hangs on it; or the joints' combination, where the fitted
     numbers are less sure of the tool, far (N,) [m], than at any measured pose (hidden extrapolation:
     Montgomery et al. 2012)."""
-    timed = any("time" in effect.uses for effect, _ in acting)
     beyond = {
         LOAD: beyond_load(told, data.flange_load),
         WARMTH: beyond_temperature(_kelvin(told, acting, data), data.temperature_degC),
-        TIME: beyond_time(told, data.time_s if timed else ()),
+        TIME: beyond_time(told, data.time_s if "time" in acting.uses else ()),
     }
     joints = beyond_range(told.q, np.array(data.lower), np.array(data.upper))
     off = np.column_stack([joints, *beyond.values()])

@@ -11,6 +11,7 @@ from scipy.linalg import solve_triangular
 from ...campaign import Target
 from ...campaign.flange_load import flange_load
 from ...campaign.measured_when import temperatures, times
+from ...campaign.planned import joint_ranges
 from ...campaign.problem import Problem
 from ...effects.acting import Acting
 from ...effects.base import Effect
@@ -197,11 +198,9 @@ def _own(effect: Effect) -> bool:
 def _anywhere(told: Problem) -> Problem:
     """Poses drawn at random within the limits, under the loads of measured ones."""
     rng = np.random.default_rng(SEED)
-    joints = told.robot.joints
-    limits = [(j.lower, j.upper) if np.isfinite(j.upper - j.lower) else (-np.pi, np.pi) for j in joints]
-    lower, upper = np.array(limits).T
+    lower, upper = joint_ranges(told.robot)
     some = rng.integers(len(told.q), size=SAMPLES)
-    campaign = told.campaign.some(some).with_poses(q=rng.uniform(lower, upper, (SAMPLES, len(joints))))
+    campaign = told.campaign.some(some).with_poses(q=rng.uniform(lower, upper, (SAMPLES, len(lower))))
     return replace(told, campaign=campaign)
 
 

@@ -87,7 +87,7 @@ class Mechanics:
     @property
     def sided(self) -> bool:
         """Whether a gear's error depends on the side of approach."""
-        return any("side" in effect.uses for effect, _ in self.gear)
+        return "side" in self.gear.uses
 
 
 def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mechanics:
