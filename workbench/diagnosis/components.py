@@ -179,10 +179,20 @@ def cause_components(fit: Fit, candidates: Sequence[Effect]) -> list[Component]:
             forms += [form.nearly_alone for form in forms]
         rarer = [e for e in effects if e.rarer(fit.model.problem)]
         forms += [form_of(fit, (e,), rarer=True, pattern=pattern) for e in rarer]
-        forms = [form for form in forms if form.shows]
+        forms = _shared([form for form in forms if form.shows])
         if forms:
             out.append(Component(key, tuple(forms), log_odds_of(effects[0], sites[key[0]])))
     return out
+
+
+def _shared(forms: Sequence[Form]) -> list[Form]:
+    """Forms of one shape share its weight: finer settings do not make it more likely than another."""
+
+    def kind(form: Form) -> Hashable:
+        return tuple(effect.shape for effect in form.effects), len(form.patterns), form.weight
+
+    alike = Counter(map(kind, forms))
+    return [replace(form, weight=form.weight / alike[kind(form)]) for form in forms]
 
 
 def line_component(fit: Fit, effect: Effect, sharpness: float) -> Component:

@@ -166,6 +166,12 @@ class Effect(ABC):
         return self.variant
 
     @property
+    def shape(self) -> str:
+        """Its form without the number behind it: settings of one shape share what is likely of it."""
+        name, _, number = self.variant.rpartition(" ")
+        return name or number
+
+    @property
     def kin(self) -> Hashable:
         """What it has in common with other causes that differ from it by how they are likely to look alone;
         None: nothing."""
