@@ -218,8 +218,11 @@ def nameless_components(fit: Fit, functions: Iterable[Effect]) -> list[Component
 
 
 def log_odds_of(effect: Effect, sites: int) -> float:
-    unstated = effect.always and effect.axial and not effect.stated
-    p = PRIORS.unstated if unstated else PRIORS.cause / sites
+    """log odds before the data of a cause at one of its places. A joint for which the model has no stiffness
+    yields, and some of these out of proportion to their load."""
+    p = PRIORS.cause / sites
+    if effect.axial and effect.acts == "yielding" and not effect.stated:
+        p = PRIORS.unstated * (1.0 if effect.always else PRIORS.rarer)
     return float(np.log(p / (1 - p)))
 
 

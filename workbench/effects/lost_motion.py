@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -32,6 +32,7 @@ class LostMotion(AxialYield):
 
     torque: float = 1.0
     sliding: bool = False
+    stated: bool = field(default=True, kw_only=True, compare=False, repr=False)  # the joint's stiffness
 
     cause: ClassVar[str] = "lost_motion"
     title: ClassVar[str] = "Stiffness depends on torque"
@@ -72,10 +73,13 @@ class LostMotion(AxialYield):
         torque, least = _largest_torque(problem)
         torque = np.where(torque > least, torque, 1.0)  # any: a model.toml states its own
         return [
-            cls(Where(joint=arm.names[j]), variant, share * float(torque[j]), bool(arm.prismatic[j]))
-            for j in range(arm.n)
+            cls(
+                Where(joint=joint.name), variant, share * float(torque[j]), bool(arm.prismatic[j]),
+                stated=joint.data.stiffness is not None,
+            )
+            for j, joint in enumerate(problem.robot.joints)
             for variant, share in shares.items()
-        ]
+        ]  # fmt: skip
 
     def finer(self) -> Sequence[LostMotion]:
         """The same soft zone, narrower and wider."""
