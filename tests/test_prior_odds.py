@@ -20,7 +20,7 @@ def components(name, load):
 
 
 def test_finer_settings_make_no_shape_likelier():
-    """A soft zone is tried at eighteen widths, hardening is one form: a third of the cause each, with play."""
+    """A soft zone is tried at 18 widths, hardening is one form: a third of the cause each, with play."""
     soft = next(one for one in components("kr500", 200.0) if one.key[0] == "lost_motion")
     shares = defaultdict(float)
     for form, share in zip(soft.forms, np.exp(soft.log_shares), strict=True):
