@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -37,6 +38,8 @@ from .stages import Group, rms_mm
 
 SURELY = 3.0  # standard deviations
 UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
+
+_kept: WeakKeyDictionary[Round, dict[tuple[Member, ...], float]] = WeakKeyDictionary()  # what sets leave
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,11 +221,14 @@ def _renamed_at_no_loss(
 
 def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
     """What members leave on poses held out, RMS, with all that they have beside their forms where that is
-    less."""
-    effects = effects_of(best.competition, members)
-    beside = beside_forms(scaled_of(best.competition, members), best.found.model.problem, effects)
-    models = [effects, [*effects, *beside]] if beside else [effects]
-    return min(rms_mm(heldout(refitted(best.found, model))) for model in models)
+    less; once each, as several ask."""
+    known, own = _kept.setdefault(best, {}), tuple(members)
+    if own not in known:
+        effects = effects_of(best.competition, members)
+        beside = beside_forms(scaled_of(best.competition, members), best.found.model.problem, effects)
+        models = [effects, [*effects, *beside]] if beside else [effects]
+        known[own] = min(rms_mm(heldout(refitted(best.found, model))) for model in models)
+    return known[own]
 
 
 def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares]) -> list[Shares]:
