@@ -311,3 +311,18 @@ def test_what_another_effect_alone_held_up_is_fitted_anew():
         lost.model.loaded(lost.state)
     (alone,), (found,) = (refit(one, [soft]).state.values for one in (both, lost))
     assert found == pytest.approx(alone, abs=1e-8)
+
+
+def test_two_lines_of_a_joint_stay_as_they_were_fitted_in_a_fit_that_goes_on():
+    job, _ = measured(poses=60, judge=1)
+    joint = job.arm.names[1]
+    lines = tuple(GearKinematicError(Where(joint=joint, order=order)) for order in (7.0, 31.0))
+    model = Model(job, lines)
+    state = replace(start_state(job), values=(np.array([3e-4, 0.0]), np.array([0.0, -2e-4])))
+    shown = model.predict(state)
+    job = replace(job, campaign=replace(job.campaign, points=shown))
+    once = fitted(job, lines)
+    again = refit(once, lines)
+    assert again.converged
+    for before, after in zip(once.state.values, again.state.values, strict=True):
+        np.testing.assert_allclose(after, before, atol=1e-6)

@@ -218,11 +218,14 @@ def _renamed_at_no_loss(
 
 def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
     """What members leave on poses held out, RMS, with all that they have beside their forms where that is
-    less."""
-    effects = effects_of(best.competition, members)
-    beside = beside_forms(scaled_of(best.competition, members), best.found.model.problem, effects)
-    models = [effects, [*effects, *beside]] if beside else [effects]
-    return min(rms_mm(heldout(refitted(best.found, model))) for model in models)
+    less; once each, as several ask."""
+    known, own = best.left_mm, tuple(members)
+    if own not in known:
+        effects = effects_of(best.competition, members)
+        beside = beside_forms(scaled_of(best.competition, members), best.found.model.problem, effects)
+        models = [effects, [*effects, *beside]] if beside else [effects]
+        known[own] = min(rms_mm(heldout(refitted(best.found, model))) for model in models)
+    return known[own]
 
 
 def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares]) -> list[Shares]:

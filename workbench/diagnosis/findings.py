@@ -193,7 +193,7 @@ def _left(prepared: Prepared, selection: Selection) -> tuple[Remainder, Remainde
     """What the final fit leaves, and what of that real causes are not off their forms: by the noise that was
     there before any scatter was seen."""
     final, known = selection.fit, prepared.noise_known
-    judged = fit(final.model, final.state, prepared.covariance, max_iterations=4)
+    judged = fit(final.model, final.state, prepared.covariance, max_iterations=4, line=final.line)
     left = remainder(judged, known)
     companions = _companions(selection, judged) if left.scatter else []
     return left, beyond_forms(judged, known, companions) if companions else left

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,9 +40,6 @@ AS_WELL = 2.0  # times what is left of its own fit: one fit for all poses explai
 WAVES = 3  # cosines in the order of measurement: what a drift may look like
 STRETCHES = 12  # of a path: each is one look
 ORDERS, CLEARLY = 11, 3.0  # drawn at random, and times what chance makes a step of in the middle one of them
-
-
-Before = Callable[[int], tuple[Array, Array, Array]]
 
 
 @dataclass(frozen=True)
@@ -145,8 +142,8 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
     possible = places(result.model.problem.positions)
     if not possible:
         return None
-    gains = _gains(before, possible)
-    gain, first = max(gains), possible[int(np.argmax(gains))]
+    gains = _gains(*before)[possible]
+    gain, first = float(gains.max()), possible[int(gains.argmax())]
     scatter = _scatter(result, gain)
     step = base * (np.arange(n_poses) < first)[:, None, None]
     drift = [
@@ -159,13 +156,18 @@ def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
     alike = scatter > 1.0 or result.model.problem.rounded  # in a run the errors of rounding are
     if alike and gain < CLEARLY * _by_chance(result, base, possible):
         return None
-    size, std = _size(result, columns, *before(first))
+    size, std = _size(result, columns, *(of[first] for of in before))
     return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None
 
 
-def _gains(before: Before, possible: Sequence[int]) -> list[float]:
-    """What a step takes off χ² at each of some places."""
-    return [quadratic(S, u, np.maximum(own, 1e-300))[0] for S, u, own in map(before, possible)]
+def _gains(S: Array, u: Array, own: Array) -> Array:
+    """(K,) what each of K steps takes off χ², of S (K, 6, 6), u (K, 6) and own (K, 6) as `quadratic` has
+    them."""
+    length = np.sqrt(np.maximum(own, 1e-300))
+    values, axes = np.linalg.eigh(S / (length[:, :, None] * length[:, None]))
+    along = ((u / length)[:, None] @ axes)[:, 0]
+    kept = values > SURVIVES
+    return np.asarray((along**2 / np.where(kept, values, np.inf)).sum(axis=1))
 
 
 def _by_chance(result: Fit, base: Array, possible: Sequence[int]) -> float:
@@ -177,7 +179,7 @@ def _by_chance(result: Fit, base: Array, possible: Sequence[int]) -> float:
     most = []
     for _ in range(ORDERS):
         order = np.argsort(rng.permutation(int(together.max()) + 1)[together], kind="stable")
-        most.append(max(_gains(_prefix(result, base, order), possible)))
+        most.append(_gains(*_prefix(result, base, order))[possible].max())
     return float(np.median(most))
 
 
@@ -289,19 +291,22 @@ def _of_time(problem: Problem) -> list[Effect]:
     return [e for e in every if e.uses & {"time", "temperature"}]
 
 
-def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> Before:
-    """S, u, own of "a step before the k-th pose of an order" for all k, by running sums."""
+def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+    """S (N, 6, 6), u (N, 6), own (N, 6) of a step before each pose of an order, by running sums."""
     base, r, J = base[order], result.r[order], result.J[order] * result.columns.prior
-    gram = np.cumsum(np.einsum("ndi,ndj->nij", base, base), axis=0)
-    score = np.cumsum(np.einsum("ndi,nd->ni", base, r), axis=0)
-    rest = still_to_go(result)
-    back = np.cumsum(np.einsum("ndp,ndi->npi", J, base), axis=0)
+    gram, score, back = (
+        _before(a.swapaxes(1, 2) @ b) for a, b in ((base, base), (base, r[..., None]), (J, base))
+    )
+    flat = back.swapaxes(0, 1).reshape(back.shape[1], -1)
+    taken = solve_triangular(result.upper, flat, trans="T", check_finite=False)
+    Z = taken.reshape(back.shape[1], len(order), 6).transpose(1, 2, 0)
+    u = score[..., 0] - Z @ still_to_go(result)
+    return gram - Z @ Z.swapaxes(1, 2), u, np.diagonal(gram, axis1=1, axis2=2)
 
-    def at(k: int) -> tuple[Array, Array, Array]:
-        Z = solve_triangular(result.upper, back[k - 1], trans="T")
-        return gram[k - 1] - Z.T @ Z, score[k - 1] - Z.T @ rest, np.diag(gram[k - 1]).copy()
 
-    return at
+def _before(each: Array) -> Array:
+    """(N, ...) sums of what comes before each."""
+    return np.concatenate([np.zeros_like(each[:1]), np.cumsum(each, axis=0)[:-1]])
 
 
 def split_setup(problem: Problem, first: int) -> Problem:

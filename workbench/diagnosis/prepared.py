@@ -95,7 +95,7 @@ class Prepared:
     def with_noise_of(self, result: Fit) -> Prepared:
         """The same with the noise that a better fit leaves, and geometry fitted to that."""
         covariance, noise = from_residual(result)
-        geometry = fit(self.geometry.model, self.geometry.state, covariance)
+        geometry = _under(self.geometry, covariance)
         return replace(self, covariance=covariance, noise=noise, geometry=geometry)
 
     def with_turns_of(self, result: Fit) -> Prepared | None:
@@ -125,8 +125,8 @@ class Prepared:
 
     def _under(self, covariance: Covariance) -> Prepared:
         """The same fitted under another noise."""
-        geometry = fit(self.geometry.model, self.geometry.state, covariance)
-        nominal = fit(self.nominal.model, self.nominal.state, covariance, geometry=False)
+        geometry = _under(self.geometry, covariance)
+        nominal = _under(self.nominal, covariance, geometry=False)
         return replace(self, covariance=covariance, geometry=geometry, nominal=nominal)
 
     def some(self, poses: NDArray[np.int64]) -> Prepared:
@@ -298,7 +298,7 @@ def _fitted(sound: _Sound) -> Prepared:
     if problem.drives:
         covariance = replace(covariance, torque=torque_noise(geometry))
     if not known or problem.drives:
-        geometry = fit(model, geometry.state, covariance)
+        geometry = _under(geometry, covariance)
     geometry = plausible_geometry(geometry)
     coarse, rounded = coarseness(geometry), shared_rounding(geometry)
     if coarse > 1 or rounded:
@@ -310,6 +310,11 @@ def _fitted(sound: _Sound) -> Prepared:
     said = (*rigid_targets(geometry), *calibrated.remarks(problem), *common_factor(geometry))
     notes = (*sound.notes, *said, *_coarse(coarse))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)
+
+
+def _under(result: Fit, noise: Covariance, geometry: bool = True) -> Fit:
+    """The same fitted under another noise."""
+    return fit(result.model, result.state, noise, geometry, line=result.line)
 
 
 def _coarse(times: float) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -36,12 +36,14 @@ LEAST_LINE = 12.0  # χ²(2) of a peak of the scan from which it may compete
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """One round: the fit that the components were compared at, the set that this found, the fit with it."""
+    """One round: the fit that the components were compared at, the set that this found, the fit with it.
+    left_mm: what sets leave on poses held out, as far as somebody asked."""
 
     at: Fit
     found: Fit
     competition: Competition
     members: list[Member]
+    left_mm: dict[tuple[Member, ...], float] = field(default_factory=dict, repr=False)
 
     @property
     def at_home(self) -> bool:

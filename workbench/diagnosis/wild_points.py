@@ -90,13 +90,15 @@ def _limit(result: Fit, least: Array) -> Array:
 def robust_fit(problem: Problem, start: State, noise: Covariance, known_effects: Acting = ()) -> Fit:
     """Geometry fit in which a pose counts less the farther it is off (weights of Student's t, 4 dof)."""
     model = Model(problem, (), known_effects)
-    off = np.where(problem.seen[..., None], problem.campaign.points - model.predict(start), 0.0)
+    line = model.linearise(start)
+    off = np.where(problem.seen[..., None], problem.campaign.points - line.prediction.points, 0.0)
     size = np.sqrt((off**2).sum(axis=(1, 2)) / np.maximum(problem.seen.sum(axis=1), 1))
     counted = np.asarray(problem.seen.any(axis=1))
     weight = _student(size, counted, noise.weight)
     for _ in range(6):
-        result = fit(model, start, replace(noise, weight=weight), tolerance=ROUGH, max_iterations=12)
-        start = result.state
+        weighed = replace(noise, weight=weight)
+        result = fit(model, start, weighed, tolerance=ROUGH, max_iterations=12, line=line)
+        start, line = result.state, result.line
         new = _student(_pose_size(result, weight), counted, noise.weight)
         if float(np.abs(new - weight).max()) < 0.02:
             break

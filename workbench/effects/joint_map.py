@@ -70,7 +70,7 @@ class JointMap(TransmissionEffect):
         power = power[power > FAINTEST**2 * power[0]]
         return np.asarray(self.size * np.sqrt(2 * power / power.sum()))
 
-    @property
+    @cached_property
     def params(self) -> tuple[Param, ...]:
         return tuple(
             Param(f"wave_{k}", self.unit, float(s), spread=float(s)) for k, s in enumerate(self._sizes, 1)

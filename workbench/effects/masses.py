@@ -94,13 +94,11 @@ def usually_mounted(problem: Problem) -> float:
 
 def mass_wrench(problem: Problem, where: Frames, slot: int, mass: Array, moment: Array) -> Array:
     """Local wrenches (N, S, 6) of a mass (N,) with first moment (N, 3) carried behind `slot`."""
-    arm = problem.arm
+    arm, borne = problem.arm, slice(slot + 1)  # by the slots before it
     at = mass[:, None] * where.p[slot] + np.einsum("nij,nj->ni", where.R[slot], moment)
-    first = at[:, None] - mass[:, None, None] * where.origin
-    force = np.broadcast_to((mass[:, None] * arm.gravity)[:, None], first.shape)
-    torque = cross(first, arm.gravity)
+    first = at[:, None] - mass[:, None, None] * where.origin[:, borne]
+    force, torque = mass[:, None] * arm.gravity, cross(first, arm.gravity)
     out = np.zeros((len(mass), arm.slots, 6))
-    out[..., :3] = np.einsum("nsci,nsi->nsc", where.axes[:, :, :3], force)
-    out[..., 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, :, 3:], torque)
-    out[:, slot + 1 :] = 0.0
+    out[:, borne, :3] = np.einsum("nsci,ni->nsc", where.axes[:, borne, :3], force)
+    out[:, borne, 3:] = np.einsum("nsci,nsi->nsc", where.axes[:, borne, 3:], torque)
     return out

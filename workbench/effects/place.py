@@ -40,7 +40,7 @@ class Where:
     @property
     def any_order(self) -> Where:
         """The place, at any order."""
-        return replace(self, order=None)
+        return self if self.order is None else replace(self, order=None)
 
     def __str__(self) -> str:
         return ", ".join(str(value) for key, value in self.keys().items() if key != "order")

@@ -107,9 +107,11 @@ def wrong_layout(
 
 def torn_numbers(row: list[str], width: int) -> bool:
     """Whether a row has too many cells because commas, its separators, stand in its numbers as well."""
+    if len(row) <= width:
+        return False
     whole = [re.fullmatch(r"[+-]?\d+", cell) is not None for cell in row]
     pairs = sum(a and b and cell[0].isdigit() for a, b, cell in zip(whole, whole[1:], row[1:], strict=False))
-    return 0 < len(row) - width <= pairs and not any("." in cell and _is_number(cell) for cell in row)
+    return len(row) - width <= pairs and not any("." in cell and _is_number(cell) for cell in row)
 
 
 def decimal_commas(place: str, rows: int) -> Fault:

@@ -7,7 +7,7 @@ that no point shows, whatever the pose, are held to half a millimetre: they are 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -190,14 +190,16 @@ def fit(
     geometry: bool | Sequence[int] = True,
     tolerance: float = TOLERANCE,
     max_iterations: int = 30,
+    line: Linearisation | None = None,
 ) -> Fit:
     """Fits frames, targets, geometry, the model's effects and its given numbers to the campaign.
 
     geometry: all of it, none of it, or only the columns 6 · slot + component (tx ty tz rx ry rz) named.
     start: default the registered nominal robot; it may lack the effects' values (zeros then). noise: default
     as the campaign states it. Stops when a step changes no fitted number by more than `tolerance` of its
-    standard deviation, a rough fit when it creeps, or at the start with `max_iterations` 1. Raises
-    ArithmeticError when it does not converge, `InputError` without any noise.
+    standard deviation, a rough fit when it creeps, or at the start with `max_iterations` 1. line: the
+    derivatives at the start, where a fit that ended there has them. Raises ArithmeticError when it does not
+    converge, `InputError` without any noise.
     """
     problem = model.problem
     start, noise = start or start_state(problem), noise or required_noise(problem)
@@ -205,7 +207,7 @@ def fit(
         start = replace(start, values=tuple(np.zeros(len(e.params)) for e in model.effects))
     start = replace(start, given=model.given_values(start))
     cols = columns(problem, model.effects, geometry, model.given)
-    place = Place.of(model, start)
+    place = Place.of(model, start) if line is None else Place(model, start, line.prediction, line)
     W = whitening(problem, place.line, noise)
     at = equations(place, cols, W)
     normal, damping, converged = _normal(model, cols, at, W), 0.0, False
@@ -277,22 +279,30 @@ def _along(
 def refit(result: Fit, effects: Sequence[Effect], tolerance: float = TOLERANCE) -> Fit:
     """The same data with other effects, started from the numbers that a fit has already; from the robot as it
     is where an arm of these numbers does not stand, what held it up being gone."""
-    had = {
-        (effect.key, effect.variant, len(values)): values
-        for effect, values in zip(result.model.effects, result.state.values, strict=True)
-    }
-    values = tuple(
-        had.get((effect.key, effect.variant, len(effect.params)), np.zeros(len(effect.params)))
-        for effect in effects
-    )
+
+    def place(effect: Effect) -> Hashable:
+        return effect.cause, effect.where, effect.variant, len(effect.params)
+
+    had = dict(zip(map(place, result.model.effects), result.state.values, strict=True))
+    values = tuple(had.get(place(effect), np.zeros(len(effect.params))) for effect in effects)
     model = replace(result.model, effects=tuple(effects))
     start = replace(result.state, values=values)
+    line = result.line if _as_before(result, model, start) else None
     found = list[Fit]()
     with suppress(NoRest):
-        found.append(fit(model, start, result.noise, tolerance=tolerance))
+        found.append(fit(model, start, result.noise, tolerance=tolerance, line=line))
         if found[0].converged:
             return found[0]
     # what was not in the model has bent the geometry far along what hardly shows: from the robot as it is
     again = replace(start_state(model.problem), values=tuple(0.0 * v for v in values))
     found.append(fit(model, again, result.noise, tolerance=tolerance))
     return min(found, key=lambda one: one.cost)
+
+
+def _as_before(result: Fit, model: Model, start: State) -> bool:
+    """Whether a model at a state is what a fit ended at: all its effects in its numbers, others at zero."""
+    before = dict(zip(result.model.effects, result.state.values, strict=True))
+    return before.keys() <= set(model.effects) and all(
+        np.array_equal(values, before.get(effect, np.zeros_like(values)))
+        for effect, values in zip(model.effects, start.values, strict=True)
+    )

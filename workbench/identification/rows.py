@@ -38,11 +38,12 @@ def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A model at a state."""
+    """A model at a state. known: the derivatives there, where somebody has them already."""
 
     model: Model
     state: State
     prediction: Prediction
+    known: Linearisation | None = None
 
     @classmethod
     def of(cls, model: Model, state: State, near: Linearisation | None = None) -> Place:
@@ -52,7 +53,7 @@ class Place:
     @cached_property
     def line(self) -> Linearisation:
         """The derivatives: a step that is tried and not taken needs none."""
-        return self.model.linearised(self.state, self.prediction)
+        return self.known or self.model.linearised(self.state, self.prediction)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -49,7 +50,7 @@ class Unnamed(Effect):
     def x(self, problem: Problem) -> Array:
         """(N,) the variable."""
 
-    @property
+    @cached_property
     def params(self) -> tuple[Param, ...]:
         each = self.size / np.sqrt(self.functions)
         return tuple(Param(f"weight_{k}", "rad", each, spread=each) for k in range(1, self.functions + 1))

@@ -183,11 +183,13 @@ class PriorInformation:
         # seen from the base: where the instrument stands makes no difference
         state = State(geometry, np.eye(3)[None], np.zeros((1, 3)), self.places[None, self._targets(records)])
         model = Model(problem, (), self.acting, self.given)
-        points = model.predict(state)
+        line = model.linearise(state)
+        points = line.prediction.points
         shots = np.ones(points.shape[:2], dtype=np.int64)
         problem = replace(problem, campaign=replace(records, points=points, shots=shots))
         # a fit to its own prediction: only its derivatives are wanted
-        return _sensitivity_of(fit(replace(model, problem=problem), state, noise, max_iterations=1), effects)
+        found = fit(replace(model, problem=problem), state, noise, max_iterations=1, line=line)
+        return _sensitivity_of(found, effects)
 
 
 def _span(columns: Array) -> Array:
