@@ -9,6 +9,7 @@ import numpy as np
 
 from ..campaign import Campaign, Target
 from ..campaign.problem import Problem
+from ..effects.base import Effect
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit
 from ..identification.model import Model, State
@@ -87,13 +88,10 @@ def _cleaned(problem: Problem, final: Fit) -> tuple[Problem, tuple[FaultFound, .
 def _errors(problem: Problem, result: Fit) -> _Errors:
     """The test campaign's points as a fit predicts them, and its errors."""
     fitted = result.model.problem.campaign
-    tool = fitted.tool_mass, fitted.tool_com
     known = tuple(
         (effect, values)
         for effect, values in result.model.acting(result.state)
-        if effect.lasting
-        and effect.needs(problem) is None
-        and (effect.where.payload is None or problem.campaign.has_load(effect.where.payload, *tool))
+        if effect.lasting and effect.needs(problem) is None and _carried_too(effect, problem, fitted)
     )
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)
@@ -103,6 +101,14 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     predicted = model.predict(state)
     length = np.linalg.norm(problem.campaign.points - predicted, axis=2)
     return _Errors(predicted, np.where(problem.seen, length, np.nan))
+
+
+def _carried_too(effect: Effect, problem: Problem, fitted: Campaign) -> bool:
+    """Whether an effect is of no load, or of one that the test has as well."""
+    load = None if effect.where.payload is None else fitted.load(effect.where.payload)
+    return effect.where.payload is None or (
+        load is not None and problem.campaign.has_load(effect.where.payload, *load)
+    )
 
 
 def _new_setups(problem: Problem, fitted: Problem) -> list[str]:
