@@ -15,12 +15,15 @@ from ..identification.fit import Fit, fit
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import believed
-from ..identification.registration import register
+from ..identification.plausible.check import REFUSED
+from ..identification.registration import register, spread_of
 from ..robot.kinematics import Array
 from .moved_setup import was_split
 from .remarks_on_test import elsewhere, nothing_new
 from .result import FaultFound, TestFigures
 from .wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
+
+TEST = "of the test"  # a set-up that nobody named
 
 
 def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
@@ -32,6 +35,7 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     """
     final = final.lasting
     fitted = final.model.problem
+    campaign, apart = _set_up_anew(campaign, final)
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
     meant, said = believed(possible.problem)
@@ -54,9 +58,28 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         all_mean_mm=mm * float(np.nanmean(all_points)),
         all_rms_mm=mm * float(np.sqrt(np.nanmean(all_points**2))),
         faults=(*possible.faults, *faults),
-        notes=(*map(str, moved), *nothing_new(campaign, final), *said),
+        notes=(*apart, *map(str, moved), *nothing_new(campaign, final), *said),
         moved=tuple((one.setup, mm * one.shift, mm * one.left) for one in moved),
     )
+
+
+def _set_up_anew(campaign: Campaign, final: Fit) -> tuple[Campaign, tuple[str, ...]]:
+    """The test campaign with a name for a set-up that has none, as the fitted one, and stands so far from
+    it that the points would be refused as of no such robot: nobody said that it is the same. And a word on
+    it."""
+    fitted = final.model.problem
+    if "" not in campaign.setup_names or "" not in fitted.campaign.setup_names:
+        return campaign, ()
+    problem = replace(fitted, campaign=campaign)
+    found = elsewhere(campaign, _errors(problem, final).predicted, _new_setups(problem, fitted))
+    one = next((one for one in found if not one.setup), None)
+    if one is None or one.before <= REFUSED * spread_of(campaign.points[problem.seen]):
+        return campaign, ()
+    said = (
+        f"The test campaign was set up anew ({1e3 * one.shift:.3g} mm and {np.degrees(one.turn):.2g}° from "
+        "where the fit has instrument and base): their frame and the targets are fitted to its own points."
+    )
+    return replace(campaign, setup_names=tuple(name or TEST for name in campaign.setup_names)), (said,)
 
 
 test_figures.__test__ = False  # type: ignore[attr-defined]  # not a pytest function
