@@ -32,6 +32,7 @@ from .priors import PRIORS
 from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
+from .set_ups_apart import by_comparing, perhaps_changed
 from .stages import geometry_alone, pose_errors, rms_mm, stages_of
 from .unseen import allowing_for_unseen
 
@@ -75,6 +76,7 @@ def assemble(parts: Parts) -> Diagnosis:
     more = left if much else beyond  # so much is no part of causes that are off their forms
     if not nameless and more.scatter and repeats_to is None:
         nameless = [scattering(selection, more, prepared.covariance, best)]
+    nameless = [_with_comparison(one, problem) for one in nameless]
     verdict = verdict_of(findings, nameless, brought, rest)
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
@@ -119,7 +121,7 @@ def assemble(parts: Parts) -> Diagnosis:
             *c.warnings,
             *remarks(prepared, left, beyond, bool(nameless), repeats_to),
             *_carried(selection),
-            *(_perhaps_changed(problem) if nameless else []),
+            *(perhaps_changed(final) if nameless else []),
         ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
@@ -159,14 +161,10 @@ def _unwarmed(problem: Problem) -> list[str]:
     ]
 
 
-def _perhaps_changed(problem: Problem) -> list[str]:
-    """A remark on what has no name where several set-ups are fitted as one robot."""
-    if len(problem.campaign.setup_names) == 1:
-        return []
-    return [
-        "Several set-ups are fitted as one robot that stays what it is. `workbench compare` of their "
-        "campaigns says whether it changed between them: then what has no name may be no more than that."
-    ]
+def _with_comparison(finding: Finding, problem: Problem) -> Finding:
+    """What has no name in several campaigns, with the command that says whether these are of one robot."""
+    advice = [finding.separate_by, by_comparing(problem)]
+    return replace(finding, separate_by="; ".join(filter(None, advice)) or None)
 
 
 def _carried(selection: Selection) -> list[str]:
