@@ -35,10 +35,10 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     """
     final = final.lasting
     fitted = final.model.problem
-    campaign, apart = _set_up_anew(campaign, final)
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
-    meant, said = believed(possible.problem)
+    placed, apart = _set_up_anew(possible.problem, final)
+    meant, said = believed(placed)
     problem, faults = _cleaned(meant, final)
     before, after = _errors(problem, nominal), _errors(problem, final)
     if not problem.seen.any():
@@ -63,23 +63,23 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     )
 
 
-def _set_up_anew(campaign: Campaign, final: Fit) -> tuple[Campaign, tuple[str, ...]]:
+def _set_up_anew(problem: Problem, final: Fit) -> tuple[Problem, tuple[str, ...]]:
     """The test campaign with a name for a set-up that has none, as the fitted one, and stands so far from
     it that the points would be refused as of no such robot: nobody said that it is the same. And a word on
     it."""
-    fitted = final.model.problem
+    campaign, fitted = problem.campaign, final.model.problem
     if "" not in campaign.setup_names or "" not in fitted.campaign.setup_names:
-        return campaign, ()
-    problem = replace(fitted, campaign=campaign)
+        return problem, ()
     found = elsewhere(campaign, _errors(problem, final).predicted, _new_setups(problem, fitted))
     one = next((one for one in found if not one.setup), None)
     if one is None or one.before <= REFUSED * spread_of(campaign.points[problem.seen]):
-        return campaign, ()
+        return problem, ()
     said = (
         f"The test campaign was set up anew ({1e3 * one.shift:.3g} mm and {np.degrees(one.turn):.2g}° from "
         "where the fit has instrument and base): their frame and the targets are fitted to its own points."
     )
-    return replace(campaign, setup_names=tuple(name or TEST for name in campaign.setup_names)), (said,)
+    names = tuple(name or TEST for name in campaign.setup_names)
+    return replace(problem, campaign=replace(campaign, setup_names=names)), (said,)
 
 
 test_figures.__test__ = False  # type: ignore[attr-defined]  # not a pytest function
