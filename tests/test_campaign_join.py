@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -75,7 +76,7 @@ def test_join_with_unknown_noise_says_so(tmp_path: Path) -> None:
 
 def test_join_refuses_what_cannot_be_one(tmp_path: Path) -> None:
     one = load_campaign(write_example(tmp_path / "one"))
-    other = write_example(tmp_path / "two", TOML + "[noise]\npose = true\n[tool]\nmass_kg = 1.0\n")
+    other = write_example(tmp_path / "two", TOML + "[noise]\npose = true\n")
     robot = other.parent / "robot" / "tiny.toml"
     robot.write_text(robot.read_text().replace('"tiny"', '"huge"'))
     two = load_campaign(other)
@@ -86,6 +87,28 @@ def test_join_refuses_what_cannot_be_one(tmp_path: Path) -> None:
     assert whats == [
         ("two/campaign.toml", "robot 'huge', but 'tiny' in one/campaign.toml"),
         ("two/campaign.toml", "[noise] pose is true, not as in one/campaign.toml"),
-        ("two/campaign.toml: tool", "not the tool of one/campaign.toml"),
         ("one/campaign.toml", "the same campaign twice"),
     ]
+
+
+def test_tools_that_differ_are_payloads(tmp_path: Path) -> None:
+    """What hangs at the flange stays what it was, alone and with a payload."""
+    tool = "[tool]\nmass_kg = {}\ncom_mm = [0.0, 0.0, 80.0]\n"
+    poses = "pose_id,q1_deg,q2_rad,q3_mm,payload\na,10,0.5,100,heavy\nb,-20,0.25,200,\nc,30,-0.5,0,\n"
+    one, two = (
+        load_campaign(write_example(tmp_path / name, TOML + tool.format(mass), poses))
+        for name, mass in (("one", 10.0), ("two", 30.0))
+    )
+    campaigns = [one, two]
+    both = join(campaigns)
+    assert both.payload_names == ("", "tool (one)", "heavy (one)", "tool (two)", "heavy (two)")
+    assert "do not state one tool (10, 30 kg)" in both.warnings[-1]
+    carried = both.tool_mass + both.load_mass[both.poses.payload]
+    before = [c.tool_mass + c.load_mass[c.poses.payload] for c in campaigns]
+    assert carried.tolist() == pytest.approx(np.concatenate(before).tolist())
+    moment = carried[:, None] * both.load_com[both.poses.payload]
+    of_each = [
+        c.tool_mass * c.tool_com + (c.load_mass[:, None] * c.load_com)[c.poses.payload] for c in campaigns
+    ]
+    assert moment == pytest.approx(np.concatenate(of_each))
+    assert join([one, replace(two, tool_mass=10.0)]).tool_mass == 10.0  # one tool stays one

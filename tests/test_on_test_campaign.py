@@ -42,6 +42,23 @@ def test_an_instrument_elsewhere_is_told_with_what_its_own_frame_leaves():
     assert figures(named).notes == ()
 
 
+def test_a_test_of_another_year_has_its_own_set_up():
+    """Instrument and base elsewhere, and another target in the place of one: nobody named either set-up."""
+    _, test, _ = halves()
+    turned = from_vectors(np.array([0.02, -0.01, 1.4]))
+    far = with_points(test, test.points @ turned.T + [2.0, -1.0, 0.3])
+    said = figures(far)
+    (note,) = said.notes
+    assert "was set up anew" in note
+    assert said.moved == ()
+    assert said.after_mean_mm == pytest.approx(figures(test).after_mean_mm, rel=0.3)
+    other = figures(replace(far, targets=(replace(far.targets[0], name="Z"), *far.targets[1:])))
+    assert other.after_mean_mm == pytest.approx(said.after_mean_mm)
+    named = replace(far, setup_names=("afterwards",))
+    assert figures(named).after_mean_mm == pytest.approx(said.after_mean_mm)
+    assert figures(named).notes == ()
+
+
 def test_another_robot_is_no_test_though_its_joints_have_the_same_names():
     left, right = load_robot("ma1400-left"), load_robot("ma1400-right")
     assert left.joint_names == right.joint_names

@@ -11,7 +11,7 @@ from diagnosis_cases import measured, with_points
 from held_hand import held
 
 from workbench import Truth, load_robot, parse_effect, planned, random_poses, simulate
-from workbench.campaign import write_campaign
+from workbench.campaign import load_campaign, write_campaign
 from workbench.campaign.data import Target
 from workbench.campaign.parted import parted
 from workbench.campaign.problem import problem_of
@@ -20,6 +20,7 @@ from workbench.diagnosis import prepared
 from workbench.diagnosis.moved_setup import jump, places
 from workbench.diagnosis.run import diagnose
 from workbench.diagnosis.wild_points import _frozen
+from workbench.files.faults import InputError
 from workbench.identification.heldout import heldout
 from workbench.measurement.design import plan
 from workbench.measurement.design.prior_information import from_campaign
@@ -354,3 +355,15 @@ def test_a_ball_in_a_socket_is_no_frozen_reading():
     once = campaign.points.copy()
     once[5] = once[4]
     assert [fault.pose_id for fault in _frozen(problem_of(with_points(campaign, once))).faults] == ["6"]
+
+
+def test_of_several_campaigns_the_one_that_is_wrong_is_named(tmp_path):
+    """A sign turned in the second: what the first would have to be to agree with it is not told."""
+    paths = []
+    for name, sign in (("sound", 1.0), ("turned", -1.0)):
+        campaign = measured("ur5", poses=30, loads=(), seed=len(name))
+        turned = campaign.poses.q * [1.0, 1.0, 1.0, sign, 1.0, 1.0]
+        paths.append(write_campaign(tmp_path / name, campaign.with_poses(q=turned)))
+    with pytest.raises(InputError, match="wrist_1_joint turns the other way") as caught:
+        prepared.prepare([load_campaign(path) for path in paths])
+    assert [fault.place for fault in caught.value.faults] == [f"{paths[1]}: poses"]

@@ -102,13 +102,28 @@ class Campaign:
             name += ", always mounted"
         return name
 
-    def has_load(self, name: str, mass: float, com: Sequence[float] | Array) -> bool:
-        """Whether what was found of a load holds here: of one of its payloads; or of the tool, where that is
-        the one over which it was found, of this mass [kg] and centre of mass (3,) [m, flange frame]."""
+    def load(self, name: str) -> tuple[float, Array] | None:
+        """Mass [kg] and centre of mass (3,) [m, flange frame] of a payload or the tool, as stated."""
         if name in self.payload_names[1:]:
-            return True
-        there = not mass or np.allclose(com, self.tool_com, rtol=0, atol=SAME)
-        return name == self.tool_name and abs(mass - self.tool_mass) <= SAME * mass and there
+            index = self.payload_names.index(name)
+            return float(self.load_mass[index]), self.load_com[index]
+        return (self.tool_mass, self.tool_com) if name == self.tool_name else None
+
+    def has_load(self, name: str, mass: float, com: Sequence[float] | Array) -> bool:
+        """Whether what was found of a load holds here: of the payload or the tool of this name that has this
+        mass [kg] and centre of mass (3,) [m, flange frame]; of a payload, alone or with the tool, as
+        campaigns with other tools are joined."""
+        own = self.load(name)
+        if own is None:
+            return False
+        loads = [own]
+        if name != self.tool_name and self.tool_mass > 0:
+            total = own[0] + self.tool_mass
+            loads.append((total, (own[0] * own[1] + self.tool_mass * self.tool_com) / total))
+        return any(
+            abs(mass - one) <= SAME * mass and (not mass or np.allclose(com, place, rtol=0, atol=SAME))
+            for one, place in loads
+        )
 
     def __repr__(self) -> str:
         loads = f", payloads {', '.join(self.payload_names[1:])}" if len(self.payload_names) > 1 else ""

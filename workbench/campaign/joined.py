@@ -14,7 +14,7 @@ from ..files.faults import Fault, InputError
 from ..robot.description import Robot
 from .data import Array, Campaign, IntArray, Target
 from .known import KnownData
-from .other_tools import same_tool
+from .other_tools import with_tools_as_loads
 from .poses import join_poses
 
 
@@ -32,14 +32,15 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
     """One campaign of several, poses in the order given.
 
     Set-ups get the campaign's label in front, poses too where names repeat. Targets (and payloads)
-    of the same name are one where they agree, and get the label behind where they don't. Raises
-    `InputError` when the campaigns cannot be one.
+    of the same name are one where they agree, and get the label behind where they don't. Tools that
+    differ are payloads. Raises `InputError` when the campaigns cannot be one.
     """
     if len(campaigns) == 1:
         return campaigns[0]
     faults = _differences(campaigns)
     if faults:
         raise InputError(faults)
+    campaigns, tools = with_tools_as_loads(campaigns)
     labels = labels_of(campaigns)
     targets, columns = _targets(campaigns, labels)
     loads, load_of = _payloads(campaigns, labels)
@@ -78,7 +79,7 @@ def join(campaigns: Sequence[Campaign]) -> Campaign:
         shot_scatter=(sum(c.shot_scatter[0] for c in campaigns), sum(c.shot_scatter[1] for c in campaigns)),
         noise_sigma=noise_sigma,
         six_dof=first.six_dof,
-        warnings=(*(line for campaign in campaigns for line in campaign.warnings), *warnings),
+        warnings=(*(line for campaign in campaigns for line in campaign.warnings), *tools, *warnings),
         files=_files(campaigns, labels),
         cell=first.cell,
         known=reduce(KnownData.and_more, (campaign.known for campaign in campaigns)),
@@ -105,9 +106,6 @@ def _differences(campaigns: Sequence[Campaign]) -> list[Fault]:
         if other.six_dof != first.six_dof:
             what = f"[noise] pose is {str(other.six_dof).lower()}, not as in {first.path}"
             faults.append(Fault(place, what, "make them agree, or diagnose them apart"))
-        if not same_tool(first, other):
-            mend = "make them agree; what differs goes into [payloads] and the column payload"
-            faults.append(Fault(f"{place}: tool", f"not the tool of {first.path}", mend))
     return faults
 
 

@@ -8,6 +8,7 @@ from ..campaign.problem import Problem
 from ..effects.place import Parameter
 from ..identification.fit import Fit
 from ..identification.own_base import own_base
+from .in_the_model import what_the_model_has
 
 
 def geometry(final: Fit) -> tuple[Parameter, ...]:
@@ -46,6 +47,15 @@ def _base(problem: Problem, final: Fit) -> str:
     )
 
 
+def _model(problem: Problem, final: Fit) -> dict[str, str]:
+    """What the model that was given has beyond the nominal robot."""
+    robot = problem.robot
+    if not robot.effects and not robot.geometry:
+        return {}
+    said = what_the_model_has(problem, final.model.known)
+    return {"Model": f"extended before; causes in it: {said or 'none'}; what was found comes on top"}
+
+
 def facts(problem: Problem, final: Fit) -> dict[str, str]:
     """What was measured, in words."""
     c = problem.campaign
@@ -55,6 +65,7 @@ def facts(problem: Problem, final: Fit) -> dict[str, str]:
         "Targets": ", ".join(f"{t.name} (on {t.on})" if t.on != "flange" else t.name for t in c.targets),
         "Set-ups": ", ".join(name or "one" for name in c.setup_names),
         "Base": _base(problem, final),
+        **_model(problem, final),
         "Payloads": ", ".join(
             f"{name or 'tool only'}: {c.tool_mass + m:g} kg"
             for i, (name, m) in enumerate(zip(c.payload_names, c.load_mass, strict=True))

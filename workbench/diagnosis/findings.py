@@ -23,6 +23,7 @@ from .components import Component, bare, with_companions
 from .evidence import evidence
 from .facts import facts, geometry, unidentifiable
 from .headline import headline, much_left, remarks, shows_in, steps, verdict_of
+from .in_the_model import InModel, beside_the_model, has
 from .nameless import nameless_of, scattering
 from .on_test_campaign import test_figures
 from .power import detectable, swallowed, visible_mm
@@ -31,6 +32,7 @@ from .priors import PRIORS
 from .remainder import Remainder, beyond_forms, remainder, repeatability_mm
 from .result import Diagnosis, Finding, GivenFact, NotTestable, Rival
 from .rounded_joints import rounded_joints
+from .set_ups_apart import by_comparing, perhaps_changed
 from .stages import geometry_alone, pose_errors, rms_mm, stages_of
 from .unseen import allowing_for_unseen
 
@@ -74,6 +76,7 @@ def assemble(parts: Parts) -> Diagnosis:
     more = left if much else beyond  # so much is no part of causes that are off their forms
     if not nameless and more.scatter and repeats_to is None:
         nameless = [scattering(selection, more, prepared.covariance, best)]
+    nameless = [_with_comparison(one, problem) for one in nameless]
     verdict = verdict_of(findings, nameless, brought, rest)
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
@@ -118,7 +121,7 @@ def assemble(parts: Parts) -> Diagnosis:
             *c.warnings,
             *remarks(prepared, left, beyond, bool(nameless), repeats_to),
             *_carried(selection),
-            *(_perhaps_changed(problem) if nameless else []),
+            *(perhaps_changed(final) if nameless else []),
         ),
         geometry=geometry(final),
         unidentifiable=unidentifiable(final),
@@ -158,14 +161,10 @@ def _unwarmed(problem: Problem) -> list[str]:
     ]
 
 
-def _perhaps_changed(problem: Problem) -> list[str]:
-    """A remark on what has no name where several set-ups are fitted as one robot."""
-    if len(problem.campaign.setup_names) == 1:
-        return []
-    return [
-        "Several set-ups are fitted as one robot that stays what it is. `workbench compare` of their "
-        "campaigns says whether it changed between them: then what has no name may be no more than that."
-    ]
+def _with_comparison(finding: Finding, problem: Problem) -> Finding:
+    """What has no name in several campaigns, with the command that says whether these are of one robot."""
+    advice = [finding.separate_by, by_comparing(problem)]
+    return replace(finding, separate_by="; ".join(filter(None, advice)) or None)
 
 
 def _carried(selection: Selection) -> list[str]:
@@ -238,7 +237,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Findi
     )
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
-    parameters, sentence = _describe(final, own, sure)
+    parameters, told = _describe(final, own, sure)
     strongest = max((i for i in own if final.model.effects[i].key == effect.key), key=final.wald)
     return Finding(
         cause=effect.cause,
@@ -252,7 +251,8 @@ def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Findi
         rivals=() if named else rivals,
         faint=() if named else found.faint,
         separate_by=None if named else "; ".join(dict.fromkeys(advice)) or ANYTHING,
-        sentence=sentence,
+        sentence=told.sentence,
+        taken_back=told.taken_back,
         equation=effect.equation,
         evidence=evidence(final, final.model.effects[strongest], final.state.values[strongest]),
     )
@@ -324,7 +324,7 @@ def _handicap(components: Sequence[Component], own: int, other: int | None) -> f
     return float(np.exp(max(components[own].log_odds - components[other].log_odds, 0.0)))
 
 
-def _describe(final: Fit, own: Sequence[int], sure: Array) -> tuple[tuple[Parameter, ...], str]:
+def _describe(final: Fit, own: Sequence[int], sure: Array) -> tuple[tuple[Parameter, ...], InModel]:
     """Parameters and sentence; further parts of one cause carry their order or form in the name. sure: (P, P)
     covariance of the fit's numbers."""
     parameters: list[Parameter] = []
@@ -335,9 +335,10 @@ def _describe(final: Fit, own: Sequence[int], sure: Array) -> tuple[tuple[Parame
     for n, i in enumerate(own):
         effect = final.model.effects[i].beside(there)
         values, part = final.state.values[i], final.columns.effect[i]
-        sentences.append(effect.sentence(values))
+        sentences.append(effect.sentence(values + has(final, final.model.effects[i])))
         for p in effect.report(values, sure[part, part]):
             clash = n > 0 and any(p.name == other.name for other in parameters)
             mark = f"order {effect.where.order:g}" if effect.where.order is not None else effect.variant
             parameters.append(replace(p, name=f"{p.name} ({mark})") if clash else p)
-    return tuple(parameters), " ".join(s for s in sentences if s)
+    told = " ".join(s for s in sentences if s)
+    return tuple(parameters), beside_the_model(final, [final.model.effects[i] for i in own], told)

@@ -55,11 +55,14 @@ def headline(
     is all that is left; in_what: as `shows_in` says it; lasting_mm: RMS on poses held out, of
     the model without what goes with time, order or the instrument."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
-    sure = [words_of(f.cause, f.where) for f in causes if f.status == "named"]
+    sure = [words_of(f.cause, f.where) for f in causes if f.status == "named" and not f.taken_back]
     parts = [f"Found: {_some(sure)}"] if sure else []
+    gone = [words_of(f.cause, f.where) for f in causes if f.status == "named" and f.taken_back]
+    if gone:
+        parts.append(f"{'no' if sure else 'No'} longer as the model has it: {_some(gone)}")
     open_ = [_either(f) for f in causes if f.status != "named"]
     if open_:
-        parts.append(f"{'not decided' if sure else 'Not decided'}: {_some(open_, ', and ')}")
+        parts.append(f"{'not decided' if parts else 'Not decided'}: {_some(open_, ', and ')}")
     confirmed = [fact.differs for fact in given if fact.differs]
     if confirmed:
         parts.append(f"{'given' if parts else 'Given'} and confirmed: {_some(confirmed)}")

@@ -9,17 +9,21 @@ import numpy as np
 
 from ..campaign import Campaign, Target
 from ..campaign.problem import Problem
+from ..effects.base import Effect
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit
 from ..identification.model import Model, State
 from ..identification.noise import Covariance
 from ..identification.plausible import believed
-from ..identification.registration import register
+from ..identification.plausible.check import REFUSED
+from ..identification.registration import register, spread_of
 from ..robot.kinematics import Array
 from .moved_setup import was_split
 from .remarks_on_test import elsewhere, nothing_new
 from .result import FaultFound, TestFigures
 from .wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
+
+TEST = "of the test"  # a set-up that nobody named
 
 
 def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
@@ -33,7 +37,8 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     fitted = final.model.problem
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
-    meant, said = believed(possible.problem)
+    placed, apart = _set_up_anew(possible.problem, final)
+    meant, said = believed(placed)
     problem, faults = _cleaned(meant, final)
     before, after = _errors(problem, nominal), _errors(problem, final)
     if not problem.seen.any():
@@ -53,9 +58,28 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         all_mean_mm=mm * float(np.nanmean(all_points)),
         all_rms_mm=mm * float(np.sqrt(np.nanmean(all_points**2))),
         faults=(*possible.faults, *faults),
-        notes=(*map(str, moved), *nothing_new(campaign, final), *said),
+        notes=(*apart, *map(str, moved), *nothing_new(campaign, final), *said),
         moved=tuple((one.setup, mm * one.shift, mm * one.left) for one in moved),
     )
+
+
+def _set_up_anew(problem: Problem, final: Fit) -> tuple[Problem, tuple[str, ...]]:
+    """The test campaign with a name for a set-up that has none, as the fitted one, and stands so far from
+    it that the points would be refused as of no such robot: nobody said that it is the same. And a word on
+    it."""
+    campaign, fitted = problem.campaign, final.model.problem
+    if "" not in campaign.setup_names or "" not in fitted.campaign.setup_names:
+        return problem, ()
+    found = elsewhere(campaign, _errors(problem, final).predicted, _new_setups(problem, fitted))
+    one = next((one for one in found if not one.setup), None)
+    if one is None or one.before <= REFUSED * spread_of(campaign.points[problem.seen]):
+        return problem, ()
+    said = (
+        f"The test campaign was set up anew ({1e3 * one.shift:.3g} mm and {np.degrees(one.turn):.2g}° from "
+        "where the fit has instrument and base): their frame and the targets are fitted to its own points."
+    )
+    names = tuple(name or TEST for name in campaign.setup_names)
+    return replace(problem, campaign=replace(campaign, setup_names=names)), (said,)
 
 
 test_figures.__test__ = False  # type: ignore[attr-defined]  # not a pytest function
@@ -87,13 +111,10 @@ def _cleaned(problem: Problem, final: Fit) -> tuple[Problem, tuple[FaultFound, .
 def _errors(problem: Problem, result: Fit) -> _Errors:
     """The test campaign's points as a fit predicts them, and its errors."""
     fitted = result.model.problem.campaign
-    tool = fitted.tool_mass, fitted.tool_com
     known = tuple(
         (effect, values)
         for effect, values in result.model.acting(result.state)
-        if effect.lasting
-        and effect.needs(problem) is None
-        and (effect.where.payload is None or problem.campaign.has_load(effect.where.payload, *tool))
+        if effect.lasting and effect.needs(problem) is None and _carried_too(effect, problem, fitted)
     )
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)
@@ -103,6 +124,14 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     predicted = model.predict(state)
     length = np.linalg.norm(problem.campaign.points - predicted, axis=2)
     return _Errors(predicted, np.where(problem.seen, length, np.nan))
+
+
+def _carried_too(effect: Effect, problem: Problem, fitted: Campaign) -> bool:
+    """Whether an effect is of no load, or of one that the test has as well."""
+    load = None if effect.where.payload is None else fitted.load(effect.where.payload)
+    return effect.where.payload is None or (
+        load is not None and problem.campaign.has_load(effect.where.payload, *load)
+    )
 
 
 def _new_setups(problem: Problem, fitted: Problem) -> list[str]:

@@ -166,8 +166,33 @@ def prepare(
     enough: Enough = enough_poses,
 ) -> Prepared:
     """Campaigns of one robot, joined and prepared. enough: remarks on how many poses there are, `InputError`
-    where too few. Raises InputError where the data are unusable."""
-    campaign = campaigns if isinstance(campaigns, Campaign) else join(list(campaigns))
+    where too few. Raises InputError where the data are unusable: of several campaigns, with what is wrong in
+    those that are unusable by themselves, where others are not."""
+    if isinstance(campaigns, Campaign):
+        return _prepared(campaigns, progress, enough)
+    every = list(campaigns)
+    try:
+        return _prepared(join(every), progress, enough)
+    except InputError as refused:
+        raise _of_its_own(every, refused) from refused
+
+
+def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputError:
+    """What some of several campaigns are refused for by themselves; where that is none of them or all, what
+    they are refused for together."""
+    apart = list[InputError]()
+    for campaign in campaigns if len(campaigns) > 1 else ():
+        try:
+            _prepared(campaign, lambda _: None, lambda _: [])
+        except InputError as error:
+            apart.append(error)
+    if not 0 < len(apart) < len(campaigns):
+        return refused
+    return InputError([fault for error in apart for fault in error.faults])
+
+
+def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepared:
+    """One campaign, prepared."""
     progress("loading the robot")
     campaign, spare = parted(campaign, MOST_POSES)
     campaign, copies = without_copies(campaign)

@@ -86,7 +86,7 @@ class Finding:
     """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
     this one, of all that competed; variant: its form, of several the one that shows most, where
     place and order do not say it; faint: rivals that are not worth a word, but would stand in the way of its
-    name were the others gone."""
+    name were the others gone; taken_back: it undoes what the robot's own model has of it."""
 
     cause: str
     title: str
@@ -102,6 +102,7 @@ class Finding:
     decide: tuple[Decision, ...] = ()
     structure: str | None = None
     sentence: str = ""
+    taken_back: bool = False
     equation: str = ""
     evidence: Evidence | None = None
 
@@ -268,6 +269,11 @@ class Diagnosis:
     revealed: Revealed | None = None
     version: str = ""
     inputs: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def start(self) -> str:
+        """What the errors begin with: the nominal robot, or a model that an earlier diagnosis extended."""
+        return "model as given" if "Model" in self.facts else "nominal model"
 
     @property
     def with_given(self) -> Stage | None:

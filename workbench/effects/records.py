@@ -116,9 +116,15 @@ def stated_effects(problem: Problem) -> list[tuple[Effect, Array]]:
 
 
 def is_mounted(item: EffectRecord, problem: Problem) -> bool:
-    """Whether an effect of the robot's TOML is of no load, or of one that the campaign has as well."""
-    tool = stated_load(problem.robot.tool)
-    return item.payload is None or problem.campaign.has_load(item.payload, *tool)
+    """Whether an effect of the robot's TOML is of no load, or of one that the campaign has as well: of the
+    same name alone, where the TOML does not state it."""
+    if item.payload is None:
+        return True
+    robot, campaign = problem.robot, problem.campaign
+    stated = robot.payloads.get(item.payload)
+    if stated is None and item.payload in campaign.payload_names[1:]:
+        return True
+    return campaign.has_load(item.payload, *stated_load(stated or robot.tool))
 
 
 def _check_names(item: EffectRecord, problem: Problem, text: str) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..campaign import Campaign
+from ..campaign.problem import Problem
 from ..effects.records import record
 from ..files.tables import number_text
 from ..files.toml import toml_text
@@ -91,26 +92,37 @@ def write_fit(path: str | Path, fit: Fit) -> None:
 def fit_files(path: Path, fit: Fit) -> Files:
     """A fit as the extended robot that is to stand at `path`, in its own base: what of it lasts
     (`Fit.lasting`), beside what the robot's model had already. Tool and payloads are the campaign's: the
-    effects were found under them."""
+    effects were found under them; payloads of the model that the campaign does not name stay."""
     fit = fit.lasting
     model = fit.model
     given = [(item.effect, v[None]) for item, v in zip(model.given, fit.state.given, strict=True) if v]
     values = [*given, *zip(model.effects, fit.state.values, strict=True)]
-    found = [record(effect, v) for effect, v in values if effect.lasting]
+    found = [(effect, v) for effect, v in values if effect.lasting]
     robot = loaded(model.problem.robot, model.problem.campaign)
+    elsewhere = _of_kept_loads(model.problem)
     base = own_base(model.problem, fit.state.geometry)
     x, y, z = base.gravity.tolist()
     robot = replace(robot, uncertainty=uncertainty(fit), gravity=(x, y, z))
-    return model_files(path, robot, base.geometry, [*robot.effects, *found])
+    effects = [
+        record(effect, v) for effect, v in (*model.known, *found)
+    ]  # the order of the prediction's names
+    return model_files(path, robot, base.geometry, [*elsewhere, *effects])
+
+
+def _of_kept_loads(problem: Problem) -> list[EffectRecord]:
+    """What the model has of loads that stay in it (`loaded`) and that this campaign does not carry."""
+    here = {*problem.campaign.payload_names[1:], problem.campaign.tool_name}
+    kept = problem.robot.payloads.keys() - here
+    return [item for item in problem.robot.effects if item.payload in kept]
 
 
 def loaded(robot: Robot, campaign: Campaign) -> Robot:
-    """The robot with the tool and payloads of a campaign."""
+    """The robot with the tool and payloads of a campaign, beside payloads of its own by other names."""
     loads = [_load(float(mass), com) for mass, com in zip(campaign.load_mass, campaign.load_com, strict=True)]
     tool = _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0 else None
     payloads = dict(zip(campaign.payload_names, loads, strict=True))
     payloads.pop("", None)
-    return replace(robot, tool=tool, payloads=payloads)
+    return replace(robot, tool=tool, payloads={**robot.payloads, **payloads})
 
 
 def _load(mass: float, com: Array) -> LoadData:

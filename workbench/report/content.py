@@ -78,6 +78,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "proof": list(diagnosis.proof) if diagnosis.proof else None,
         "revealed": asdict(diagnosis.revealed) if diagnosis.revealed else None,
         "tiles": _tiles(diagnosis),
+        "start": diagnosis.start,
         "test": _test(diagnosis),
         "stages": _stages(diagnosis),
         "remainder": _remainder(diagnosis),

@@ -74,7 +74,7 @@ def stage_names(diagnosis: Diagnosis) -> list[str]:
     for stage in diagnosis.stages:
         added = stage.name.removeprefix(f"{before} + ") if before else stage.name
         if added == stage.name:
-            names.append(stage.name)
+            names.append(stage.name if before else diagnosis.start.removesuffix(" model"))
         else:
             cause, bracket, where = added.partition("(")
             names.append(f"+ {words(cause)}" + (f" ({where}" if bracket else ""))
@@ -206,10 +206,10 @@ def _noise_floor(axes: Any, floor: float, label: str) -> None:
 
 
 def _before(diagnosis: Diagnosis, errors: PoseErrors) -> tuple[Array, str]:
-    """What "before" means: the calibrated geometry when causes were found, else the nominal model."""
+    """What "before" means: the calibrated geometry when causes were found, else what it began with."""
     if len(diagnosis.stages) > 2:
         return _norm_mm(errors.error_geometry), "with geometry alone"
-    return _norm_mm(errors.error_nominal), "with the nominal model"
+    return _norm_mm(errors.error_nominal), f"with the {diagnosis.start}"
 
 
 def _odd(diagnosis: Diagnosis, worst: Array) -> NDArray[np.int64]:

@@ -57,7 +57,10 @@ def scene(
 def shown_of(diagnosis: Diagnosis, q: Array) -> Shown:
     """A diagnosis' points with their errors by stage, the robot at joints q: (n,)."""
     errors = diagnosis.errors or _no_errors()
-    stages = {"Nominal model": errors.error_nominal, "Geometry calibrated": errors.error_geometry}
+    stages = {
+        diagnosis.start.capitalize(): errors.error_nominal,
+        "Geometry calibrated": errors.error_geometry,
+    }
     if len(diagnosis.stages) > 2:
         stages["Causes in the model"] = errors.error_final
     noise, which = 1e-3 * diagnosis.noise.sigma_mm, "Errors of the fitted poses."

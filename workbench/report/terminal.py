@@ -50,6 +50,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     lines = [
         f"{diagnosis.robot_title}: {diagnosis.n_poses} poses, {diagnosis.n_points} points, "
         f"noise {mm(diagnosis.noise.sigma_mm)} mm per axis ({SOURCES[diagnosis.noise.source]})",
+        *[f"model: {said}" for key, said in diagnosis.facts.items() if key == "Model"],
         "",
         diagnosis.headline,
         "",
@@ -96,7 +97,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
 def _steps(diagnosis: Diagnosis) -> list[str]:
     """Nominal, geometry, what was given, the causes and what has no name, as far as there is any."""
     nominal, geometry, *more = diagnosis.stages
-    steps = [("nominal", nominal), ("geometry", geometry)]
+    steps = [(diagnosis.start.removesuffix(" model"), nominal), ("geometry", geometry)]
     if (given := diagnosis.with_given) is not None:
         steps.append(("and what was given", given))
         more.remove(given)

@@ -1,0 +1,35 @@
+"""Campaigns that are fitted as one robot and are not of one: told, with what each by itself would leave."""
+
+import re
+
+from diagnosis_cases import measured
+
+from workbench.campaign import write_campaign
+from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.set_ups_apart import set_ups_apart
+from workbench.report.terminal import short_verdict
+
+
+def test_campaigns_of_two_robots_are_told_with_what_each_alone_leaves(tmp_path):
+    """Seeds draw the geometry: two specimens of a UR5."""
+    paths = [
+        write_campaign(tmp_path / name, measured("ur5", poses=40, loads=(), targets=2, seed=seed))
+        for name, seed in (("first", 1), ("other", 2))
+    ]
+    outcome = diagnose(paths)
+    (rest,) = [one for one in outcome.diagnosis.causes if one.structure]
+    command = f"workbench compare {paths[0]} {paths[1]}"
+    assert command in (rest.separate_by or "")
+    assert command in short_verdict(outcome.diagnosis, None)
+    (note,) = [one for one in outcome.diagnosis.notes if "fitted as one robot" in one]
+    said = {
+        name: (float(a), float(b))
+        for name, a, b in re.findall(r"(first|other) ([.\d]+) mm \(([.\d]+)\)", note)
+    }
+    assert said.keys() == {"first", "other"}
+    for together, alone in said.values():
+        assert alone < 0.3 * together
+
+
+def test_a_single_set_up_is_not_apart():
+    assert set_ups_apart(diagnose(measured("ur5", poses=30, loads=(), targets=2)).fit) == []

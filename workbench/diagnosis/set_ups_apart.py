@@ -1,0 +1,79 @@
+"""Set-ups that are fitted as one robot: what that leaves of each, and what geometry of its own would."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..campaign.problem import Problem
+from ..identification.fit import Fit, fit
+from ..identification.model import Model, State
+from ..identification.plausible import too_few_alone
+
+MOST = 6  # set-ups that a remark lists
+
+
+@dataclass(frozen=True)
+class Apart:
+    """One set-up: RMS error [mm] of its points by the model of all, and with the geometry fitted to it alone,
+    effects as they are."""
+
+    name: str
+    together_mm: float
+    alone_mm: float
+
+    def __str__(self) -> str:
+        return f"{self.name or 'the one without a name'} {self.together_mm:.3f} mm ({self.alone_mm:.3f})"
+
+
+def set_ups_apart(final: Fit) -> list[Apart]:
+    """Every set-up of several with poses enough to be fitted alone, the worst first."""
+    names = final.model.problem.campaign.setup_names
+    if len(names) == 1:
+        return []
+    return sorted(_each(final, names), key=lambda one: one.alone_mm - one.together_mm)
+
+
+def _each(final: Fit, names: tuple[str, ...]) -> Iterator[Apart]:
+    whole, state = final.model.problem, final.state
+    acting = tuple(final.model.acting(state))
+    start = State(state.geometry, state.R, state.t, state.targets)
+    for k, name in enumerate(names):
+        poses = np.flatnonzero(whole.campaign.poses.setup == k)
+        part = replace(whole, campaign=whole.campaign.some(poses))
+        if not len(poses) or too_few_alone(part):
+            continue
+        model = Model(part, (), acting)
+        alone = fit(model, start, final.noise.some(poses))
+        yield Apart(name, _rms_mm(part, model, start), _rms_mm(part, model, alone.state))
+
+
+def _rms_mm(part: Problem, model: Model, state: State) -> float:
+    off = part.campaign.points - model.predict(state)
+    return 1e3 * float(np.sqrt(np.mean(np.sum(off[part.seen] ** 2, axis=-1))))
+
+
+def perhaps_changed(final: Fit) -> list[str]:
+    """A remark on what has no name where several set-ups are fitted as one robot."""
+    found = set_ups_apart(final)
+    if len(final.model.problem.campaign.setup_names) == 1:
+        return []
+    left = f" Of each is left, RMS (with geometry of its own): {', '.join(map(str, found[:MOST]))}." * bool(
+        found
+    )
+    return [
+        f"Several set-ups are fitted as one robot that stays what it is.{left} `workbench compare` of their "
+        "campaigns says whether it changed between them: then what has no name may be no more than that."
+    ]
+
+
+def by_comparing(problem: Problem) -> str:
+    """What would say whether the robot changed between several campaigns, or is not one; nothing of a single
+    one."""
+    campaign = problem.campaign
+    if not campaign.beside:
+        return ""
+    what = "compare the campaigns, whether the robot changed between them"
+    return f"{what}: workbench compare {campaign.arguments}"
