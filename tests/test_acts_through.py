@@ -8,6 +8,7 @@ from workbench.campaign.problem import problem
 from workbench.diagnosis.acts_through import needs_of
 from workbench.diagnosis.components import cause_components
 from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.run import diagnose
 from workbench.effects.foundation import Foundation
 from workbench.effects.hose_torque import HoseTorque
 from workbench.effects.joint_compliance import JointCompliance
@@ -91,3 +92,14 @@ def test_an_uneven_base_is_a_share_of_its_tilt():
     assert not turned.any()
     height = 1.5  # of the base over where it turns, for a tilt of its moment
     np.testing.assert_allclose(shifted, height * moment[:, ::-1] * (1, -1), atol=1e-12)
+
+
+def test_a_load_to_which_a_joint_was_found_to_yield_could_be_seen():
+    """Beside geometry alone, of a model without stiffness, no mass moves anything."""
+    soft = "joint_compliance:joint=joint_2,compliance=2e-5"
+    diagnosis = diagnose(measured("irb120", (soft,), poses=40, loads=(3.0,), sigma=1e-5)).diagnosis
+    assert ("joint_compliance", "joint_2") in {(f.cause, f.where.joint) for f in diagnosis.causes}
+    untested = {(item.cause, str(item.where)) for item in diagnosis.not_testable}
+    assert ("joint_compliance", "joint_1") in untested  # it is upright: no load turns it
+    assert ("payload", "load_1") not in untested
+    assert ("link_mass", "link_3") not in untested

@@ -78,6 +78,8 @@ def assemble(parts: Parts) -> Diagnosis:
         nameless = [scattering(selection, more, prepared.covariance, best)]
     nameless = [_with_comparison(one, problem) for one in nameless]
     verdict = verdict_of(findings, nameless, brought, rest)
+    told = {(f.cause, f.where.any_order) for f in findings}
+    told |= {(rival.cause, rival.where.any_order) for f in findings for rival in f.rivals}
     findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
     return Diagnosis(
         robot=problem.robot.name,
@@ -108,7 +110,7 @@ def assemble(parts: Parts) -> Diagnosis:
         remainder_chi2=left.chi2,
         remainder_dof=left.dof,
         remainder_p=left.p,
-        not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry)),
+        not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry, final, told)),
         detectable=tuple(detectable(parts.candidates, final, known)),
         faults=prepared.faults + rounded,
         test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),

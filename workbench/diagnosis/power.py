@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -63,16 +63,28 @@ def visible_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     return 1e3 * float(np.sqrt(3 * needed(2, alpha) / max(float((shift**2).sum()), 1e-30)))
 
 
-def swallowed(candidates: Sequence[Effect], geometry: Fit) -> list[NotTestable]:
-    """Candidates without any pattern of their own in these data."""
-    pool, problem = screen(geometry, candidates), geometry.model.problem
+def swallowed(
+    candidates: Sequence[Effect], geometry: Fit, final: Fit, told: Collection[tuple[str, Where]]
+) -> list[NotTestable]:
+    """Candidates without any pattern of their own in these data: loads neither beside geometry nor at the
+    final fit, in which joints may yield to them. told: what is among the causes or their rivals."""
+    hidden = _hidden(candidates, geometry)
+    loads = [effect for effect in candidates if effect.acts == "load" and effect.key in hidden]
+    shown = {effect.key for effect in loads}.difference(_hidden(loads, final) if loads else ())
+    gone = shown.union(told)
+    return [NotTestable(key[0], why, key[1]) for key, why in hidden.items() if key not in gone]
+
+
+def _hidden(candidates: Sequence[Effect], at: Fit) -> dict[tuple[str, Where], str]:
+    """Those without a pattern of their own beside what a fit has, and why."""
+    pool, problem = screen(at, candidates), at.model.problem
     visible, hidden = set[tuple[str, Where]](), dict[tuple[str, Where], str]()
     for k, effect in enumerate(candidates):
         if pool.rank(k):
             visible.add(effect.key)
         elif effect.key not in hidden:
-            hidden[effect.key] = _why(effect, pool.own[pool.parts[k]], problem, geometry)
-    return [NotTestable(key[0], why, key[1]) for key, why in hidden.items() if key not in visible]
+            hidden[effect.key] = _why(effect, pool.own[pool.parts[k]], problem, at)
+    return {key: why for key, why in hidden.items() if key not in visible}
 
 
 def _why(effect: Effect, own: Array, problem: Problem, final: Fit) -> str:
