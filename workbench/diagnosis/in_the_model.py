@@ -44,17 +44,16 @@ def beside_the_model(final: Fit, effects: Sequence[Effect], told: str) -> InMode
         return InModel(told)
     models = " ".join(filter(None, (effect.sentence(values) for effect, values in had))).removesuffix(".")
     before, after = _moves(final, effects[0].key)
+    moves = f"The model's part moves the targets by {before:.3f} mm RMS, both together by {after:.3f} mm."
+    if after < UNDONE * before:
+        return InModel(
+            f"No longer as the model has it (“{models}”): what was found takes that back. {moves} Look "
+            "whether it was mended or replaced.",
+            True,
+        )
     one = any(effect == other for effect in effects for other, _ in had)
     counted = "That counts from the nominal robot on, of which the model" if one else "The model"
-    said = (
-        f"{told} {counted} has a part already (“{models}”); what was found comes on top. The model's part "
-        f"moves the targets by {before:.3f} mm RMS, both together by {after:.3f} mm."
-    )
-    if after >= UNDONE * before:
-        return InModel(said)
-    return InModel(
-        f"{said} It takes back what the model has: look whether that was mended or replaced.", True
-    )
+    return InModel(f"{told} {counted} has a part already (“{models}”); what was found comes on top. {moves}")
 
 
 def _moves(final: Fit, key: tuple[str, Where]) -> tuple[float, float]:
