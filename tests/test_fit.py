@@ -302,8 +302,8 @@ def test_loads_and_repeats_of_a_pose_are_held_out_together():
 
 @pytest.mark.parametrize("positions", [1, 3])
 def test_set_ups_of_few_positions_are_held_out_load_by_load(positions):
-    """Without one of these positions nothing says where the instrument is, or where from the targets: what was
-    held out was kilometres off."""
+    """Without one of these positions nothing tells where the instrument stands from where the targets sit:
+    what was held out was kilometres off."""
     rng = np.random.default_rng(4)
     robot = load_robot("kr500")
     q = np.repeat(random_poses(robot, 10 * positions, rng), 4, axis=0)
