@@ -202,3 +202,27 @@ def test_an_arm_on_a_wall_is_told_to_say_so() -> None:
 )
 def test_gravity_as_stated_is_no_mistake(hidden: tuple[str, ...]) -> None:
     prepare(stands((0.0, 0.0, -9.80665), *hidden))
+
+
+@pytest.mark.parametrize(
+    ("slip", "said"),
+    [
+        (lambda row: -row, "a wrench the other way round"),
+        (lambda row: row * [10, 1, 1, 1, 1, 1], "a tenth of fx"),
+        (lambda row: row * [1, 1, -1, 1, 1, 1], "fz the other way round"),
+    ],
+    ids=["reversed", "a decimal point", "a sign"],
+)
+def test_a_slip_of_the_pen_in_one_wrench_is_told_and_mended(
+    slip: Callable[[np.ndarray], np.ndarray], said: str
+) -> None:
+    """All targets of the pose were outliers, and nothing said why."""
+    seen = pulled(*OTHERWISE, pull=3.0)
+    row = int(np.abs(seen.poses.wrench[:, [0, 2]]).min(axis=1).argmax())
+    wrench = seen.poses.wrench.copy()
+    wrench[row] = slip(wrench[row])
+    found = prepare(seen.with_poses(wrench=wrench))
+    (fault,) = found.faults
+    assert (fault.kind, fault.pose_id) == ("wrong_wrench", seen.poses.ids[row])
+    assert f"the points fit {said}, not as written" in fault.what
+    assert np.allclose(found.problem.campaign.poses.wrench[row], seen.poses.wrench[row])
