@@ -9,6 +9,7 @@ import pytest
 from campaign_example import POINTS, POSES, TOML, faults, write_example
 
 from workbench.campaign import Campaign, Target, load_campaign
+from workbench.campaign.flange_load import external_forces
 from workbench.files.faults import InputError
 
 
@@ -50,6 +51,19 @@ def test_a_folder_is_its_campaign(tmp_path: Path) -> None:
     assert load_campaign(folder).path == path
     with pytest.raises(InputError, match="is a folder, not a file"):
         load_campaign(tmp_path)
+
+
+def test_forces_as_load_cells_show_them(tmp_path: Path) -> None:
+    """kilograms-force were "not used": moments alone then pulled at the arm."""
+    poses = (
+        "pose_id,q1_deg,q2_deg,q3_m,fx_kgf,fy_daN,fz_lbf,mx_Nmm\n"
+        "a,10,20,0.1,100,-2,1,500\n"
+        "b,10,20,0.2,0,0,0,0\n"
+        "c,10,20,0.3,0,0,0,0\n"
+    )
+    campaign = load_campaign(write_example(tmp_path, poses=poses))
+    np.testing.assert_allclose(campaign.poses.wrench[0], [980.665, -20, 4.4482216152605, 0.5, 0, 0])
+    assert external_forces(campaign) == "in 1 of 3 poses, up to 980.9 N and 0.5 N·m at the flange's origin"
 
 
 def test_optional_columns(tmp_path: Path) -> None:

@@ -13,11 +13,14 @@ from test_cli_options import COMMANDS
 
 from workbench.campaign import load_campaign
 from workbench.campaign.own_weight import too_weak
+from workbench.campaign.planned import planned, random_poses
+from workbench.campaign.write import write_campaign
 from workbench.cli.main import main
 from workbench.effects import catalogue
 from workbench.identification.model_file import write_model
 from workbench.robot.description import load_robot
 from workbench.robot.schema import GEOMETRY
+from workbench.simulation.virtual_campaign import Truth, simulate
 
 ROOT = Path(__file__).resolve().parents[1]
 EFFECTS = [
@@ -543,3 +546,18 @@ def test_check_tells_of_drives_that_do_not_bear_the_arm(tmp_path, capsys):
     assert f"{shoulder} holds up to " in said
     assert "its drive bears 1 N·m" in said
     assert too_weak(robot) == []
+
+
+def test_a_plan_says_that_nothing_pulls_in_it(tmp_path, capsys):
+    """Of a campaign that external forces pulled at the poses are planned as if there were none."""
+    robot, rng = load_robot("irb120"), np.random.default_rng(0)
+    q = np.repeat(random_poses(robot, 16, rng), 2, axis=0)
+    wrench = np.zeros((len(q), 6))
+    wrench[1::2, :3] = rng.normal(size=(16, 3)) * 30.0
+    for name, pulls in (("pulled", wrench), ("free", None)):
+        write_campaign(tmp_path / name, simulate(planned(robot, q, wrench=pulls), Truth(sigma=3e-5)))
+        status, out, err = call(
+            capsys, "plan", tmp_path / name, "--poses", "3", "--quick", "--out", tmp_path / f"{name}.csv"
+        )
+        assert status == 0, err
+        assert ("without the external forces" in out) == (name == "pulled")

@@ -21,6 +21,7 @@ from workbench.effects.kinds import InstrumentEffect
 from workbench.effects.place import Where
 from workbench.effects.records import record
 from workbench.effects.thermal_growth import ThermalGrowth
+from workbench.effects.unnamed.joints import Pair, Product
 from workbench.files.faults import InputError
 from workbench.report.numbers import mm
 from workbench.robot.compensator import compensator_law
@@ -165,6 +166,36 @@ def test_a_warming_arm_grows_while_it_is_simulated():
     grown = done.tool[-1, :3, 3] - done.tool[0, :3, 3]
     assert np.linalg.norm(grown) > 1e-4
     assert np.abs(grown - (wanted[1] - wanted[0])).max() < 2e-6
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        Pair(Where(joint="joint_2", other="joint_5")),
+        Product(Where(joint="joint_2", other="joint_5"), third=2.0),
+    ],
+)
+def test_what_hangs_on_two_joints_together_is_simulated(effect):
+    """It is no sum over the motors: from pose to pose the tool moves as the arm's does."""
+    values = 3e-4 * np.sin(np.arange(len(effect.params)))
+    start = np.array(POSES["kr500"])
+    end = start + np.array([0.0, 0.1, 0.1, 0.0, 0.1, 0.0])
+    q = np.stack([start, start, end, end])
+    path = Path(np.array([0.0, 0.2, 1.2, 2.0]), q=q)
+    ends, wanted = [], []
+    for effects in ([(effect, values.tolist())], []):
+        robot = extended(load_robot("kr500"), effects)
+        whole = Problem(robot, arrays(robot), path_campaign(robot, path, q, LOADS))
+        ext = extended_arm(replace(whole, compensator=compensator_law(robot, whole.arm)))
+        arm, pull = ext.loads(ext.problem)
+        rest = equilibrium(arm, q, ext.direct(ext.problem), pull, ext.acting.yielding(arm).motion)[1]
+        truth = mechanics(robot, path, q, LOADS)
+        done = run(truth, nominal_mechanics(robot, truth), motion(path.time, q), loop=SMOOTH)
+        ends.append(done.tool[[0, -1], :3, 3])
+        wanted.append(rest.p[-1][[0, -1]])
+    change = wanted[0] - wanted[1]
+    assert np.abs(change).max() > 1e-4
+    assert np.abs(ends[0] - ends[1] - change).max() < 1e-6
 
 
 SWEPT = ("uncorrected", "corrected", "elastic", "rigid")

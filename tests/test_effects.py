@@ -13,6 +13,7 @@ from workbench.campaign import Target
 from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.effects import catalogue
+from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.lost_motion import LostMotion
 from workbench.effects.place import Where
 from workbench.effects.records import effect_text, from_record, parse_effect, record, stated_effects
@@ -267,3 +268,16 @@ def test_a_small_size_is_not_said_to_be_nothing():
     assert zone.sentence(np.array([3.21e-7])).endswith(": 0.32 µrad to either side, below about 0.43 N·m.")
     zone = LostMotion(Where(joint="joint_6"), "soft 0.05", 1234.5)
     assert zone.sentence(np.array([1e-4])).endswith(": 100 µrad to either side, below about 1234 N·m.")
+
+
+def test_a_stiffness_is_told_as_tables_have_it():
+    """In percent of the model's and as a whole; of a joint that the model has rigid the whole alone."""
+    stated = JointCompliance(Where(joint="joint_5"), nominal=1 / 219000)
+    said = stated.sentence(np.array([1 / 0.75 - 1])).replace("\N{NO-BREAK SPACE}", " ")
+    assert said == "joint_5 is softer than the model: 25.0 % less stiffness (164 000 N·m/rad)."
+    rigid = JointCompliance(Where(joint="elbow"))
+    said = rigid.sentence(np.array([1 / 30000])).replace("\N{NO-BREAK SPACE}", " ")
+    assert said == "elbow yields 33.3 µrad per N·m (30 000 N·m/rad); the model has it rigid."
+    slide = JointCompliance(Where(joint="z"), sliding=True)
+    assert "(500 N/m)" in slide.sentence(np.array([2e-3]))
+    assert "()" not in slide.sentence(np.array([0.0]))

@@ -300,6 +300,22 @@ def test_loads_and_repeats_of_a_pose_are_held_out_together():
     assert np.abs(out - left.residual)[double.positions == 3].max() < 1e-6
 
 
+@pytest.mark.parametrize("positions", [1, 3])
+def test_set_ups_of_few_positions_are_held_out_load_by_load(positions):
+    """Without one of these positions nothing tells where the instrument stands from where the targets sit:
+    what was held out was kilometres off."""
+    rng = np.random.default_rng(4)
+    robot = load_robot("kr500")
+    q = np.repeat(random_poses(robot, 10 * positions, rng), 4, axis=0)
+    wrench = np.concatenate([rng.normal(0, 800.0, (len(q), 3)), np.zeros((len(q), 3))], axis=1)
+    plan = planned(robot, q, targets=TARGETS, wrench=wrench)
+    setup = np.repeat(np.arange(10), 4 * positions)
+    plan = replace(plan.with_poses(setup=setup), setup_names=tuple(f"s{k}" for k in range(10)))
+    job = problem_of(simulate(plan, Truth(sigma=SIGMA, repeatability=np.zeros(6)), seed=2))
+    out = heldout(fitted(job), folds=10)
+    assert np.sqrt(np.mean(out**2)) < 2 * SIGMA
+
+
 def test_what_another_effect_alone_held_up_is_fitted_anew():
     """With a joint far too soft to bear the arm, as one is whose counterpart has gone from the model, there
     is no place to start from: the robot as it is takes its place."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.kinematics import Array
+from .data import Campaign
 from .problem import Problem
 
 MARGIN = 0.1  # of the largest measured force or moment
@@ -18,6 +19,17 @@ def flange_load(problem: Problem) -> tuple[float, float, float]:
     """Least and largest force [N] and largest moment [N·m] on the flange in a campaign."""
     force, moment = _sizes(problem)
     return float(force.min()), float(force.max()), float(moment.max())
+
+
+def external_forces(campaign: Campaign) -> str:
+    """In how many poses something pulls at the flange from outside, and how much; empty where in none."""
+    wrench = campaign.poses.wrench
+    force, moment = (np.linalg.norm(part, axis=1) for part in np.split(wrench, 2, axis=1))
+    count, of = np.count_nonzero(wrench.any(axis=1)), len(wrench)
+    if not count:
+        return ""
+    most = f"up to {force.max():.4g} N and {moment.max():.4g} N·m at the flange's origin"
+    return f"in {count} of {of} poses, {most}"
 
 
 def beyond_load(problem: Problem, measured: Sequence[float]) -> NDArray[np.bool_]:

@@ -84,7 +84,8 @@ robot  = "{robot}.toml"
 
 # What the controller was told, a row per pose. Joints in order: {joints}
 # Where you have them, more columns tell more: dir1 ... (+1, -1: side from which a joint came), payload, t_s,
-# temp_degC, tau1_Nm ... (torque of each drive, from its current: 3 % is enough)
+# temp_degC, tau1_Nm ... (torque of each drive, from its current: 3 % is enough), fx_N fy_N fz_N
+# mx_Nm my_Nm mz_Nm (what pulls at the arm from outside, at the flange's origin, on the base's axes)
 [poses]
 {poses}
 

@@ -36,6 +36,11 @@ UNSEEN = (
     "Say where the instrument stands ([instrument] in the campaign or in --cell) to have its view checked."
 )
 
+UNPULLED = (
+    "Planned without the external forces of the campaign: where they are to tell something, pull at each "
+    "pose several ways and both ways, and write what pulled (fx_N ... mz_Nm), a row for each and one without."
+)
+
 
 def add(commands: Commands) -> None:
     parser = commands.add_parser(
@@ -138,6 +143,8 @@ def run(arguments: argparse.Namespace) -> None:
         print("Nothing was written.")
         return
     print(f"{len(made.drive.records.poses)} standstills written to {poses}.")
+    if isinstance(source, Campaign) and source.poses.wrench.any():
+        print(UNPULLED)
     print(HINT if made.reach.sight is not None else f"{UNSEEN} {HINT}")
     for file in files[1:]:
         print(file)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..campaign.flange_load import external_forces
 from ..campaign.problem import Problem
 from ..effects.place import Parameter
 from ..identification.fit import Fit
@@ -72,6 +73,8 @@ def facts(problem: Problem, final: Fit) -> dict[str, str]:
             if (c.poses.payload == i).any()
         ),
     }
+    if pulled := external_forces(c):
+        said["External forces"] = pulled
     for j, name in enumerate(problem.arm.names):
         low, high = c.poses.q[:, j].min(), c.poses.q[:, j].max()
         said[f"Range of {name}"] = (

@@ -1,6 +1,6 @@
-"""Loads that are stated otherwise than they were: payloads exchanged, wrenches the other way round, in
-another frame or unit, gravity of an arm that stands on no floor. Seen in how far the arm yields to them, by
-the model's stiffnesses."""
+"""Loads that are stated otherwise than they were: payloads exchanged, wrenches (`mistaken_wrenches`),
+gravity of an arm that stands on no floor. Seen in how far the arm yields to them, by the
+model's stiffnesses."""
 
 from __future__ import annotations
 
@@ -13,55 +13,94 @@ import numpy as np
 from ..campaign.problem import Problem
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit
-from ..robot.kinematics import Array
+from .mistaken_wrenches import (
+    AGAINST,
+    ALONG,
+    Wrench,
+    acting_elsewhere,
+    begun,
+    of_another_size,
+    squares_left,
+    stated_otherwise,
+)
 from .other_loads import called
 
 MOST = 4  # payloads that are tried in each other's places: 23 ways
-AGAINST = 0.5  # of the squares at most is left where the arm yielded against its loads: it never does
-ALONG = 0.25  # of the squares at most is left where they act along other axes
 COSINE = 0.5  # of the angle between directions of gravity that are two
-SO_LARGE = 0.1  # of the squares at most is left where they are of another size
-UNITS = {9.80665: "kilograms for newtons", 1e3: "kilonewtons for newtons", 4.4482: "pounds for newtons"}
 
 
 @dataclass(frozen=True)
 class Mistake:
     """What the points say that the loads were, how to mend it, and the problem that says so. enough: of the
-    squares at most is left without it; sure: no robot does the same."""
+    squares at most is left without it."""
 
     what: str
     mend: str
     problem: Problem
     enough: float
-    sure: bool = True
 
 
 def mistaken_loads(result: Fit) -> list[str]:
-    """A remark on wrenches in another unit, if the points fit these. Raises `InputError` where they fit
-    payloads in each other's places, or wrenches or gravity that act the other way round or along other axes.
+    """A remark on wrenches in another unit, where the points fit these by the model's stiffnesses alone, and
+    on forces that act elsewhere, where that brings less. Raises `InputError` where they fit payloads in each
+    other's places, gravity that acts another way, or wrenches that act so, whatever the stiffnesses.
     result: a robust fit of the geometry."""
     problem = result.model.problem
     possible = list(_mistakes(problem))
     own = _left(result, problem) if possible else 0.0
+    if own > 0.0:
+        shares = [_left(result, one.problem) / own for one in possible]
+        left, best = min(zip(shares, possible, strict=True), key=lambda pair: pair[0])
+        if left <= best.enough:
+            raise _refused(problem, best, left)
+    return _of_wrenches(result) if problem.campaign.poses.wrench.any() else []
+
+
+def _of_wrenches(result: Fit) -> list[str]:
+    """The same of wrenches."""
+    problem = result.model.problem
+    first = begun(result)
+    eased = squares_left(first, problem)
+    sizes = list(of_another_size(problem))
+    if 0.0 < eased < np.inf:
+        ways = [*stated_otherwise(problem, first.state.R), *(one for _, one in sizes)]
+        shares = [squares_left(first, one.problem) / eased for one in ways]
+        left, best = min(zip(shares, ways, strict=True), key=lambda pair: pair[0])
+        if left <= best.enough:
+            raise _refused(problem, best, left)
+        if (there := acting_elsewhere(first)) is not None:
+            left = squares_left(first, there.problem) / eased
+            if left <= there.enough:
+                raise _refused(problem, there, left)
+            if left <= AGAINST:
+                return [_remark(there.what, left, there.mend)]
+    own = _left(result, problem)
     if own == 0.0:
         return []
-    shares = [_left(result, one.problem) / own for one in possible]
-    left, best = min(zip(shares, possible, strict=True), key=lambda pair: pair[0])
-    if left > best.enough:
+    shares = [_left(result, one.problem) / own for _, one in sizes]
+    left, (mistaken, unit) = min(zip(shares, sizes, strict=True), key=lambda pair: pair[0])
+    if left > unit.enough:
         return []
-    said = f"{best.what}, which leaves {np.sqrt(left):.0%} of the error"
-    if not best.sure:
-        return [f"{said[0].upper()}{said[1:]}: {best.mend}"]
-    raise InputError(Fault(str(problem.campaign.path), said, best.mend))
+    mend = f"were {mistaken} written? If not, all that is stated to yield does so otherwise"
+    return [_remark(unit.what, left, mend)]
+
+
+def _remark(what: str, left: float, mend: str) -> str:
+    said = _with(what, left)
+    return f"{said[0].upper()}{said[1:]}: {mend}"
+
+
+def _refused(problem: Problem, mistake: Mistake | Wrench, left: float) -> InputError:
+    return InputError(Fault(str(problem.campaign.path), _with(mistake.what, left), mistake.mend))
+
+
+def _with(what: str, left: float) -> str:
+    return f"{what}, which leaves {np.sqrt(left):.0%} of the error"
 
 
 def _mistakes(problem: Problem) -> Iterator[Mistake]:
     yield from _gravity(problem)
     c = problem.campaign
-
-    def stated(**poses: Array) -> Problem:
-        return replace(problem, campaign=c.with_poses(**poses))
-
     used = np.unique(c.poses.payload)
     for order in permutations(used.tolist()) if 2 <= len(used) <= MOST else ():
         carried = np.array(order)[np.searchsorted(used, c.poses.payload)]
@@ -73,26 +112,8 @@ def _mistakes(problem: Problem) -> Iterator[Mistake]:
             if a != b
         )
         mend = "exchange the payloads' masses, or their names at the poses"
-        yield Mistake(f"payload: the arm yields as under {said}", mend, stated(payload=carried), AGAINST)
-    wrench = c.poses.wrench
-    if not wrench.any():
-        return
-    what = "fx ... mz: the arm yields as under wrenches"
-    turn = problem.rigid.R[-1]
-    of_flange = np.concatenate(
-        [(turn @ part[..., None])[..., 0] for part in (wrench[:, :3], wrench[:, 3:])], axis=1
-    )
-    for sign, opposite in ((1.0, ""), (-1.0, " the other way round")):
-        there = f"{what} along the flange's axes{opposite}"
-        mend = "give what acts on the robot, along the axes of its base"
-        yield Mistake(there, mend, stated(wrench=sign * of_flange), ALONG)
-    mend = "turn their signs: they are what acts on the robot, not what it does"
-    yield Mistake(f"{what} the other way round", mend, stated(wrench=-wrench), AGAINST)
-    for size, unit in UNITS.items():
-        for factor, mistaken in ((size, unit), (1 / size, " for ".join(reversed(unit.split(" for "))))):
-            mend = f"were {mistaken} written? If not, all that is stated to yield does so otherwise"
-            many = f"{what} {factor:.3g} times as large"
-            yield Mistake(many, mend, stated(wrench=factor * wrench), SO_LARGE, sure=False)
+        stated = replace(problem, campaign=c.with_poses(payload=carried))
+        yield Mistake(f"payload: the arm yields as under {said}", mend, stated, AGAINST)
 
 
 def _gravity(problem: Problem) -> Iterator[Mistake]:

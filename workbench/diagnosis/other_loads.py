@@ -26,10 +26,10 @@ def carrying_what_fits(
     under the payload that brings them well within it, or most of the way, and which; where there is such a
     pose, others too that are off by less. at: predicts it under other payloads."""
     c = problem.campaign
-    off = _farthest(problem, np.linalg.norm(c.points - predicted, axis=2) / limit)
+    off = farthest(problem, np.linalg.norm(c.points - predicted, axis=2) / limit)
     if len(c.payload_names) < 2 or not (off > 1.0).any():
         return problem, ()
-    other = _farthest(problem, np.linalg.norm(_under_each_load(problem, at) - c.points, axis=3) / limit)
+    other = farthest(problem, np.linalg.norm(_under_each_load(problem, at) - c.points, axis=3) / limit)
     nearest, least = other.argmin(axis=0), other.min(axis=0)
     wrong = (off > 1.0) & (least < np.maximum(WELL, NEARER * off))
     if not wrong.any():
@@ -40,7 +40,7 @@ def carrying_what_fits(
     return replace(problem, campaign=campaign), faults
 
 
-def _farthest(problem: Problem, off: Array) -> Array:
+def farthest(problem: Problem, off: Array) -> Array:
     """(..., N) of distances (..., N, T) the largest of those points of each pose that were seen."""
     known = np.where(np.isfinite(off), off, np.inf)
     return np.asarray(np.where(problem.seen, known, 0.0).max(axis=-1))

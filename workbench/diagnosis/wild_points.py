@@ -25,6 +25,7 @@ from ..identification.registration import register, spread_of
 from ..robot.kinematics import Array
 from .off_together import no_outliers
 from .other_loads import Predicts, carrying_what_fits
+from .other_wrenches import pulled_as_fits
 from .result import FaultFound
 from .shifted_poses import shifted_poses, without_shifted
 
@@ -177,12 +178,15 @@ class Mended:
 
 def mended(problem: Problem, predicted: Array, limit: Array, at: Predicts | None = None) -> Mended:
     """One round: points farther than `limit` (N, T) [m] from where they are predicted (N, T, 3) are taken
-    under another payload or exchanged with those of another target where that puts them right, else left out.
-    at: predicts them under other payloads."""
+    under another payload or wrench, or exchanged with those of another target, where that puts them right,
+    else left out. at: predicts them under other loads."""
     if at is not None:
         carrying, wrong = carrying_what_fits(problem, predicted, limit, at)
         if wrong:
             return Mended(carrying, wrong)
+        pulled, wrong = pulled_as_fits(problem, predicted, limit, at)
+        if wrong:
+            return Mended(pulled, wrong)
     c = problem.campaign
     length = np.where(problem.seen, np.linalg.norm(c.points - predicted, axis=2), 0.0)
     wild = length > limit

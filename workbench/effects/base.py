@@ -110,7 +110,8 @@ class Effect(ABC):
     well. depends: what any form of it depends on (one form: `uses`). smooth: a smooth function of its joint's
     angle, so that several of them can draw any such function.
     always: every machine has it, whether its model states it or not. axial: it moves its joint along the
-    joint's own axis, and nothing else. as_rounded: the rounding of a joint's written values may look like it.
+    joint's own axis, and nothing else. by_motor: of that, it is a sum of functions of one motor's angle each.
+    as_rounded: the rounding of a joint's written values may look like it.
     by_loads: it is how an arm bends under its loads, or may be;
     in_proportion: to them, by one number. held: prior standard deviation of its numbers, where what was found
     elsewhere in the arm holds them.
@@ -138,6 +139,7 @@ class Effect(ABC):
     smooth: ClassVar[bool] = False
     always: ClassVar[bool] = False
     axial: ClassVar[bool] = False
+    by_motor: ClassVar[bool] = True
     by_loads: ClassVar[bool] = False
     as_rounded: ClassVar[bool] = False
     in_proportion: ClassVar[bool] = False

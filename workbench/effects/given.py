@@ -22,6 +22,7 @@ CONTRADICTED = 3.0  # standard deviations (combined ones of two) from which a nu
 DataFault = Literal[  # what a diagnosis finds wrong with the data themselves
     "changed_setup", "copied_pose", "frozen_target", "moved_instrument", "outlier", "rare_setup",
     "rare_target", "rounded_joints", "shifted_pose", "swapped_target", "wrong_payload",
+    "wrong_wrench",
 ]  # fmt: skip
 EXACT = 1e-6  # of the usual size: the spread of what is exact
 

@@ -98,6 +98,18 @@ class JointCompliance(AxialYield, LinearYield):
             word = "softer" if values[0] > 0 else "stiffer"
             change = abs(1 / (1 + values[0]) - 1)
             less = "less" if values[0] > 0 else "more"
-            return f"{self.where.joint} is {word} than the model: {100 * change:.1f} % {less} stiffness."
+            whole = self._stiffness(self.nominal * (1 + float(values[0])))
+            return (
+                f"{self.where.joint} is {word} than the model: {100 * change:.1f} % {less} stiffness{whole}."
+            )
         unit = "µm per N" if self.sliding else "µrad per N·m"
-        return f"{self.where.joint} yields {values[0] * 1e6:.3g} {unit}; the model has it rigid."
+        whole = self._stiffness(float(values[0]))
+        return f"{self.where.joint} yields {values[0] * 1e6:.3g} {unit}{whole}; the model has it rigid."
+
+    def _stiffness(self, compliance: float) -> str:
+        """The whole, as tables of stiffness have it; empty of a joint that yields nothing."""
+        unit = "N/m" if self.sliding else "N·m/rad"
+        if compliance <= 0:
+            return ""
+        digits = f"{float(f'{1 / compliance:.3g}'):,.0f}".replace(",", "\N{NO-BREAK SPACE}")
+        return f" ({digits} {unit})"

@@ -12,13 +12,23 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import Array
 from .fit import Fit
 
+TELL_FRAME = 3  # positions of the arm that tell where the instrument stands from where the targets sit
+
 
 def folds_of(problem: Problem, folds: int, seed: int) -> NDArray[np.int64]:
     """(N,) number of the group that each pose is held out with: joint positions drawn at random into groups
-    of one size, so that a pose more or less leaves nearly all others where they were."""
+    of one size, so that a pose more or less leaves nearly all others where they were. Of set-ups with so few
+    positions that without one nothing tells the instrument's frame from the targets, the loads are spread
+    over the groups instead."""
     _, first, block = np.unique(problem.positions, return_index=True, return_inverse=True)
     rank = np.argsort(np.argsort(problem.campaign.poses.drawn(seed)[first]))
-    return np.asarray((rank * min(folds, len(first)) // len(first))[block.ravel()])
+    groups = min(folds, len(first))
+    fold = np.asarray((rank * groups // len(first))[block.ravel()])
+    setup = problem.campaign.poses.setup
+    for own in (np.flatnonzero(setup == k) for k in np.unique(setup)):
+        if len(np.unique(block.ravel()[own])) <= TELL_FRAME:
+            fold[own] = (fold[own[0]] + np.arange(len(own))) % groups
+    return fold
 
 
 def heldout(result: Fit, folds: int = 10, seed: int = 0, without: Sequence[int] = ()) -> Array:

@@ -194,8 +194,8 @@ def _written(column: Column) -> str:
     return column.usual.replace(" or ", "`, `")
 
 
-_FORCE = "external force on the robot at the flange's origin, in the base frame"
-_TORQUE = "external torque, likewise"
+_FORCE = "external force on the robot (what acts on it) at the flange's origin, in the base frame"
+_TORQUE = "external torque, likewise; a force at another point makes one too: lever × force"
 _SIGMA = "uncertainty of the point, one sigma"
 _MEANINGS = {
     **dict(payload="what the arm carries, by its name under `[payloads]`; empty: nothing"),

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..campaign.flange_load import external_forces
 from ..diagnosis.first_look import SUSPICIOUS, FirstLook
 from ..files.digest import digests
 from ..robot.description import Robot
@@ -76,6 +77,8 @@ def check_campaign(look: FirstLook) -> Checked:
         f"where the URDF has them; {calibrated}",
         f"instrument: {_noise(look)}",
     ]
+    if pulled := external_forces(campaign):
+        read.append(f"external forces {pulled}, on the base's axes as they act on the robot")
     sections: dict[str, Sequence[str]] = {"What was read": read}
     if look.wrong:
         sections["Joints, points and robot do not belong together"] = [str(fault) for fault in look.wrong]

@@ -25,6 +25,7 @@ class Pair(Unnamed, TransmissionEffect):
     other: float = 1.0
 
     settings: ClassVar[tuple[str, ...]] = ("size", "own", "other")
+    by_motor: ClassVar[bool] = False
 
     @property
     def functions(self) -> int:
@@ -60,6 +61,7 @@ class Product(Unnamed, TransmissionEffect):
     third: float = 0.0
 
     settings: ClassVar[tuple[str, ...]] = ("size", "third")
+    by_motor: ClassVar[bool] = False
 
     @property
     def functions(self) -> int:

@@ -62,7 +62,8 @@ class Mechanics:
     """The simulated robot on a path of N samples: geometry and masses in `arm`, and what moves.
 
     gives: of all slots; axial: law of each joint, None where it is rigid and its gear without error.
-    placed: (N, S, 6) motions that neither load nor the drive makes (temperature, drift).
+    placed: (N, S, 6) motions that neither load nor the drive makes (temperature, drift, what hangs
+    on two joints together).
     mass, moment: tool and payload [kg, kg·m, flange frame]; wrench: (N, 6), torque: (N, n) as `Loads` has
     them. gear: the effects of the transmission. notes: what had to be assumed.
     """
@@ -119,8 +120,9 @@ def mechanics(robot: Robot, path: Path, q: Array, conditions: Conditions) -> Mec
 
 
 def _of_a_gear(effect: Effect) -> bool:
-    """Whether it is an error of one joint's drive train, which the loop simulates as such."""
-    return effect.acts == "transmission" and effect.axial
+    """Whether it is an error of one joint's drive train, which the loop simulates as such. What hangs on two
+    joints together has no drive train; it is slow, and follows the command."""
+    return effect.acts == "transmission" and effect.axial and effect.by_motor
 
 
 def _along_axis(law: Law6, component: int) -> Callable[[Array], Array]:

@@ -114,8 +114,8 @@ def kind_of(item: Part, problem: Problem) -> str:
     """What an effect does, as far as another program must know.
 
     "mass", "compensator", "torque": what pulls; "spring": yields in proportion to its load, "law": otherwise;
-    "gear": error of a joint along its axis, which joints alone decide; "other": it hangs on side, time or
-    temperature, or moves a frame.
+    "gear": error of a joint along its axis, a sum of functions of one joint each; "other": it hangs on side,
+    time, temperature or two joints together, or moves a frame.
     """
     effect, _ = item
     alone = Acting((item,))
@@ -124,7 +124,7 @@ def kind_of(item: Part, problem: Problem) -> str:
     if effect.acts == "yielding":
         return "law" if alone.yielding(problem.arm).bent else "spring"
     if effect.acts in ("transmission", "geometry"):
-        return "gear" if effect.acts == "transmission" and effect.axial else "other"
+        return "gear" if effect.acts == "transmission" and effect.axial and effect.by_motor else "other"
     _, loads = alone.loads(problem, problem.arm)
     if loads.compensator is not problem.loads.compensator:
         return "compensator"
