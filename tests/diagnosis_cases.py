@@ -16,7 +16,9 @@ from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import Problem, problem_of
 from workbench.diagnosis.result import Diagnosis
 from workbench.diagnosis.run import diagnose
+from workbench.effects.base import Effect
 from workbench.effects.records import parse_effect
+from workbench.identification.fit import Fit
 from workbench.robot.description import Robot, load_robot
 from workbench.simulation.random_robot import write_random_robot
 from workbench.simulation.virtual_campaign import Truth, random_geometry, simulate
@@ -93,3 +95,15 @@ def named(diagnosis: Diagnosis) -> dict[tuple[str, str], str]:
 def with_points(campaign: Campaign, points: np.ndarray) -> Campaign:
     """The campaign with other points."""
     return replace(campaign, points=points)
+
+
+def assert_slopes(result: Fit, effect: Effect, values: np.ndarray) -> None:
+    """The effect's Jacobian is the derivative of what the whole model predicts."""
+    model = replace(result.model, effects=(effect,))
+    step = 0.1 * values
+    states = [replace(result.state, values=(values + sign * step,)) for sign in (1, -1)]
+    up, down = (model.predict(state) for state in states)
+    line = model.linearise(replace(result.state, values=(values,)))
+    slope = model.effect_jacobian(line, effect, values) @ (2 * step)
+    moved = np.abs(up - down).max()
+    assert np.abs(slope.reshape(up.shape) - (up - down)).max() < max(1e-3 * moved, 1e-12)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_cases import SIGMA, found, measured, named, robot, with_points
+from diagnosis_cases import SIGMA, assert_slopes, found, measured, named, robot, with_points
 
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
@@ -267,18 +267,6 @@ def test_functions_without_a_name_say_what_they_are_about():
             assert again == one
             assert np.array_equal(numbers, weights)
         assert_slopes(result, one, weights)
-
-
-def assert_slopes(result, effect, values):
-    """The effect's Jacobian is the derivative of what the whole model predicts."""
-    model = replace(result.model, effects=(effect,))
-    step = 0.1 * values
-    states = [replace(result.state, values=(values + sign * step,)) for sign in (1, -1)]
-    up, down = (model.predict(state) for state in states)
-    line = model.linearise(replace(result.state, values=(values,)))
-    slope = model.effect_jacobian(line, effect, values) @ (2 * step)
-    moved = np.abs(up - down).max()
-    assert np.abs(slope.reshape(up.shape) - (up - down)).max() < max(1e-3 * moved, 1e-12)
 
 
 # ---------------------------------------------------------------- data faults

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnosis_cases import assert_slopes
 
 from workbench import (
     Campaign,
@@ -21,8 +22,10 @@ from workbench import (
     simulate,
 )
 from workbench.diagnosis.prepared import prepare
+from workbench.effects.unnamed.loads import StatedForces
 from workbench.files.faults import InputError
-from workbench.identification.fit import start_state
+from workbench.identification.fit import fit, start_state
+from workbench.identification.model import Model
 
 WEAK = "joint_compliance:joint=joint_3,relative=0.4"
 
@@ -226,3 +229,26 @@ def test_a_slip_of_the_pen_in_one_wrench_is_told_and_mended(
     assert (fault.kind, fault.pose_id) == ("wrong_wrench", seen.poses.ids[row])
     assert f"the points fit {said}, not as written" in fault.what
     assert np.allclose(found.problem.campaign.poses.wrench[row], seen.poses.wrench[row])
+
+
+def test_a_joint_is_no_surer_than_the_load_cell() -> None:
+    """Forces that are all a few hundredths off are nothing that is told: all that yields to them is as much
+    softer."""
+    seen = pulled(WEAK)
+    outcome = diagnose(seen.with_poses(wrench=seen.poses.wrench / 1.04))
+    (joint,) = [one for one in outcome.diagnosis.causes if one.cause == "joint_compliance"]
+    (relative,) = joint.parameters
+    effects = outcome.fit.model.effects
+    (i,) = [i for i, e in enumerate(effects) if e.key == (joint.cause, joint.where)]
+    alone = outcome.fit.effect_values(i)[1][0, 0]
+    assert relative.std**2 - alone > (1.4 * 0.015) ** 2  # of 1.4, as a cell of 2 % leaves it beside gravity
+    assert abs(relative.value - 0.4) < 2 * relative.std
+
+
+def test_forces_a_little_larger_pull_as_these_forces_do() -> None:
+    seen = problem(pulled(WEAK))
+    result = fit(Model(seen))
+    (forces,) = StatedForces.sites(seen)
+    assert_slopes(result, forces, np.array([0.1]))
+    _, loads = forces.apply(seen, seen.arm, seen.loads, np.array([0.1]))
+    assert np.allclose(loads.wrench, 1.1 * seen.campaign.poses.wrench)

@@ -4,7 +4,8 @@ A number is as sure as its fit says only where the arm is true to its model in a
 is: each of its masses, springs and bearings is a little off, and what they do together in the directions of a
 cause that was found goes into the number of that (omitted variables). So these all stand beside the fit, each
 with a prior of a share of its usual size, the share as likely as the data have it; and a number is as far off
-as it then is in the mean square: by its variance, and by where it would have gone.
+as it then is in the mean square: by its variance, and by where it would have gone. Forces from outside are as
+true as the cell that measured them.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.special import logsumexp
 
 from ..effects.base import Effect
+from ..effects.unnamed.loads import StatedForces
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
 from .components import Key, usual
@@ -29,7 +31,8 @@ def allowing_for_unseen(fit: Fit, companions: Sequence[Sized], candidates: Seque
     """(P, P) mean squares of how far a fit's numbers are off. companions: what its causes have beside their
     forms, in their sizes."""
     there = {(effect.key, effect.variant) for effect in fit.model.effects}
-    known = _new([*_of_the_same_bodies(fit, candidates), *companions], there)
+    forces = [(one, usual(fit, one)) for one in StatedForces.sites(fit.model.problem)]
+    known = _new([*_of_the_same_bodies(fit, candidates), *companions, *forces], there)
     unseen = _new(_elsewhere(fit, candidates), there)
     every = [*known, *unseen]
     if not every:

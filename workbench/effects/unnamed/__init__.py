@@ -14,14 +14,16 @@ from .campaign import Along, Attitude, Bearing, Clock, PerPayload, Warmth, Zeros
 from .curved_yield import CurvedYield
 from .joints import Pair, Product, Side, SideBands, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
-from .loads import Load, OwnWeights, Torque, UnevenTilt
+from .loads import Load, OwnWeights, StatedForces, Torque, UnevenTilt
 
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Along, Zeros, Warmth, PerPayload, Attitude, Bearing,
     Product,
 )  # fmt: skip
-# what causes have beside their forms, and that stands for nothing by itself
-BESIDE: tuple[type[Unnamed], ...] = (CurvedYield, OwnWeight, PivotForce, SideBands, UnevenBending, UnevenTilt)
+# what stands beside causes, and for nothing by itself
+BESIDE: tuple[type[Unnamed], ...] = (
+    CurvedYield, OwnWeight, PivotForce, SideBands, StatedForces, UnevenBending, UnevenTilt,
+)  # fmt: skip
 
 
 def unnamed(problem: Problem) -> Iterator[Unnamed]:

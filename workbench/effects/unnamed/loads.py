@@ -10,10 +10,11 @@ from typing import ClassVar
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...robot.kinematics import RX, RZ, TX, Arm, Array
+from ...robot.kinematics import RX, RZ, TX, Arm, Array, Frames
+from ...robot.loads import Loads
 from ...robot.rotations import cross
-from ..base import Depends
-from ..kinds import DirectEffect
+from ..base import Depends, Param
+from ..kinds import DirectEffect, LoadEffect
 from ..place import Where
 from .base import Unnamed, each
 
@@ -251,3 +252,49 @@ class UnevenTilt(Unnamed, DirectEffect):
         places = [cls(), *(cls(Where(joint=name)) for name in problem.arm.names)]
         most = [float(one.x(problem).max(initial=0.0)) for one in places]
         return [replace(one, largest=m) for one, m in zip(places, most, strict=True) if m > 1e-3]
+
+
+@dataclass(frozen=True)
+class StatedForces(Unnamed, LoadEffect):
+    """What pulls at the arm from outside is all larger, or smaller, than stated, as by a load cell that is
+    off or a pulley that holds back. size: the share of it, one sigma, that a calibrated cell is off.
+
+    It looks as if all joints were softer alike, and so competes with nothing: it makes their numbers less
+    sure."""
+
+    variant: str = "stated forces"
+    size: float = 0.02
+
+    depends: ClassVar[Depends] = frozenset({"load"})
+
+    @property
+    def functions(self) -> int:
+        return 1
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        return (
+            Param("scale", "1", self.size, "external forces over the stated, minus one", spread=self.size),
+        )
+
+    @property
+    def variable(self) -> str:
+        return "the external forces, as far as all are off"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(np.linalg.norm(problem.campaign.poses.wrench[:, :RX], axis=1))
+
+    def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
+        return arm, replace(loads, wrench=loads.wrench + values[0] * problem.campaign.poses.wrench)
+
+    def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
+        stated = problem.campaign.poses.wrench
+        force = np.broadcast_to(stated[:, None, :RX], where.origin.shape)
+        moment = cross(where.p[-1][:, None] - where.origin, force) + stated[:, None, RX:]
+        parts = [np.einsum("nsci,nsi->nsc", where.axes[:, :, :RX], force)]
+        parts += [np.einsum("nsci,nsi->nsc", where.axes[:, :, RX:], moment)]
+        return np.concatenate(parts, axis=2)[..., None]
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[StatedForces]:
+        return [cls()] if problem.campaign.poses.wrench.any() else []
