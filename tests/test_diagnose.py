@@ -450,6 +450,23 @@ def test_a_headline_begins_with_what_is_most_of_it(brought, first):
     assert f"the causes bring {brought:.3f} of the 0.060 mm" in said
 
 
+def test_a_headline_says_a_cause_once_with_all_its_places():
+    stages = [
+        Stage(name, 0, rms, rms, rms, rms)
+        for name, rms in (("nominal", 0.7), ("geometry", 0.11), ("all", 0.05))
+    ]
+    causes = [
+        Finding(cause, "", place, "named", gain, 1.0)
+        for cause, place, gain in (
+            ("joint_compliance", Where(joint="joint_2"), 0.03),
+            ("gravity_compensator", Where(), 0.02),
+            ("joint_compliance", Where(joint="joint_3"), 0.01),
+        )
+    ]
+    said = headline("named", causes, stages, 0.06, 0.05, 0.01, 0.05, stages[1])
+    assert said.startswith("Found: joint compliance in joint_2 and joint_3, gravity compensator. Held-out")
+
+
 def test_several_soft_joints_are_no_heavier_loads():
     """Under one load, all masses that it bears and two stiffer joints do the same as three soft ones."""
     campaign = measured(effects=tuple(f"joint_compliance:joint=joint_{j},relative=0.8" for j in (2, 3, 5)))

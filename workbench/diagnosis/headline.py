@@ -55,9 +55,9 @@ def headline(
     is all that is left; in_what: as `shows_in` says it; lasting_mm: RMS on poses held out, of
     the model without what goes with time, order or the instrument."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
-    sure = [words_of(f.cause, f.where) for f in causes if f.status == "named" and not f.taken_back]
+    sure = _by_cause([f for f in causes if f.status == "named" and not f.taken_back])
     parts = [f"Found: {_some(sure)}"] if sure else []
-    gone = [words_of(f.cause, f.where) for f in causes if f.status == "named" and f.taken_back]
+    gone = _by_cause([f for f in causes if f.status == "named" and f.taken_back])
     if gone:
         parts.append(f"{'no' if sure else 'No'} longer as the model has it: {_some(gone)}")
     open_ = [_either(f) for f in causes if f.status != "named"]
@@ -127,6 +127,17 @@ def words_of(cause: str, where: Where) -> str:
     """A cause and where it sits, as people say them."""
     name = "something without a name" if cause == UNKNOWN else called(cause)
     return f"{name} in {where}" if str(where) else name
+
+
+def _by_cause(findings: Sequence[Finding]) -> list[str]:
+    """Causes as people say them, each with all places where it sits."""
+    places = dict[str, list[str]]()
+    for finding in findings:
+        places.setdefault(finding.cause, []).append(str(finding.where))
+    return [
+        f"{called(cause)} in {listed(where)}" if all(where) else called(cause)
+        for cause, where in places.items()
+    ]
 
 
 def _either(finding: Finding) -> str:
