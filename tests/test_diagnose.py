@@ -1,6 +1,7 @@
 """What the diagnosis says of small campaigns measured in Drake, with something hidden in the robot."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -465,6 +466,17 @@ def test_a_headline_says_a_cause_once_with_all_its_places():
     ]
     said = headline("named", causes, stages, 0.06, 0.05, 0.01, 0.05, stages[1])
     assert said.startswith("Found: joint compliance in joint_2 and joint_3, gravity compensator. Held-out")
+
+
+def test_of_several_lines_of_a_gear_the_strongest_is_told_first():
+    lines = ("variant=1,amplitude=1.2e-4,phase=0.3", "variant=2,amplitude=4e-4,phase=1")
+    campaign = measured(effects=tuple(f"gear_kinematic_error:joint=joint_4,{line}" for line in lines))
+    (gear,) = found(campaign).causes
+    ratio = campaign.robot.joints[3].data.gear_ratio
+    assert gear.where.order == pytest.approx(2 * ratio)
+    assert gear.parameters[0].value == pytest.approx(4e-4, rel=0.1)
+    first, second, *_ = re.findall(r"in (\d+) cycles", gear.sentence)
+    assert (int(first), int(second)) == (round(2 * ratio), round(ratio))
 
 
 def test_several_soft_joints_are_no_heavier_loads():

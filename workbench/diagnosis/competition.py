@@ -73,15 +73,20 @@ class Selection:
 
     @property
     def groups(self) -> list[Group]:
-        """Named effects of one cause and place together, strongest first, and what they have beside them."""
-        found: dict[Key, Group] = {}
-        for i, effect in enumerate(self.fit.model.effects):
+        """Named effects of one cause and place together, strongest first, and what they have beside them: of
+        lines of a gear the strongest first."""
+        effects, found = self.fit.model.effects, dict[Key, list[int]]()
+        for i, effect in enumerate(effects):
             if self.named(effect):
-                found.setdefault(effect.key, (effect, []))[1].append(i)
-        for i, effect in enumerate(self.fit.model.effects):
+                found.setdefault(effect.key, []).append(i)
+        for own in found.values():
+            if effects[own[0]].ordered:
+                own.sort(key=self.fit.wald, reverse=True)
+        lead = {key: effects[own[0]] for key, own in found.items()}
+        for i, effect in enumerate(effects):
             if self.beside.get(effect) in found:
-                found[self.beside[effect]][1].append(i)
-        return list(found.values())
+                found[self.beside[effect]].append(i)
+        return [(lead[key], own) for key, own in found.items()]
 
     @property
     def nameless(self) -> list[int]:

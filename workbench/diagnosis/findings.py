@@ -36,6 +36,7 @@ from .set_ups_apart import by_comparing, perhaps_changed
 from .stages import geometry_alone, pose_errors, rms_mm, stages_of
 from .unseen import allowing_for_unseen
 
+SHOWS = 6.0  # χ²(2) of a gear's further line that a sentence says: one of chance is as large once in twenty
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
 
 
@@ -327,8 +328,8 @@ def _handicap(components: Sequence[Component], own: int, other: int | None) -> f
 
 
 def _describe(final: Fit, own: Sequence[int], sure: Array) -> tuple[tuple[Parameter, ...], InModel]:
-    """Parameters and sentence; further parts of one cause carry their order or form in the name. sure: (P, P)
-    covariance of the fit's numbers."""
+    """Parameters and sentence; further parts of one cause carry their order or form in the name. Of a gear's
+    further lines a sentence says those that show. sure: (P, P) covariance of the fit's numbers."""
     parameters: list[Parameter] = []
     sentences: list[str] = []
     there = [(final.model.effects[i], final.effect_values(i)[0]) for i in own]
@@ -337,7 +338,8 @@ def _describe(final: Fit, own: Sequence[int], sure: Array) -> tuple[tuple[Parame
     for n, i in enumerate(own):
         effect = final.model.effects[i].beside(there)
         values, part = final.state.values[i], final.columns.effect[i]
-        sentences.append(effect.sentence(values + has(final, final.model.effects[i])))
+        if n == 0 or not effect.ordered or final.wald(i) > SHOWS:
+            sentences.append(effect.sentence(values + has(final, final.model.effects[i])))
         for p in effect.report(values, sure[part, part]):
             clash = n > 0 and any(p.name == other.name for other in parameters)
             mark = f"order {effect.where.order:g}" if effect.where.order is not None else effect.variant
