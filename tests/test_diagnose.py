@@ -12,7 +12,7 @@ from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.evidence import structure_evidence
 from workbench.diagnosis.headline import headline
-from workbench.diagnosis.result import Diagnosis, Finding, Stage
+from workbench.diagnosis.result import Diagnosis, Finding, Rival, Stage
 from workbench.diagnosis.run import diagnose
 from workbench.effects.backlash import Backlash
 from workbench.effects.place import Where
@@ -466,6 +466,13 @@ def test_a_headline_says_a_cause_once_with_all_its_places():
     ]
     said = headline("named", causes, stages, 0.06, 0.05, 0.01, 0.05, stages[1])
     assert said.startswith("Found: joint compliance in joint_2 and joint_3, gravity compensator. Held-out")
+    soft, zone = (("joint_compliance", causes[0].where, 0.7), ("lost_motion", causes[0].where, 0.3))
+    each_other = [
+        Finding(a[0], "", a[1], "ambiguous", 0.03, a[2], rivals=(Rival(*b),))
+        for a, b in ((soft, zone), (zone, soft))
+    ]
+    said = headline("ambiguous", each_other, stages, 0.06, 0.05, 0.01, 0.05, stages[1])
+    assert said.startswith("Not decided: joint compliance in joint_2 or lost motion in joint_2. Held-out")
 
 
 def test_of_several_lines_of_a_gear_the_strongest_is_told_first():

@@ -60,7 +60,7 @@ def headline(
     gone = _by_cause([f for f in causes if f.status == "named" and f.taken_back])
     if gone:
         parts.append(f"{'no' if sure else 'No'} longer as the model has it: {_some(gone)}")
-    open_ = [_either(f) for f in causes if f.status != "named"]
+    open_ = list(dict.fromkeys(_either(f) for f in causes if f.status != "named"))  # two may be each other's
     if open_:
         parts.append(f"{'not decided' if parts else 'Not decided'}: {_some(open_, ', and ')}")
     confirmed = [fact.differs for fact in given if fact.differs]
