@@ -29,6 +29,7 @@ from ..identification.plausible import (
     common_factor,
     enough_poses,
     plausible_geometry,
+    too_few_alone,
 )
 from ..robot.kinematics import Array
 from .coarse import coarseness
@@ -171,18 +172,21 @@ def prepare(
     if isinstance(campaigns, Campaign):
         return _prepared(campaigns, progress, enough)
     every = list(campaigns)
+    whole = join(every)  # what is not one robot is refused as that
     try:
-        return _prepared(join(every), progress, enough)
+        return _prepared(whole, progress, enough)
     except InputError as refused:
         raise _of_its_own(every, refused) from refused
 
 
 def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputError:
     """What some of several campaigns are refused for by themselves; where that is none of them or all, what
-    they are refused for together."""
+    they are refused for together. Those of too few poses show nothing by themselves."""
     apart = list[InputError]()
     for campaign in campaigns if len(campaigns) > 1 else ():
         try:
+            if too_few_alone(problem(campaign)):
+                continue
             _prepared(campaign, lambda _: None, lambda _: [])
         except InputError as error:
             apart.append(error)
