@@ -27,6 +27,34 @@ def with_tools_as_loads(campaigns: Sequence[Campaign]) -> tuple[list[Campaign], 
     return [_as_load(c) if c.tool_mass > 0 else c for c in campaigns], (said,)
 
 
+def tool_as_in(fitted: Campaign, c: Campaign) -> Campaign:
+    """A campaign with its tool as the payload that it is in one of several with other tools, of the same mass
+    at the same place; as it is where it is none there."""
+    if c.tool_mass == 0.0 or same_tool(fitted, c):
+        return c
+    own = _as_load(c)
+    if not _called(fitted, own, 1):
+        return c
+    names = (_called(fitted, own, i) or name for i, name in enumerate(own.payload_names))
+    return replace(own, payload_names=tuple(names))
+
+
+def _called(fitted: Campaign, c: Campaign, i: int) -> str | None:
+    """What a fitted campaign calls payload i of another, of one that has its name, mass and place."""
+    own = c.payload_names[i]
+    return next(
+        (
+            name
+            for k, name in enumerate(fitted.payload_names)
+            if k
+            and (name == own or name.startswith(f"{own} ("))
+            and np.isclose(fitted.load_mass[k], c.load_mass[i], rtol=1e-9)
+            and np.allclose(fitted.load_com[k], c.load_com[i], rtol=0, atol=1e-9)
+        ),
+        None,
+    )
+
+
 def _as_load(c: Campaign) -> Campaign:
     mass = c.load_mass + c.tool_mass
     moment = c.load_mass[:, None] * c.load_com + c.tool_mass * c.tool_com
