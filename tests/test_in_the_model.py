@@ -44,11 +44,11 @@ def test_a_cause_that_grew_is_told_from_the_nominal_robot_on():
     assert finding.parameters[0].value == pytest.approx(0.6, abs=0.1)
     less = float(finding.sentence.split("than the model: ")[1].split(" %")[0])
     assert less == pytest.approx(100 * (1 - 1 / 1.8), abs=3)
-    assert "“joint_2 is softer than the model: 16.7 % less stiffness”" in finding.sentence
+    assert "“joint_2 is softer than the model: 16.7 % less stiffness (" in finding.sentence
     assert not finding.taken_back
     assert diagnosis.headline.startswith("Found: ")
     assert "model as given" in short_verdict(diagnosis, None)
-    assert "joint_compliance(joint_2)" in diagnosis.facts["Model"]
+    assert "causes in it: joint compliance in joint_2;" in diagnosis.facts["Model"]
     assert content(diagnosis)["stages"][0]["name"] == "model as given"
 
 

@@ -115,6 +115,8 @@ def test_wrenches_are_told_whatever_the_stiffness(name: str, hidden: tuple[str, 
     said = refused(seen, seen.poses.wrench / 9.80665)
     assert "were kilograms for newtons written?" in said
     assert "the links' masses are 9.81 times too large" in said
+    large = refused(seen, 9.80665 * seen.poses.wrench)
+    assert "the links' masses are 9.81 times too small" in large
 
 
 @ARMS
@@ -145,6 +147,7 @@ def test_forces_that_hardly_show_where_they_act_are_remarked() -> None:
     alone = seen.poses.wrench.copy()
     alone[:, 3:] = 0.0
     (said,) = [note for note in prepare(seen.with_poses(wrench=alone)).notes if "forces" in note]
+    assert said.startswith("fx ... mz: ")  # columns, as they are called
     assert "lever × force" in said
 
 
