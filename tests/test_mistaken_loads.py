@@ -21,6 +21,7 @@ from workbench import (
     random_poses,
     simulate,
 )
+from workbench.diagnosis.other_wrenches import _slips
 from workbench.diagnosis.prepared import prepare
 from workbench.effects.unnamed.loads import StatedForces
 from workbench.files.faults import InputError
@@ -255,3 +256,13 @@ def test_forces_a_little_larger_pull_as_these_forces_do() -> None:
     assert_slopes(result, forces, np.array([0.1]))
     _, loads = forces.apply(seen, seen.arm, seen.loads, np.array([0.1]))
     assert np.allclose(loads.wrench, 1.1 * seen.campaign.poses.wrench)
+
+
+def test_the_first_pose_has_none_before_and_the_last_none_after():
+    seen = pulled()
+    wrench, meant = seen.poses.wrench, dict(_slips(seen))
+    before, after = meant["the wrench of the pose before"], meant["the wrench of the next pose"]
+    assert (before[1:] == wrench[:-1]).all()
+    assert (after[:-1] == wrench[1:]).all()
+    assert (before[0] == wrench[0]).all()
+    assert (after[-1] == wrench[-1]).all()
