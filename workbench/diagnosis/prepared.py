@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..campaign import Campaign, calibrated, join
+from ..campaign.other_tools import tool_as_modelled
 from ..campaign.parted import parted
 from ..campaign.problem import Problem, problem
 from ..effects.given import Given, exclusions, given_facts
@@ -198,7 +199,7 @@ def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputErro
 def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepared:
     """One campaign, prepared."""
     progress("loading the robot")
-    campaign, spare = parted(campaign, MOST_POSES)
+    campaign, spare = parted(tool_as_modelled(campaign.robot, campaign), MOST_POSES)
     campaign, copies = without_copies(campaign)
     read = problem(campaign)
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins
