@@ -31,6 +31,7 @@ from workbench.diagnosis.changes.result import Comparison, TargetMoved, TargetsM
 from workbench.diagnosis.changes.targets import _may_be_warm
 from workbench.diagnosis.changes.words import headline
 from workbench.effects.place import Where
+from workbench.effects.records import parse_effect
 from workbench.report.comparison import said_of
 
 LEAK = ("gravity_compensator:relative=-0.1",)
@@ -187,6 +188,16 @@ def test_another_tool_is_a_load_of_its_own():
     comparison = compare([simulate(c, truth, seed=seed) for seed, c in enumerate((gripper, gun))])
     assert not comparison.changed
     assert said in comparison.notes
+
+
+def test_tools_that_are_both_stated_too_light_are_compared():
+    """Each campaign shows it of its own tool by itself; together these have names of their own."""
+    campaigns = []
+    for seed, (one, mass) in enumerate(zip(held(), (60.0, 260.0), strict=True)):
+        plan = replace(one, tool_mass=mass, tool_com=np.array([0.1, 0.0, 0.2]))
+        effect = parse_effect("payload:payload=tool,variant=mass,mass=60", problem_of(plan))
+        campaigns.append(simulate(plan, Truth(sigma=SIGMA, effects=(effect,)), seed=seed))
+    assert "robot is unchanged" in compare(campaigns).headline
 
 
 def test_one_nest_that_moved_is_told_by_its_name():

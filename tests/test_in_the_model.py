@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from diagnosis_cases import found, measured, named
 
-from workbench.campaign import Campaign
+from workbench.campaign import Campaign, join
 from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem_of
+from workbench.cli.arguments import conditions
+from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import Diagnosis
 from workbench.effects.records import parse_effect, record, stated_effects
 from workbench.identification.fit import fit, start_state
@@ -44,11 +46,11 @@ def test_a_cause_that_grew_is_told_from_the_nominal_robot_on():
     assert finding.parameters[0].value == pytest.approx(0.6, abs=0.1)
     less = float(finding.sentence.split("than the model: ")[1].split(" %")[0])
     assert less == pytest.approx(100 * (1 - 1 / 1.8), abs=3)
-    assert "“joint_2 is softer than the model: 16.7 % less stiffness”" in finding.sentence
+    assert "“joint_2 is softer than the model: 16.7 % less stiffness (" in finding.sentence
     assert not finding.taken_back
     assert diagnosis.headline.startswith("Found: ")
     assert "model as given" in short_verdict(diagnosis, None)
-    assert "joint_compliance(joint_2)" in diagnosis.facts["Model"]
+    assert "causes in it: joint compliance in joint_2;" in diagnosis.facts["Model"]
     assert content(diagnosis)["stages"][0]["name"] == "model as given"
 
 
@@ -117,3 +119,27 @@ def test_what_was_found_of_a_load_stays_with_that_load(tmp_path, tool, heavy, ke
     assert second.tool is not None
     assert second.tool.mass_kg == tool
     assert {name: load.mass_kg for name, load in second.payloads.items()} == {"heavy": heavy, "light": 20.0}
+
+
+def test_a_tool_among_others_is_carried_on_its_own_too(tmp_path):
+    """What was found of one of several tools holds for a later campaign with that tool, and for a path."""
+    arm, campaigns = load_robot("kr500"), []
+    for name, mass in (("one", 60.0), ("two", 260.0)):
+        plan = planned(arm, random_poses(arm, 20, np.random.default_rng(len(name))), tool=(mass, COM))
+        seen = simulate(plan, Truth(sigma=3e-5))
+        campaigns.append(replace(seen, path=tmp_path / name / "campaign.toml"))
+    job = problem_of(join(campaigns))
+    heavier = parse_effect("payload:payload=tool (two),variant=mass,mass=60", job)
+    noise = Covariance(np.full(job.seen.shape, 3e-5), np.zeros(6), np.ones(40))
+    write_fit(tmp_path / "model.toml", fit(Model(job, (), (heavier,)), start_state(job), noise))
+    model = load_robot(tmp_path / "model.toml")
+    known = [
+        [effect.where.payload for effect, _ in prepare(replace(c, robot=model)).known_effects]
+        for c in campaigns
+    ]
+    assert known == [[], ["tool (two)"]]
+    told = conditions(str(tmp_path / "model.toml"), "", campaigns[1])
+    assert (told.payload, told.payload_mass, told.tool_mass) == ("tool (two)", 260.0, 0.0)
+    nothing = replace(campaigns[1], tool_mass=100.0)  # another tool
+    told = conditions(str(tmp_path / "model.toml"), "", nothing)
+    assert (told.payload, told.payload_mass, told.tool_mass) == ("", 0.0, 100.0)

@@ -21,6 +21,7 @@ from workbench import (
     random_poses,
     simulate,
 )
+from workbench.diagnosis.other_wrenches import _slips
 from workbench.diagnosis.prepared import prepare
 from workbench.effects.unnamed.loads import StatedForces
 from workbench.files.faults import InputError
@@ -115,6 +116,8 @@ def test_wrenches_are_told_whatever_the_stiffness(name: str, hidden: tuple[str, 
     said = refused(seen, seen.poses.wrench / 9.80665)
     assert "were kilograms for newtons written?" in said
     assert "the links' masses are 9.81 times too large" in said
+    large = refused(seen, 9.80665 * seen.poses.wrench)
+    assert "the links' masses are 9.81 times too small" in large
 
 
 @ARMS
@@ -145,6 +148,7 @@ def test_forces_that_hardly_show_where_they_act_are_remarked() -> None:
     alone = seen.poses.wrench.copy()
     alone[:, 3:] = 0.0
     (said,) = [note for note in prepare(seen.with_poses(wrench=alone)).notes if "forces" in note]
+    assert said.startswith("fx ... mz: ")  # columns, as they are called
     assert "lever × force" in said
 
 
@@ -163,13 +167,15 @@ def test_another_unit_is_remarked_where_no_weight_tells_it() -> None:
 @ARMS
 def test_right_wrenches_at_their_point_are_no_mistake(name: str, hidden: tuple[str, ...]) -> None:
     assert not [
-        note for note in prepare(pulled(*hidden, name=name, at=(0.05, 0.1, 0.3))).notes if "wrench" in note
+        note
+        for note in prepare(pulled(*hidden, name=name, at=(0.05, 0.1, 0.3))).notes
+        if "yields as under" in note
     ]
 
 
 @pytest.mark.parametrize("hidden", [(), (WEAK,), ("joint_compliance:joint=joint_2,relative=2.0",)])
 def test_right_wrenches_are_no_mistake(hidden: tuple[str, ...]) -> None:
-    assert not [note for note in prepare(pulled(*hidden)).notes if "wrenches" in note]
+    assert not [note for note in prepare(pulled(*hidden)).notes if "yields as under" in note]
 
 
 def stands(gravity: tuple[float, float, float], *hidden: str, name: str = "rx170") -> Campaign:
@@ -252,3 +258,13 @@ def test_forces_a_little_larger_pull_as_these_forces_do() -> None:
     assert_slopes(result, forces, np.array([0.1]))
     _, loads = forces.apply(seen, seen.arm, seen.loads, np.array([0.1]))
     assert np.allclose(loads.wrench, 1.1 * seen.campaign.poses.wrench)
+
+
+def test_the_first_pose_has_none_before_and_the_last_none_after():
+    seen = pulled()
+    wrench, meant = seen.poses.wrench, dict(_slips(seen))
+    before, after = meant["the wrench of the pose before"], meant["the wrench of the next pose"]
+    assert (before[1:] == wrench[:-1]).all()
+    assert (after[:-1] == wrench[1:]).all()
+    assert (before[0] == wrench[0]).all()
+    assert (after[-1] == wrench[-1]).all()

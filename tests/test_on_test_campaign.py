@@ -2,16 +2,19 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 from diagnosis_cases import measured, with_points
 
-from workbench import diagnose, load_robot
+from workbench import Truth, diagnose, load_robot, parse_effect, planned, problem_of, random_poses, simulate
 from workbench.diagnosis.on_test_campaign import test_figures as figures_on
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import FaultFound
+from workbench.effects.payload import Payload
 from workbench.files.faults import InputError
+from workbench.identification.fit import refit
 from workbench.report.terminal import fault_lines
 from workbench.robot.rotations import from_vectors
 
@@ -57,6 +60,24 @@ def test_a_test_of_another_year_has_its_own_set_up():
     named = replace(far, setup_names=("afterwards",))
     assert figures(named).after_mean_mm == pytest.approx(said.after_mean_mm)
     assert figures(named).notes == ()
+
+
+def test_what_was_found_of_a_tool_among_others_holds_for_a_test_with_that_tool():
+    """Of campaigns with other tools each is a payload by a name of its own: the test was without it."""
+    arm, rng, campaigns = load_robot("kr500"), np.random.default_rng(0), []
+    for name, mass in (("one", 60.0), ("two", 260.0), ("test", 260.0)):
+        plan = planned(arm, random_poses(arm, 25, rng), tool=(mass, (0.1, 0.0, 0.2)))
+        heavier = parse_effect("payload:payload=tool,variant=mass,mass=60", problem_of(plan))
+        seen = simulate(plan, Truth(sigma=3e-5, effects=(heavier,)), seed=len(campaigns))
+        campaigns.append(replace(seen, path=Path(name) / "campaign.toml"))
+    *two, test = campaigns
+    prepared = prepare(two)
+    sites = Payload.sites(prepared.problem)
+    final = refit(prepared.geometry, [one for one in sites if one.variant == "mass"])
+    assert figures_on(prepared.nominal, final, test).after_rms_mm < 0.12
+    assert figures_on(prepared.nominal, prepared.geometry, test).after_rms_mm > 0.2
+    lighter = replace(test, tool_mass=200.0)  # of another tool nothing was found
+    assert figures_on(prepared.nominal, final, lighter).after_rms_mm > 0.2
 
 
 def test_another_robot_is_no_test_though_its_joints_have_the_same_names():

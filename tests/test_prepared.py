@@ -367,3 +367,24 @@ def test_of_several_campaigns_the_one_that_is_wrong_is_named(tmp_path):
     with pytest.raises(InputError, match="wrist_1_joint turns the other way") as caught:
         prepared.prepare([load_campaign(path) for path in paths])
     assert [fault.place for fault in caught.value.faults] == [f"{paths[1]}: poses"]
+
+
+def test_campaigns_of_other_robots_are_refused_as_that_whatever_else_is_wrong():
+    one, other = (measured(name, poses=30, loads=()) for name in ("ur5", "ur10"))
+    turned = other.poses.q * [1.0, 1.0, 1.0, -1.0, 1.0, 1.0]
+    other = replace(other, path=other.path.parent / "other" / other.path.name).with_poses(q=turned)
+    with pytest.raises(InputError, match="robot 'ur10', but 'ur5'") as caught:
+        prepared.prepare([one, other])
+    assert "turns the other way" not in str(caught.value)
+
+
+def test_a_campaign_of_one_pose_is_not_what_is_wrong_with_another(tmp_path):
+    sound = measured("ur5", poses=30, loads=())
+    turned = sound.with_poses(q=sound.poses.q * [1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
+    paths = [
+        write_campaign(tmp_path / name, one)
+        for name, one in (("turned", turned), ("single", sound.some(np.array([0]))))
+    ]
+    with pytest.raises(InputError, match="wrist_1_joint turns the other way") as caught:
+        prepared.prepare([load_campaign(path) for path in paths])
+    assert [fault.place for fault in caught.value.faults] == [f"{paths[0]}: poses"]

@@ -1,12 +1,15 @@
 """Campaigns that are fitted as one robot and are not of one: told, with what each by itself would leave."""
 
 import re
+from dataclasses import replace
 
+import numpy as np
 from diagnosis_cases import measured
 
 from workbench.campaign import write_campaign
+from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.run import diagnose
-from workbench.diagnosis.set_ups_apart import set_ups_apart
+from workbench.diagnosis.set_ups_apart import perhaps_changed, set_ups_apart
 from workbench.report.terminal import short_verdict
 
 
@@ -24,11 +27,27 @@ def test_campaigns_of_two_robots_are_told_with_what_each_alone_leaves(tmp_path):
     (note,) = [one for one in outcome.diagnosis.notes if "fitted as one robot" in one]
     said = {
         name: (float(a), float(b))
-        for name, a, b in re.findall(r"(first|other) ([.\d]+) mm \(([.\d]+)\)", note)
+        for name, a, b in re.findall(r"(first|other) ([.\d]+) mm \(([.\d]+) mm\)", note)
     }
     assert said.keys() == {"first", "other"}
     for together, alone in said.values():
         assert alone < 0.3 * together
+
+
+def test_a_set_up_of_few_poses_is_not_among_those_that_are_fitted_by_themselves():
+    campaign = measured("ur5", poses=40, loads=(), targets=2)
+    few = replace(
+        campaign.with_poses(setup=np.array([0] * 18 + [1] * 18 + [2] * 4)), setup_names=("a", "b", "c")
+    )
+    found = prepare(few).geometry
+    assert {one.name for one in set_ups_apart(found)} == {"a", "b"}
+    (said,) = perhaps_changed(found)
+    assert "Of each that is fitted by itself as well is left, RMS (with geometry of its own): " in said
+    assert not re.search(r"\bc [.\d]+ mm", said)
+    many = replace(campaign.with_poses(setup=np.repeat(np.arange(8), 5)), setup_names=tuple("abcdefgh"))
+    assert set_ups_apart(prepare(many).geometry) == []
+    (said,) = perhaps_changed(prepare(many).geometry)
+    assert "is left" not in said
 
 
 def test_a_single_set_up_is_not_apart():

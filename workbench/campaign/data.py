@@ -102,12 +102,16 @@ class Campaign:
             name += ", always mounted"
         return name
 
+    @property
+    def payloads(self) -> dict[str, tuple[float, Array]]:
+        """Mass [kg] and centre of mass (3,) [m, flange frame] of each payload, as stated."""
+        loads = zip(self.load_mass.tolist(), self.load_com, strict=True)
+        return dict(zip(self.payload_names[1:], list(loads)[1:], strict=True))
+
     def load(self, name: str) -> tuple[float, Array] | None:
         """Mass [kg] and centre of mass (3,) [m, flange frame] of a payload or the tool, as stated."""
-        if name in self.payload_names[1:]:
-            index = self.payload_names.index(name)
-            return float(self.load_mass[index]), self.load_com[index]
-        return (self.tool_mass, self.tool_com) if name == self.tool_name else None
+        tool = (self.tool_mass, self.tool_com) if name == self.tool_name else None
+        return self.payloads.get(name, tool)
 
     def has_load(self, name: str, mass: float, com: Sequence[float] | Array) -> bool:
         """Whether what was found of a load holds here: of the payload or the tool of this name that has this

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from .data import Campaign
+from ..robot.description import Robot
+from ..robot.schema import stated_load
+from .data import Array, Campaign
+
+Load = tuple[float, Sequence[float] | Array]  # mass [kg], centre of mass (3,) [m, flange frame]
 
 
 def same_tool(one: Campaign, other: Campaign) -> bool:
@@ -25,6 +29,33 @@ def with_tools_as_loads(campaigns: Sequence[Campaign]) -> tuple[list[Campaign], 
     each = ", ".join(f"{c.tool_mass:g}" for c in campaigns)
     said = f"The campaigns do not state one tool ({each} kg): each counts as a payload of its own."
     return [_as_load(c) if c.tool_mass > 0 else c for c in campaigns], (said,)
+
+
+def tool_as_in(loads: Mapping[str, Load], c: Campaign) -> Campaign:
+    """A campaign with its tool as one of some payloads, as those
+    of campaigns with other tools are: of the same mass at the same place, by that name; as it is
+    where it is none of them. loads: of what states no tool."""
+    if c.tool_mass == 0.0:
+        return c
+    own = _as_load(c)
+    names = [_called(loads, own, name) for name in own.payload_names]
+    if names[1] is None:
+        return c
+    kept = zip(names, own.payload_names, strict=True)
+    return replace(own, payload_names=tuple(name or other for name, other in kept))
+
+
+def tool_as_modelled(robot: Robot, c: Campaign) -> Campaign:
+    """The same by the payloads of a model of campaigns with other tools."""
+    if robot.tool is not None:
+        return c
+    return tool_as_in({name: stated_load(load) for name, load in robot.payloads.items()}, c)
+
+
+def _called(loads: Mapping[str, Load], c: Campaign, name: str) -> str | None:
+    """What some payloads call one of a campaign that has its mass, its place, and its name up to a label."""
+    alike = (one for one in loads if one == name or one.startswith(f"{name} ("))
+    return next((one for one in alike if c.has_load(name, *loads[one])), None)
 
 
 def _as_load(c: Campaign) -> Campaign:

@@ -256,6 +256,7 @@ def started(model: str, told: Array | None) -> Array | None:
 def conditions(model: str, payload: str, campaign: Campaign | None, told: bool = True) -> Conditions:
     """Tool and payload along the path, as the campaign or else the model states them; told: with a word
     where no payload of the model's is taken. Raises InputError for the campaign of another robot."""
+    from ..campaign.other_tools import tool_as_modelled
     from ..campaign.same_robot import check_same_robot
     from ..correction.conditions import conditions_of, stated_conditions
     from ..robot.description import load_robot
@@ -263,7 +264,10 @@ def conditions(model: str, payload: str, campaign: Campaign | None, told: bool =
     robot = load_robot(model)
     if campaign is not None:
         check_same_robot(robot, campaign)
-        return conditions_of(campaign, payload)
+        mounted = tool_as_modelled(robot, campaign)
+        if mounted is not campaign and payload in campaign.payload_names:
+            payload = mounted.payload_names[campaign.payload_names.index(payload) + 1]
+        return conditions_of(mounted, payload)
     if told and robot.payloads and not payload:
         known = ", ".join(robot.payloads)
         progress(f"the arm is taken to carry no payload; the model knows {known} (--payload NAME)")

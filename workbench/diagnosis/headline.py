@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from ..effects import called
-from ..effects.base import UNKNOWN
+from ..effects.base import UNKNOWN, Effect
 from ..effects.place import Where
 from .prepared import Prepared
 from .remainder import GLOBAL_LEVEL, Remainder
@@ -55,9 +55,9 @@ def headline(
     is all that is left; in_what: as `shows_in` says it; lasting_mm: RMS on poses held out, of
     the model without what goes with time, order or the instrument."""
     causes = sorted((f for f in findings if f.cause != UNKNOWN), key=lambda f: -f.gain_mm)
-    sure = _by_cause([f for f in causes if f.status == "named" and not f.taken_back])
+    sure = by_cause([f for f in causes if f.status == "named" and not f.taken_back])
     parts = [f"Found: {_some(sure)}"] if sure else []
-    gone = _by_cause([f for f in causes if f.status == "named" and f.taken_back])
+    gone = by_cause([f for f in causes if f.status == "named" and f.taken_back])
     if gone:
         parts.append(f"{'no' if sure else 'No'} longer as the model has it: {_some(gone)}")
     open_ = list(dict.fromkeys(_either(f) for f in causes if f.status != "named"))  # two may be each other's
@@ -129,13 +129,13 @@ def words_of(cause: str, where: Where) -> str:
     return f"{name} in {where}" if str(where) else name
 
 
-def _by_cause(findings: Sequence[Finding]) -> list[str]:
+def by_cause(found: Iterable[Finding | Effect]) -> list[str]:
     """Causes as people say them, each with all places where it sits."""
-    places = dict[str, list[str]]()
-    for finding in findings:
-        places.setdefault(finding.cause, []).append(str(finding.where))
+    places = dict[str, dict[str, None]]()
+    for one in found:
+        places.setdefault(one.cause, {})[str(one.where)] = None
     return [
-        f"{called(cause)} in {listed(where)}" if all(where) else called(cause)
+        f"{called(cause)} in {listed(list(where))}" if all(where) else called(cause)
         for cause, where in places.items()
     ]
 

@@ -8,12 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..campaign.problem import Problem
-from ..effects.base import Effect
+from ..effects import called
+from ..effects.base import UNKNOWN, Effect
 from ..effects.place import Where
 from ..effects.records import is_mounted
 from ..identification.fit import Fit
 from ..identification.model import Model
 from ..robot.kinematics import Array
+from .headline import by_cause
 
 UNDONE = 0.5  # of what the model's share does to the points is left at most: it was taken back
 
@@ -80,10 +82,13 @@ def _moves(final: Fit, key: tuple[str, Where]) -> tuple[float, float]:
 def what_the_model_has(problem: Problem, known: Sequence[tuple[Effect, Array]]) -> str:
     """What an extended model has of effects, and which of them are of loads that the campaign does not have;
     nothing of a nominal robot."""
-    labels = dict.fromkeys(effect.label for effect, _ in known)
+    named = by_cause(effect for effect, _ in known if effect.cause != UNKNOWN)
+    nameless = dict.fromkeys(effect.label for effect, _ in known if effect.cause == UNKNOWN)
     loads = dict.fromkeys(
-        f"{item.cause}({item.payload})" for item in problem.robot.effects if not is_mounted(item, problem)
+        f"{called(item.cause)} in {item.payload}"
+        for item in problem.robot.effects
+        if not is_mounted(item, problem)
     )
-    said = [", ".join(labels)] if labels else []
+    said = [", ".join([*named, *nameless])] if known else []
     said += [f"not used, of another load than is carried here: {', '.join(loads)}"] if loads else []
     return "; ".join(said)

@@ -86,8 +86,7 @@ def _of_wrenches(result: Fit) -> list[str]:
 
 
 def _remark(what: str, left: float, mend: str) -> str:
-    said = _with(what, left)
-    return f"{said[0].upper()}{said[1:]}: {mend}"
+    return f"{_with(what, left)}: {mend}"
 
 
 def _refused(problem: Problem, mistake: Mistake | Wrench, left: float) -> InputError:

@@ -55,7 +55,8 @@ def of_another_size(problem: Problem) -> Iterator[tuple[str, Wrench]]:
     for size, unit in UNITS.items():
         for factor, mistaken in ((size, unit), (1 / size, " for ".join(reversed(unit.split(" for "))))):
             said = f"fx ... mz: the arm yields as under wrenches {factor:.3g} times as large"
-            mend = f"were {mistaken} written? If not, the links' masses are {factor:.3g} times too large"
+            too = f"{size:.3g} times too {'large' if factor > 1 else 'small'}"
+            mend = f"were {mistaken} written? If not, the links' masses are {too}"
             yield mistaken, Wrench(said, mend, under(problem, factor * wrench), SO_LARGE)
     if wrench[:, MOMENT].any():
         less = np.concatenate([wrench[:, FORCE], 1e-3 * wrench[:, MOMENT]], axis=1)

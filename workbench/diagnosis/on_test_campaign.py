@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..campaign import Campaign, Target
+from ..campaign.other_tools import tool_as_in
 from ..campaign.problem import Problem
 from ..effects.base import Effect
 from ..files.faults import Fault, InputError
@@ -35,6 +36,8 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
     """
     final = final.lasting
     fitted = final.model.problem
+    if fitted.campaign.tool_mass == 0.0:
+        campaign = tool_as_in(fitted.campaign.payloads, campaign)
     every = Problem(fitted.robot, fitted.arm, campaign, fitted.compensator)
     possible = without_impossible(every)
     placed, apart = _set_up_anew(possible.problem, final)

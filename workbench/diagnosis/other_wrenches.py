@@ -63,8 +63,8 @@ def _slips(c: Campaign) -> Iterator[tuple[str, Array]]:
     wrench, names = c.poses.wrench, [column.name for column in WRENCH_COLUMNS]
     yield "a wrench the other way round", -wrench
     yield "no wrench", np.zeros_like(wrench)
-    for step, whose in ((-1, "the next pose"), (1, "the pose before")):
-        yield f"the wrench of {whose}", np.roll(wrench, step, axis=0)
+    yield "the wrench of the next pose", np.concatenate([wrench[1:], wrench[-1:]])
+    yield "the wrench of the pose before", np.concatenate([wrench[:1], wrench[:-1]])
     for k in np.flatnonzero(wrench.any(axis=0)).tolist():
         for factor, how in ((-1.0, "the other way round"), (PLACE, "ten times"), (1 / PLACE, "a tenth of")):
             meant = wrench.copy()

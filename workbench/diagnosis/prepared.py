@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..campaign import Campaign, calibrated, join
+from ..campaign.other_tools import tool_as_modelled
 from ..campaign.parted import parted
 from ..campaign.problem import Problem, problem
 from ..effects.given import Given, exclusions, given_facts
@@ -29,6 +30,7 @@ from ..identification.plausible import (
     common_factor,
     enough_poses,
     plausible_geometry,
+    too_few_alone,
 )
 from ..robot.kinematics import Array
 from .coarse import coarseness
@@ -171,18 +173,21 @@ def prepare(
     if isinstance(campaigns, Campaign):
         return _prepared(campaigns, progress, enough)
     every = list(campaigns)
+    whole = join(every)  # what is not one robot is refused as that
     try:
-        return _prepared(join(every), progress, enough)
+        return _prepared(whole, progress, enough)
     except InputError as refused:
         raise _of_its_own(every, refused) from refused
 
 
 def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputError:
     """What some of several campaigns are refused for by themselves; where that is none of them or all, what
-    they are refused for together."""
+    they are refused for together. Those of too few poses show nothing by themselves."""
     apart = list[InputError]()
     for campaign in campaigns if len(campaigns) > 1 else ():
         try:
+            if too_few_alone(problem(campaign)):
+                continue
             _prepared(campaign, lambda _: None, lambda _: [])
         except InputError as error:
             apart.append(error)
@@ -194,7 +199,7 @@ def _of_its_own(campaigns: Sequence[Campaign], refused: InputError) -> InputErro
 def _prepared(campaign: Campaign, progress: Progress, enough: Enough) -> Prepared:
     """One campaign, prepared."""
     progress("loading the robot")
-    campaign, spare = parted(campaign, MOST_POSES)
+    campaign, spare = parted(tool_as_modelled(campaign.robot, campaign), MOST_POSES)
     campaign, copies = without_copies(campaign)
     read = problem(campaign)
     given_facts(read), exclusions(read)  # a fact that cannot be is told before the work begins

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,11 +26,11 @@ class Apart:
     alone_mm: float
 
     def __str__(self) -> str:
-        return f"{self.name or 'the one without a name'} {self.together_mm:.3f} mm ({self.alone_mm:.3f})"
+        return f"{self.name or 'the one without a name'} {self.together_mm:.3f} mm ({self.alone_mm:.3f} mm)"
 
 
 def set_ups_apart(final: Fit) -> list[Apart]:
-    """Every set-up of several with poses enough to be fitted alone, the worst first."""
+    """Every set-up of several with poses enough to be fitted alone, first what gains most by that."""
     names = final.model.problem.campaign.setup_names
     if len(names) == 1:
         return []
@@ -46,8 +47,9 @@ def _each(final: Fit, names: tuple[str, ...]) -> Iterator[Apart]:
         if not len(poses) or too_few_alone(part):
             continue
         model = Model(part, (), acting)
-        alone = fit(model, start, final.noise.some(poses))
-        yield Apart(name, _rms_mm(part, model, start), _rms_mm(part, model, alone.state))
+        with suppress(ArithmeticError):  # a few poses may pull a geometry out of all bounds
+            alone = fit(model, start, final.noise.some(poses))
+            yield Apart(name, _rms_mm(part, model, start), _rms_mm(part, model, alone.state))
 
 
 def _rms_mm(part: Problem, model: Model, state: State) -> float:
@@ -57,12 +59,12 @@ def _rms_mm(part: Problem, model: Model, state: State) -> float:
 
 def perhaps_changed(final: Fit) -> list[str]:
     """A remark on what has no name where several set-ups are fitted as one robot."""
-    found = set_ups_apart(final)
     if len(final.model.problem.campaign.setup_names) == 1:
         return []
-    left = f" Of each is left, RMS (with geometry of its own): {', '.join(map(str, found[:MOST]))}." * bool(
-        found
-    )
+    found, left = set_ups_apart(final), ""
+    if found:
+        which = f"the {MOST} that gain most" if len(found) > MOST else "each that is fitted by itself as well"
+        left = f" Of {which} is left, RMS (with geometry of its own): {', '.join(map(str, found[:MOST]))}."
     return [
         f"Several set-ups are fitted as one robot that stays what it is.{left} `workbench compare` of their "
         "campaigns says whether it changed between them: then what has no name may be no more than that."

@@ -158,11 +158,14 @@ def _told_apart(campaigns: Sequence[Campaign]) -> list[Campaign]:
 
 
 def _shared(fits: Sequence[Fit], whole: Problem) -> list[Effect]:
-    """What any of the campaigns shows by itself, once for each cause, place and form."""
+    """What any of the campaigns shows by itself, once for each cause, place and form; of a load, where all
+    mean one by its name."""
     found: dict[object, Effect] = {}
     for result in fits:
         for effect in result.model.effects:
-            if effect.where.payload in (None, *whole.campaign.payload_names, whole.campaign.tool_name):
+            payload = effect.where.payload
+            load = None if payload is None else result.model.problem.campaign.load(payload)
+            if payload is None or (load is not None and whole.campaign.has_load(payload, *load)):
                 found.setdefault((effect.key, effect.variant), effect)
     return list(found.values())
 

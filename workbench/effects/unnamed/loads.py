@@ -11,7 +11,7 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import RX, RZ, TX, Arm, Array, Frames
-from ...robot.loads import Loads
+from ...robot.loads import Loads, wrenches
 from ...robot.rotations import cross
 from ..base import Depends, Param
 from ..kinds import DirectEffect, LoadEffect
@@ -288,12 +288,10 @@ class StatedForces(Unnamed, LoadEffect):
         return arm, replace(loads, wrench=loads.wrench + values[0] * problem.campaign.poses.wrench)
 
     def wrench(self, problem: Problem, where: Frames, loads: Loads) -> Array:
-        stated = problem.campaign.poses.wrench
-        force = np.broadcast_to(stated[:, None, :RX], where.origin.shape)
-        moment = cross(where.p[-1][:, None] - where.origin, force) + stated[:, None, RX:]
-        parts = [np.einsum("nsci,nsi->nsc", where.axes[:, :, :RX], force)]
-        parts += [np.einsum("nsci,nsi->nsc", where.axes[:, :, RX:], moment)]
-        return np.concatenate(parts, axis=2)[..., None]
+        stated, none = problem.campaign.poses.wrench, np.zeros(len(problem.q))
+        alone = Loads(none, np.zeros((len(none), 3)), stated, np.zeros((len(none), problem.arm.n)))
+        weightless = replace(problem.arm, gravity=np.zeros(3))
+        return wrenches(weightless, where, alone).local[..., None]
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[StatedForces]:
