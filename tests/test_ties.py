@@ -12,8 +12,7 @@ from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.joint_map import JointMap
 from workbench.effects.place import Where
 from workbench.measurement.design import decide
-from workbench.measurement.design.accuracy import DRAWS
-from workbench.measurement.design.candidates import Factors, candidates, random_rows
+from workbench.measurement.design.candidates import Factors, candidates, random_draws
 from workbench.measurement.design.expected_odds import Outlook
 from workbench.measurement.design.fedorov import Search
 from workbench.measurement.design.prior_information import from_campaign
@@ -123,7 +122,7 @@ def test_no_chosen_records_settle_less_than_random_ones(tied):
     tie = tie_between(fit, sine, values, (whole,), {})
     settling = Settling(space, [tie])
     chosen = best_records(settling, as_found(space, [tie]), 15, Search(POOL, 1, 0))
-    draws = [random_rows(len(space.rows), 15, 0, draw) for draw in range(DRAWS)]
+    draws = random_draws(len(space.rows), 15, 0)
     beliefs = [settling.believed(space.measured(rows)) for rows in (chosen, *draws)]
     assert max(beliefs) == beliefs[0]
 
