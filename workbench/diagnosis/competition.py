@@ -36,6 +36,7 @@ from .scatter import beyond_all
 from .stages import Group, rms_mm
 
 SURELY = 3.0  # standard deviations
+SHOWS = 6.0  # χ²(2) of a gear's line: one of chance is as large once in twenty
 UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
 
 
@@ -74,19 +75,23 @@ class Selection:
     @property
     def groups(self) -> list[Group]:
         """Named effects of one cause and place together, strongest first, and what they have beside them: of
-        lines of a gear the strongest first."""
+        lines of a gear those that show first, the largest of them leading."""
         effects, found = self.fit.model.effects, dict[Key, list[int]]()
         for i, effect in enumerate(effects):
             if self.named(effect):
                 found.setdefault(effect.key, []).append(i)
         for own in found.values():
             if effects[own[0]].ordered:
-                own.sort(key=self.fit.wald, reverse=True)
+                own.sort(key=self._shown, reverse=True)
         lead = {key: effects[own[0]] for key, own in found.items()}
         for i, effect in enumerate(effects):
             if self.beside.get(effect) in found:
                 found[self.beside[effect]].append(i)
         return [(lead[key], own) for key, own in found.items()]
+
+    def _shown(self, i: int) -> tuple[bool, float]:
+        """Whether the fit's i-th effect shows, and how large it is."""
+        return self.fit.wald(i) > SHOWS, float(np.linalg.norm(self.fit.state.values[i]))
 
     @property
     def nameless(self) -> list[int]:

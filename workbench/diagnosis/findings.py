@@ -18,7 +18,7 @@ from ..identification.heldout import heldout
 from ..robot.kinematics import Array
 from .ceiling import ceiling_mm
 from .chosen import Shares
-from .competition import Selection
+from .competition import SHOWS, Selection
 from .components import Component, bare, with_companions
 from .evidence import evidence
 from .facts import facts, geometry, unidentifiable
@@ -36,7 +36,6 @@ from .set_ups_apart import by_comparing, perhaps_changed
 from .stages import geometry_alone, pose_errors, rms_mm, stages_of
 from .unseen import allowing_for_unseen
 
-SHOWS = 6.0  # χ²(2) of a gear's further line that a sentence says: one of chance is as large once in twenty
 ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
 
 
@@ -241,7 +240,8 @@ def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Findi
     if any(rival.cause == UNKNOWN for rival in rivals):
         advice.append("something without a name fits as well: see the unknown structure")
     parameters, told = _describe(final, own, sure)
-    strongest = max((i for i in own if final.model.effects[i].key == effect.key), key=final.wald)
+    mains = [i for i in own if final.model.effects[i].key == effect.key]
+    strongest = mains[0] if effect.ordered else max(mains, key=final.wald)
     return Finding(
         cause=effect.cause,
         title=effect.heading,
