@@ -129,6 +129,13 @@ class Campaign:
             for one, place in loads
         )
 
+    def has_as_in(self, other: Campaign, payload: str | None) -> bool:
+        """Whether what was found of a load in another campaign holds here (`has_load`); of none it does."""
+        if payload is None:
+            return True
+        load = other.load(payload)
+        return load is not None and self.has_load(payload, *load)
+
     def __repr__(self) -> str:
         loads = f", payloads {', '.join(self.payload_names[1:])}" if len(self.payload_names) > 1 else ""
         noise = "" if self.noise_sigma is None else f", noise {1e3 * self.noise_sigma:g} mm"

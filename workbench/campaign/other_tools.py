@@ -32,9 +32,9 @@ def with_tools_as_loads(campaigns: Sequence[Campaign]) -> tuple[list[Campaign], 
 
 
 def tool_as_in(loads: Mapping[str, Load], c: Campaign) -> Campaign:
-    """A campaign with its tool as one of some payloads, as those
-    of campaigns with other tools are: of the same mass at the same place, by that name; as it is
-    where it is none of them. loads: of what states no tool."""
+    """A campaign with its tool as one of some payloads, as those of campaigns with other tools are: of the
+    same mass at the same place, by that name; as it is where it is none of them. loads: of what states no
+    tool."""
     if c.tool_mass == 0.0:
         return c
     own = _as_load(c)

@@ -5,7 +5,7 @@ model's stiffnesses."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..identification.fit import Fit
 from .mistaken_wrenches import (
     AGAINST,
     ALONG,
-    Wrench,
+    Mistake,
     acting_elsewhere,
     begun,
     of_another_size,
@@ -27,17 +27,6 @@ from .other_loads import called
 
 MOST = 4  # payloads that are tried in each other's places: 23 ways
 COSINE = 0.5  # of the angle between directions of gravity that are two
-
-
-@dataclass(frozen=True)
-class Mistake:
-    """What the points say that the loads were, how to mend it, and the problem that says so. enough: of the
-    squares at most is left without it."""
-
-    what: str
-    mend: str
-    problem: Problem
-    enough: float
 
 
 def mistaken_loads(result: Fit) -> list[str]:
@@ -89,7 +78,7 @@ def _remark(what: str, left: float, mend: str) -> str:
     return f"{_with(what, left)}: {mend}"
 
 
-def _refused(problem: Problem, mistake: Mistake | Wrench, left: float) -> InputError:
+def _refused(problem: Problem, mistake: Mistake, left: float) -> InputError:
     return InputError(Fault(str(problem.campaign.path), _with(mistake.what, left), mistake.mend))
 
 

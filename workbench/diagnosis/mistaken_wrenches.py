@@ -26,9 +26,9 @@ AXES = "give what acts on the robot, along the axes of its base"
 
 
 @dataclass(frozen=True)
-class Wrench:
-    """What the points say that the wrenches were, how to mend it, and the problem that says so. enough: of
-    the squares at most is left without it."""
+class Mistake:
+    """What the points say that the loads were, how to mend it, and the problem that says so. enough: of the
+    squares at most is left without it."""
 
     what: str
     mend: str
@@ -36,7 +36,7 @@ class Wrench:
     enough: float
 
 
-def stated_otherwise(problem: Problem, instrument: Array) -> Iterator[Wrench]:
+def stated_otherwise(problem: Problem, instrument: Array) -> Iterator[Mistake]:
     """Along other axes, or the other way round. instrument: (K, 3, 3) the base's axes on the instrument's."""
     wrench, what = problem.campaign.poses.wrench, "fx ... mz: the arm yields as under wrenches"
     of_instrument = instrument.transpose(0, 2, 1)[problem.campaign.poses.setup]
@@ -44,12 +44,12 @@ def stated_otherwise(problem: Problem, instrument: Array) -> Iterator[Wrench]:
         there = np.concatenate([_turned(turn, wrench[:, part]) for part in (FORCE, MOMENT)], axis=1)
         for sign, opposite in ((1.0, ""), (-1.0, " the other way round")):
             said = f"{what} along the {whose}'s axes{opposite}"
-            yield Wrench(said, AXES, under(problem, sign * there), ALONG)
+            yield Mistake(said, AXES, under(problem, sign * there), ALONG)
     mend = "turn their signs: they are what acts on the robot, not what it does"
-    yield Wrench(f"{what} the other way round", mend, under(problem, -wrench), AGAINST)
+    yield Mistake(f"{what} the other way round", mend, under(problem, -wrench), AGAINST)
 
 
-def of_another_size(problem: Problem) -> Iterator[tuple[str, Wrench]]:
+def of_another_size(problem: Problem) -> Iterator[tuple[str, Mistake]]:
     """In another unit, and which was mistaken for which."""
     wrench = problem.campaign.poses.wrench
     for size, unit in UNITS.items():
@@ -57,12 +57,12 @@ def of_another_size(problem: Problem) -> Iterator[tuple[str, Wrench]]:
             said = f"fx ... mz: the arm yields as under wrenches {factor:.3g} times as large"
             too = f"{size:.3g} times too {'large' if factor > 1 else 'small'}"
             mend = f"were {mistaken} written? If not, the links' masses are {too}"
-            yield mistaken, Wrench(said, mend, under(problem, factor * wrench), SO_LARGE)
+            yield mistaken, Mistake(said, mend, under(problem, factor * wrench), SO_LARGE)
     if wrench[:, MOMENT].any():
         less = np.concatenate([wrench[:, FORCE], 1e-3 * wrench[:, MOMENT]], axis=1)
         said = "mx ... mz: the arm yields as under moments 0.001 times as large"
         mistaken = "newton millimetres for newton metres"
-        yield mistaken, Wrench(said, f"were {mistaken} written?", under(problem, less), SO_LARGE)
+        yield mistaken, Mistake(said, f"were {mistaken} written?", under(problem, less), SO_LARGE)
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Eased:
 
     def left(self) -> tuple[float, Array]:
         """Squares that remain, and the joints' compliances (n,) by which they do."""
-        A, b, squares = self._equations(self._yields(), self.at.r)
+        A, b, squares = self._equations(self._yields())
         found = _at_least_none(A, b + A @ self.own)
         x = found - self.own
         return float(squares - 2 * b @ x + x @ A @ x), found
@@ -99,7 +99,7 @@ class Eased:
         torque = np.einsum("nji,nik->njk", axes, more) * found[:, None]
         out = np.matmul(self.at.axial, torque)
         columns = np.concatenate([self._yields(), out, -out], axis=2)
-        A, b, _ = self._equations(columns, self.at.r)
+        A, b, _ = self._equations(columns)
         own = np.concatenate([self.own, np.zeros(6)])
         both = _at_least_none(A, b + A @ own)
         n = len(self.own)
@@ -107,15 +107,15 @@ class Eased:
 
     def _yields(self) -> Array:
         """(N, D, n) what each joint's yield to its torque moves, per unit of compliance; 0 without torque."""
-        load = self.at.model.problem.nominal_load.local
-        torque = load.reshape(len(load), -1)[:, self.at.model.problem.arm.axial]
+        problem = self.at.model.problem
+        torque = problem.arm.own(problem.nominal_load.local)
         most = np.abs(torque).max(axis=0)
         return np.asarray(self.at.axial * np.where(most > IDLE * most.max(), torque, 0.0)[:, None])
 
-    def _equations(self, columns: Array, r: Array) -> tuple[Array, Array, float]:
+    def _equations(self, columns: Array) -> tuple[Array, Array, float]:
         """Normal equations of columns (N, D, k) beside all that the geometry takes, and the squares of the
-        residual r (N, D) without."""
-        whole = np.concatenate([columns, r[:, :, None]], axis=2).transpose(2, 0, 1)
+        residual without."""
+        whole = np.concatenate([columns, self.at.r[:, :, None]], axis=2).transpose(2, 0, 1)
         taken = self.at.beyond_background(whole).reshape(len(whole), -1)
         M = whole.reshape(len(whole), -1) @ taken.T
         return M[:-1, :-1], M[:-1, -1], float(M[-1, -1])
@@ -137,7 +137,7 @@ def squares_left(first: Fit, problem: Problem) -> float:
     return left if np.isfinite(left) else np.inf
 
 
-def acting_elsewhere(first: Fit) -> Wrench | None:
+def acting_elsewhere(first: Fit) -> Mistake | None:
     """The forces at the point of the flange's axes where the arm yields to them; None without one. first: a
     fit that has `begun`."""
     problem = first.model.problem
@@ -156,7 +156,7 @@ def acting_elsewhere(first: Fit) -> Wrench | None:
     place = " ".join(f"{1e3 * value + 0.0:.0f}" for value in point)
     what = f"fx ... mz: the arm yields as under forces at {place} mm in the flange's frame"
     how = "say with mx ... mz what the forces do about the flange's origin: lever × force, on the base's axes"
-    return Wrench(what, how, there, ALONG)
+    return Mistake(what, how, there, ALONG)
 
 
 def under(problem: Problem, wrench: Array) -> Problem:

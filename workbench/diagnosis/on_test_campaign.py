@@ -10,7 +10,6 @@ import numpy as np
 from ..campaign import Campaign, Target
 from ..campaign.other_tools import tool_as_in
 from ..campaign.problem import Problem
-from ..effects.base import Effect
 from ..files.faults import Fault, InputError
 from ..identification.fit import Fit, fit
 from ..identification.model import Model, State
@@ -117,7 +116,9 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     known = tuple(
         (effect, values)
         for effect, values in result.model.acting(result.state)
-        if effect.lasting and effect.needs(problem) is None and _carried_too(effect, problem, fitted)
+        if effect.lasting
+        and effect.needs(problem) is None
+        and problem.campaign.has_as_in(fitted, effect.where.payload)
     )
     problem = replace(problem, arm=problem.arm.with_geometry(result.state.geometry))
     model = Model(problem, (), known)
@@ -127,14 +128,6 @@ def _errors(problem: Problem, result: Fit) -> _Errors:
     predicted = model.predict(state)
     length = np.linalg.norm(problem.campaign.points - predicted, axis=2)
     return _Errors(predicted, np.where(problem.seen, length, np.nan))
-
-
-def _carried_too(effect: Effect, problem: Problem, fitted: Campaign) -> bool:
-    """Whether an effect is of no load, or of one that the test has as well."""
-    load = None if effect.where.payload is None else fitted.load(effect.where.payload)
-    return effect.where.payload is None or (
-        load is not None and problem.campaign.has_load(effect.where.payload, *load)
-    )
 
 
 def _new_setups(problem: Problem, fitted: Problem) -> list[str]:

@@ -103,9 +103,8 @@ def fit_files(path: Path, fit: Fit) -> Files:
     base = own_base(model.problem, fit.state.geometry)
     x, y, z = base.gravity.tolist()
     robot = replace(robot, uncertainty=uncertainty(fit), gravity=(x, y, z))
-    effects = [
-        record(effect, v) for effect, v in (*model.known, *found)
-    ]  # the order of the prediction's names
+    # in the order of the prediction's names
+    effects = [record(effect, v) for effect, v in (*model.known, *found)]
     return model_files(path, robot, base.geometry, [*elsewhere, *effects])
 
 
@@ -118,10 +117,8 @@ def _of_kept_loads(problem: Problem) -> list[EffectRecord]:
 
 def loaded(robot: Robot, campaign: Campaign) -> Robot:
     """The robot with the tool and payloads of a campaign, beside payloads of its own by other names."""
-    loads = [_load(float(mass), com) for mass, com in zip(campaign.load_mass, campaign.load_com, strict=True)]
     tool = _load(campaign.tool_mass, campaign.tool_com) if campaign.tool_mass > 0 else None
-    payloads = dict(zip(campaign.payload_names, loads, strict=True))
-    payloads.pop("", None)
+    payloads = {name: _load(*load) for name, load in campaign.payloads.items()}
     return replace(robot, tool=tool, payloads={**robot.payloads, **payloads})
 
 

@@ -163,9 +163,7 @@ def _shared(fits: Sequence[Fit], whole: Problem) -> list[Effect]:
     found: dict[object, Effect] = {}
     for result in fits:
         for effect in result.model.effects:
-            payload = effect.where.payload
-            load = None if payload is None else result.model.problem.campaign.load(payload)
-            if payload is None or (load is not None and whole.campaign.has_load(payload, *load)):
+            if whole.campaign.has_as_in(result.model.problem.campaign, effect.where.payload):
                 found.setdefault((effect.key, effect.variant), effect)
     return list(found.values())
 
