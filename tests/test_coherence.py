@@ -4,7 +4,7 @@ import numpy as np
 from diagnosis_cases import measured
 
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.changes.coherence import _neighbours, coherence
+from workbench.diagnosis.changes.coherence import coherence, neighbours
 from workbench.identification.fit import fit
 from workbench.identification.model import Model
 
@@ -29,6 +29,6 @@ def test_of_few_poses_it_may_be_all():
 
 def test_neighbours_are_every_pose_once():
     q = np.random.default_rng(0).uniform(-1, 1, (90, 6))
-    groups = list(_neighbours(q, np.arange(90)))
+    groups = list(neighbours(q, np.arange(90)))
     assert sorted(np.concatenate(groups)) == list(range(90))
     assert max(map(len, groups)) <= 16

@@ -35,7 +35,14 @@ from workbench.diagnosis.changes.decision import _able
 from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Change, Comparison, Rival, TargetMoved, TargetsMoved
-from workbench.diagnosis.changes.system import PARTS, System, moved_without_parts, solve, system_of
+from workbench.diagnosis.changes.system import (
+    PARTS,
+    System,
+    moved_without_parts,
+    parts_in_order,
+    solve,
+    system_of,
+)
 from workbench.diagnosis.changes.words import headline, moved_by
 from workbench.diagnosis.chosen import Member
 from workbench.diagnosis.patterns import Products
@@ -567,7 +574,7 @@ def test_numbers_without_a_part_are_those_of_a_fit_without_it():
     """The jackknife's step, against all equations solved anew without these rows."""
     occasions, _ = occasions_of([before(), measured(2)], lambda _: None)
     system = system_of(occasions)
-    moved = moved_without_parts(system, [], [], solve(system, [], []))[1]
+    moved = moved_without_parts(system, [], [], solve(system, [], []), parts_in_order(system))[1]
     poses = np.unique(system.pose[system.own == 1])
     for part in (0, PARTS - 1):
         gone = np.isin(system.pose, poses[np.arange(len(poses)) * PARTS // len(poses) == part])
@@ -587,7 +594,7 @@ def test_numbers_that_the_data_do_not_tell_apart_are_no_fault():
         J=J, e=np.cos(pose), own=pose // 10, pose=pose, count=2, used=np.ones(20, dtype=bool)
     )
     solved = solve(system, [], [])
-    moves = moved_without_parts(system, [], [], solved)
+    moves = moved_without_parts(system, [], [], solved, parts_in_order(system))
     assert [each.shape for each in moves] == [(PARTS, 2)] * 2
     assert np.isfinite(moves).all()
     assert np.abs(moves).max() < 1e-3  # of a prior: what the data do not tell stays there

@@ -23,16 +23,19 @@ from workbench import (
 from workbench.campaign import Campaign
 from workbench.diagnosis.changes import decision
 from workbench.diagnosis.changes.beside import Instead, how_sure
+from workbench.diagnosis.changes.candidates import Shape
+from workbench.diagnosis.changes.coherence import neighbours
 from workbench.diagnosis.changes.decision import _told
 from workbench.diagnosis.changes.result import BACK, CREEP, Change
-from workbench.diagnosis.changes.system import System
+from workbench.diagnosis.changes.steadiness import GROUP, unsteady
+from workbench.diagnosis.changes.system import solve
 from workbench.diagnosis.changes.words import headline
 from workbench.diagnosis.chosen import Member
 from workbench.effects.base import UNKNOWN
 from workbench.effects.place import Parameter, Where
 
 
-def test_whether_there_is_something_is_told_by_the_half_that_says_least_and_what_by_all():
+def test_whether_there_is_something_is_told_by_what_says_least_and_what_it_is_by_all():
     together = {None: 0.0, 1: 0.9, 2: 0.1}
     assert _told(together, {None: 0.75, 2: 0.25}) == pytest.approx({None: 0.75, 1: 0.225, 2: 0.025})
     surer = {None: 0.1, 1: 0.5, 2: 0.4}
@@ -45,21 +48,17 @@ def test_whether_there_is_something_is_told_by_the_half_that_says_least_and_what
     ("foundation", 0.01, 0.9, True), ("foundation", 0.1, 0.9, False), ("foundation", 0.1, 0.15, True),
     (UNKNOWN, 0.01, 0.9, False), (UNKNOWN, 0.01, 0.15, True),
 ])  # fmt: skip
-def test_what_a_half_does_not_show_stays_where_all_poses_are_sure_of_it_and_it_has_a_name(
+def test_what_is_not_steady_stays_where_all_poses_are_sure_of_it_and_it_has_a_name(
     cause, together, least, there
 ):
     candidate: Any = SimpleNamespace(cause=cause)
     assert decision._is_there(candidate, {None: together}, {None: least}) is there
 
 
-def test_what_all_poses_show_and_a_few_do_not_is_possible_and_never_listed_as_unchanged(monkeypatch):
+def test_what_all_poses_show_and_is_not_steady_is_possible_and_never_listed_as_unchanged(monkeypatch):
     """A zero at seven standard deviations stood among what did not change."""
 
-    def three_against_all_others(system: System):
-        few = np.concatenate([one.problem.positions for one in system.occasions])[system.pose] < 3
-        return few, ~few
-
-    monkeypatch.setattr(decision, "_halves", three_against_all_others)
+    monkeypatch.setattr(decision, "unsteady", lambda system, shapes, *_: [8.0] * len(shapes))
     silent = [replace(c, noise_sigma=None) for c in (before(), measured(2, {JOINT_3_ZERO: 6e-4}))]
     comparison = compare(silent)
     (change,) = comparison.changes
@@ -69,6 +68,35 @@ def test_what_all_poses_show_and_a_few_do_not_is_possible_and_never_listed_as_un
     assert "; everything else unchanged within" in comparison.headline
     assert all(abs(one.number.value) < 5 * one.number.std for one in comparison.unchanged)
     assert "joint_3 zero" not in {one.label for one in comparison.unchanged}
+
+
+def factor_of(alike: float, draw: int) -> float:
+    """Of a shift between two campaigns of 128 poses, of which each group of neighbours shares `alike` of the
+    variance of its noise."""
+    rng = np.random.default_rng(draw)
+    occasions, noise = [], []
+    for _ in range(2):
+        q = rng.uniform(-1, 1, (128, 6))
+        own = rng.normal(size=128) * np.sqrt(1 - alike)
+        for group in neighbours(q, np.arange(128), GROUP):
+            own[group] += rng.normal() * np.sqrt(alike)
+        occasions.append(SimpleNamespace(problem=SimpleNamespace(q=q)))
+        noise.append(own)
+    pose = np.arange(256)
+    system: Any = SimpleNamespace(
+        occasions=occasions, J=np.ones((256, 1)), e=np.concatenate(noise), own=pose // 128, pose=pose,
+        count=2, used=np.ones(256, dtype=bool),
+    )  # fmt: skip
+    shape = Shape((pose[:, None] >= 128) * 1.0, system.own, np.ones(1), np.ones((2, 1)))
+    (factor,) = unsteady(system, [shape], [1.0], solve(system, [shape], [1.0]))
+    return factor
+
+
+def test_a_change_is_as_unsure_as_it_scatters_from_posture_to_posture():
+    """By 1 + (n - 1) ρ, where n neighbours share ρ of their noise (design effect: Kish 1965)."""
+    assert np.median([factor_of(0.0, draw) for draw in range(12)]) < 1.15
+    seen = [factor_of(0.6, draw) for draw in range(12)]
+    assert np.median(seen) == pytest.approx(np.sqrt(1 + 7 * 0.6), rel=0.2)
 
 
 def turning_little(seed: int, zero: float = 0.0, wheel: float = 0.0) -> Campaign:

@@ -26,7 +26,7 @@ def coherence(fit: Fit) -> float:
     poses are alike.
     """
     n = fit.J.shape[2]
-    groups = list(_neighbours(fit.model.problem.q, np.arange(len(fit.J))))
+    groups = list(neighbours(fit.model.problem.q, np.arange(len(fit.J))))
     if len(groups) < 2:  # none is predicted by another
         return 1.0
     J, own = fit.J * fit.columns.prior, fit.columns.geometry_slice
@@ -49,12 +49,12 @@ def coherence(fit: Fit) -> float:
     return float(np.clip((together - 1) / (count / numbers - 1), 0.0, 1.0))
 
 
-def _neighbours(q: Array, poses: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
-    """Groups of poses near each other: halved where the joints (N, n) are farthest apart."""
-    if len(poses) <= NEAR:
+def neighbours(q: Array, poses: NDArray[np.int64], most: int = NEAR) -> Iterator[NDArray[np.int64]]:
+    """Groups of poses near each other, `most` at most: halved where the joints (N, n) are farthest apart."""
+    if len(poses) <= most:
         yield poses
         return
     j = int(np.argmax(np.std(q[poses], axis=0) / np.maximum(np.ptp(q, axis=0), 1e-9)))
     order = poses[np.argsort(q[poses, j], kind="stable")]
-    yield from _neighbours(q, order[: len(order) // 2])
-    yield from _neighbours(q, order[len(order) // 2 :])
+    yield from neighbours(q, order[: len(order) // 2], most)
+    yield from neighbours(q, order[len(order) // 2 :], most)

@@ -22,6 +22,7 @@ from .candidates import Candidate, Shape, candidates_of
 from .covered import carried_change, covered
 from .occasions import Occasion, with_same_effects
 from .search import Search
+from .steadiness import unsteady
 from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
 
 SURVIVES = 1e-6  # share of a column's length² that frames, targets and what is common must leave
@@ -140,9 +141,8 @@ def _shares(
         return out
 
     together = least(shares_of(competition), _able(system, candidates, members))
-    every_member = list(range(len(members)))
-    halves = [(rows, 1.0, every_member) for rows in _halves(system)] if system.misfit and members else []
-    return together, [_told(all_, some) for all_, some in zip(together, least(together, halves), strict=True)]
+    steady = least(together, _unsteady(system, candidates, members))
+    return together, [_told(all_, some) for all_, some in zip(together, steady, strict=True)]
 
 
 def _is_there(candidate: Candidate, together: Shares, least: Shares) -> bool:
@@ -195,12 +195,19 @@ def _able(system: System, candidates: Sequence[Candidate], members: Sequence[Mem
     yield from told.values()
 
 
-def _halves(system: System) -> tuple[Mask, Mask]:
-    """Every other position of every occasion, in the order of measurement. Where the noise does not explain
-    what is left, a change is one that both show: what only some poses show may be what the model lacks there.
-    But what all of them together show is none that is not there either."""
-    number = np.concatenate([one.problem.positions for one in system.occasions])[system.pose]
-    return number % 2 == 0, number % 2 == 1
+def _unsteady(
+    system: System, candidates: Sequence[Candidate], members: Sequence[Member]
+) -> Iterator[Witness]:
+    """All poses, their noise as much larger as each member scatters more from posture to posture. Where the
+    noise does not explain what is left, a change is one that all postures show alike: what only some show may
+    be what the model lacks there."""
+    if not system.misfit or not members:
+        return
+    shapes, scales = [candidates[m.component].shapes[m.form] for m in members], [m.scale for m in members]
+    every = np.ones(len(system.pose), dtype=bool)
+    for i, factor in enumerate(unsteady(system, shapes, scales, solve(system, shapes, scales))):
+        if factor > 1.0:
+            yield every, factor, [i]
 
 
 def _of_quantities(candidates: Sequence[Candidate], member: Member, share: Shares) -> Shares:

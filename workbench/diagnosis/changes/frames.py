@@ -13,7 +13,7 @@ from .findings import hidden_zeros
 from .occasions import Occasion
 from .result import Apart
 from .scatter import scatters
-from .system import Solved, System, moved_without_parts
+from .system import Solved, System, moved_without_parts, parts_in_order
 from .targets import targets_moved
 
 
@@ -22,7 +22,7 @@ def apart(decided: Decided, final: Sequence[Occasion]) -> Iterator[Apart]:
     system, solved = decided.system, decided.solved
     shapes, scales = [decided.shape(m) for m in decided.members], [m.scale for m in decided.members]
     hidden = hidden_zeros(decided)
-    without = moved_without_parts(system, shapes, scales, solved)
+    without = moved_without_parts(system, shapes, scales, solved, parts_in_order(system))
     scattered = scatters(system, shapes, solved)
     for k, one in enumerate(final):
         shift, turn, std = _frame(system, solved, final[0], one, k)

@@ -176,18 +176,29 @@ def solve(system: System, shapes: Sequence[Shape], scales: Sequence[float]) -> S
 
 
 def moved_without_parts(
-    system: System, shapes: Sequence[Shape], scales: Sequence[float], solved: Solved
+    system: System,
+    shapes: Sequence[Shape],
+    scales: Sequence[float],
+    solved: Solved,
+    parts: Sequence[NDArray[np.int64]],
 ) -> list[Array]:
-    """Of each occasion (`PARTS` or one for each pose, n + g): by how much all numbers move, in prior sizes,
-    when one part of it is left out, after the other in the order of measurement."""
+    """(parts, n + g) of each division: by how much all numbers move, in prior sizes, when one part is left
+    out, after the other. parts: (R,) each, the number of each row's part, -1 outside."""
     A, unit = _columns(system, shapes, scales)
     values = solved.values / unit
     out = []
+    for part in parts:
+        kept = [part != i for i in np.unique(part[part >= 0])]
+        out.append(np.array([_least_squares(A[rows], system.e[rows])[0] - values for rows in kept]) * unit)
+    return out
+
+
+def parts_in_order(system: System) -> list[NDArray[np.int64]]:
+    """Of each occasion: `PARTS`, one after the other in the order of measurement; or one for each pose."""
+    out = []
     for here in (system.own == k for k in range(system.count)):
         poses = np.unique(system.pose[here])
-        part = np.where(here, np.searchsorted(poses, system.pose) * PARTS // len(poses), -1)
-        kept = [part != i for i in np.unique(part[here])]
-        out.append(np.array([_least_squares(A[rows], system.e[rows])[0] - values for rows in kept]) * unit)
+        out.append(np.where(here, np.searchsorted(poses, system.pose) * PARTS // len(poses), -1))
     return out
 
 
