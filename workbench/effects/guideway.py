@@ -20,6 +20,8 @@ from .travel import Ends, OverTravel, measured, rms, whole
 LENGTHS = {"slow guide": 0.25, "guide": 0.1}  # share of the travel over which it forgets itself
 USUAL = 5e-5  # m, of straightness: makers of guides state 10 to 50 µm over some metres
 TURN = 1.0  # rad per m: 50 µrad of roll, pitch and yaw with 50 µm of straightness
+ALONG = 0.3  # of that: pitch and yaw about another place make it; a rack has causes of its own
+SIZES = np.array([1.0, 1.0, ALONG, TURN, TURN, TURN])  # of its parts, over `size`
 PARTS = ("across x", "across y", "along", "turn about x", "turn about y", "roll")
 SAID = {"amplitude": (0, 1), "along": (2,), "tilt": (3, 4), "roll": (5,)}  # which parts, in one size
 MEANING = {
@@ -34,8 +36,8 @@ MEANING = {
 class Guideway(OverTravel, DirectEffect):
     """The carriage of a sliding joint strays with all six components of its motion (ISO 230-1: straightness,
     positioning, roll, pitch and yaw), each a free function of the travel. It turns about where the next
-    joint sits on it, on the joint's own axes (z along the travel). size: of the shifts [m], of the turns
-    `TURN` times that."""
+    joint sits on it, on the joint's own axes (z along the travel). size: of the shifts across [m], of
+    the other parts as `SIZES` has them."""
 
     variant: str = "guide"
 
@@ -72,7 +74,7 @@ class Guideway(OverTravel, DirectEffect):
         return tuple(
             Param(f"{part.replace(' ', '_')}_{k}", unit, factor * float(s), spread=factor * float(s))
             for i, part in enumerate(PARTS)
-            for unit, factor in [("m", 1.0) if i < RX else ("rad", TURN)]
+            for unit, factor in [("m" if i < RX else "rad", float(SIZES[i]))]
             for k, s in enumerate(self.sizes, 1)
         )
 
@@ -97,7 +99,9 @@ class Guideway(OverTravel, DirectEffect):
     def ends(self, problem: Problem) -> Mapping[int, Array]:
         first, arm = 6 * self.slot(problem.arm), problem.arm
         size = self.size * self.forgotten(problem.q, arm.names)
-        return {first + i: size if i < RX else TURN * size for i in range(6)}
+        return {
+            first + i: size if i < RX else TURN * size for i in range(6)
+        }  # whichever way the slot is turned
 
     def parts(self, values: Array) -> Array:
         """(6, K) of the values (6 K,)."""

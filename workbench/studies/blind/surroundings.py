@@ -16,8 +16,8 @@ from .hidden import Hidden, joint_error
 
 
 def thermal_growth(problem: Problem, effect: ThermalGrowth, rng: np.random.Generator) -> Hidden:
-    """Each link with a coefficient of its own, within 15 %; without thermometer over any time constant. A rack
-    is held somewhere, and warmer at one end."""
+    """Each link with a coefficient of its own, within 15 %; without thermometer over any time constant. Or a
+    rack that is held somewhere, and warmer at one end."""
     if effect.of_scale:
         return _scale(problem, effect, rng)
     each = rng.uniform(0.85, 1.15, problem.arm.slots)
