@@ -1,5 +1,8 @@
 """What a sliding joint does beside its travel, and again and again along it, in forms that no effect has."""
 
+from pathlib import Path
+from shutil import copytree
+
 import numpy as np
 import pytest
 from diagnosis_cases import found, measured, named, robot
@@ -11,6 +14,9 @@ from workbench.diagnosis.run import diagnose
 from workbench.effects.acting import Acting
 from workbench.effects.guideway import Guideway
 from workbench.robot.kinematics import frames
+from workbench.simulation.export import export
+
+MODELS = Path(__file__).resolve().parents[1] / "models"
 
 SECTIONS = np.array([0.0, 0.11, 0.27, 0.38, 0.5])  # m, where straight pieces of a column meet
 OFF = 1e-4 * np.array(
@@ -110,3 +116,20 @@ def test_a_rack_grows_from_where_it_is_held():
     assert size.value == pytest.approx(1.2e-5, rel=0.2)
     assert -shift.value / size.value == pytest.approx(0.35, abs=0.08)
     assert "rack" in told.causes[0].sentence
+
+
+def test_an_exported_rack_errs_over_all_that_it_travels(tmp_path):
+    """A turn and a metre are not the same: a rail is longer than 6.28 m."""
+    folder = Path(copytree(MODELS / "cylindrical", tmp_path / "rail"))
+    urdf, toml = folder / "cylindrical.urdf", folder / "cylindrical.toml"
+    text = urdf.read_text(encoding="utf-8")
+    urdf.write_text(text.replace('upper="0.5" effort="5000"', 'upper="9.5" effort="5000"'), encoding="utf-8")
+    found = '\n[[effects]]\ncause = "gear_ratio"\njoint = "joint_2"\nvalues = { relative = 1e-4 }\n'
+    toml.write_text(toml.read_text(encoding="utf-8") + found, encoding="utf-8")
+    poses = planned(load_robot(toml), np.tile([[0.3, 0.2, 0.35]], (3, 1)))
+    written = export(toml, "drake", tmp_path / "out", campaign=poses)
+    (file,) = (one for one in written.files if one.name == "effects.npz")
+    with np.load(file) as data:
+        (curve,) = (data[key] for key in data.files if key.startswith("gear/1/1/"))
+    assert curve[0, -1] == pytest.approx(9.5)
+    assert np.ptp(curve[1]) == pytest.approx(9.5e-4)

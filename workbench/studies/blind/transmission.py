@@ -117,7 +117,7 @@ def _sign(rng: np.random.Generator) -> float:
 
 def joint_map(problem: Problem, effect: JointMap | Guideway, rng: np.random.Generator) -> Hidden:
     """A saw with slow teeth, nearly three cycles a turn, or a bump where a tooth is damaged; or a guide."""
-    if isinstance(effect, Guideway):
+    if effect.of_joint(problem) is None:
         return _guide(problem, effect, rng)
     j = problem.joint(effect.where.joint)
     shapes = (_saw(rng), _uneven(rng), _bump(problem.q[:, j], rng))
@@ -127,19 +127,18 @@ def joint_map(problem: Problem, effect: JointMap | Guideway, rng: np.random.Gene
     return Hidden("joint_map", effect, unit, joint_error(j, lambda p: 1e-4 * shape(p.q[:, j])), 30.0)
 
 
-def _guide(problem: Problem, effect: Guideway, rng: np.random.Generator) -> Hidden:
+def _guide(problem: Problem, effect: JointMap | Guideway, rng: np.random.Generator) -> Hidden:
     """Straight sections of a guide that meet at an angle, each as long as it happens to be."""
-    j, first = problem.joint(effect.where.joint), 6 * effect.slot(problem.arm)
+    j, near = problem.joint(effect.where.joint), effect.motion(problem)
     low, high = problem.q[:, j].min(), problem.q[:, j].max()
     joints = np.array([low, *np.sort(rng.uniform(low, high, SECTIONS - 1)), high])
     off = 1e-4 * rng.normal(size=(6, len(joints)))
 
     def motion(about: Problem) -> dict[int, Array]:
-        return {first + i: np.interp(about.q[:, j], joints, off[i]) for i in range(6)}
+        return {c: np.interp(about.q[:, j], joints, way) for c, way in zip(near, off, strict=True)}
 
-    near, true = effect.motion(problem), motion(problem)
-    columns = np.concatenate([near[column] for column in true])
-    unit = np.linalg.lstsq(columns, np.concatenate(list(true.values())), rcond=1e-6)[0]
+    true = np.concatenate(list(motion(problem).values()))
+    unit = np.linalg.lstsq(np.concatenate(list(near.values())), true, rcond=1e-6)[0]
 
     def form(size: float) -> Truth:
         return Truth(motion=lambda about: {k: size * v for k, v in motion(about).items()})
