@@ -1,5 +1,6 @@
 """What a sliding joint does beside its travel, and again and again along it, in forms that no effect has."""
 
+from dataclasses import replace
 from pathlib import Path
 from shutil import copytree
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from diagnosis_cases import found, measured, named, robot
 
-from workbench import load_robot, predict, write_outcome
+from workbench import compare, load_robot, predict, write_outcome
 from workbench.campaign.planned import planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.run import diagnose
@@ -70,6 +71,7 @@ def test_a_guide_that_is_not_straight_is_named_and_corrected(tmp_path):
     assert named(told) == {("joint_map", "joint_2"): "named"}
     (cause,) = told.causes
     assert "guide" in cause.title
+    assert told.headline.startswith("Found: guide error in joint_2.")
     assert "guide" in cause.variant
     assert {p.name: p.unit for p in cause.parameters} == {
         "amplitude": "m", "along": "m", "tilt": "rad", "roll": "rad",
@@ -82,6 +84,15 @@ def test_a_guide_that_is_not_straight_is_named_and_corrected(tmp_path):
     inside = np.median(predict(model, poses).corrected)
     poses[:, 1] += 5.0  # where no guide was measured
     assert np.median(predict(model, poses).corrected) > 1.5 * inside
+
+
+def test_a_guide_that_is_the_same_in_two_campaigns_is_no_change():
+    whole = measured("cylindrical", motion=strays, poses=80, loads=(20.0,))
+    halves = [whole.some(np.arange(first, whole.n_poses, 2)) for first in (0, 1)]
+    told = compare(
+        [replace(half, title=title) for half, title in zip(halves, ("first", "later"), strict=True)]
+    )
+    assert not [change for change in told.changes if change.status == "named"]
 
 
 def test_what_repeats_along_a_travel_is_named_with_its_period():

@@ -245,6 +245,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Findi
     return Finding(
         cause=effect.cause,
         title=effect.heading,
+        called=effect.called,
         where=effect.where,
         status="named" if named else "ambiguous",
         gain_mm=selection.gains_mm[effect.key],
