@@ -434,6 +434,6 @@ def test_a_coil_is_the_same_spring_for_any_number_of_poses():
 
 
 def test_a_cause_is_called_what_the_field_calls_it() -> None:
-    assert called("joint_map") == words("joint_map") == "transmission error over the range"
+    assert called("joint_map") == words("joint_map") == "error over the range"
     assert called("gear_ratio") == "gear ratio"
     assert called("half_width") == "half width"

@@ -35,7 +35,9 @@ FOOT = 0.9  # m below the base
 
 def test_each_line_of_a_joint_has_side_bands_in_its_own_scale():
     """A weak second line gave its scale to the strong one; a third is in the fit without a member."""
-    lines = tuple(line("joint_1", order) for order in (91.2, 88.9, 40.0))
+    robot = load_robot("kr500")
+    problem = problem_of(planned(robot, np.zeros((2, 6))))
+    lines = tuple(line(problem, "joint_1", order) for order in (91.2, 88.9, 40.0))
     selection: Any = SimpleNamespace(
         fit=SimpleNamespace(model=SimpleNamespace(effects=lines, problem=None)),
         components=[SimpleNamespace(key=(one.cause, one.where)) for one in lines[:2]],

@@ -43,7 +43,7 @@ class FactData(BaseModel):
     payload: str | None = None
     """which load; `tool`: what is always mounted"""
     order: FiniteFloat | None = None
-    """cycles per joint turn"""
+    """cycles per joint turn; of a sliding joint 2π over its period in m"""
     variant: str = ""
     """its form"""
     parameter: Name

@@ -10,7 +10,7 @@ import numpy as np
 from .. import __version__
 from ..campaign import Campaign
 from ..campaign.problem import REFERENCE_TEMPERATURE, Problem
-from ..effects import separation_beside
+from ..effects import catalogue, separation_beside
 from ..effects.base import UNKNOWN, Effect
 from ..effects.place import Parameter
 from ..identification.fit import Fit, fit
@@ -245,6 +245,7 @@ def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Findi
     return Finding(
         cause=effect.cause,
         title=effect.heading,
+        called=effect.called,
         where=effect.where,
         status="named" if named else "ambiguous",
         gain_mm=selection.gains_mm[effect.key],
@@ -266,7 +267,8 @@ def _form(final: Fit, own: Sequence[int], strongest: int) -> str:
     effect = final.model.effects[strongest]
     if effect.where.order is not None:
         return ""
-    first = next((e for e in effect.places(final.model.problem) if e.key == effect.key), effect)
+    places = catalogue()[effect.cause].places(final.model.problem)
+    first = next((e for e in places if e.key == effect.key), effect)
     return "" if len(own) == 1 and effect.variant == first.variant else effect.variant
 
 

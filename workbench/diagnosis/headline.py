@@ -133,11 +133,8 @@ def by_cause(found: Iterable[Finding | Effect]) -> list[str]:
     """Causes as people say them, each with all places where it sits."""
     places = dict[str, dict[str, None]]()
     for one in found:
-        places.setdefault(one.cause, {})[str(one.where)] = None
-    return [
-        f"{called(cause)} in {listed(list(where))}" if all(where) else called(cause)
-        for cause, where in places.items()
-    ]
+        places.setdefault(one.called or called(one.cause), {})[str(one.where)] = None
+    return [f"{name} in {listed(list(where))}" if all(where) else name for name, where in places.items()]
 
 
 def _either(finding: Finding) -> str:

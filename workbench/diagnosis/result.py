@@ -85,8 +85,9 @@ class Decision:
 class Finding:
     """One cause of the verdict (or "unknown", then `structure` says what is left). probability: that it is
     this one, of all that competed; variant: its form, of several the one that shows most, where
-    place and order do not say it; faint: rivals that are not worth a word, but would stand in the way of its
-    name were the others gone; taken_back: it undoes what the robot's own model has of it."""
+    place and order do not say it; called: what the field calls it, where its cause does not say it; faint:
+    rivals that are not worth a word, but would stand in the way of its name were the others gone;
+    taken_back: it undoes what the robot's own model has of it."""
 
     cause: str
     title: str
@@ -105,6 +106,7 @@ class Finding:
     taken_back: bool = False
     equation: str = ""
     evidence: Evidence | None = None
+    called: str = ""
 
     @property
     def label(self) -> str:

@@ -259,4 +259,5 @@ def _line(at: Fit, line: Line) -> Component:
     spread = float(np.std(problem.q[:, line.joint]))
     width = np.sqrt(2 * np.pi) / (np.sqrt(line.statistic) * max(spread, 1e-3))
     sharpness = min(1.0, width / line.order / np.log(HIGHEST / LOWEST))
-    return line_component(at, gear_line(problem.arm.names[line.joint], round(line.order, 3)), sharpness)
+    effect = gear_line(problem, problem.arm.names[line.joint], round(line.order, 3))
+    return line_component(at, effect, sharpness)

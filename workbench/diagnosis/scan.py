@@ -10,7 +10,8 @@ from scipy.linalg import solve_triangular
 from ..identification.fit import Fit
 from ..robot.kinematics import Array
 
-LOWEST, HIGHEST, FINENESS = 3.0, 700.0, 0.25  # cycles per joint turn
+LOWEST, HIGHEST, FINENESS = 3.0, 700.0, 0.25  # cycles per joint turn, of a sliding joint per 2π m
+PEAK = np.pi  # rad over a joint's travel from which two orders differ: half a cycle
 LEAST_CYCLES = 2.0  # over a joint's travel: of fewer nothing shows that they repeat, and any map has them
 
 
@@ -34,21 +35,22 @@ class _Background:
 
 
 def scan(fit: Fit, per_joint: int = 2) -> list[Line]:
-    """The highest peaks of each turning joint, highest first; none where its rounding makes peaks as well."""
+    """The highest peaks of each joint, highest first; none where its rounding makes peaks as well."""
     problem = fit.model.problem
     lines = []
     for j in range(problem.arm.n):
         q = problem.q[:, j]
-        if problem.arm.prismatic[j] or np.ptp(q) <= 0.1 or problem.arm.names[j] in problem.rounded:
+        if np.ptp(q) <= 0.1 or problem.arm.names[j] in problem.rounded:
             continue
         lowest = max(LOWEST, LEAST_CYCLES * 2 * np.pi / float(np.ptp(q)))
-        orders = np.arange(lowest, HIGHEST, FINENESS)
+        step = min(FINENESS, PEAK / float(np.ptp(q)))
+        orders = np.arange(lowest, HIGHEST, step)
         behind = _behind(fit, j)
         statistic = _statistic(q, orders, behind)
         before, here, after = statistic[:-2], statistic[1:-1], statistic[2:]
         inner = 1 + np.flatnonzero((here > before) & (here >= after))
         for i in inner[np.argsort(-statistic[inner])][:per_joint]:
-            fine = orders[i] + np.linspace(-FINENESS, FINENESS, 41)
+            fine = orders[i] + np.linspace(-step, step, 41)
             T = _statistic(q, fine, behind)
             best = int(np.argmax(T))
             lines.append(Line(j, float(fine[best]), float(T[best])))

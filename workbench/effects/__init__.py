@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Collection
+from dataclasses import replace
 from functools import cache
 
 from ..campaign.problem import Problem
@@ -16,13 +17,14 @@ Key = tuple[str, Where]  # cause and place
 
 @cache
 def catalogue() -> dict[str, type[Effect]]:
-    """Cause id → class, in the order of the files' names."""
+    """Cause id → class, in the order of the files' names; a class that is always a `variant` is a form of
+    another's."""
     found: dict[str, type[Effect]] = {}
     for module in pkgutil.iter_modules(__path__):
         name = f"{__name__}.{module.name}"
         for value in vars(importlib.import_module(name)).values():
             kind = isinstance(value, type) and issubclass(value, Effect) and "cause" in vars(value)
-            if kind and value.__module__ == name and value.cause != UNKNOWN:
+            if kind and value.__module__ == name and value.cause != UNKNOWN and not value.variant:
                 found[value.cause] = value
     return found
 
@@ -33,10 +35,11 @@ def called(cause: str) -> str:
     return kind.called if kind is not None and kind.called else cause.replace("_", " ")
 
 
-def line(joint: str, order: float) -> Effect:
-    """The effect that carries a line of any `order` [cycles per joint turn] in a joint's error."""
+def line(problem: Problem, joint: str, order: float) -> Effect:
+    """The effect that carries a line of any `order` [cycles per joint turn, per 2π m] in a joint's error."""
     (kind,) = (kind for kind in catalogue().values() if kind.ordered)
-    return kind(Where(joint=joint, order=order))
+    places = {place.where: place for place in kind.places(problem)}
+    return replace(places[Where(joint=joint)], where=Where(joint=joint, order=order))
 
 
 def separation(cause: str, rival: str) -> str | None:

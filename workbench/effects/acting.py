@@ -93,12 +93,12 @@ class Acting:
                 out[:, joints.index(str(effect.where.joint))] += effect.basis(q, side, joints) @ values
         return out
 
-    def beyond(self, q: Array, joints: tuple[str, ...]) -> Array:
-        """(K, n) one sigma of what a joint does that `gear_error` does not have, where its functions end."""
-        out = np.zeros_like(q)
+    def beyond(self, problem: Problem) -> Array:
+        """(N, 6 S) one sigma of each motion [m, rad] that functions do not have where they end."""
+        out = np.zeros((len(problem.q), 6 * problem.arm.slots))
         for effect, _ in self.items:
-            if isinstance(effect, TransmissionEffect):
-                out[:, joints.index(str(effect.where.joint))] += effect.beyond(q, joints) ** 2
+            for column, size in effect.ends(problem).items():
+                out[:, column] += size**2
         return np.sqrt(out)
 
     def ripple_slope(self, problem: Problem, shares: Shares = WHOLE) -> Array:

@@ -269,6 +269,11 @@ class Effect(ABC):
         """Column 6 · slot + component → (N, p) motion without load [m, rad] per unit of each parameter."""
         return {}
 
+    def ends(self, problem: Problem) -> Mapping[int, Array]:
+        """Column 6 · slot + component → (N,) one sigma of the motion [m, rad] that the parameters do not
+        have, where a pose is beyond what was measured of a function that ends there."""
+        return {}
+
     def apply(self, problem: Problem, arm: Arm, loads: Loads, values: Array) -> tuple[Arm, Loads]:
         """Arm and loads with the effect in them."""
         return arm, loads

@@ -10,10 +10,10 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
-from ..robot.rotations import skew
 from .base import Effect, Param
 from .kinds import LinearYield
 from .place import Where
+from .unnamed.carriage import UnevenCarriage, at_carriage
 from .unnamed.loads import UnevenTilt
 
 UNEVEN = 0.3  # share of the tilt that is not alike in all directions
@@ -66,10 +66,9 @@ class BearingTilt(LinearYield):
 
     def rarer(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """Some bearings do not yield alike in all directions, nor under any load."""
-        if self.is_carriage:
-            return []
         usual = self.params[0].typical  # rad per N·m
-        uneven = [one for one in UnevenTilt.sites(problem) if one.where == self.where]
+        kind = UnevenCarriage if self.is_carriage else UnevenTilt
+        uneven = [one for one in kind.sites(problem) if one.where == self.where]
         return [(UNEVEN * usual * one.largest / one.size, one) for one in uneven]
 
     @property
@@ -85,7 +84,7 @@ class BearingTilt(LinearYield):
         if not self.is_carriage:
             out[RX, RX] = out[RY, RY] = 1.0
             return out
-        moment = np.concatenate([skew(arm.span[self.slot(arm)]), np.eye(3)], axis=1)  # at the carriage
+        moment = at_carriage(arm, self.slot(arm))
         return np.asarray(moment.T @ moment)
 
     def lever(self, arm: Arm) -> float:

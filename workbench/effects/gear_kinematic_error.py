@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -27,7 +27,12 @@ class GearKinematicError(Harmonic):
     motor-side run-out once (Olabi et al. 2012). `variant` is the number of cycles per motor turn; any other
     order has none. Where the gear runs out it is stronger, or ahead, on one side of the joint's turn: side
     bands one cycle per turn below and above are companions.
+
+    Of a sliding joint k is 2π over the period in m, a and b are in m: once per turn of the pinion on its rack
+    or of the screw, once per tooth.
     """
+
+    sliding: bool = False
 
     cause: ClassVar[str] = "gear_kinematic_error"
     title: ClassVar[str] = "Kinematic error of a gear"
@@ -56,46 +61,69 @@ class GearKinematicError(Harmonic):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        return (Param("sin", "rad", 3e-5), Param("cos", "rad", 3e-5))
+        return (Param("sin", self.unit, 3e-5), Param("cos", self.unit, 3e-5))
 
-    @classmethod
-    def needs(cls, problem: Problem) -> str | None:
-        if problem.arm.prismatic.all():
-            return "no turning joint: the order counts cycles per joint turn"
-        return None
+    @property
+    def unit(self) -> str:
+        return "m" if self.sliding else "rad"
+
+    @property
+    def heading(self) -> str:
+        return "Error of a rack or screw that repeats" if self.sliding else self.title
+
+    @property
+    def form(self) -> str:
+        return f"every {self.period_mm:.4g} mm" if self.sliding else super().form
+
+    @property
+    def period_mm(self) -> float:
+        """Of a sliding joint: what it travels in one cycle."""
+        return float(2e3 * np.pi / self.cycles)
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[GearKinematicError]:
         """Known ratios only; other orders are found by a scan."""
+        ratios = [abs(joint.data.gear_ratio or 0.0) for joint in problem.robot.joints]
         return [
-            cls(Where(joint=joint.name, order=cycles * abs(joint.data.gear_ratio)), str(cycles))
-            for joint in problem.robot.joints
-            if joint.kind == "revolute" and joint.data.gear_ratio
+            replace(one, where=replace(one.where, order=cycles * ratio), variant=str(cycles))
+            for one, ratio in zip(cls._free(problem), ratios, strict=True)
+            if ratio
             for cycles in (1, 2, 4)
         ]
 
     @classmethod
     def places(cls, problem: Problem) -> Sequence[GearKinematicError]:
-        """Orders of known ratios, and any order of a turning joint (order None, for `replace`)."""
-        turning = [joint.name for joint in problem.robot.joints if joint.kind == "revolute"]
-        return [*cls.sites(problem), *(cls(Where(joint=name)) for name in turning)]
+        """Orders of known ratios, and any order of a joint (order None, for `replace`)."""
+        return [*cls.sites(problem), *cls._free(problem)]
+
+    @classmethod
+    def _free(cls, problem: Problem) -> list[GearKinematicError]:
+        """Of each joint, without an order."""
+        return [cls(Where(joint=j.name), sliding=j.kind == "prismatic") for j in problem.robot.joints]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
         """A real one is not the same all around the joint's turn."""
-        if self.cycles < MANY:
+        if self.sliding or self.cycles < MANY:
             return []
         bands = SideBands(self.where)
         return [(BANDS * self.params[0].typical / bands.params[0].typical, bands)]
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)
+        of = f"every {self.period_mm:.4g} mm" if self.sliding else f"of {self.cycles:g} cycles per joint turn"
         return (
-            Parameter("amplitude", a, sa, "rad", f"of {self.cycles:g} cycles per joint turn"),
+            Parameter("amplitude", a, sa, self.unit, of),
             Parameter("phase", f, sf, "rad", "at joint zero"),
         )
 
     def sentence(self, values: Array) -> str:
-        size = motion_said(np.hypot(*values))
+        size = motion_said(np.hypot(*values), self.sliding)
+        if self.sliding:
+            turns = {"1": " (a motor turn)", "2": " (half a motor turn)", "4": " (a quarter of a motor turn)"}
+            return (
+                f"{self.where.joint} errs by {size} again every {self.period_mm:.4g} mm of its travel"
+                f"{turns.get(self.variant, '')}: pinion and rack, screw or scale."
+            )
         turns = {"1": ", once per motor turn", "2": ", twice per motor turn", "4": ", 4 times per motor turn"}
         cycles = f"{self.cycles:g} cycles per joint turn{turns.get(self.variant, '')}"
         return f"The gear of {self.where.joint} errs by {size} in {cycles}."

@@ -35,7 +35,7 @@ def amplitude_phase(values: Array, covariance: Array) -> tuple[tuple[float, floa
 
 @dataclass(frozen=True)
 class Harmonic(TransmissionEffect):
-    """Δq = a sin(k q) + b cos(k q): k `cycles` per joint turn."""
+    """Δq = a sin(k q) + b cos(k q): k `cycles` per joint turn, of a sliding joint per 2π m."""
 
     @property
     def form(self) -> str:

@@ -57,6 +57,10 @@ class TransmissionEffect(DirectEffect):
         joint, amount = self.of_joint(problem)
         return {int(problem.arm.axial[joint]): amount}
 
+    def ends(self, problem: Problem) -> Mapping[int, Array]:
+        column = int(problem.arm.axial[problem.joint(self.where.joint)])
+        return {column: self.beyond(problem.q, problem.arm.names)}
+
     def of_joint(self, problem: Problem) -> tuple[int, Array]:
         amount = self.basis(problem.q, problem.campaign.poses.side, problem.arm.names)
         return problem.joint(self.where.joint), amount

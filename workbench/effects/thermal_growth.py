@@ -14,8 +14,10 @@ from .base import Depends, Param, Rest, short
 from .coming_to_rest import SHARES, share_gone, start_and_span
 from .drawn import Drawn
 from .kinds import DirectEffect
+from .place import Where
 
 ALUMINIUM, STEEL = 23e-6, 11.5e-6  # 1/K
+SCALE = "scale"
 MOST = 1e-3  # relative growth of aluminium that warms by 40 K: no arm warms up by more
 
 
@@ -24,8 +26,10 @@ class ThermalGrowth(DirectEffect):
     """Δp = α (T − 20 °C) p for the fixed length p of every link (steel: α = 11.5e-6/K).
 
     Without thermometer, `variant` "warmup": Δp = a (1 − exp(−(t − t₀)/t_c)) p, a the growth at the end;
-    t₀ `start` and t_c `constant` in s. What a sliding joint travels is measured by its own scale and
-    does not grow. Uniform growth of the whole arm.
+    t₀ `start` and t_c `constant` in s. Uniform growth of the whole arm.
+
+    What a sliding joint travels is measured by its own rack, screw or scale, which grows from where it is
+    held (`variant` "scale", at that joint): Δq = (T − 20 °C) (α q + β), −β/α where it is held.
     """
 
     start: float = 0.0
@@ -40,6 +44,8 @@ class ThermalGrowth(DirectEffect):
         "drift": "four fixed targets on the floor, measured every ten minutes; a target on the base",
         "tracker_scale": "a scale bar, or two fixed targets of known distance",
         "gravity_compensator": "{gauge}, cold and warm",
+        "thermal_growth": "one posture of the arm along the whole travel, cold and warm",
+        "gear_ratio": "one posture of the arm along the whole travel, cold and warm",
     }
 
     @property
@@ -48,12 +54,27 @@ class ThermalGrowth(DirectEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
+        if self.of_scale:
+            return (
+                Param(
+                    "coefficient", "1/K", 1e-5, "relative growth of the scale per K", lower=0.0, upper=1e-4
+                ),
+                Param("shift", "m/K", 1e-5, "motion at the joint's zero per K"),
+            )
         if self.variant.startswith("warmup"):
             what = "relative growth at the end, inferred from time alone"
             return (Param("coefficient", "1", 1e-4, what, lower=-MOST, upper=MOST),)
         return (
             Param("coefficient", "1/K", 1e-5, "relative growth of the links per K", lower=0.0, upper=1e-4),
         )
+
+    @property
+    def of_scale(self) -> bool:
+        return self.variant == SCALE
+
+    @property
+    def heading(self) -> str:
+        return "A rack or scale grows with temperature" if self.of_scale else self.title
 
     @property
     def uses(self) -> Depends:
@@ -69,9 +90,11 @@ class ThermalGrowth(DirectEffect):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[ThermalGrowth]:
-        by_temperature, *by_time = cls.places(problem)
+        every = cls.places(problem)
+        by_temperature = [one for one in every if "temperature" in one.uses]
+        by_time = [one for one in every if "time" in one.uses]
         if problem.warmth is not None:
-            return [by_temperature] if np.ptp(problem.warmth) > 0 else []
+            return by_temperature if np.ptp(problem.warmth) > 0 else []
         return by_time if problem.time is not None and np.ptp(problem.time) > 0 else []
 
     @classmethod
@@ -80,7 +103,13 @@ class ThermalGrowth(DirectEffect):
         return [
             cls(),
             *(cls(variant=f"warmup {share:g}", start=start, constant=share * span) for share in SHARES),
+            *(cls(Where(joint=name), SCALE) for name in cls._sliding(problem)),
         ]
+
+    @staticmethod
+    def _sliding(problem: Problem) -> list[str]:
+        arm = problem.arm
+        return [name for name, slides in zip(arm.names, arm.prismatic, strict=True) if slides]
 
     def _warmth(self, problem: Problem) -> Array | None:
         if not self.variant.startswith("warmup"):
@@ -93,6 +122,9 @@ class ThermalGrowth(DirectEffect):
         warmth, span = self._warmth(problem), problem.arm.span
         if warmth is None:
             return {}
+        if self.of_scale:
+            j = problem.joint(self.where.joint)
+            return {int(problem.arm.axial[j]): np.column_stack([warmth * problem.q[:, j], warmth])}
         return {
             6 * slot + c: warmth[:, None] * span[slot, c]
             for slot in range(problem.arm.slots)
@@ -102,19 +134,25 @@ class ThermalGrowth(DirectEffect):
 
     @classmethod
     def unmeasured(cls, problem: Problem, kelvin: Array, found: bool) -> Mapping[int, Array]:
-        """Every link is of one metal or another, whatever the arm grows by in the mean; where nobody knows
-        that, it is with 95 % less than if all were of aluminium."""
-        span, apart, common = problem.arm.span, (ALUMINIUM - STEEL) / 2, 0.0 if found else ALUMINIUM / 1.96
-        return {
-            6 * slot + c: kelvin[:, None] * span[slot, c] * np.append(apart * link, common)
-            for slot, link in enumerate(np.eye(problem.arm.slots))
+        """Every link, rack and scale is of one metal or another, whatever the arm grows by in the mean; where
+        nobody knows that, it is with 95 % less than if all were of aluminium."""
+        arm, apart, common = problem.arm, (ALUMINIUM - STEEL) / 2, 0.0 if found else ALUMINIUM / 1.96
+        slides = np.flatnonzero(arm.prismatic).tolist()
+        parts = np.eye(arm.slots + len(slides))
+        out = {
+            6 * slot + c: kelvin[:, None] * arm.span[slot, c] * np.append(apart * parts[slot], common)
+            for slot in range(arm.slots)
             for c in range(3)
         }
+        for part, j in zip(parts[arm.slots :], slides, strict=True):
+            grown = (kelvin * problem.q[:, j])[:, None] * np.append(apart * part, common)
+            out[int(arm.axial[j])] = out[int(arm.axial[j])] + grown
+        return out
 
     def drawn(self, problem: Problem, rest: Rest, values: Array) -> Drawn:
         warmth = self._warmth(problem)
         growth = np.zeros(len(problem.q)) if warmth is None else values[0] * warmth
-        name = "growth of one metre"
+        name = f"growth of one metre of {self.where.joint}" if self.of_scale else "growth of one metre"
         if "time" in self.uses and problem.time is not None:
             return Drawn((problem.time - self.start) / 60, "time", "min", growth, name, "m")
         warm = np.zeros(len(growth)) if problem.warmth is None else problem.warmth
@@ -126,4 +164,7 @@ class ThermalGrowth(DirectEffect):
                 f"The arm grows by {short(values[0] * 1e6)} µm per metre while it warms up, "
                 f"with a time constant of {self.constant / 60:.0f} min (inferred from time alone)."
             )
+        if self.of_scale:
+            of = f"rack or scale of {self.where.joint}"
+            return f"The {of} grows by {values[0] * 1e6:.1f} µm per metre and kelvin."
         return f"The links grow by {values[0] * 1e6:.1f} µm per metre and kelvin."

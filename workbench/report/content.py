@@ -21,7 +21,7 @@ from . import figures
 from .drawing import Figure
 from .equation import typeset
 from .legible import legible
-from .limits import detectable, not_testable, place, unidentifiable
+from .limits import detectable, not_testable, place, slides, unidentifiable
 from .numbers import MISSING, decimals, mm, mm_change, p_value, probability, quantity, significant, words
 from .reliability import published
 
@@ -249,7 +249,7 @@ def _cause(finding: Finding, number: int) -> Content:
     return {
         "title": finding.title or words(finding.cause),
         "id": finding.cause,
-        "where": place(finding.where),
+        "where": place(finding.where, slides(finding)),
         "status": status(finding),
         "status_label": status(finding).capitalize(),
         "sentence": finding.sentence,

@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import math
 
-from ..diagnosis.result import Diagnosis
+from ..diagnosis.result import Diagnosis, Finding
 from ..effects.place import Where
 from .numbers import size, words
 
 IMPOSSIBLE = {"rad": 0.1, "m": 0.1, "1": 1.0, "": 1.0, "rad/(N·m)": 1e-3, "1/(N·m²)": 1e-2}
 
 
-def place(where: Where) -> str:
-    """Where a cause sits, in words: `joint_6 with joint_5`, `joint_4, 200 cycles per turn`."""
+def place(where: Where, slides: bool = False) -> str:
+    """Where a cause sits, in words: `joint_6 with joint_5`, `joint_4 at 200 cycles per turn`, or where that
+    slides `rail every 209 mm`."""
     parts = [where.joint or where.link or where.payload or ""]
     if where.other:
         parts.append(f"with {where.other}")
     if where.order is not None:
-        parts.append(f"at {where.order:.6g} cycles per turn")
+        turns = f"at {where.order:.6g} cycles per turn"
+        parts.append(f"every {2e3 * math.pi / where.order:.4g} mm" if slides else turns)
     return " ".join(part for part in parts if part)
+
+
+def slides(finding: Finding) -> bool:
+    """Whether it moves along, not about, its joint."""
+    return any(one.unit == "m" for one in finding.parameters[:1])
 
 
 def not_testable(diagnosis: Diagnosis) -> list[list[str]]:

@@ -138,7 +138,7 @@ class EffectRecord(_Table):
     payload: str | None = None
     """which load"""
     order: float | None = None
-    """cycles per joint turn"""
+    """cycles per joint turn; of a sliding joint 2π over its period in m"""
     variant: str = ""
     """of the cause, where it has some"""
     values: dict[str, float] = {}

@@ -242,10 +242,12 @@ def moved(occasions: Sequence[Occasion], columns: tuple[int, ...]) -> Shape:
 
 
 def _growth(occasions: Sequence[Occasion], whole: Problem) -> Iterator[Candidate]:
-    """A warmer arm where nobody wrote the temperature down: all links longer by the same share."""
+    """A warmer arm where nobody wrote the temperature down: all links longer by the same share. A rack or
+    scale that is longer is as another ratio of its joint."""
     warm = [_at(one.problem, 21.0) for one in occasions]
     kinds = [effect for kind in catalogue().values() for effect in kind.places(warm[0])]
-    for effect in (e for e in kinds if e.uses == {"temperature"} and occasions[0].may_be(e)):
+    warmed = [e for e in kinds if e.uses == {"temperature"} and len(e.params) == 1]
+    for effect in filter(occasions[0].may_be, warmed):
         blocks = []
         for one, problem in zip(occasions, warm, strict=True):
             G = effect.jacobian(problem, one.fit.line, np.zeros(1)) * effect.params[0].typical

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from ...campaign.problem import Problem
 from .base import Unnamed
 from .campaign import Along, Attitude, Bearing, Clock, PerPayload, Warmth, Zeros
+from .carriage import UnevenCarriage
 from .curved_yield import CurvedYield
 from .joints import Pair, Product, Side, SideBands, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
@@ -22,7 +23,7 @@ KINDS: tuple[type[Unnamed], ...] = (
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (
-    CurvedYield, OwnWeight, PivotForce, SideBands, StatedForces, UnevenBending, UnevenTilt,
+    CurvedYield, OwnWeight, PivotForce, SideBands, StatedForces, UnevenBending, UnevenCarriage, UnevenTilt,
 )  # fmt: skip
 
 

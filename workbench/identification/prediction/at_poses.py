@@ -163,7 +163,9 @@ def _part(
     here = replace(told, campaign=told.campaign.some(part))
     at = tool_motion(here, acting)
     moved = at.J @ placed(data, at.names)
-    ended = at.joint * acting.beyond(here.q, here.arm.names)[:, None, None]
+    beyond = acting.beyond(here)
+    there = beyond.any(axis=0)
+    ended = at.direct[..., there] * beyond[:, None, None, there]
     warm = _warmed(here, acting, at.direct, _kelvin(here, acting, data))
     unsure = np.concatenate([moved, ended, warm], axis=-1)
     fitted = unsure @ unsure.swapaxes(-1, -2)

@@ -88,7 +88,8 @@ def effects(content: Content, whole: Simulated) -> bytes:
 
 def _curves(content: Content, item: Part, kind: str) -> dict[tuple[int, int], Array]:
     """The curves of one effect over the joints' ranges; what they share at zero goes with the last."""
-    ends = np.clip(content.robot.limits, -2 * np.pi, 2 * np.pi)
+    turn = np.where(np.isfinite(content.robot.limits) & content.arm.prismatic[:, None], np.inf, 2 * np.pi)
+    ends = np.clip(content.robot.limits, -turn, turn)
 
     def values(q: Array) -> Array:
         return _at(content, item, kind, q)

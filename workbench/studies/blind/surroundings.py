@@ -12,11 +12,14 @@ from ...effects.thermal_growth import ThermalGrowth
 from ...effects.tracker_scale import TrackerScale
 from ...robot.kinematics import Array
 from ...simulation.virtual_campaign import Truth
-from .hidden import Hidden
+from .hidden import Hidden, joint_error
 
 
 def thermal_growth(problem: Problem, effect: ThermalGrowth, rng: np.random.Generator) -> Hidden:
-    """Each link with a coefficient of its own, within 15 %; without thermometer over any time constant."""
+    """Each link with a coefficient of its own, within 15 %; without thermometer over any time constant. Or a
+    rack that is held somewhere, and warmer at one end."""
+    if effect.of_scale:
+        return _scale(problem, effect, rng)
     each = rng.uniform(0.85, 1.15, problem.arm.slots)
     timed = effect.variant.startswith("warmup")
     unit = effect.params[0].typical
@@ -42,6 +45,20 @@ def thermal_growth(problem: Problem, effect: ThermalGrowth, rng: np.random.Gener
         return Truth(motion=lambda problem: {k: size * v for k, v in motion(problem).items()})
 
     return Hidden("thermal_growth", effect, np.array([unit]), form, 5.0 if timed else 2.5)
+
+
+def _scale(problem: Problem, effect: ThermalGrowth, rng: np.random.Generator) -> Hidden:
+    j, unit = problem.joint(effect.where.joint), effect.params[0].typical
+    low, high = problem.q[:, j].min(), problem.q[:, j].max()
+    held, uneven = rng.uniform(low, high), rng.uniform(-0.15, 0.15) / (high - low)
+
+    def error(problem: Problem) -> Array:
+        way = problem.q[:, j] - held
+        return np.asarray(
+            (0.0 if problem.warmth is None else problem.warmth) * unit * way * (1 + uneven * way)
+        )
+
+    return Hidden("thermal_growth", effect, unit * np.array([1.0, -held]), joint_error(j, error), 2.5)
 
 
 def drift(problem: Problem, effect: Drift, rng: np.random.Generator) -> Hidden:

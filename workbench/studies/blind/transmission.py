@@ -13,6 +13,7 @@ from ...effects.backlash import Backlash
 from ...effects.gear_eccentricity import GearEccentricity
 from ...effects.gear_kinematic_error import GearKinematicError
 from ...effects.gear_ratio import GearRatio
+from ...effects.guideway import Guideway
 from ...effects.joint_map import JointMap
 from ...effects.readback_joints import ReadbackJoints
 from ...effects.wrist_coupling import WristCoupling
@@ -21,6 +22,7 @@ from ...simulation.virtual_campaign import Truth
 from .hidden import Hidden, axial_torque, joint_error, largest_torque
 
 Shape = Callable[[Array], Array]
+SECTIONS = 4  # of a guide
 
 
 def gear_ratio(problem: Problem, effect: GearRatio, rng: np.random.Generator) -> Hidden:
@@ -113,14 +115,35 @@ def _sign(rng: np.random.Generator) -> float:
     return float(rng.choice([-1.0, 1.0]))
 
 
-def joint_map(problem: Problem, effect: JointMap, rng: np.random.Generator) -> Hidden:
-    """A saw with slow teeth, nearly three cycles a turn, or a bump where a tooth is damaged."""
+def joint_map(problem: Problem, effect: JointMap | Guideway, rng: np.random.Generator) -> Hidden:
+    """A saw with slow teeth, nearly three cycles a turn, or a bump where a tooth is damaged; or a guide."""
+    if effect.of_joint(problem) is None:
+        return _guide(problem, effect, rng)
     j = problem.joint(effect.where.joint)
     shapes = (_saw(rng), _uneven(rng), _bump(problem.q[:, j], rng))
     shape = shapes[int(rng.integers(len(shapes)))]
     near = effect.motion(problem)[int(problem.arm.axial[j])]
     unit = np.asarray(np.linalg.lstsq(near, 1e-4 * shape(problem.q[:, j]), rcond=1e-6)[0], dtype=np.float64)
     return Hidden("joint_map", effect, unit, joint_error(j, lambda p: 1e-4 * shape(p.q[:, j])), 30.0)
+
+
+def _guide(problem: Problem, effect: JointMap | Guideway, rng: np.random.Generator) -> Hidden:
+    """Straight sections of a guide that meet at an angle, each as long as it happens to be."""
+    j, near = problem.joint(effect.where.joint), effect.motion(problem)
+    low, high = problem.q[:, j].min(), problem.q[:, j].max()
+    joints = np.array([low, *np.sort(rng.uniform(low, high, SECTIONS - 1)), high])
+    off = 1e-4 * rng.normal(size=(6, len(joints)))
+
+    def motion(about: Problem) -> dict[int, Array]:
+        return {c: np.interp(about.q[:, j], joints, way) for c, way in zip(near, off, strict=True)}
+
+    true = np.concatenate(list(motion(problem).values()))
+    unit = np.linalg.lstsq(np.concatenate(list(near.values())), true, rcond=1e-6)[0]
+
+    def form(size: float) -> Truth:
+        return Truth(motion=lambda about: {k: size * v for k, v in motion(about).items()})
+
+    return Hidden("joint_map", effect, np.asarray(unit), form, 30.0)
 
 
 def _saw(rng: np.random.Generator) -> Shape:

@@ -1,0 +1,86 @@
+"""What a carriage does under its load beside turning alike about all axes: a companion of one that tilts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...robot.kinematics import Arm, Array
+from ...robot.rotations import skew
+from ..base import Depends
+from ..kinds import DirectEffect
+from ..place import Where
+from .base import Unnamed
+
+LEAST = 1e-3  # N·m: what bears no more turns nothing
+
+
+def at_carriage(arm: Arm, slot: int) -> Array:
+    """(3, 6) moment at the origin of the frame before a slot of a wrench at that slot, on the slot's axes."""
+    return np.concatenate([skew(arm.span[slot]), np.eye(3)], axis=1)
+
+
+@dataclass(frozen=True)
+class UnevenCarriage(Unnamed, DirectEffect):
+    """A carriage on its guide is not as stiff in roll as in pitch and yaw, which a long one hardly does, nor
+    in these alike, whichever two axes across the guide they go about: its compliance is a symmetrical tensor
+    that is more about one axis and less about others. largest [N·m]: moment on it in the campaign."""
+
+    variant: str = "uneven carriage"
+    size: float = 5e-5
+    largest: float = 1.0
+
+    depends: ClassVar[Depends] = frozenset({"load"})
+    by_loads: ClassVar[bool] = True
+    settings: ClassVar[tuple[str, ...]] = ("size", "largest")
+
+    @property
+    def functions(self) -> int:
+        return 3
+
+    @property
+    def variable(self) -> str:
+        return f"moment on the carriage of {self.where.joint}"
+
+    @property
+    def unit(self) -> str:
+        return "N·m"
+
+    def slot(self, arm: Arm) -> int:
+        return arm.slot_of_joint(str(self.where.joint)) + 1
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(np.linalg.norm(self.moment(problem), axis=1))
+
+    def moment(self, problem: Problem) -> Array:
+        """(N, 3) [N·m] at the carriage, on the axes of its joint."""
+        arm, slot = problem.arm, self.slot(problem.arm)
+        return np.asarray(problem.nominal_load.local[:, slot] @ at_carriage(arm, slot).T @ arm.R[slot].T)
+
+    def motion(self, problem: Problem) -> Mapping[int, Array]:
+        arm, slot = problem.arm, self.slot(problem.arm)
+        x, y, z = self.moment(problem).T / self.largest
+        none = np.zeros_like(x)
+        turn = np.array([[-x / 2, x, y], [-y / 2, -y, x], [z, none, none]])  # (3, functions, N)
+        moved = np.einsum("ci,ij,jfn->cnf", at_carriage(arm, slot).T, arm.R[slot].T, turn)
+        return {6 * slot + c: moved[c] for c in range(6)}
+
+    def sentence(self, values: Array) -> str:
+        per_kNm = values / self.largest * 1e9
+        across = per_kNm[0] / -2 + np.hypot(*per_kNm[1:])
+        return (
+            f"It is not alike about all axes: {per_kNm[0]:+.2g} µrad per kN·m in roll, up to {across:+.2g} "
+            "about an axis across the guide."
+        )
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[UnevenCarriage]:
+        """Sliding joints that carry a moment."""
+        names = problem.arm.names
+        places = [cls(Where(joint=names[j])) for j in np.flatnonzero(problem.arm.prismatic)]
+        most = [float(one.x(problem).max(initial=0.0)) for one in places]
+        return [replace(one, largest=m) for one, m in zip(places, most, strict=True) if m > LEAST]
