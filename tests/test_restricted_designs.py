@@ -1,4 +1,4 @@
-"""Designs that hold something: a tool that never turns, joints that stand still while others are swept."""
+"""Designs that hold something: a tool that never turns, joints that stand still; and rows in motion."""
 
 from dataclasses import replace
 from functools import cache
@@ -20,7 +20,9 @@ from workbench import (
     simulate,
     write_fit,
 )
+from workbench.campaign.in_motion import in_motion
 from workbench.diagnosis.all_over import with_bounds
+from workbench.diagnosis.moved_setup import step_in_time
 from workbench.diagnosis.on_test_campaign import test_figures as figures_on
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.remarks_on_test import worse
@@ -158,3 +160,32 @@ def test_bounds_where_it_was_measured_and_all_over():
     assert far > 1.0
     assert found.to_json()["bounds_mm"] == {"measured": near, "all_over": far}
     assert f"where measured {near:.3f}" in short_verdict(found, None)
+
+
+def to_and_fro(apart):
+    """A UR5's joints go to and fro, seen every `apart` s by an instrument that is 0.1 mm elsewhere from row
+    200 on."""
+    robot, phase = load_robot("ur5"), np.linspace(0, 6 * np.pi, 400)
+    q = np.array([0.3, -1.2, 1.4, 0.2, 0.9, 0.1]) + 0.6 * np.sin(
+        np.outer(phase, [1, 0.7, 0.9, 1.1, 0.8, 1.3])
+    )
+    seen = simulate(planned(robot, q), Truth(sigma=SIGMA), seed=5).with_poses(time=apart * np.arange(400.0))
+    seen.points[200:] += 1e-4
+    problem = problem_of(replace(seen, noise_sigma=SIGMA))
+    return fit(Model(problem), noise=required_noise(problem))
+
+
+def test_rows_in_motion_are_told_from_standstills():
+    q = np.cumsum(np.full((9, 6), 0.01), axis=0)
+    assert in_motion(q, 0.02 * np.arange(9)) == pytest.approx(0.02)
+    assert in_motion(q, 20.0 * np.arange(9)) == 0.0
+    assert in_motion(q, None) == 0.0
+    assert in_motion(np.repeat(q[:2], 9, axis=0), np.r_[0.02 * np.arange(9), 30 + 0.02 * np.arange(9)]) == 0.0
+    assert in_motion(q, np.full(9, np.nan)) == 0.0
+
+
+def test_a_step_among_rows_in_motion_may_be_noise_that_is_alike_in_neighbours():
+    found = step_in_time(to_and_fro(20.0))
+    assert found is not None
+    assert (found.kind, found.first) == ("moved_instrument", 200)
+    assert step_in_time(to_and_fro(0.02)) is None

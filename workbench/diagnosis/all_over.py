@@ -23,6 +23,8 @@ POSES = 100  # at most, of either
 def with_bounds(outcome: Outcome) -> Outcome:
     """The outcome with what its model leaves at half of the measured poses, and of poses drawn over the
     joints' whole range, mm, 95 %; as it is where that is not known, or the arm does not stand there."""
+    if outcome.diagnosis.bounds_mm is not None:
+        return outcome
     robot = as_robot(outcome.fit)
     if robot.uncertainty is None:
         return outcome
