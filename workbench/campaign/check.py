@@ -13,6 +13,7 @@ from ..files.tables import FAULTS_SHOWN, Table, suggest
 from ..files.toml import toml_key
 from ..robot.description import Robot
 from .file import CampaignFile
+from .in_motion import in_motion
 
 LONGEST_DAYS = 60.0  # that a campaign lasts, from which the unit of time is doubted
 
@@ -155,7 +156,7 @@ def doubts(poses: Table, points: Table, robot: Robot) -> list[str]:
     temperature = poses.numbers.get("temp")
     if temperature is not None and np.any((temperature < -30.0) | (temperature > 65.0)):
         warnings.append(f"{poses.path}: {poses.labels['temp']} is outside -30 .. 65 degC; is the unit right?")
-    return warnings + _doubtful_time(poses) + _unused(poses) + _unused(points)
+    return [*warnings, *_doubtful_time(poses), *_moving(poses, robot), *_unused(poses), *_unused(points)]
 
 
 def _doubtful_time(poses: Table) -> list[str]:
@@ -172,6 +173,20 @@ def _doubtful_time(poses: Table) -> list[str]:
         return []
     place = f"{poses.path} line {poses.lines[back[0] + 1]}"
     return [f"{place}: {label} is earlier than in the line before ({len(back)} such lines); is it one clock?"]
+
+
+def _moving(poses: Table, robot: Robot) -> list[str]:
+    """That the rows were measured while the arm moved."""
+    q = np.column_stack([poses.numbers[name] for name in _all(len(robot.joints), "q")])
+    apart = in_motion(q, poses.numbers.get("t"))
+    if not apart:
+        return []
+    when = f"{apart:.2g} s apart by {poses.labels['t']}"
+    return [
+        f"{poses.path}: the joints move from row to row, {when}: measured in motion. What the arm lags "
+        "behind, and noise that is alike in neighbouring rows, count as errors at rest here; measure it "
+        "standing, a second or more at each pose, to know its errors"
+    ]
 
 
 def _unused(table: Table) -> list[str]:

@@ -39,6 +39,7 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     with loading():
+        from ..diagnosis.all_over import with_bounds
         from ..diagnosis.run import diagnose
         from ..measurement.design import what_decides
 
@@ -48,7 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
     moved = (campaigns.pop(0) for _ in arguments.campaigns)  # of a large one, what is fitted is kept alone
     outcome = diagnose([*moved], test, progress, arguments.seed, arguments.known)
     progress("working out what would decide")
-    outcome = what_decides(outcome)
+    outcome = with_bounds(what_decides(outcome))
     for note in outcome.prepared.notes:
         warn(note)
     folder = arguments.out

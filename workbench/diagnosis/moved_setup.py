@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from ..campaign.in_motion import in_motion
 from ..campaign.path_sides import sides_along
 from ..campaign.problem import Problem
 from ..effects import catalogue
@@ -63,10 +64,11 @@ class Step:
 def step_in_time(result: Fit) -> Step | None:
     """A moved instrument, or a tool that was mounted anew; None when nothing steps.
 
-    Every place in the measured order is tried; a step must stand out of a smooth drift clearly.
+    Every place in the measured order is tried; a step must stand out of a smooth drift clearly. Of rows that
+    were measured in motion neighbours have much of their noise in common, and its wander looks like steps.
     """
     c = result.model.problem.campaign
-    if len(c.setup_names) > 1 or len(c.poses.q) < 20:
+    if len(c.setup_names) > 1 or len(c.poses.q) < 20 or in_motion(c.poses.q, c.poses.time):
         return None
     flange = result.line.direct[:, :, -6:]
     steps = [

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..campaign import Campaign, Target
 from ..campaign.other_tools import tool_as_in
@@ -19,7 +20,7 @@ from ..identification.plausible.check import REFUSED
 from ..identification.registration import register, spread_of
 from ..robot.kinematics import Array
 from .moved_setup import was_split
-from .remarks_on_test import elsewhere, nothing_new
+from .remarks_on_test import beyond_measured, elsewhere, nothing_new, worse
 from .result import FaultFound, TestFigures
 from .wild_points import ROUNDS, mended, wild_limit, without_gross, without_impossible
 
@@ -47,7 +48,9 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         raise InputError(Fault(str(campaign.path), "no usable point is left", "look at the points"))
     off = np.linalg.norm(possible.problem.campaign.points - after.predicted, axis=2)
     all_points = np.where(problem.seen, after.length, off)
-    moved = elsewhere(problem.campaign, after.predicted, _new_setups(problem, fitted))
+    beyond = beyond_measured(problem.campaign, final)
+    moved = elsewhere(problem.campaign, after.predicted, _new_setups(problem, fitted), beyond)
+    no_better = worse(before.length, after.length, beyond)
     mm = 1e3
     return TestFigures(
         campaign=campaign.title,
@@ -60,7 +63,7 @@ def test_figures(nominal: Fit, final: Fit, campaign: Campaign) -> TestFigures:
         all_mean_mm=mm * float(np.nanmean(all_points)),
         all_rms_mm=mm * float(np.sqrt(np.nanmean(all_points**2))),
         faults=(*possible.faults, *faults),
-        notes=(*apart, *map(str, moved), *nothing_new(campaign, final), *said),
+        notes=(*apart, *map(str, moved), *nothing_new(campaign, final), *no_better, *said),
         moved=tuple((one.setup, mm * one.shift, mm * one.left) for one in moved),
     )
 
@@ -72,7 +75,8 @@ def _set_up_anew(problem: Problem, final: Fit) -> tuple[Problem, tuple[str, ...]
     campaign, fitted = problem.campaign, final.model.problem
     if "" not in campaign.setup_names or "" not in fitted.campaign.setup_names:
         return problem, ()
-    found = elsewhere(campaign, _errors(problem, final).predicted, _new_setups(problem, fitted))
+    beyond = beyond_measured(campaign, final)
+    found = elsewhere(campaign, _errors(problem, final).predicted, _new_setups(problem, fitted), beyond)
     one = next((one for one in found if not one.setup), None)
     if one is None or one.before <= REFUSED * spread_of(campaign.points[problem.seen]):
         return problem, ()
@@ -99,15 +103,23 @@ def _cleaned(problem: Problem, final: Fit) -> tuple[Problem, tuple[FaultFound, .
     """The test campaign without its data faults, as the final model shows them."""
     gross = without_gross(replace(problem, arm=problem.arm.with_geometry(final.state.geometry)))
     problem, faults = replace(gross.problem, arm=problem.arm), gross.faults
+    beyond = beyond_measured(problem.campaign, final)
     least = np.full(len(problem.campaign.targets), float(np.median(final.noise.sigma)))
     for _ in range(ROUNDS):
         errors = _errors(problem, final)
         limit = wild_limit(problem, errors.length, least)
+        limit[_as_a_whole(problem, errors.length > limit) & beyond] = np.inf
         found = mended(problem, errors.predicted, limit, lambda other: _errors(other, final).predicted)
         if not found.faults:
             break
         problem, faults = found.problem, (*faults, *found.faults)
     return problem, faults
+
+
+def _as_a_whole(problem: Problem, off: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(N,) all that was seen of a pose is off (N, T): its robot may be. No wild shot is told from that where
+    nothing like the pose was measured."""
+    return np.asarray((off | ~problem.seen).all(axis=1))
 
 
 def _errors(problem: Problem, result: Fit) -> _Errors:

@@ -32,6 +32,7 @@ from ..identification.plausible import (
     plausible_geometry,
     too_few_alone,
 )
+from ..identification.set_up import fit_set_up
 from ..robot.kinematics import Array
 from .coarse import coarseness
 from .copies import without_copies
@@ -128,7 +129,7 @@ class Prepared:
     def _under(self, covariance: Covariance) -> Prepared:
         """The same fitted under another noise."""
         geometry = _under(self.geometry, covariance)
-        nominal = _under(self.nominal, covariance, geometry=False)
+        nominal = fit_set_up(self.nominal.model, self.nominal.state, covariance)
         return replace(self, covariance=covariance, geometry=geometry, nominal=nominal)
 
     def some(self, poses: NDArray[np.int64]) -> Prepared:
@@ -336,15 +337,15 @@ def _fitted(sound: _Sound) -> Prepared:
         model = replace(model, problem=problem)
         geometry = replace(geometry, model=replace(geometry.model, problem=problem))
     as_stated = replace(sound.start, geometry=problem.arm.geometry)
-    nominal = fit(model, as_stated, covariance, geometry=False)
+    nominal = fit_set_up(model, as_stated, covariance)
     said = (*rigid_targets(geometry), *calibrated.remarks(problem), *common_factor(geometry))
     notes = (*sound.notes, *said, *_coarse(coarse))
     return Prepared(problem, covariance, noise, sound.known_effects, geometry, nominal, sound.faults, notes)
 
 
-def _under(result: Fit, noise: Covariance, geometry: bool = True) -> Fit:
+def _under(result: Fit, noise: Covariance) -> Fit:
     """The same fitted under another noise."""
-    return fit(result.model, result.state, noise, geometry, line=result.line)
+    return fit(result.model, result.state, noise, line=result.line)
 
 
 def _coarse(times: float) -> list[str]:

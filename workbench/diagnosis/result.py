@@ -239,7 +239,7 @@ class Revealed:
 class Diagnosis:
     """Everything that a diagnosis found. ceiling_mm: RMS error of held-out poses that any smooth model
     reaches. proof: what a closed-loop run of the model showed, and the page that
-    shows it. revealed: what a simulation had hidden."""
+    shows it. revealed: what a simulation had hidden. bounds_mm: see `with_bounds`."""
 
     robot: str
     robot_title: str
@@ -259,6 +259,7 @@ class Diagnosis:
     detectable: tuple[Detectable, ...] = ()
     faults: tuple[FaultFound, ...] = ()
     test: TestFigures | None = None
+    bounds_mm: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
     given: tuple[GivenFact, ...] = ()
     geometry: tuple[Parameter, ...] = ()

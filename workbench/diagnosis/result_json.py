@@ -39,11 +39,17 @@ def result_json(result: Diagnosis) -> dict[str, Any]:
             for item in result.detectable
         ],
         "faults": [fault_json(fault) for fault in result.faults],
+        "bounds_mm": _bounds(result.bounds_mm),
         "notes": list(result.notes),
         "given": [_given(fact) for fact in result.given],
         "inputs": dict(result.inputs),
         "version": result.version,
     }
+
+
+def _bounds(bounds: tuple[float, float] | None) -> dict[str, float | None] | None:
+    """What correction leaves, 95 %."""
+    return None if bounds is None else dict(zip(("measured", "all_over"), map(_number, bounds), strict=True))
 
 
 def _number(value: float) -> float | None:

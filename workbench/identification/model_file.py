@@ -90,9 +90,23 @@ def write_fit(path: str | Path, fit: Fit) -> None:
 
 
 def fit_files(path: Path, fit: Fit) -> Files:
-    """A fit as the extended robot that is to stand at `path`, in its own base: what of it lasts
-    (`Fit.lasting`), beside what the robot's model had already. Tool and payloads are the campaign's: the
-    effects were found under them; payloads of the model that the campaign does not name stay."""
+    """A fit as the extended robot (`as_robot`) that is to stand at `path`."""
+    robot, geometry = _extended(fit)
+    return model_files(path, robot, geometry, robot.effects)
+
+
+def as_robot(fit: Fit) -> Robot:
+    """A fit as the extended robot, in its own base: what of it lasts (`Fit.lasting`), beside what the robot's
+    model had already. Tool and payloads are the campaign's: the effects were found under them; payloads of
+    the model that the campaign does not name stay."""
+    robot, geometry = _extended(fit)
+    rows = geometry[1 : 1 + len(robot.joint_names)].tolist()
+    each = zip(robot.joint_names, rows, strict=True)
+    return replace(robot, geometry={name: dict(zip(GEOMETRY, row, strict=True)) for name, row in each})
+
+
+def _extended(fit: Fit) -> tuple[Robot, Array]:
+    """The extended robot without its geometry, and that."""
     fit = fit.lasting
     model = fit.model
     given = [(item.effect, v[None]) for item, v in zip(model.given, fit.state.given, strict=True) if v]
@@ -102,10 +116,10 @@ def fit_files(path: Path, fit: Fit) -> Files:
     elsewhere = _of_kept_loads(model.problem)
     base = own_base(model.problem, fit.state.geometry)
     x, y, z = base.gravity.tolist()
-    robot = replace(robot, uncertainty=uncertainty(fit), gravity=(x, y, z))
     # in the order of the prediction's names
-    effects = [record(effect, v) for effect, v in (*model.known, *found)]
-    return model_files(path, robot, base.geometry, [*elsewhere, *effects])
+    effects = (*elsewhere, *(record(effect, v) for effect, v in (*model.known, *found)))
+    robot = replace(robot, uncertainty=uncertainty(fit), gravity=(x, y, z), effects=effects)
+    return robot, base.geometry
 
 
 def _of_kept_loads(problem: Problem) -> list[EffectRecord]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..diagnosis.all_over import with_bounds
 from ..diagnosis.run import Outcome
 from ..identification.model_file import fit_files
 from . import write_all
@@ -17,7 +18,8 @@ def write_outcome(outcome: Outcome, folder: str | Path) -> None:
 
     The scene shows the pose that bends most, rigid, and its loaded twin with the deflection enlarged.
     """
-    folder, fit = Path(folder), outcome.fit
+    outcome, folder = with_bounds(outcome), Path(folder)
+    fit = outcome.fit
     axial = outcome.problem.arm.own(fit.line.prediction.motion)
     n = int(np.argmax(np.abs(axial).sum(axis=1)))
     q = outcome.problem.q[n]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -19,11 +20,12 @@ from ...robot.equilibrium import NoRest
 from ...robot.kinematics import Array
 from ...robot.rotations import from_vectors, skew, vectors
 from ...robot.uncertainty import DIGITS, LEAST, ToolPoint, Uncertainty, factor_lines
-from ..fit import Fit, fit, start_state
+from ..fit import Fit, start_state
 from ..model import Model
 from ..noise import Covariance, stated_noise
 from ..own_base import own_base
 from ..parameters import body_motion
+from ..set_up import fit_set_up
 from .left_out import Leaver, tempered
 from .tempering import is_overstated, temper
 from .tool import ToolMotion, tool_motion, tool_points, tool_problem
@@ -35,7 +37,17 @@ PLACES = 200  # measured ones that are kept for a map
 ON_A_LINE = 1e-3  # of the distance from the base: points so near to a line show no turn about it
 
 
+_kept: WeakKeyDictionary[Fit, Uncertainty | None] = WeakKeyDictionary()
+
+
 def uncertainty(result: Fit) -> Uncertainty | None:
+    """How sure a fit is of the tool's place, worked out once; see `_uncertainty`."""
+    if result not in _kept:
+        _kept[result] = _uncertainty(result)
+    return _kept[result]
+
+
+def _uncertainty(result: Fit) -> Uncertainty | None:
     """Covariance of the numbers that last, in the robot's own base, reduced to what moves the tool; and the
     tempering of bounds.
 
@@ -80,8 +92,8 @@ def uncertainty(result: Fit) -> Uncertainty | None:
         repeatability=_numbers(result.noise.joint),
         tempering=tempering.factor,
         growth=tempering.growth,
-        lower=_numbers(problem.q.min(axis=0)),
-        upper=_numbers(problem.q.max(axis=0)),
+        lower=tuple(problem.q.min(axis=0).tolist()),  # not rounded: a joint that was held still has no margin
+        upper=tuple(problem.q.max(axis=0).tolist()),
         farthest=float(np.sqrt((fitted**2).sum(axis=(2, 3)).max())),
         flange_load=_numbers(np.array(flange_load(problem))),
         temperature_degC=_numbers(np.array(temperatures(problem))),
@@ -247,7 +259,7 @@ def _nominal(problem: Problem, told: Problem, points: Array) -> tuple[Array, Arr
     seen = replace(c, robot=bare, points=points, shots=np.ones(points.shape[:2], dtype=np.int64))
     nominal = Problem(bare, told.arm.with_geometry(0 * told.arm.geometry), seen, problem.compensator)
     noise = Covariance(np.full(points.shape[:2], 1e-4), np.zeros(problem.arm.n), np.ones(len(points)))
-    state = fit(Model(nominal), start_state(nominal), noise, geometry=False).state
+    state = fit_set_up(Model(nominal), start_state(nominal), noise).state
     return np.concatenate([state.t[0], vectors(state.R)[0]]), state.targets[0] @ problem.arm.R_link[-1]
 
 

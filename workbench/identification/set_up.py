@@ -1,0 +1,21 @@
+"""A robot as its model has it, set up: frames and targets alone are fitted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .fit import Fit, fit
+from .model import Model, State
+from .noise import Covariance
+
+
+def fit_set_up(model: Model, start: State, noise: Covariance) -> Fit:
+    """Frames and targets of a robot of which nothing else is fitted.
+
+    What the robot errs by counts as noise: by the instrument's alone a target that poses hardly tell from the
+    frame (a tool that never turns) would go metres away for the micrometres of error that it takes in there.
+    """
+    found = fit(model, start, noise, geometry=False)
+    free = max(found.point_rows - found.rank, 1)
+    times = float(np.sqrt(found.chi2 / free))
+    return fit(model, start, noise.times(times), geometry=False) if times > 1 else found
