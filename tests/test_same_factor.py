@@ -40,7 +40,8 @@ def held(offset, tmp_path):
         (tmp_path / name.name).write_bytes(name.read_bytes())
     text = (tmp_path / robot.urdf.name).read_text(encoding="utf-8")
     shoulder, elbow = 'xyz="0 0 0.34"', 'xyz="0 0 0.4"'
-    assert shoulder in text and elbow in text
+    assert shoulder in text
+    assert elbow in text
     text = text.replace(shoulder, f'xyz="{-offset} 0 0.34"').replace(elbow, f'xyz="{offset} 0 0.4"', 1)
     (tmp_path / robot.urdf.name).write_text(text, encoding="utf-8")
     ball = replace(plan.targets[0], xyz=tuple(BALL.tolist()))
