@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from diagnosis_cases import measured
 
 from workbench.campaign import write_campaign
@@ -52,3 +53,24 @@ def test_a_set_up_of_few_poses_is_not_among_those_that_are_fitted_by_themselves(
 
 def test_a_single_set_up_is_not_apart():
     assert set_ups_apart(diagnose(measured("ur5", poses=30, loads=(), targets=2)).fit) == []
+
+
+def test_what_is_left_of_each_is_what_the_model_of_all_leaves_there():
+    """Something sways in the order of measurement: found as that over all poses, it stays so in each."""
+    campaign = measured("ur5", poses=60, loads=(), targets=2)
+    sway = 1e-3 * np.sin(np.linspace(0.0, 9.0, 60))[:, None, None] * np.array([0.0, 0.6, 0.8])
+    swaying = replace(
+        campaign.with_poses(setup=np.repeat([0, 1], 30)),
+        setup_names=("a", "b"),
+        points=campaign.points + sway,
+    )
+    found = diagnose(swaying).fit
+    off = found.residual.reshape(2, 30 * 2, 3)
+    rms = [1e3 * np.sqrt(np.nanmean((one**2).sum(axis=1))) for one in off]
+    left = dict(zip("ab", rms, strict=True))
+    assert max(left.values()) < 0.3
+    apart = set_ups_apart(found)
+    assert {one.name for one in apart} == {"a", "b"}
+    for one in apart:
+        assert one.together_mm == pytest.approx(left[one.name])
+        assert one.alone_mm < 1.01 * one.together_mm

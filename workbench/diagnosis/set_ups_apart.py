@@ -12,6 +12,7 @@ from ..campaign.problem import Problem
 from ..identification.fit import Fit, fit
 from ..identification.model import Model, State
 from ..identification.plausible import too_few_alone
+from ..robot.kinematics import Array
 
 MOST = 6  # set-ups that a remark lists
 
@@ -38,23 +39,25 @@ def set_ups_apart(final: Fit) -> list[Apart]:
 
 
 def _each(final: Fit, names: tuple[str, ...]) -> Iterator[Apart]:
+    """What effects do to the points stays what it is in the whole: some count over all poses, or joints'
+    ranges, or time."""
     whole, state = final.model.problem, final.state
-    acting = tuple(final.model.acting(state))
     start = State(state.geometry, state.R, state.t, state.targets)
+    moved = whole.campaign.points - final.residual - Model(whole).predict(start)
     for k, name in enumerate(names):
         poses = np.flatnonzero(whole.campaign.poses.setup == k)
-        part = replace(whole, campaign=whole.campaign.some(poses))
+        some = whole.campaign.some(poses)
+        part = replace(whole, campaign=replace(some, points=some.points - moved[poses]))
         if not len(poses) or too_few_alone(part):
             continue
-        model = Model(part, (), acting)
         with suppress(ArithmeticError):  # a few poses may pull a geometry out of all bounds
-            alone = fit(model, start, final.noise.some(poses))
-            yield Apart(name, _rms_mm(part, model, start), _rms_mm(part, model, alone.state))
+            alone = fit(Model(part), start, final.noise.some(poses))
+            yield Apart(name, _rms_mm(final.residual[poses]), _rms_mm(alone.residual))
 
 
-def _rms_mm(part: Problem, model: Model, state: State) -> float:
-    off = part.campaign.points - model.predict(state)
-    return 1e3 * float(np.sqrt(np.mean(np.sum(off[part.seen] ** 2, axis=-1))))
+def _rms_mm(residual: Array) -> float:
+    """Of points (N, T, 3) [m], NaN where not seen."""
+    return 1e3 * float(np.sqrt(np.nanmean(np.sum(residual**2, axis=-1))))
 
 
 def perhaps_changed(final: Fit) -> list[str]:

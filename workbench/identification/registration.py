@@ -13,7 +13,7 @@ from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array, Frames, frames
 from ..robot.rotations import body_jacobian, from_vectors, nearest_turn
 
-STATED_TARGET = 5e-3  # m, how far a stated target may be off before the fit resists: as lengths of an arm
+STATED_TARGET = 0.02  # m, how far a stated target may be off before the fit resists: a reflector and its nest
 UNKNOWN_TARGET = 1.0  # m, how far an unknown target may be from its frame
 GOOD = 0.02  # of the spread of the points: with a smaller misfit no other start is tried
 STILL = 1e-5  # m, rad: a step below which a registration, a place to start from, has arrived

@@ -11,6 +11,7 @@ from ..fit import Fit
 LEAST = 1e-3  # of the lengths: aluminium that is 40 K warmer grows as much
 CHANCE = 1e-4  # that lengths which have nothing to do with each other look so
 TOLD = 100.0  # times what is taken for granted of a length: the data tell it
+LONG = 1.0  # times what a length may be off by: a shorter one can be off by all of itself, whatever the scale
 
 
 def common_factor(geometry: Fit) -> list[str]:
@@ -21,6 +22,8 @@ def common_factor(geometry: Fit) -> list[str]:
     chance.
     """
     errors, sizes = _told_lengths(geometry)
+    long = np.abs(sizes) > LONG
+    errors, sizes = errors[long], sizes[long]
     if len(errors) < 3:
         return []
     square = float(sizes @ sizes)

@@ -35,6 +35,7 @@ FAINT = 0.01  # of the tool's spread at the measured poses: what leaving directi
 SEED = 0
 PLACES = 200  # measured ones that are kept for a map
 ON_A_LINE = 1e-3  # of the distance from the base: points so near to a line show no turn about it
+ITS_ERROR = 2.0  # times what the model leaves: so near it is where the model errs, and no place apart
 
 
 _kept: WeakKeyDictionary[Fit, Uncertainty | None] = WeakKeyDictionary()
@@ -72,7 +73,8 @@ def _uncertainty(result: Fit) -> Uncertainty | None:
         moved = tool_motion(tool_problem(as_fitted, gauge.targets), acting).J
         rows = _without_axis_1(rows, kept.R.T @ moved, at.J)
     here = (problem.campaign.poses.setup == gauge.setup)[:, None] & problem.seen[:, gauge.chosen]
-    idle = _idle_turns(at.points[here])
+    left = float(np.sqrt(np.sum(result.residual[:, gauge.chosen][here] ** 2, axis=-1).mean()))
+    idle = _idle_turns(at.points[here], ITS_ERROR * left)
     rows[:6] -= idle @ (idle[3:].T @ rows[3:6])
     factor = _reduced(rows, at.J, _far(told, acting, at).J)
     fitted = at.J @ factor
@@ -171,15 +173,17 @@ def _without_axis_1(rows: Array, was: Array, J: Array) -> Array:
     return out
 
 
-def _idle_turns(points: Array) -> Array:
+def _idle_turns(points: Array, error: float) -> Array:
     """(6, k) shift and turn, for a turn by 1 rad, of the turns of the base about its axes or lines that move
-    none of the measured points (M, 3) [m]: points held in two sockets do not say how the base stands turned
-    about the line through these, nor points held in one how it stands turned at all. It is where the
-    instrument's frame is, and no error of the robot: who sets a robot up there aligns it otherwise."""
+    none of a model's points (M, 3) [m] beyond its own error [m]: points held in two sockets do not say how
+    the base stands turned about the line through these, nor points held in one how it stands turned at all.
+    It is where the instrument's frame is, and no error of the robot: who sets a robot up there aligns it
+    otherwise."""
     middle = points.mean(axis=0)
     variances, axes = np.linalg.eigh((points - middle).T @ (points - middle) / len(points))
     lever = np.sqrt(np.maximum(variances.sum() - variances, 0.0))
-    idle = axes[:, lever < ON_A_LINE * np.sqrt((points**2).sum(axis=1).mean())]
+    far = np.sqrt((points**2).sum(axis=1).mean())
+    idle = axes[:, lever < max(ON_A_LINE * far, error)]
     return np.vstack([np.cross(middle, idle.T).T, idle])
 
 
