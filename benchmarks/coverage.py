@@ -30,7 +30,7 @@ from workbench import (
 )
 from workbench import write_fit as write_model
 from workbench.correction.extended_arm import extended_arm
-from workbench.diagnosis.noise_choice import provisional
+from workbench.diagnosis.noise.noise_choice import provisional
 from workbench.diagnosis.result import Noise
 from workbench.diagnosis.run import Outcome
 from workbench.files.faults import InputError

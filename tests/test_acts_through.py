@@ -5,10 +5,10 @@ from diagnosis_cases import found, measured, named
 
 from workbench import Truth, load_robot, planned, random_poses, simulate
 from workbench.campaign.problem import problem
-from workbench.diagnosis.acts_through import needs_of
-from workbench.diagnosis.components import cause_components
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.weighing.acts_through import needs_of
+from workbench.diagnosis.weighing.components import cause_components
 from workbench.effects.foundation import Foundation
 from workbench.effects.hose_torque import HoseTorque
 from workbench.effects.joint_compliance import JointCompliance

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 from diagnosis_cases import measured
 
-from workbench.diagnosis.competition import Selection
 from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.search.competition import Selection
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.place import Where
 

@@ -8,11 +8,11 @@ import pytest
 from diagnosis_cases import measured
 
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.components import Component, Form
-from workbench.diagnosis.gram import Stored
-from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.run import diagnose
-from workbench.diagnosis.sets import Competition
+from workbench.diagnosis.weighing.components import Component, Form
+from workbench.diagnosis.weighing.gram import Stored
+from workbench.diagnosis.weighing.reduced import Reduced
+from workbench.diagnosis.weighing.sets import Competition
 from workbench.effects import catalogue
 from workbench.effects.place import Where
 from workbench.effects.unnamed.loads import OwnWeights

@@ -9,12 +9,12 @@ import pytest
 
 from workbench import load_robot, planned, problem
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.gram import Stored
 from workbench.diagnosis.priors import PRIORS, varied
-from workbench.diagnosis.reduced import Reduced
 from workbench.diagnosis.result import Rival
 from workbench.diagnosis.run import diagnose
-from workbench.diagnosis.weight import table_of
+from workbench.diagnosis.weighing.gram import Stored
+from workbench.diagnosis.weighing.reduced import Reduced
+from workbench.diagnosis.weighing.weight import table_of
 from workbench.effects import catalogue
 from workbench.effects.payload import Payload
 from workbench.identification.fit import fit, start_state

@@ -16,8 +16,8 @@ import workbench
 from workbench import diagnose, effects, planned, random_poses, simulate
 from workbench.campaign import Target
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.components import at_once
-from workbench.diagnosis.evidence import evidence
+from workbench.diagnosis.telling.evidence import evidence
+from workbench.diagnosis.weighing.components import at_once
 from workbench.effects import called, catalogue, rivals, separation, separation_beside
 from workbench.effects.gravity_compensator import GravityCompensator
 from workbench.effects.kinds import (

@@ -44,10 +44,10 @@ from workbench.diagnosis.changes.system import (
     system_of,
 )
 from workbench.diagnosis.changes.words import headline, moved_by
-from workbench.diagnosis.chosen import Member
-from workbench.diagnosis.patterns import Products
 from workbench.diagnosis.priors import PRIORS
-from workbench.diagnosis.reduced import without_background
+from workbench.diagnosis.weighing.chosen import Member
+from workbench.diagnosis.weighing.patterns import Products
+from workbench.diagnosis.weighing.reduced import without_background
 from workbench.effects.place import Parameter, Where
 from workbench.effects.unnamed import unnamed
 from workbench.files.faults import InputError

@@ -30,7 +30,7 @@ from workbench.diagnosis.changes.result import BACK, CREEP, Change
 from workbench.diagnosis.changes.steadiness import GROUP, unsteady
 from workbench.diagnosis.changes.system import solve
 from workbench.diagnosis.changes.words import headline
-from workbench.diagnosis.chosen import Member
+from workbench.diagnosis.weighing.chosen import Member
 from workbench.effects.base import UNKNOWN
 from workbench.effects.place import Parameter, Where
 

@@ -10,21 +10,21 @@ from scipy.stats import chi2, norm
 
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import prepared as preparation
-from workbench.diagnosis import rounds
 from workbench.diagnosis.candidates import testable as candidates_of
-from workbench.diagnosis.ceiling import ceiling_mm
-from workbench.diagnosis.chosen import Chosen, Member
-from workbench.diagnosis.competition import compete
-from workbench.diagnosis.components import Component, Form, cause_components, nameless_components
-from workbench.diagnosis.gram import OfRows, Stored
 from workbench.diagnosis.priors import PRIORS
-from workbench.diagnosis.reduced import Reduced, reduce
 from workbench.diagnosis.result import NAMELESS
 from workbench.diagnosis.run import diagnose
-from workbench.diagnosis.sets import Competition
-from workbench.diagnosis.stages import rms_mm
-from workbench.diagnosis.stand_ins import times_too_sure
-from workbench.diagnosis.weight import SCALES, WEIGHTS
+from workbench.diagnosis.search import rounds
+from workbench.diagnosis.search.competition import compete
+from workbench.diagnosis.search.stages import rms_mm
+from workbench.diagnosis.telling.ceiling import ceiling_mm
+from workbench.diagnosis.weighing.chosen import Chosen, Member
+from workbench.diagnosis.weighing.components import Component, Form, cause_components, nameless_components
+from workbench.diagnosis.weighing.gram import OfRows, Stored
+from workbench.diagnosis.weighing.reduced import Reduced, reduce
+from workbench.diagnosis.weighing.sets import Competition
+from workbench.diagnosis.weighing.stand_ins import times_too_sure
+from workbench.diagnosis.weighing.weight import SCALES, WEIGHTS
 from workbench.effects import catalogue
 from workbench.effects.place import Where
 from workbench.effects.records import stated_effects

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from diagnosis_cases import measured
 
-from workbench.diagnosis.copies import without_copies
+from workbench.diagnosis.data_faults.copies import without_copies
 
 
 def test_copies_are_left_out_and_told_repeats_stay() -> None:

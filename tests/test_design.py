@@ -10,7 +10,7 @@ import pytest
 
 from workbench import Truth, load_campaign, load_robot, plan, planned, problem_of, random_poses, simulate
 from workbench.cli.main import main
-from workbench.diagnosis.screen import screen
+from workbench.diagnosis.weighing.screen import screen
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.records import parse_effect
 from workbench.files.faults import InputError

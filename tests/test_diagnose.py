@@ -10,10 +10,10 @@ from diagnosis_cases import SIGMA, assert_slopes, found, measured, named, robot,
 
 from workbench.campaign.planned import random_poses
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.evidence import structure_evidence
-from workbench.diagnosis.headline import headline
 from workbench.diagnosis.result import Diagnosis, Finding, Rival, Stage
 from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.telling.evidence import structure_evidence
+from workbench.diagnosis.telling.headline import headline
 from workbench.effects.backlash import Backlash
 from workbench.effects.place import Where
 from workbench.effects.records import from_record, record

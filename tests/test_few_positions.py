@@ -5,10 +5,10 @@ import pytest
 from diagnosis_cases import robot
 
 from workbench import Truth, planned, problem_of, random_poses, simulate
-from workbench.diagnosis.competition import Selection
-from workbench.diagnosis.moved_setup import _scatter
+from workbench.diagnosis.data_faults.moved_setup import _scatter
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.worth import _without_chance
+from workbench.diagnosis.search.competition import Selection
+from workbench.diagnosis.search.worth import _without_chance
 from workbench.effects.unnamed import unnamed
 from workbench.effects.unnamed.campaign import Clock
 from workbench.identification.fit import refit
@@ -78,7 +78,7 @@ def test_functions_of_order_are_no_sharper_than_positions_follow_each_other():
 
 def test_free_functions_that_bend_to_one_position_alone_are_left_out(monkeypatch):
     """The mean of squares is better for one position, while most of the others are farther off."""
-    from workbench.diagnosis import worth
+    from workbench.diagnosis.search import worth
 
     geometry = prepare(repeated("ur5", 14, 4, 2)).geometry
     function = next(iter(unnamed(geometry.model.problem)))

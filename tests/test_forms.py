@@ -6,18 +6,18 @@ from diagnosis_cases import found, measured, named, with_points
 
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.chosen import Chosen, Member
-from workbench.diagnosis.components import Component, Form, bare
-from workbench.diagnosis.gram import Stored
-from workbench.diagnosis.patterns import Pattern
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS, varied
-from workbench.diagnosis.reduced import Reduced
-from workbench.diagnosis.remainder import beyond_forms, remainder
-from workbench.diagnosis.sets import Competition
-from workbench.diagnosis.stand_ins import StandIns, times_too_sure
-from workbench.diagnosis.weight import SCALES, WEIGHTS, Weight, likelihood, table_of
-from workbench.diagnosis.worth import _beyond
+from workbench.diagnosis.search.worth import _beyond
+from workbench.diagnosis.weighing.chosen import Chosen, Member
+from workbench.diagnosis.weighing.components import Component, Form, bare
+from workbench.diagnosis.weighing.gram import Stored
+from workbench.diagnosis.weighing.patterns import Pattern
+from workbench.diagnosis.weighing.reduced import Reduced
+from workbench.diagnosis.weighing.remainder import beyond_forms, remainder
+from workbench.diagnosis.weighing.sets import Competition
+from workbench.diagnosis.weighing.stand_ins import StandIns, times_too_sure
+from workbench.diagnosis.weighing.weight import SCALES, WEIGHTS, Weight, likelihood, table_of
 from workbench.effects.gear_eccentricity import GearEccentricity
 from workbench.effects.joint_map import JointMap
 from workbench.effects.place import Where
@@ -268,7 +268,7 @@ def test_a_set_in_another_order_is_not_weighed_again(monkeypatch):
     first, limit = weights(members), most(members, 0)
     assert most(members, 1) != limit
     assert weights(members[:1]) != first
-    monkeypatch.setattr("workbench.diagnosis.forms.table_of", None)
-    monkeypatch.setattr("workbench.diagnosis.forms.most_of", None)
+    monkeypatch.setattr("workbench.diagnosis.weighing.forms.table_of", None)
+    monkeypatch.setattr("workbench.diagnosis.weighing.forms.most_of", None)
     assert weights(members[::-1]) == first
     assert most(members[::-1], 1) == limit

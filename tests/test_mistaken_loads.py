@@ -21,7 +21,7 @@ from workbench import (
     random_poses,
     simulate,
 )
-from workbench.diagnosis.other_wrenches import _slips
+from workbench.diagnosis.data_faults.other_wrenches import _slips
 from workbench.diagnosis.prepared import prepare
 from workbench.effects.unnamed.loads import StatedForces
 from workbench.files.faults import InputError

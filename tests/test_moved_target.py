@@ -8,7 +8,7 @@ from diagnosis_cases import SIGMA, measured, with_points
 
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import prepared
-from workbench.diagnosis.moved_target import explained
+from workbench.diagnosis.data_faults.moved_target import explained
 from workbench.diagnosis.run import diagnose
 from workbench.identification.registration import register
 

@@ -12,9 +12,9 @@ from workbench.campaign import load_campaign, write_campaign
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import run
-from workbench.diagnosis.components import cause_components
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.run import diagnose
+from workbench.diagnosis.weighing.components import cause_components
 from workbench.effects.unnamed.loads import OwnWeights
 from workbench.files.faults import InputError, read_text
 from workbench.files.toml import read_toml

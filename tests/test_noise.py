@@ -8,9 +8,9 @@ import pytest
 from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis import run
-from workbench.diagnosis.competition import compete
-from workbench.diagnosis.noise_choice import choose, from_residual
+from workbench.diagnosis.noise.noise_choice import choose, from_residual
 from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.search.competition import compete
 from workbench.effects.records import parse_effect
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model

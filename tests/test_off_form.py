@@ -22,8 +22,8 @@ from workbench import (
     simulate,
 )
 from workbench.campaign.problem import Problem
-from workbench.diagnosis.chosen import Member
-from workbench.diagnosis.off_form import _against_physics, _beside
+from workbench.diagnosis.search.off_form import _against_physics, _beside
+from workbench.diagnosis.weighing.chosen import Member
 from workbench.effects import line
 from workbench.identification.fit import fit
 from workbench.identification.model import Model

@@ -5,9 +5,9 @@ import pytest
 
 from workbench import Truth, load_robot, planned, random_poses, simulate
 from workbench.diagnosis.candidates import testable as all_that_may_be
-from workbench.diagnosis.components import cause_components, nameless_components, sized
-from workbench.diagnosis.patterns import BLOCK, once, pattern_of, products_of
 from workbench.diagnosis.prepared import prepare
+from workbench.diagnosis.weighing.components import cause_components, nameless_components, sized
+from workbench.diagnosis.weighing.patterns import BLOCK, once, pattern_of, products_of
 from workbench.effects.unnamed import unnamed
 
 

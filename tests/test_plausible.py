@@ -15,8 +15,8 @@ from workbench.campaign.planned import TARGETS, planned, random_poses
 from workbench.campaign.problem import problem_of
 from workbench.cli.main import main
 from workbench.diagnosis import prepared as preparation
+from workbench.diagnosis.data_faults.wild_points import much_left_out
 from workbench.diagnosis.first_look import first_look
-from workbench.diagnosis.wild_points import much_left_out
 from workbench.effects import catalogue
 from workbench.files.faults import InputError
 from workbench.identification.plausible import check_plausible, judge, plausible_geometry

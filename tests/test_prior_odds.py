@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from diagnosis_cases import measured
 
-from workbench.diagnosis.components import cause_components
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
+from workbench.diagnosis.weighing.components import cause_components
 from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.lost_motion import LostMotion
 

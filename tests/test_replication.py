@@ -7,16 +7,17 @@ import pytest
 from diagnosis_cases import found, measured
 
 from workbench import Truth, Where, load_robot, parse_effect, planned, problem, random_poses, simulate
-from workbench.diagnosis import competition as competing
 from workbench.diagnosis.candidates import testable as all_that_may_be
-from workbench.diagnosis.chosen import Chosen, Member
-from workbench.diagnosis.competition import _likeliest, _renamed_at_no_loss, compete
-from workbench.diagnosis.components import Component, Form, bare, cause_components
-from workbench.diagnosis.gram import Stored
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.priors import PRIORS
-from workbench.diagnosis.reduced import Reduced, reduce
-from workbench.diagnosis.replication import (
+from workbench.diagnosis.search import competition as competing
+from workbench.diagnosis.search.competition import _likeliest, _renamed_at_no_loss, compete
+from workbench.diagnosis.search.worth import VOUCHED, as_sure_as_its_gain
+from workbench.diagnosis.weighing.chosen import Chosen, Member
+from workbench.diagnosis.weighing.components import Component, Form, bare, cause_components
+from workbench.diagnosis.weighing.gram import Stored
+from workbench.diagnosis.weighing.reduced import Reduced, reduce
+from workbench.diagnosis.weighing.replication import (
     Part,
     agreed,
     exceeds,
@@ -26,9 +27,8 @@ from workbench.diagnosis.replication import (
     replicated,
     searched_in_parts,
 )
-from workbench.diagnosis.sets import Competition
-from workbench.diagnosis.weight import prior_weight
-from workbench.diagnosis.worth import VOUCHED, as_sure_as_its_gain
+from workbench.diagnosis.weighing.sets import Competition
+from workbench.diagnosis.weighing.weight import prior_weight
 from workbench.effects.base import UNKNOWN
 from workbench.effects.unnamed.joints import Product
 from workbench.identification.fit import refit

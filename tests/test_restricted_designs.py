@@ -22,10 +22,10 @@ from workbench import (
 )
 from workbench.campaign.in_motion import in_motion
 from workbench.diagnosis.all_over import with_bounds
-from workbench.diagnosis.moved_setup import step_in_time
-from workbench.diagnosis.on_test_campaign import test_figures as figures_on
+from workbench.diagnosis.data_faults.moved_setup import step_in_time
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.remarks_on_test import worse
+from workbench.diagnosis.telling.on_test_campaign import test_figures as figures_on
+from workbench.diagnosis.telling.remarks_on_test import worse
 from workbench.identification.fit import fit, start_state
 from workbench.identification.model import Model
 from workbench.identification.noise import required_noise

@@ -8,10 +8,10 @@ import pytest
 
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign import Target
-from workbench.diagnosis.headline import headline
+from workbench.diagnosis.noise.scatter import beyond_all, with_scatter
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.result import Stage
-from workbench.diagnosis.scatter import beyond_all, with_scatter
+from workbench.diagnosis.telling.headline import headline
 from workbench.effects.base import UNKNOWN
 from workbench.measurement.sweep import sweep
 

@@ -10,7 +10,7 @@ from diagnosis_cases import measured
 from workbench.campaign import write_campaign
 from workbench.diagnosis.prepared import prepare
 from workbench.diagnosis.run import diagnose
-from workbench.diagnosis.set_ups_apart import perhaps_changed, set_ups_apart
+from workbench.diagnosis.telling.set_ups_apart import perhaps_changed, set_ups_apart
 from workbench.report.terminal import short_verdict
 
 

@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from workbench.diagnosis import side_by_side as module
-from workbench.diagnosis.side_by_side import begun, side_by_side
+from workbench.diagnosis.weighing import side_by_side as module
+from workbench.diagnosis.weighing.side_by_side import begun, side_by_side
 from workbench.files.faults import Fault, InputError
 
 

@@ -7,7 +7,7 @@ from diagnosis_cases import measured
 from workbench import diagnose
 from workbench.campaign import Campaign
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis import standstills
+from workbench.diagnosis.data_faults import standstills
 from workbench.diagnosis.prepared import prepare
 
 UNSEEN = 3e-5  # rad, by which each joint misses its command, anew each time that it comes

@@ -8,7 +8,7 @@ import pytest
 from workbench import Truth, diagnose, load_robot, parse_effect, planned, random_poses, simulate
 from workbench.campaign.planned import TARGETS
 from workbench.campaign.problem import problem_of
-from workbench.diagnosis.distances import shown_by_distances
+from workbench.diagnosis.noise.distances import shown_by_distances
 from workbench.identification.noise import stated_noise
 
 SIGMA = 5e-5

@@ -8,8 +8,8 @@ import pytest
 from workbench import Truth, diagnose, load_robot, planned, random_poses, simulate
 from workbench.campaign.planned import TARGETS
 from workbench.campaign.problem import problem_of
+from workbench.diagnosis.noise.scatter import with_scatter
 from workbench.diagnosis.prepared import prepare
-from workbench.diagnosis.scatter import with_scatter
 from workbench.effects.base import UNKNOWN
 from workbench.identification.fit import refit
 from workbench.simulation.virtual_campaign import random_geometry

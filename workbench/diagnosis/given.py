@@ -14,12 +14,12 @@ from ..effects.given import CONTRADICTED, Exclusion, Given, exclusions, given_fa
 from ..effects.place import NOWHERE, Parameter
 from ..identification.fit import Fit
 from ..identification.rows import offset_of
-from .competition import Selection
-from .findings import standing
 from .prepared import Prepared, Progress
 from .priors import PRIORS
 from .result import GivenFact, NotTestable
-from .rounds import LOOSE
+from .search.competition import Selection
+from .search.rounds import LOOSE
+from .telling.findings import standing
 
 SHARPER = 0.5  # of a given spread: the data know it that much better
 SAID_IN = {  # unit → from which size on, times what, in which unit

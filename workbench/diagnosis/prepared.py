@@ -34,19 +34,14 @@ from ..identification.plausible import (
 )
 from ..identification.set_up import fit_set_up
 from ..robot.kinematics import Array
-from .coarse import coarseness
-from .copies import without_copies
-from .mistaken_loads import mistaken_loads
-from .moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
-from .moved_target import reseated
-from .noise_choice import choose, from_residual, of_distances, of_turns, rigid_targets, without_wild_repeats
-from .rarely_seen import without_rarely_seen
-from .replication import enough_for_halves
-from .result import FaultFound, Noise
-from .rounded_joints import shared_rounding
-from .standstills import taken_together
-from .torque_noise import torque_noise
-from .wild_points import (
+from .data_faults.copies import without_copies
+from .data_faults.mistaken_loads import mistaken_loads
+from .data_faults.moved_setup import LEAST_BEFORE, Step, jump, split_setup, step_in_time
+from .data_faults.moved_target import reseated
+from .data_faults.rarely_seen import without_rarely_seen
+from .data_faults.rounded_joints import shared_rounding
+from .data_faults.standstills import taken_together
+from .data_faults.wild_points import (
     Acting,
     Cleaned,
     clean,
@@ -56,6 +51,18 @@ from .wild_points import (
     without_gross,
     without_impossible,
 )
+from .noise.coarse import coarseness
+from .noise.noise_choice import (
+    choose,
+    from_residual,
+    of_distances,
+    of_turns,
+    rigid_targets,
+    without_wild_repeats,
+)
+from .noise.torque_noise import torque_noise
+from .result import FaultFound, Noise
+from .weighing.replication import enough_for_halves
 
 SIX_DOF = 3  # targets that make a 6-D measurement
 MOST_MOVES = 6  # of single targets in a campaign: one with more has other faults

@@ -15,17 +15,17 @@ from ..campaign.problem import Problem
 from ..campaign.same_robot import check_same_robot
 from ..effects.base import Effect
 from ..identification.fit import Fit
-from .also_yields import with_what_also_yields
 from .candidates import testable
-from .competition import Selection, compete
-from .findings import Parts, assemble
+from .data_faults.moved_setup import step_in_time
+from .data_faults.wild_points import wild_beside
 from .given import Searched, search_with_given
-from .moved_setup import step_in_time
-from .off_form import with_own_forms
 from .prepared import Prepared, Progress, prepare
 from .result import Diagnosis, NotTestable
-from .wild_points import wild_beside
-from .worth import worth_it
+from .search.also_yields import with_what_also_yields
+from .search.competition import Selection, compete
+from .search.off_form import with_own_forms
+from .search.worth import worth_it
+from .telling.findings import Parts, assemble
 
 Given = Campaign | str | Path
 CLEANED_AGAIN = 2  # times: what causes were explained by data faults hides others

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..campaign import Campaign
 from ..campaign.problem import problem_of
-from ..diagnosis.scan import spectrum
+from ..diagnosis.weighing.scan import spectrum
 from ..effects.base import Effect
 from ..effects.gear_eccentricity import GearEccentricity
 from ..effects.gear_kinematic_error import GearKinematicError

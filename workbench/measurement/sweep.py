@@ -18,7 +18,7 @@ from ..campaign import Campaign, Target
 from ..campaign.planned import planned
 from ..campaign.problem import Problem, problem_of
 from ..diagnosis.run import diagnose
-from ..diagnosis.scan import spectrum
+from ..diagnosis.weighing.scan import spectrum
 from ..effects.base import Effect
 from ..effects.gear_eccentricity import GearEccentricity
 from ..effects.gear_kinematic_error import GearKinematicError

@@ -21,7 +21,7 @@ from ..diagnosis.changes.result import (
     Unchanged,
 )
 from ..diagnosis.changes.words import hidden_size, tells, with_std
-from ..diagnosis.headline import listed
+from ..diagnosis.telling.headline import listed
 from ..effects import catalogue
 from ..effects.place import Parameter
 from . import charts

@@ -13,8 +13,8 @@ from typing import Any
 
 from scipy.stats import maxwell
 
-from ..diagnosis.headline import listed, words_of
 from ..diagnosis.result import NAMELESS, Decision, Diagnosis, FaultFound, Finding, GivenFact
+from ..diagnosis.telling.headline import listed, words_of
 from ..effects.base import UNKNOWN
 from ..effects.place import Parameter
 from . import figures

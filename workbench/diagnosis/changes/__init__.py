@@ -16,9 +16,9 @@ from ...campaign.known import with_known
 from ...campaign.other_tools import with_tools_as_loads
 from ...files.faults import Fault, InputError
 from ..candidates import testable
-from ..headline import listed
 from ..prepared import Progress
 from ..priors import PRIORS
+from ..telling.headline import listed
 from .covered import hardly, inside
 from .decision import Decided, decide
 from .elsewhere import beside_the_robot

@@ -10,7 +10,7 @@ import numpy as np
 from ...effects.base import Effect
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
-from ..rounds import LOOSE
+from ..search.rounds import LOOSE
 from .candidates import Shape, numbers_of_shape
 from .decision import Decided
 from .levels import Levels

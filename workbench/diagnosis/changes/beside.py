@@ -22,8 +22,8 @@ from scipy.special import logsumexp
 
 from ...robot.kinematics import Array
 from ..priors import PRIORS
-from ..rounds import worth_of
-from ..weight import SCALES, WEIGHTS
+from ..search.rounds import worth_of
+from ..weighing.weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape
 from .system import solve
 

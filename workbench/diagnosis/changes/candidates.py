@@ -14,9 +14,9 @@ from ...effects.base import Effect
 from ...effects.place import Where
 from ...robot.kinematics import Array
 from ...robot.schema import GEOMETRY
-from ..components import EVERY_FINER, Component, Form, form_of, log_odds_of
 from ..priors import PRIORS
-from ..rounds import LOOSE
+from ..search.rounds import LOOSE
+from ..weighing.components import EVERY_FINER, Component, Form, form_of, log_odds_of
 from .courses import any_course, courses
 from .occasions import Occasion, with_same_effects
 

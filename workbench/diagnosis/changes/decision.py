@@ -12,11 +12,11 @@ from ...campaign.problem import Problem
 from ...effects.base import UNKNOWN, Effect
 from ...effects.place import Where
 from ...robot.kinematics import Array
-from ..chosen import Chosen, Member, Shares
-from ..noise_choice import known_dof
+from ..noise.noise_choice import known_dof
 from ..priors import PRIORS
-from ..reduced import Reduced
-from ..sets import Competition
+from ..weighing.chosen import Chosen, Member, Shares
+from ..weighing.reduced import Reduced
+from ..weighing.sets import Competition
 from .beside import Instead, instead_of_members
 from .candidates import Candidate, Shape, candidates_of
 from .covered import carried_change, covered

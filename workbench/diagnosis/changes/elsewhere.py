@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..headline import listed
+from ..telling.headline import listed
 from .covered import hardly
 from .result import Apart, TargetMoved, TargetsMoved
 from .system import System

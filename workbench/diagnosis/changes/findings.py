@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ...effects.base import UNKNOWN
-from ..chosen import Shares
 from ..priors import PRIORS
-from ..rounds import CLEARER, LOOSE, worth_of
+from ..search.rounds import CLEARER, LOOSE, worth_of
+from ..weighing.chosen import Shares
 from .before_after import numbers_at
 from .candidates import numbers_of_shape
 from .covered import carried_change, covered

@@ -10,8 +10,8 @@ import numpy as np
 from ...campaign.known import KnownData
 from ...campaign.problem import Problem
 from ...effects.given import Exclusion, Given, exclusions, given_facts
-from ..headline import listed
 from ..result import GivenFact
+from ..telling.headline import listed
 
 Said = Given | Exclusion
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import norm
 
 from ...robot.kinematics import Array
-from ..power import POWER
+from ..telling.power import POWER
 from .candidates import Candidate, Shape
 from .sensitivity import threshold
 from .system import Solved, System

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..chosen import Chosen, Member
-from ..reduced import Reduced
-from ..sets import CLEARLY, EXCHANGES, Competition, Mask
+from ..weighing.chosen import Chosen, Member
+from ..weighing.reduced import Reduced
+from ..weighing.sets import CLEARLY, EXCHANGES, Competition, Mask
 from .candidates import Candidate
 
 

@@ -10,12 +10,12 @@ from scipy.stats import norm
 
 from ...effects.place import Parameter
 from ...robot.kinematics import Array
-from ..patterns import Products
-from ..power import MANY, POWER
 from ..priors import PRIORS
-from ..reduced import without_background
-from ..rounds import LOOSE
-from ..weight import SCALES, WEIGHTS
+from ..search.rounds import LOOSE
+from ..telling.power import MANY, POWER
+from ..weighing.patterns import Products
+from ..weighing.reduced import without_background
+from ..weighing.weight import SCALES, WEIGHTS
 from .candidates import Candidate, Shape, moved, numbers_of_shape
 from .covered import carried_change
 from .decision import Decided, form_of

@@ -14,8 +14,8 @@ from scipy.linalg import qr, solve_triangular, svd
 from ...identification.rows import moved
 from ...robot.kinematics import Array
 from ...robot.ranges import beyond_range
-from ..gram import OfRows
-from ..reduced import Reduced, parts_of
+from ..weighing.gram import OfRows
+from ..weighing.reduced import Reduced, parts_of
 from .candidates import Candidate, Shape, own_of
 from .occasions import Occasion, numbers_of
 

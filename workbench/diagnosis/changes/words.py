@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ...effects.base import UNKNOWN
 from ...effects.place import Parameter
-from ..headline import listed, words_of
+from ..telling.headline import listed, words_of
 from .candidates import PLACED
 from .result import BACK, CREEP, LEVELS, PHASE, POSSIBLE, Change, Rival, bounds
 

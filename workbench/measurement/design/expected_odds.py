@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...diagnosis.priors import PRIORS
-from ...diagnosis.weight import SCALES, WEIGHTS, mostly_itself
+from ...diagnosis.weighing.weight import SCALES, WEIGHTS, mostly_itself
 from ...robot.kinematics import Array
 
 DRAWS = 200  # of what may be true: the probability is good to 0.03

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...campaign.problem import Problem
-from ...diagnosis.components import usual
+from ...diagnosis.weighing.components import usual
 from ...effects.base import Effect
 from ...files.faults import Fault, InputError
 from ...identification.fit import Fit

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from ...campaign.planned import joint_ranges
 from ...campaign.problem import Problem
-from ...diagnosis.components import Key, at_once, by_key, with_companions
 from ...diagnosis.result import Finding
 from ...diagnosis.run import Outcome
-from ...diagnosis.stand_ins import times_too_sure
+from ...diagnosis.weighing.components import Key, at_once, by_key, with_companions
+from ...diagnosis.weighing.stand_ins import times_too_sure
 from ...effects import catalogue
 from ...effects.base import UNKNOWN, Effect
 from ...effects.unnamed import unnamed

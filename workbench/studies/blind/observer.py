@@ -8,7 +8,7 @@ from scipy.special import logsumexp
 from scipy.stats import norm
 
 from ...diagnosis.priors import PRIORS
-from ...diagnosis.weight import SCALES, WEIGHTS
+from ...diagnosis.weighing.weight import SCALES, WEIGHTS
 
 FAR = 40.0  # standard deviations
 

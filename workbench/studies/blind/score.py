@@ -12,9 +12,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from ...campaign import Campaign
-from ...diagnosis.on_test_campaign import test_figures
 from ...diagnosis.result import Finding, Rival
 from ...diagnosis.run import Outcome, diagnose
+from ...diagnosis.telling.on_test_campaign import test_figures
 from ...effects.base import UNKNOWN, Effect
 from ...identification.fit import Fit, refit
 from ...robot.kinematics import Array

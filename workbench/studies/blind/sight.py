@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...campaign import Campaign
 from ...campaign.problem import problem_of
 from ...diagnosis.candidates import testable
-from ...diagnosis.screen import quadratic, reduce_columns
+from ...diagnosis.weighing.screen import quadratic, reduce_columns
 from ...effects.base import Effect
 from ...effects.place import Where
 from ...identification.fit import Fit, fit, start_state

@@ -1,0 +1,24 @@
+"""Rows that are there twice: a copy is no second measurement."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...campaign import Campaign
+from ..result import FaultFound
+
+
+def without_copies(campaign: Campaign) -> tuple[Campaign, tuple[FaultFound, ...]]:
+    """The campaign without poses whose joints, load, time and points are those of an earlier one to the last
+    digit. Taken for repeats they would say that the robot and the instrument have no noise at all."""
+    poses = campaign.poses
+    columns = [poses.q, poses.payload[:, None], poses.setup[:, None], campaign.points.reshape(len(poses), -1)]
+    if poses.time is not None:
+        columns.append(poses.time[:, None])
+    rows = np.concatenate([np.asarray(column, dtype=float) for column in columns], axis=1)
+    _, first = np.unique(np.nan_to_num(rows, nan=np.inf), axis=0, return_index=True)
+    copies = np.setdiff1d(np.arange(len(poses)), first)
+    if not len(copies):
+        return campaign, ()
+    what = f"{len(copies)} poses are copies, to the last digit, of others (the first: {poses.ids[copies[0]]})"
+    return campaign.some(np.sort(first)), (FaultFound("copied_pose", None, None, what, "left out"),)

@@ -1,0 +1,330 @@
+"""A step in time: the instrument was moved, or the tool was mounted anew, in the middle of a campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+
+from ...campaign.in_motion import in_motion
+from ...campaign.path_sides import sides_along
+from ...campaign.problem import Problem
+from ...effects import catalogue
+from ...effects.base import Effect
+from ...effects.given import DataFault
+from ...effects.unnamed import unnamed
+from ...identification.fit import Fit
+from ...identification.registration import (
+    GOOD,
+    UNKNOWN_TARGET,
+    Placed,
+    frame_and_targets,
+    place,
+    place_stated,
+    sight,
+    stated_within,
+)
+from ...robot.kinematics import Array
+from ..result import FaultFound
+from ..weighing.screen import SURVIVES, effective_dof, quadratic, reduce_columns, still_to_go
+from .sag import sag
+
+LEAST_BEFORE = 8  # poses before and after a jump
+DIFFERENT = 5  # poses before and after a step
+JUMP = 0.1  # of the spread of the points, from which a step counts as a jump
+MOST = 0.5  # of what is beyond the noise, which a step explains
+SURE = 3.0  # standard deviations of its size, from which a step's size is determined
+AS_WELL = 2.0  # times what is left of its own fit: one fit for all poses explains a part as well
+WAVES = 3  # cosines in the order of measurement: what a drift may look like
+STRETCHES = 12  # of a path: each is one look
+ORDERS, CLEARLY = 11, 3.0  # drawn at random, and times what chance makes a step of in the middle one of them
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step in time: kind of data fault, first pose after it, size [m] that the points move by, rms,
+    statistic."""
+
+    kind: DataFault
+    first: int
+    size: float
+    statistic: float
+
+    def fault(self, problem: Problem) -> FaultFound:
+        """The step as a data fault of the pose that it comes before."""
+        moved = {"moved_instrument": "the instrument's frame", "changed_setup": "the tool with its targets"}
+        what = f"{moved[self.kind]} steps by {self.size * 1e3:.2f} mm (at the targets) before this pose"
+        name = problem.campaign.poses.ids[self.first]
+        return FaultFound(self.kind, name, None, what, "frame and targets fitted anew from here on")
+
+
+def step_in_time(result: Fit) -> Step | None:
+    """A moved instrument, or a tool that was mounted anew; None when nothing steps.
+
+    Every place in the measured order is tried; a step must stand out of a smooth drift clearly. Of rows that
+    were measured in motion neighbours have much of their noise in common, and its wander looks like steps.
+    """
+    c = result.model.problem.campaign
+    if len(c.setup_names) > 1 or len(c.poses.q) < 20 or in_motion(c.poses.q, c.poses.time):
+        return None
+    flange = result.line.direct[:, :, -6:]
+    steps = [
+        _step(result, "moved_instrument", result.line.frame),
+        _step(result, "changed_setup", flange),
+    ]
+    return max((step for step in steps if step), key=lambda step: step.statistic, default=None)
+
+
+def jump(problem: Problem) -> Step | None:
+    """A step that is too large for a fit of all poses together, None where there is none.
+
+    From one pose on, all are grossly off where the first ones put the arm, and agree among themselves.
+    """
+    c, n_poses = problem.campaign, len(problem.q)
+    if len(c.setup_names) > 1 or n_poses < 4 * LEAST_BEFORE:
+        return None
+    order = np.arange(n_poses)
+    first = place_stated(problem, order < max(LEAST_BEFORE, n_poses // 4))
+    spread = float(np.linalg.norm(problem.rigid.p[-1].std(axis=0)))
+    if first.middle > GOOD * spread:
+        return None
+    base = problem.rigid.points(first.targets, problem.on) @ first.R.T + first.t
+    off = np.where(problem.seen, np.linalg.norm(c.points - base, axis=2), np.nan)
+    seen = problem.seen.any(axis=1)
+    far = np.zeros(n_poses, dtype=bool)
+    far[seen] = np.nanmedian(off[seen], axis=1) > JUMP * spread
+    right = np.concatenate([[0], np.cumsum(~far)]) + far.sum() - np.concatenate([[0], np.cumsum(far)])
+    k = int(np.argmax(right))
+    if not LEAST_BEFORE <= k <= n_poses - LEAST_BEFORE or far[:k].mean() > 0.1 or far[k:].mean() < 0.9:
+        return None
+    after = place_stated(problem, order >= k)
+    if after.middle > GOOD * spread or _one_fits(problem, first, after, k):
+        return None
+    size = float(np.sqrt(np.nanmean(off[k:] ** 2)))
+    if size < SURE * _prediction(problem, first, order < k, order >= k):
+        return None
+    held = np.full(len(first.targets), 1e-6)
+    seen_after = sight(problem.rigid, c.points, problem.on, order >= k)
+    same_tool = place(seen_after, first.targets, held, turns=False)
+    kind: DataFault = "moved_instrument" if same_tool.middle < AS_WELL * after.middle else "changed_setup"
+    return Step(kind, k, size, np.inf)
+
+
+def _one_fits(problem: Problem, first: Placed, after: Placed, k: int) -> bool:
+    """Whether one frame and one set of targets for all poses fit both parts about as well as their own do."""
+    every = place_stated(problem, np.ones(len(problem.q), dtype=bool))
+    parts = ((every.length[:k], first.middle), (every.length[k:], after.middle))
+    return all(float(np.nanmedian(length)) < AS_WELL * own for length, own in parts)
+
+
+def _prediction(problem: Problem, first: Placed, here: NDArray[np.bool_], there: NDArray[np.bool_]) -> float:
+    """Standard deviation, rms [m], of the points `there` as a registration of the poses `here` predicts them.
+
+    What is off a rigid robot is alike in neighbouring poses: more of them do not make it better known.
+    """
+    rigid, seen = problem.rigid, problem.seen
+    points = rigid.points(first.targets, problem.on) @ first.R.T
+    axes = np.stack([first.R @ rigid.R[slot] for slot in problem.on], axis=1)
+    J = frame_and_targets(points, axes)
+    known, new = (J[seen & some[:, None]].reshape(-1, J.shape[-1]) for some in (here, there))
+    prior = np.concatenate([np.full(6, UNKNOWN_TARGET), np.repeat(stated_within(problem), 3)])
+    sigma = first.middle + 1e-9
+    A = known.T @ known / (sigma**2 * here.sum()) + np.diag(prior**-2.0)
+    return float(np.sqrt(np.sum(new.T * np.linalg.solve(A, new.T)) / (len(new) / 3)))
+
+
+def _step(result: Fit, kind: DataFault, columns: Array) -> Step | None:
+    """The best step of the motions columns: (N, R, 6) of the points; None when none is clear."""
+    base = np.matmul(result.whitener, columns)
+    n_poses = len(base)
+    before = _prefix(result, base, np.arange(n_poses))
+    possible = places(result.model.problem.positions)
+    if not possible:
+        return None
+    gains = _gains(*before)[possible]
+    gain, first = float(gains.max()), possible[int(gains.argmax())]
+    scatter = _scatter(result, gain)
+    step = base * (np.arange(n_poses) < first)[:, None, None]
+    drift = [
+        base * np.cos(k * np.pi * np.linspace(0, 1, n_poses))[:, None, None] for k in range(1, WAVES + 1)
+    ]
+    if gain < 60 * scatter or _beside(result, step, drift) < 40 * scatter:
+        return None
+    if _beside_joints(result, step) < 60 * scatter:
+        return None
+    alike = scatter > 1.0 or result.model.problem.rounded  # in a run the errors of rounding are
+    if alike and gain < CLEARLY * _by_chance(result, base, possible):
+        return None
+    size, std = _size(result, columns, *(of[first] for of in before))
+    return Step(kind, first, size, gain) if size > SURE * std * np.sqrt(scatter) else None
+
+
+def _gains(S: Array, u: Array, own: Array) -> Array:
+    """(K,) what each of K steps takes off χ², of S (K, 6, 6), u (K, 6) and own (K, 6) as `quadratic` has
+    them."""
+    length = np.sqrt(np.maximum(own, 1e-300))
+    values, axes = np.linalg.eigh(S / (length[:, :, None] * length[:, None]))
+    along = ((u / length)[:, None] @ axes)[:, 0]
+    kept = values > SURVIVES
+    return np.asarray((along**2 / np.where(kept, values, np.inf)).sum(axis=1))
+
+
+def _by_chance(result: Fit, base: Array, possible: Sequence[int]) -> float:
+    """The most that a step takes off χ² in the middle one of some orders of the positions, drawn at random:
+    what a model lacks is alike in a pose's points and in its repeats, and looks more like a step than as many
+    independent errors do. So it does along a path and while most joints are held: such runs stay whole."""
+    problem, rng = result.model.problem, np.random.default_rng(0)
+    together = _alike(problem)
+    most = []
+    for _ in range(ORDERS):
+        order = np.argsort(rng.permutation(int(together.max()) + 1)[together], kind="stable")
+        most.append(_gains(*_prefix(result, base, order))[possible].max())
+    return float(np.median(most))
+
+
+def _alike(problem: Problem) -> NDArray[np.int64]:
+    """(N,) number of what stays together where the order of measurement is drawn anew: of the repeats of a
+    position, or, where it is longer, of the run of poses in which most joints are held. Along a path, and of
+    few such runs, it is a stretch of the campaign."""
+    q, positions = problem.q, problem.positions
+    runs = problem.campaign.poses.runs
+    stretches = np.arange(len(q)) * STRETCHES // len(q)
+    if sides_along(q, problem.campaign.poses.setup, None) is not None:
+        return stretches
+    if runs.max() >= positions.max():
+        return positions
+    return runs if runs.max() >= STRETCHES else stretches
+
+
+def places(positions: NDArray[np.int64]) -> list[int]:
+    """Where a step may be: between poses enough of which differ to place frame and targets. Returns to a few
+    places anew place neither."""
+
+    def met(order: NDArray[np.int64]) -> NDArray[np.int64]:
+        new = np.zeros(len(order), dtype=np.int64)
+        new[np.unique(order, return_index=True)[1]] = 1
+        return np.cumsum(new)
+
+    before, after = met(positions), met(positions[::-1])[::-1]
+    return [int(k) for k in range(1, len(positions)) if min(before[k - 1], after[k]) >= DIFFERENT]
+
+
+def _size(result: Fit, columns: Array, S: Array, u: Array, own: Array) -> tuple[float, float]:
+    """How far the points move by a step, rms [m], and the standard deviation of that. What the background
+    swallows of the step moves nothing."""
+    length = np.sqrt(np.maximum(own, 1e-300))
+    values, axes = np.linalg.eigh(S / np.outer(length, length))
+    kept = values > SURVIVES
+    half = axes[:, kept] / np.sqrt(values[kept]) / length[:, None]  # (6, r): S⁺ is half @ halfᵀ
+    seen = result.model.problem.seen
+    at_points = np.matmul(columns[:, : 3 * seen.shape[1]], half).reshape(*seen.shape, 3, -1)[seen]
+    moved = at_points @ (half.T @ u)
+    rms, std = (float(np.sqrt((by**2).sum() / len(moved))) for by in (moved, at_points))
+    return rms, std
+
+
+def _scatter(result: Fit, gain: float) -> float:
+    """χ² per degree of freedom that a step must stand out of, at least 1: what it leaves, where it takes most
+    of what is beyond the noise; else all, as an unknown effect is no step. What a model lacks is the same in
+    repeats of a joint position: as many of them are one look at it."""
+    dof, position = effective_dof(result), result.model.problem.positions
+    count = np.bincount(position)
+    sums = np.zeros((len(count), result.point_residual.shape[1]))
+    np.add.at(sums, position, result.point_residual)
+    shared = float((sums**2 / count[:, None]).sum())
+    looks = result.point_rows * len(count) / len(position) - (result.point_rows - dof)
+    return max(_left_by(gain, result.chi2, dof), _left_by(gain, shared, max(looks, 1.0)))
+
+
+def _left_by(gain: float, chi2: float, dof: float) -> float:
+    every, left = chi2 / dof, (chi2 - gain) / dof
+    return max(1.0, left if left - 1.0 < (1.0 - MOST) * (every - 1.0) else every)
+
+
+def _beside_joints(result: Fit, step: Array) -> float:
+    """Statistic of a step when smooth functions of joints, stiffness, payload, warmth and sag are taken out
+    first.
+
+    Poses measured joint by joint, load by load, or while the arm warms up, would else let their errors look
+    like a step.
+    """
+    problem = result.model.problem
+    smooth = [result.whitened(e) for e in [*_of_one_joint(problem), *_of_load(problem), *_of_time(problem)]]
+    return _beside(result, step, [*smooth, sag(result)])
+
+
+def _beside(result: Fit, step: Array, smooth: Sequence[Array]) -> float:
+    """Statistic of a step (N, D, 6) when other columns are taken out first; none where these are as many as
+    the data."""
+    n = sum(columns.shape[2] for columns in smooth)
+    if result.J.shape[2] + n > 0.6 * result.point_rows:
+        return 0.0
+    S, u, own = reduce_columns(result, np.concatenate([*smooth, step], axis=2))
+    length = np.sqrt(np.maximum(own, 1e-12 * own.max()))  # what moves nothing stays nothing
+    S, u = S / np.outer(length, length), u / length
+    size, axes = np.linalg.eigh(S[:n, :n])
+    half = axes[:, size > SURVIVES] / np.sqrt(size[size > SURVIVES])  # what the background swallows is noise
+    across = half.T @ S[:n, n:]
+    left, rest = S[n:, n:] - across.T @ across, u[n:] - across.T @ (half.T @ u[:n])
+    return quadratic(left, rest, np.ones(step.shape[2]))[0]
+
+
+def _of_one_joint(problem: Problem) -> list[Effect]:
+    """Smooth functions of single joints, of each cause the first form; and functions without a name."""
+    kinds = [kind for kind in catalogue().values() if kind.smooth and kind.needs(problem) is None]
+    smooth = {e.key: e for kind in kinds for e in reversed(kind.sites(problem))}
+    return [*smooth.values(), *(e for e in unnamed(problem) if e.variant in ("tilt", "torque", "side"))]
+
+
+def _of_load(problem: Problem) -> list[Effect]:
+    """What a change of load does: payloads, and joints that yield to them."""
+    loads = problem.campaign.payload_names
+    every = [e for kind in catalogue().values() if kind.needs(problem) is None for e in kind.sites(problem)]
+    return [e for e in every if e.where.payload in loads or (e.always and e.axial)]
+
+
+def _of_time(problem: Problem) -> list[Effect]:
+    """How an arm, or what it stands on, moves smoothly as it warms up."""
+    kinds = [kind for kind in catalogue().values() if kind.acts == "geometry" and kind.needs(problem) is None]
+    every = [e for kind in kinds for e in kind.sites(problem)]
+    return [e for e in every if e.uses & {"time", "temperature"}]
+
+
+def _prefix(result: Fit, base: Array, order: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+    """S (N, 6, 6), u (N, 6), own (N, 6) of a step before each pose of an order, by running sums."""
+    base, r, J = base[order], result.r[order], result.J[order] * result.columns.prior
+    gram, score, back = (
+        _before(a.swapaxes(1, 2) @ b) for a, b in ((base, base), (base, r[..., None]), (J, base))
+    )
+    flat = back.swapaxes(0, 1).reshape(back.shape[1], -1)
+    taken = solve_triangular(result.upper, flat, trans="T", check_finite=False)
+    Z = taken.reshape(back.shape[1], len(order), 6).transpose(1, 2, 0)
+    u = score[..., 0] - Z @ still_to_go(result)
+    return gram - Z @ Z.swapaxes(1, 2), u, np.diagonal(gram, axis1=1, axis2=2)
+
+
+def _before(each: Array) -> Array:
+    """(N, ...) sums of what comes before each."""
+    return np.concatenate([np.zeros_like(each[:1]), np.cumsum(each, axis=0)[:-1]])
+
+
+def split_setup(problem: Problem, first: int) -> Problem:
+    """The problem with the poses from `first` on in a set-up of their own."""
+    c = problem.campaign
+    setup: NDArray[np.int64] = c.poses.setup.copy()
+    setup[first:] = len(c.setup_names)
+    names = (*c.setup_names, f"{_after(c.setup_names[0])}{c.poses.ids[first - 1]}")
+    return replace(problem, campaign=replace(c.with_poses(setup=setup), setup_names=names))
+
+
+def was_split(name: str, names: Sequence[str]) -> bool:
+    """Whether a set-up of this name is one of two parts among these names: which one another campaign means
+    by it cannot be known."""
+    return any(other.startswith(_after(name)) for other in names)
+
+
+def _after(name: str) -> str:
+    return f"{name or 'setup'} after pose "

@@ -1,0 +1,70 @@
+"""Joints written down with too few digits."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...identification.fit import Fit
+from ..result import FaultFound, Noise
+from ..weighing.remainder import Remainder, remainder
+
+STEPS = (1.0, 0.5, 0.1, 0.05, 0.01)  # degrees
+MADE_BY_ROUNDING = (0.4, 2.5)  # times the scatter left over that rounding must make to be suspected of it
+ALL_OF_IT = (0.7, 1.4)  # the same where that scatter is all that is known of the noise
+SHARED = 3.0  # rows that have one value of a joint: from there on they have one error of rounding, too
+
+
+def rounded_joints(final: Fit, geometry: Fit, noise: Noise, left: Remainder) -> tuple[FaultFound, ...]:
+    """Joints that are multiples of a step which alone would make the scatter that is left; where nobody knows
+    the noise, what `geometry` leaves.
+
+    Commands are often round numbers and then exact; only unexplained scatter makes them suspect.
+    """
+    if noise.source == "residual":
+        excess, (least, most) = _left(geometry), ALL_OF_IT
+    elif left.scatter:
+        excess, (least, most) = left.excess(noise.sigma_mm * 1e-3), MADE_BY_ROUNDING
+    else:
+        return ()
+    found = _step(final)
+    if found is None or not least * excess < found[1] < most * excess:
+        return ()
+    step, made = found
+    what = f"all joints are multiples of {step:g}°, which alone scatters {made * 1e3:.3f} mm per axis"
+    return (FaultFound("rounded_joints", None, None, what, "kept: record the joints with more digits"),)
+
+
+def shared_rounding(geometry: Fit) -> tuple[str, ...]:
+    """Joints of which a function of the angle may be their rounding: many poses have one written value, and
+    with it one error, of a size that what geometry leaves does not exclude."""
+    found, names = _step(geometry), geometry.model.problem.arm.names
+    if found is None or found[1] > MADE_BY_ROUNDING[1] * _left(geometry):
+        return ()
+    few = _few_values(geometry, found[0])
+    return tuple(name for name, shared in zip(names, few, strict=True) if shared)
+
+
+def _left(geometry: Fit) -> float:
+    """[m] one sigma per axis of what geometry leaves."""
+    return geometry.usual * remainder(geometry, known=False).inflation
+
+
+def _few_values(geometry: Fit, step: float) -> NDArray[np.bool_]:
+    """(n,) turning joints that move and have few values for their poses."""
+    problem = geometry.model.problem
+    counts = np.array([len(np.unique(turns)) for turns in np.round(np.degrees(problem.q) / step).T])
+    return (counts > 1) & (len(problem.q) >= SHARED * counts) & ~problem.arm.prismatic
+
+
+def _step(result: Fit) -> tuple[float, float] | None:
+    """The largest step [°] of which all joints are multiples, and the scatter [m] per axis that rounding to
+    it makes; None where there is none."""
+    problem = result.model.problem
+    turning = ~problem.arm.prismatic
+    lever = np.sqrt(np.mean(result.line.by_joint**2, axis=(0, 1)))[turning]
+    for step in STEPS if turning.any() else ():
+        turns = np.degrees(problem.q[:, turning]) / step
+        if np.all(np.abs(turns - np.round(turns)) < 1e-6):
+            return step, float(np.linalg.norm(lever)) * np.radians(step) / np.sqrt(12)
+    return None

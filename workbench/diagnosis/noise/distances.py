@@ -1,0 +1,83 @@
+"""Distances between targets on one body: the robot does not change them, so what they scatter by is noise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy.special import chdtr, chdtri
+
+from ...campaign.problem import Problem
+from ...identification.noise import Covariance
+from ...robot.kinematics import Array
+
+FEWEST = 8  # poses that see the same targets, from which their usual distances are known
+SURE = 3.72  # standard deviations: one chance in ten thousand
+SHOWN = 0.03  # of the best shown: a combination of distances that noise moves less, as of targets in a plane
+WILD = 1e-3  # chance from which a pose's distances are no noise
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How distances scatter. times: over the stated noise; above: standard deviations that they scatter more
+    than that, by the middle of all poses and not the worst; dof: degrees of freedom behind it."""
+
+    times: float
+    above: float
+    dof: float
+
+    @property
+    def more(self) -> bool:
+        """Surely more than was stated."""
+        return self.above > SURE
+
+
+def shown_by_distances(problem: Problem, said: Covariance, farthest: bool = False) -> Shown | None:
+    """What the distances between targets say of a noise; None where no two stand on one body, or all are
+    points of one measurement. farthest: only those that the whole arm carries."""
+    bodies = sorted(set(problem.on))[-1:] if farthest else sorted(set(problem.on))
+    tests = [] if problem.campaign.six_dof else list(_tests(problem, said, bodies))
+    if not tests:
+        return None
+    share = np.concatenate([chdtr(rank, chi2) for chi2, rank in tests])
+    ratio = np.concatenate([chi2 / chdtri(rank, 0.5) for chi2, rank in tests])
+    above = (float(share.mean()) - 0.5) * np.sqrt(12 * len(share))
+    usual, total, dof = float(np.median(ratio)), 0.0, 0.0
+    for chi2, rank in tests:
+        kept = chi2[chi2 < usual * chdtri(rank, WILD)]
+        total, dof = total + float(kept.sum()), dof + rank * (len(kept) - 1)
+    return Shown(float(np.sqrt(total / dof)), above, dof)
+
+
+def _tests(problem: Problem, said: Covariance, bodies: list[int]) -> Iterator[tuple[Array, int]]:
+    """χ² (N,) of the distances at each of N poses that see the same targets of one of the bodies, from their
+    medians, and its rank."""
+    on, seen, setup = np.array(problem.on), problem.seen, problem.campaign.poses.setup
+    for body in bodies:
+        mine = np.flatnonzero(on == body)
+        pattern = np.column_stack([setup, seen[:, mine]])
+        kinds, which = np.unique(pattern, axis=0, return_inverse=True)
+        for kind, (_, *sees) in enumerate(kinds):
+            targets, poses = mine[np.array(sees, bool)], np.flatnonzero(which.ravel() == kind)
+            if len(targets) > 1 and len(poses) >= FEWEST:
+                yield _of(problem.campaign.points[poses][:, targets], said.sigma[poses][:, targets])
+
+
+def _of(points: Array, sigma: Array) -> tuple[Array, int]:
+    """χ² (N,) of the distances between points (N, T, 3) from their medians, and its rank; sigma: (N, T)."""
+    pairs = np.array(list(combinations(range(points.shape[1]), 2)))
+    apart = points[:, pairs[:, 0]] - points[:, pairs[:, 1]]
+    length = np.linalg.norm(apart, axis=2)
+    off = length - np.median(length, axis=0)
+    way = apart[0] / np.maximum(length[0], 1e-12)[:, None]  # turned alike at all poses
+    usual = np.sqrt(np.mean(sigma**2, axis=0))
+    slope = np.zeros((len(pairs), points.shape[1], 3))
+    rows = np.arange(len(pairs))
+    slope[rows, pairs[:, 0]], slope[rows, pairs[:, 1]] = way, -way
+    slope *= usual[:, None]
+    U, s, _ = np.linalg.svd(slope.reshape(len(pairs), -1), full_matrices=False)
+    kept = s > SHOWN * s[0]
+    U, s = U[:, kept], s[kept]
+    return np.asarray((((off @ U) / s) ** 2).sum(axis=1)), len(s)

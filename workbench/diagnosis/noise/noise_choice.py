@@ -1,0 +1,275 @@
+"""Which noise the tests use: stated, measured from repeats, or, where there is neither, the residual's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.special import chdtrc
+
+from ...campaign.problem import Problem
+from ...identification.fit import Fit
+from ...identification.model import Linearisation
+from ...identification.noise import (
+    FEWEST_DOF,
+    LEAST,
+    Covariance,
+    MeasuredNoise,
+    body_motion,
+    measure_noise,
+    repeat_chi2,
+    stated_noise,
+)
+from ...identification.repeats import repeat_groups, within
+from ...identification.variances import cost_of
+from ...robot.kinematics import Array
+from ..priors import PRIORS
+from ..result import Noise
+from .distances import shown_by_distances
+
+BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
+
+RIGID = 0.1  # of the noise: measured targets change their distances by more
+EXACT, BEYOND = 1e-9, 100.0  # of the variance that one part would have alone: what is fitted lies between
+CLEARLY = 20.0  # twice the log likelihood that a further part of the noise must bring
+LESS = 0.8  # times the noise of a turn: by less it is as stated
+WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
+
+
+def provisional(problem: Problem) -> Covariance:
+    """A first guess for the geometry fit where no noise is stated: only its ratios matter."""
+    return Covariance(np.full(problem.seen.shape, 1e-4), np.zeros(problem.arm.n), np.ones(len(problem.q)))
+
+
+def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, list[str]]:
+    """Noise before the residual is seen: stated or measured; else provisional, source "residual"."""
+    axial = line.by_joint
+    said = stated_noise(problem)
+    measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
+    notes = _too_fine(problem)
+    if measured is not None and (said is None or measured.dof >= BELIEVED_DOF):
+        if said is not None:
+            disagree = _disagree(problem, said, measured, axial)
+            if disagree is None:
+                return said, _figures(said, "stated", axial, measured), notes
+            notes.append(disagree)
+        shots = np.maximum(problem.campaign.shots, 1)
+        found = Covariance(
+            measured.sigma / np.sqrt(shots), measured.joint, np.ones(len(problem.q)), dof=measured.dof
+        )
+        return found, _figures(found, "repeats", axial, measured), notes
+    if said is not None:
+        shown = shown_by_distances(problem, said)
+        if shown is not None and shown.more:
+            found = replace(said, sigma=shown.times * said.sigma, dof=shown.dof)
+            notes.append(_shown(said, found))
+            return found, _figures(found, "repeats", axial, None), notes
+        return said, _figures(said, "stated", axial, measured), notes
+    shown_by_rows = _of_rows(problem)
+    if shown_by_rows is not None:
+        return *shown_by_rows, notes
+    return provisional(problem), Noise(0.1, "residual"), notes
+
+
+def _of_rows(problem: Problem) -> tuple[Covariance, Noise] | None:
+    """Noise by how rows on end scatter that are shots of one pose now; None where there are none. What the
+    arm is off by alike in all of them is not in it: that is its joints' scatter, which a fit shows."""
+    (square, dof), shots = problem.campaign.shot_scatter, np.maximum(problem.campaign.shots, 1)
+    if not problem.campaign.of_rows or dof < FEWEST_DOF:
+        return None
+    sigma = max(float(np.sqrt(square / dof)), LEAST) / np.sqrt(shots)
+    found = replace(provisional(problem), sigma=sigma, dof=float(dof))
+    words = "by how rows on end scatter, of which a pose is the mean"
+    figure = 1e3 * found.usual
+    return found, Noise(figure, "repeats", f"{figure:.4f} mm per axis, {words}.", None, found.dof)
+
+
+def of_distances(result: Fit) -> tuple[Covariance, Noise] | None:
+    """Noise that the distances between targets show, where nobody stated one; None where there are none, or
+    where most of what a fit leaves is not the instrument's."""
+    problem, guess = result.model.problem, provisional(result.model.problem)
+    shown = shown_by_distances(problem, guess, farthest=True)
+    if shown is None or shown.times * guess.usual < _left(result) / np.sqrt(2):
+        return None
+    found = replace(guess, sigma=np.maximum(shown.times * guess.sigma, LEAST), dof=shown.dof)
+    return found, _figures(found, "repeats", result.line.by_joint, None)
+
+
+def _too_fine(problem: Problem) -> list[str]:
+    """A note where the campaign states less noise than any instrument has."""
+    stated = problem.campaign.noise_sigma
+    if stated is None or stated >= LEAST:
+        return []
+    taken = f"taken for {LEAST * 1e3:g} mm"
+    return [f"No instrument sees a robot to {stated * 1e3:g} mm, as [noise] says: {taken}. Is it in mm?"]
+
+
+def _shown(said: Covariance, found: Covariance) -> str:
+    """A sentence where distances between targets scatter more than stated."""
+    return (
+        f"Distances between targets, which no robot changes, scatter as by {found.usual * 1e3:.4f} mm per "
+        f"axis, stated is {said.usual * 1e3:.4f} mm: what they show is used. If no target is loose, the "
+        "stated noise is too small."
+    )
+
+
+def without_wild_repeats(problem: Problem) -> Problem:
+    """The problem without points that are off their repeats by far more than usual: one such would make the
+    noise of all."""
+    deviation, weight, dof = within(problem.campaign.points, repeat_groups(problem))
+    length = np.linalg.norm(deviation, axis=2)
+    repeated = problem.seen & (weight > 0)[:, None]
+    if not dof or not repeated.any():
+        return problem
+    wild = repeated & (length > WILD_REPEAT * float(np.median(length[repeated])) + 1e-6)
+    if not wild.any():
+        return problem
+    if problem.campaign.six_dof:  # it is one measurement
+        wild |= wild.any(axis=1)[:, None]
+    points = np.where(wild[..., None], np.nan, problem.campaign.points)
+    return replace(problem, campaign=replace(problem.campaign, points=points))
+
+
+def known_dof(noise: Noise, dof: float) -> float:
+    """Degrees of freedom behind a noise that was measured with `dof`; 0 where it is the residual's own."""
+    if noise.source == "residual":
+        return 0.0
+    return dof if noise.source == "repeats" and np.isfinite(dof) else PRIORS.noise_dof
+
+
+def _disagree(problem: Problem, said: Covariance, measured: MeasuredNoise, axial: Array) -> str | None:
+    """A sentence when repeats scatter otherwise than stated (robot's part included)."""
+    chi2, dof = repeat_chi2(problem, said, axial)
+    if 1e-4 < chdtrc(dof, chi2) < 1 - 1e-4:
+        return None
+    return (
+        f"Repeated poses scatter {measured.total * 1e3:.4f} mm per axis, stated is "
+        f"{measured.total * np.sqrt(dof / max(chi2, 1e-9)) * 1e3:.4f} mm: the measured noise is used."
+    )
+
+
+def _figures(noise: Covariance, source: str, axial: Array, measured: MeasuredNoise | None) -> Noise:
+    sigma = noise.usual
+    robot = float(np.sqrt(np.mean(((axial * noise.joint) ** 2).sum(axis=2))))
+    words = {"stated": "as stated in the campaign", "repeats": "measured from repeated poses"}[source]
+    if source == "repeats" and measured is None:
+        words = "shown by the distances between targets"
+    sentence = f"{sigma * 1e3:.4f} mm per axis, {words}"
+    if robot > 0:
+        sentence += f"; the robot's own repeatability adds {robot * 1e3:.4f} mm per axis"
+    if measured is not None and source == "stated":
+        sentence += f" (repeats agree: {measured.total * 1e3:.4f} mm)"
+    return Noise(
+        sigma * 1e3,
+        source,  # type: ignore[arg-type]
+        sentence + ".",
+        robot * 1e3 if robot > 0 else None,
+        noise.dof if np.isfinite(noise.dof) else None,
+    )
+
+
+def from_residual(result: Fit) -> tuple[Covariance, Noise]:
+    """Noise from the residual of a fit: one sigma, and, with several targets or a 6-D measurement, further
+    parts (the robot's repeatability, the body's; the turning part of the measurement)."""
+    problem, noise = result.model.problem, result.noise
+    if problem.campaign.six_dof:
+        r = result.point_residual[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
+        shift, turn = (float(np.sqrt(np.mean(r[:, part] ** 2))) for part in (slice(0, 3), slice(3, 6)))
+        free = np.sqrt(r.size / max(r.size - result.rank, 1))
+        ratio = noise.turn_ratio * turn / shift
+        new = replace(noise, sigma=noise.sigma * shift * free, turn_ratio=ratio)
+    elif problem.seen.sum(axis=1).max() > 1:
+        new = _parts(result)
+    else:
+        new = replace(noise, sigma=np.full_like(noise.sigma, _left(result)))
+    sigma = new.usual * 1e3
+    sentence = (
+        f"No noise was stated and no pose repeated: {sigma:.4f} mm per axis is what the model leaves. "
+        "Whether that is noise cannot be judged; only what depends on something can be found."
+    )
+    return new, Noise(sigma, "residual", sentence)
+
+
+def _left(result: Fit) -> float:
+    """[m] per axis, root mean square: what a fit leaves, were it all noise of single points."""
+    rows = result.model.problem.seen.sum() * 3
+    return float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
+
+
+def of_turns(result: Fit) -> Covariance | None:
+    """The noise of a 6-D measurement with that of its turning part, which nobody states, from the residual of
+    a fit; None where it is no smaller than that of three points of the stated noise: a model's errors turn
+    the tool too."""
+    problem, noise = result.model.problem, result.noise
+    if not problem.campaign.six_dof or not np.isinf(noise.dof):
+        return None
+    r = result.point_residual[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
+    free = np.sqrt(r.size / max(r.size - result.rank, 1))
+    turn = float(np.sqrt(np.mean(r[:, 3:6] ** 2))) * free
+    return replace(noise, turn_ratio=noise.turn_ratio * turn) if turn < LESS else None
+
+
+def _parts(result: Fit) -> Covariance:
+    """Maximum likelihood, from the residual, of the instrument's variance and the joints' common one; and of
+    what moves a pose's points as one body, where that is clearly there: no joint moves a reflector's seat,
+    the floor or the air, and what they do must not count as surely none of the joints'."""
+    problem = result.model.problem
+    mask = np.repeat(problem.seen, 3, axis=1)
+    turning = np.where(problem.arm.prismatic, 0.0, 1.0)
+    J = result.line.by_joint * turning
+    B = body_motion(problem)
+    moved = [np.where(mask[..., None], A, 0.0) for A in (J, B[:, :, :3], B[:, :, 3:])]
+    parts = [mask[:, :, None] * np.eye(mask.shape[1]), *(A @ A.transpose(0, 2, 1) for A in moved)]
+    d = np.nan_to_num(result.residual).reshape(len(mask), -1)
+    lost = mask.sum() / max(mask.sum() - result.rank, 1)
+    two, cost_two = _likeliest(d, mask, parts[:2], lost)
+    four, cost_four = _likeliest(d, mask, parts, lost)
+    variances = four if cost_two - cost_four >= CLEARLY else np.append(two, [0.0, 0.0])
+    sigma, joint, shift, turn = np.sqrt(variances).tolist()
+    every = np.full(problem.seen.shape, sigma)
+    return replace(result.noise, sigma=every, joint=joint * turning, body=(shift, turn))
+
+
+def _likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: float) -> tuple[Array, float]:
+    """Variances (k,) of covariances that add up to that of d (N, D), parts: k of (N, D, D), and twice the
+    negative log likelihood of them. lost: by how much a fit made d smaller."""
+    unseen = np.where(mask, 0.0, 1.0)[:, :, None] * np.eye(mask.shape[1])
+
+    def cost(x: Array) -> tuple[float, Array]:
+        """By the variances' logarithms, and its gradient."""
+        variances = np.exp(x)
+        value, slope = cost_of(variances, d, unseen, parts, lost)
+        return value, variances * slope
+
+    each = np.array([np.trace(part, axis1=1, axis2=2).sum() for part in parts])
+    alone = np.log(float((d**2).sum()) / np.maximum(each, 1e-300))  # were it all there is
+    bounds = [(one + np.log(EXACT), one + np.log(BEYOND)) for one in alone]
+    found = minimize(cost, alone - np.log(len(parts)), jac=True, method="L-BFGS-B", bounds=bounds)
+    return np.exp(found.x), float(found.fun)
+
+
+def rigid_targets(geometry: Fit) -> list[str]:
+    """A remark where targets keep their distances far better than the points their places, as by the noise
+    and by what a fit leaves: they are points of one 6-D measurement, which was not said."""
+    problem = geometry.model.problem
+    c = problem.campaign
+    on = np.array(problem.on)
+    moving = [i for i in range(len(on)) if on[i] == on.max()]
+    whole = problem.seen[:, moving].all(axis=1)
+    if c.six_dof or len(moving) < 3 or whole.sum() < 10:
+        return []
+    points = c.points[whole][:, moving]
+    sides = np.linalg.norm(points - np.roll(points, 1, axis=1), axis=2)
+    scatter = 1e3 * float(np.max(sides.std(axis=0)))
+    left = float(np.sqrt(np.mean(geometry.residual[problem.seen] ** 2)))
+    usual = 1e3 * min(geometry.noise.usual, left)
+    if scatter > RIGID * usual:
+        return []
+    names = ", ".join(c.targets[i].name for i in moving)
+    return [
+        f"The distances between {names} never change ({scatter:.1g} mm, noise {usual:.1g} mm): they "
+        "are points of one 6-D measurement. Say pose = true under [noise]; else one error counts as several."
+    ]

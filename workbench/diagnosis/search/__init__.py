@@ -1,0 +1,1 @@
+"""The search for what explains the data, round by round."""

@@ -1,0 +1,306 @@
+"""From a prepared campaign to the causes that explain it: one competition of causes and free functions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...effects.base import UNKNOWN, Effect
+from ...effects.place import Where
+from ...identification.fit import Fit, refit
+from ...identification.heldout import heldout
+from ...robot.kinematics import Array
+from ..noise.noise_choice import known_dof
+from ..noise.scatter import beyond_all
+from ..prepared import Prepared
+from ..priors import PRIORS
+from ..weighing.chosen import Chosen, Member, Shares
+from ..weighing.components import Component, Key, bare, beside_forms
+from ..weighing.reduced import Index, Reduced, reduce
+from ..weighing.remainder import ordinary_mm, rp_mm
+from ..weighing.replication import (
+    Part,
+    agreed,
+    enough_for_halves,
+    joined,
+    power,
+    renamed,
+    replicated,
+    searched_in_parts,
+    shown_by,
+)
+from .rounds import BETTER, CLEARER, LOOSE, Round, converged, effects_of, refitted, scaled_of
+from .stages import Group, rms_mm
+
+SURELY = 3.0  # standard deviations
+SHOWS = 6.0  # χ²(2) of a gear's line: one of chance is as large once in twenty
+UNUSUAL = 0.1  # of the noise: what it may change by and still be the one that was known
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """The likeliest set, strongest member first. fit: with its effects; shares: per member, the
+    probability of each component in its place, None: of nothing. unrepeated: members that one part of the
+    data takes for something else: in the fit, but without a name; scatter: (n,) one sigma [rad, m] of the
+    joints beyond the noise; faint: causes that bring too little to be named beside what has no name.
+    misfit: the noise is none that was known, or something has no name: the likelihood is too sure; agreed:
+    causes that parts of the data then find by themselves; gains_mm: what each cause brings on poses held out,
+    once that was looked at; beside: effects of the fit that a cause has beside its form, and whose; against:
+    causes without a name that would be springs of less than no compliance, too large to be true, or nothing
+    but what stands beside their form."""
+
+    fit: Fit
+    components: tuple[Component, ...]
+    members: tuple[Member, ...]
+    shares: tuple[Shares, ...]
+    reduced: Reduced
+    unrepeated: tuple[Member, ...]
+    scatter: Array
+    faint: frozenset[Key] = frozenset()
+    misfit: bool = False
+    agreed: frozenset[Key] = frozenset()
+    gains_mm: Mapping[Key, float] = field(default_factory=dict)
+    beside: Mapping[Effect, Key] = field(default_factory=dict)
+    against: frozenset[Key] = frozenset()
+
+    def named(self, effect: Effect) -> bool:
+        """Whether an effect of the fit stands for a member that has a name, and is not held by others."""
+        keys = [bare(self.components[m.component].key) for m in self.members]
+        named = effect.cause != UNKNOWN and effect.key in keys and effect.key not in self.faint
+        return named and not effect.is_held
+
+    @property
+    def groups(self) -> list[Group]:
+        """Named effects of one cause and place together, strongest first, and what they have beside them: of
+        lines of a gear those that show first, the largest of them leading."""
+        effects, found = self.fit.model.effects, dict[Key, list[int]]()
+        for i, effect in enumerate(effects):
+            if self.named(effect):
+                found.setdefault(effect.key, []).append(i)
+        for own in found.values():
+            if effects[own[0]].ordered:
+                own.sort(key=self._shown, reverse=True)
+        lead = {key: effects[own[0]] for key, own in found.items()}
+        for i, effect in enumerate(effects):
+            if self.beside.get(effect) in found:
+                found[self.beside[effect]].append(i)
+        return [(lead[key], own) for key, own in found.items()]
+
+    def _shown(self, i: int) -> tuple[bool, float]:
+        """Whether the fit's i-th effect shows, and how large it is."""
+        return self.fit.wald(i) > SHOWS, float(np.linalg.norm(self.fit.state.values[i]))
+
+    @property
+    def nameless(self) -> list[int]:
+        """Numbers of the fit's effects that have no name."""
+        named = {i for _, own in self.groups for i in own}
+        return [i for i in range(len(self.fit.model.effects)) if i not in named]
+
+    def worth_mm(self, member: Member) -> float:
+        """RMS length [mm] of what a member makes of the points."""
+        members = self.members if member in self.members else [member]
+        return made_mm(self.fit, self.reduced, members, members.index(member))
+
+
+def made_mm(fit: Fit, reduced: Reduced, members: Sequence[Member], i: int) -> float:
+    """RMS length [mm] of what the i-th of some members makes of the points."""
+    chosen = Chosen(reduced, members)
+    index, beta = chosen.index[chosen.own[i]], chosen.beta[chosen.own[i]]
+    S = reduced.S.between(index, index)
+    return 1e3 * fit.usual * float(np.sqrt(3 * (beta @ S @ beta) / reduced.dof))
+
+
+def compete(prepared: Prepared, candidates: Sequence[Effect]) -> Selection:
+    """The likeliest set of causes, gear lines and free functions."""
+    geometry, source = prepared.geometry, prepared.noise.source
+    problem = prepared.problem
+    enough = enough_for_halves(problem)
+
+    def of_part(poses: Index) -> tuple[Sequence[Component], Sequence[Shares]]:
+        own, _, found = _likeliest(prepared.some(poses), candidates)
+        return own.competition.components, found
+
+    with ExitStack() as stack:
+        in_parts = searched_in_parts(problem, of_part)
+        told = stack.enter_context(in_parts) if enough and source == "residual" else None
+        best, members, shares = _likeliest(prepared, candidates)
+        components = best.competition.components
+        nameless = [components[m.component].nameless for m in members]
+        as_known = _as_known(best.found, geometry, best.competition.reduced.noise_dof)
+        misfit = source == "residual" or not as_known or any(nameless)
+        parts = list[Part]()
+        if misfit and enough and not all(nameless):
+            parts = (told or stack.enter_context(in_parts))(components)
+    if not parts:
+        return _selected(best, members, shares, candidates, geometry, misfit)
+    members, shares, certain = _as_parts_have_it(best, members, shares, parts)
+    return _selected(best, members, shares, candidates, geometry, misfit, certain)
+
+
+def _as_parts_have_it(
+    best: Round, members: list[Member], shares: list[Shares], parts: Sequence[Part]
+) -> tuple[list[Member], list[Shares], frozenset[Key]]:
+    """The members and their shares, no surer than parts of the data are, with the names that these have for
+    them and with what they agree on; and the causes that they agree on."""
+    competition = best.competition
+    reduced, components = competition.reduced, competition.components
+
+    def seen_in(poses: Index) -> list[tuple[float, float]]:
+        own = [components[member.component] for member in members]
+        part = reduce(best.at, own, reduced.noise_dof, poses)
+        may = power(reduced, part, members, components)
+        return list(zip(may, shown_by(part, own, members), strict=True))
+
+    shares = replicated(parts, components, members, shares, seen_in)
+    members, shares = _renamed_at_no_loss(best, members, shares)
+    certain = agreed(parts, components)
+    members, shares = joined(competition, certain, members, shares)
+    return members, shares, frozenset(bare(components[k].key) for k in certain)
+
+
+def _selected(
+    best: Round,
+    members: Sequence[Member],
+    shares: Sequence[Shares],
+    candidates: Sequence[Effect],
+    geometry: Fit,
+    misfit: bool,
+    certain: frozenset[Key] = frozenset(),
+) -> Selection:
+    """The final fit with all members; those for which something elsewhere, or nothing, is there have no
+    name."""
+    competition = best.competition
+    final = _sharpened(refitted(best.found, effects_of(competition, members)), candidates)
+    if final.model.effects:
+        final = refit(final, final.model.effects)  # the rounds' fits are rough
+
+    def place(k: int) -> Where:
+        return competition.components[k].key[1].any_order
+
+    named, unrepeated, sure = list[Member](), list[Member](), list[Shares]()
+    for member, share in zip(members, shares, strict=True):
+        own, likeliest = member.component, max(share, key=lambda k: share[k])
+        here = likeliest is not None and place(likeliest) == place(own)
+        if share[None] < PRIORS.absent and (here or share[own] >= PRIORS.absent):
+            named.append(member)
+            sure.append(share)
+        else:
+            unrepeated.append(member)
+    scatter = beyond_all(best.found, geometry.noise)
+    light = tuple(component.without_columns() for component in competition.components)
+    return Selection(
+        final,
+        light,
+        tuple(named),
+        tuple(sure),
+        competition.reduced,
+        tuple(unrepeated),
+        scatter,
+        misfit=misfit,
+        agreed=certain,
+    )
+
+
+def _as_known(at: Fit, geometry: Fit, noise_dof: float) -> bool:
+    """Whether the noise is the one that was known, or what a fit adds to it is no more than an ordinary
+    robot's repeatability."""
+    unusual = max(UNUSUAL, np.sqrt(2 / max(noise_dof, 1.0)))  # two sigma of a sigma by so few
+    if np.isclose(at.usual, geometry.usual, rtol=unusual):
+        return True
+    added = at.usual**2 - geometry.usual**2
+    return added > 0 and rp_mm(np.sqrt(added)) <= ordinary_mm(geometry.model.problem.robot)
+
+
+def _renamed_at_no_loss(
+    best: Round, members: list[Member], shares: list[Shares]
+) -> tuple[list[Member], list[Shares]]:
+    """The members with the likelier names of their shares, unless these, with what they have beside their
+    forms, predict worse what they did not see: then what is there without a name is better than another's."""
+    new, theirs = renamed(best.competition, members, shares)
+    same = {m.component for m in new} == {m.component for m in members}
+    if same or _heldout_mm(best, members) > BETTER * _heldout_mm(best, new):
+        return new, theirs
+    return members, shares
+
+
+def _heldout_mm(best: Round, members: Sequence[Member]) -> float:
+    """What members leave on poses held out, RMS, with all that they have beside their forms where that is
+    less; once each, as several ask."""
+    known, own = best.left_mm, tuple(members)
+    if own not in known:
+        effects = effects_of(best.competition, members)
+        beside = beside_forms(scaled_of(best.competition, members), best.found.model.problem, effects)
+        models = [effects, [*effects, *beside]] if beside else [effects]
+        known[own] = min(rms_mm(heldout(refitted(best.found, model))) for model in models)
+    return known[own]
+
+
+def _no_excuse(best: Round, members: Sequence[Member], shares: Sequence[Shares]) -> list[Shares]:
+    """The shares, where a likelier name predicts worse than the member by surely more than forms miss: there
+    as if all were true to their forms."""
+    competition, out = best.competition, list(shares)
+    for i, member in enumerate(members):
+        alone: list[Shares] = [{m.component: 1.0} for m in members]
+        alone[i] = shares[i]
+        new, _ = renamed(competition, members, alone)
+        if {m.component for m in new} == {m.component for m in members}:
+            continue
+        missed = SURELY * PRIORS.form * made_mm(best.found, competition.reduced, members, i)
+        if _heldout_mm(best, new) ** 2 > _heldout_mm(best, members) ** 2 + missed**2:
+            out[i] = competition.shares(members, true=frozenset({member.component}))[i]
+    return out
+
+
+def _likeliest(prepared: Prepared, candidates: Sequence[Effect]) -> tuple[Round, list[Member], list[Shares]]:
+    """The likeliest set, strongest member first, without what is likelier not there."""
+    geometry = prepared.geometry
+    noise_dof = known_dof(prepared.noise, geometry.noise.dof)
+    best = converged(geometry, candidates, noise_dof, prepared.noise_known)
+    members = list(best.members)
+    shares = best.competition.shares(members)
+    while members:
+        least = max(range(len(members)), key=lambda i: shares[i][None])
+        if shares[least][None] < PRIORS.absent:
+            break
+        del members[least]  # one at a time: two that stand in for each other are not both superfluous
+        shares = best.competition.shares(members)
+    shares = _no_excuse(best, members, shares)
+    # forms are not as true as the search takes them: of two that may be, what predicts better decides
+    members, shares = renamed(best.competition, members, shares, below=PRIORS.absent)
+    members, shares = _renamed_at_no_loss(best, members, shares)
+    order = sorted(
+        range(len(members)), key=lambda i: -Chosen(best.competition.reduced, [members[i]]).explained
+    )
+    return best, [members[i] for i in order], [shares[i] for i in order]
+
+
+def _sharpened(result: Fit, candidates: Sequence[Effect]) -> Fit:
+    """The fit with settings (a soft zone's width) where the data want them, to first order."""
+    effects = list(result.model.effects)
+    for i, effect in enumerate(effects):
+        related = [other for other in candidates if other.key == effect.key and other.finer()]
+        others = list(dict.fromkeys([effect, *related, *(fine for one in related for fine in one.finer())]))
+        if len(others) < 2:
+            continue
+        worth = [_chi2_with(result, i, other) for other in others]
+        best = int(np.argmin(worth))
+        if worth[best] < worth[0] - CLEARER:
+            effects[i] = others[best]
+    return refitted(result, effects)
+
+
+def _chi2_with(result: Fit, i: int, other: Effect) -> float:
+    """χ² to first order with another form in the place of the model's i-th effect."""
+    G = result.whitened(other).reshape(result.r.size, -1)
+    part = result.columns.effect[i]
+    J = result.J.reshape(result.r.size, -1)
+    r = result.r.ravel() + J[:, part] @ result.state.values[i]
+    rest = np.delete(J * result.columns.prior, np.r_[part], axis=1)
+    loose = LOOSE * result.model.problem.coarse
+    A = np.concatenate([rest, G * [loose * p.typical for p in other.params]], axis=1)
+    g = A.T @ r
+    normal = A.T @ A + np.eye(A.shape[1])
+    return float(r @ r - g @ np.linalg.solve(normal, g))

@@ -1,0 +1,96 @@
+"""What a diagnosis says besides its findings: the campaign's facts and the calibrated geometry."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...campaign.flange_load import external_forces
+from ...campaign.problem import Problem
+from ...effects.place import Parameter
+from ...identification.fit import Fit
+from ...identification.own_base import own_base
+from .in_the_model import what_the_model_has
+
+
+def geometry(final: Fit) -> tuple[Parameter, ...]:
+    """Corrections of the joint frames with standard deviations."""
+    part = final.columns.geometry_slice
+    std = np.sqrt(np.diag(final.covariance)[part])
+    change = final.state.geometry.ravel()[final.columns.geometry]
+    names = [name.removeprefix("geometry/") for name in final.columns.names[part]]
+    return tuple(
+        Parameter(name, float(v), float(s), "rad" if name.rpartition("/")[2].startswith("r") else "m")
+        for name, v, s in zip(names, change, std, strict=True)
+    )
+
+
+def unidentifiable(final: Fit) -> tuple[str, ...]:
+    """Geometry that stays where it was because these data do not show it."""
+    part = final.columns.geometry_slice
+    std = np.sqrt(np.diag(final.covariance)[part]) / final.columns.prior[part]
+    hidden = [
+        name.removeprefix("geometry/")
+        for name, s in zip(final.columns.names[part], std, strict=True)
+        if s > 0.9
+    ]
+    return tuple(hidden)
+
+
+def _base(problem: Problem, final: Fit) -> str:
+    """Whether the campaign says where the base is."""
+    base, stated = own_base(problem, final.state.geometry), problem.arm.gravity
+    if base.measured:
+        return "measured by fixed targets on it"
+    off, most = (float(np.linalg.norm(g)) for g in (base.gravity - stated, stated))
+    tilt = 1e3 * off / max(most, 1e-12)
+    return (
+        f"not measured, axis 1 stands in it as stated; off level by {tilt:.1f} mrad, as far as gravity tells"
+    )
+
+
+def _model(problem: Problem, final: Fit) -> dict[str, str]:
+    """What the model that was given has beyond the nominal robot."""
+    robot = problem.robot
+    if not robot.effects and not robot.geometry:
+        return {}
+    said = what_the_model_has(problem, final.model.known)
+    return {"Model": f"extended before; causes in it: {said or 'none'}; what was found comes on top"}
+
+
+def facts(problem: Problem, final: Fit) -> dict[str, str]:
+    """What was measured, in words."""
+    c = problem.campaign
+    said = {
+        "Poses": str(len(c.poses.q)),
+        "Points": str(int(problem.seen.sum())),
+        "Targets": ", ".join(f"{t.name} (on {t.on})" if t.on != "flange" else t.name for t in c.targets),
+        "Set-ups": ", ".join(name or "one" for name in c.setup_names),
+        "Base": _base(problem, final),
+        **_model(problem, final),
+        "Payloads": ", ".join(
+            f"{name or 'tool only'}: {c.tool_mass + m:g} kg"
+            for i, (name, m) in enumerate(zip(c.payload_names, c.load_mass, strict=True))
+            if (c.poses.payload == i).any()
+        ),
+    }
+    if pulled := external_forces(c):
+        said["External forces"] = pulled
+    for j, name in enumerate(problem.arm.names):
+        low, high = c.poses.q[:, j].min(), c.poses.q[:, j].max()
+        said[f"Range of {name}"] = (
+            f"{low * 1e3:.0f} … {high * 1e3:.0f} mm"
+            if problem.arm.prismatic[j]
+            else f"{np.degrees(low):.1f} … {np.degrees(high):.1f}°"
+        )
+    if c.poses.temperature is not None and np.isfinite(c.poses.temperature).any():
+        said["Temperature"] = (
+            f"{np.nanmin(c.poses.temperature):.1f} … {np.nanmax(c.poses.temperature):.1f} °C"
+        )
+    extra = [
+        ("side of approach", c.poses.side),
+        ("time", c.poses.time),
+        ("motor torque", c.poses.torque),
+        ("read-back joints", c.poses.readback),
+    ]
+    said["Recorded besides"] = ", ".join(name for name, value in extra if value is not None) or "nothing"
+    return said

@@ -1,0 +1,350 @@
+"""Puts a finished competition into findings: causes with rivals and parameters, and what has no name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ... import __version__
+from ...campaign import Campaign
+from ...campaign.problem import REFERENCE_TEMPERATURE, Problem
+from ...effects import catalogue, separation_beside
+from ...effects.base import UNKNOWN, Effect
+from ...effects.place import Parameter
+from ...identification.fit import Fit, fit
+from ...identification.heldout import heldout
+from ...robot.kinematics import Array
+from ..data_faults.rounded_joints import rounded_joints
+from ..prepared import Prepared
+from ..priors import PRIORS
+from ..result import Diagnosis, Finding, GivenFact, NotTestable, Rival
+from ..search.competition import SHOWS, Selection
+from ..search.stages import geometry_alone, pose_errors, rms_mm, stages_of
+from ..weighing.chosen import Shares
+from ..weighing.components import Component, bare, with_companions
+from ..weighing.remainder import Remainder, beyond_forms, remainder, repeatability_mm
+from .ceiling import ceiling_mm
+from .evidence import evidence
+from .facts import facts, geometry, unidentifiable
+from .headline import headline, much_left, remarks, shows_in, steps, verdict_of
+from .in_the_model import InModel, beside_the_model, has
+from .nameless import nameless_of, scattering
+from .on_test_campaign import test_figures
+from .power import detectable, swallowed, visible_mm
+from .set_ups_apart import by_comparing, perhaps_changed
+from .unseen import allowing_for_unseen
+
+ANYTHING = "more poses, spread over the whole range of the joints, and a second payload"
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What the run has gathered."""
+
+    prepared: Prepared
+    selection: Selection
+    candidates: Sequence[Effect]
+    not_testable: tuple[NotTestable, ...]
+    seed: int
+    test: Campaign | None
+    given: tuple[GivenFact, ...] = ()
+
+
+def assemble(parts: Parts) -> Diagnosis:
+    """The Diagnosis."""
+    prepared, selection, final = parts.prepared, parts.selection, parts.selection.fit
+    problem, known, c = prepared.problem, prepared.noise_known, prepared.problem.campaign
+    groups = selection.groups
+    alone = geometry_alone(prepared)
+    stages = stages_of(prepared, alone, final, groups, parts.seed)
+    base = stages[1 if alone is prepared.geometry else 2]
+    left, beyond = _left(prepared, selection)
+    best = stages[-1].heldout_rms_mm
+    with_names = stages[stages.index(base) + len(groups)].heldout_rms_mm
+    sure = _how_sure(parts) if groups else final.covariance
+    findings = [_finding(parts, *group, sure) for group in groups]
+    ceiling = min(best, ceiling_mm(final, parts.candidates))
+    brought = base.heldout_rms_mm - with_names
+    noise_mm = 1e3 * float(np.sqrt(3) * final.usual)
+    rounded = rounded_joints(final, prepared.geometry, prepared.noise, beyond)
+    repeats_to = None if rounded else repeatability_mm(final, beyond, prepared.covariance)
+    nameless = nameless_of(selection, with_names - best)
+    rest = with_names - ceiling
+    much = left.scatter and much_left(brought, rest)
+    more = left if much else beyond  # so much is no part of causes that are off their forms
+    if not nameless and more.scatter and repeats_to is None:
+        nameless = [scattering(selection, more, prepared.covariance, best)]
+    nameless = [_with_comparison(one, problem) for one in nameless]
+    verdict = verdict_of(findings, nameless, brought, rest)
+    told = {(f.cause, f.where.any_order) for f in findings}
+    told |= {(rival.cause, rival.where.any_order) for f in findings for rival in f.rivals}
+    findings = _beside_what_is_found(sorted(findings, key=lambda finding: -finding.gain_mm) + nameless)
+    return Diagnosis(
+        robot=problem.robot.name,
+        robot_title=problem.robot.title,
+        campaign=c.title,
+        n_poses=len(c.poses),
+        n_points=int(problem.seen.sum()),
+        noise=prepared.noise,
+        stages=tuple(stages),
+        verdict=verdict,
+        headline=headline(
+            verdict,
+            findings,
+            stages,
+            brought,
+            ceiling,
+            visible_mm(final, parts.candidates),
+            noise_mm,
+            base,
+            parts.given,
+            repeats_to,
+            shows_in(prepared, left, noise_mm),
+            0.0 if final.lasting is final else rms_mm(heldout(final.lasting, seed=parts.seed)),
+        )
+        + steps(prepared.faults),
+        causes=tuple(findings),
+        ceiling_mm=ceiling,
+        remainder_chi2=left.chi2,
+        remainder_dof=left.dof,
+        remainder_p=left.p,
+        not_testable=(*parts.not_testable, *swallowed(parts.candidates, prepared.geometry, final, told)),
+        detectable=tuple(detectable(parts.candidates, final, known)),
+        faults=prepared.faults + rounded,
+        test=None if parts.test is None else test_figures(prepared.nominal, final, parts.test),
+        given=parts.given,
+        notes=(
+            *_unweighed(problem),
+            *_unwarmed(problem),
+            *(fact.sentence for fact in parts.given if not fact.obeyed),
+            *prepared.notes,
+            *c.warnings,
+            *remarks(prepared, left, beyond, bool(nameless), repeats_to),
+            *_carried(selection),
+            *(perhaps_changed(final) if nameless else []),
+        ),
+        geometry=geometry(final),
+        unidentifiable=unidentifiable(final),
+        facts=facts(problem, final),
+        errors=pose_errors(prepared, alone, final),
+        joints=problem.robot.joint_names,
+        q=c.poses.q,
+        version=__version__,
+        inputs=c.files,
+    )
+
+
+def _unweighed(problem: Problem) -> list[str]:
+    """A remark where the model has no masses: how an arm bends under its own weight looks like what its gears
+    do."""
+    if problem.arm.weighed or not problem.arm.gravity.any() or problem.arm.prismatic.all():
+        return []
+    return [
+        f"The URDF of {problem.robot.name} has no masses: how the arm bends under its own weight is fitted "
+        "without a name, and looks much like what gears do. State the masses before you believe the rest."
+    ]
+
+
+def _unwarmed(problem: Problem) -> list[str]:
+    """A remark where some set-ups have temperatures and others have none."""
+    c = problem.campaign
+    if problem.warmth is None or c.poses.temperature is None:
+        return []
+    known = np.isfinite(c.poses.temperature)
+    without = [name for i, name in enumerate(c.setup_names) if not known[c.poses.setup == i].any()]
+    if not without:
+        return []
+    mean = REFERENCE_TEMPERATURE + problem.warmth[~known].mean()
+    return [
+        f"{', '.join(without)}: no temperature (temp_degC); taken to be as warm as the rest is in the mean, "
+        f"{mean:.1f} °C. Links that grow then look like something else."
+    ]
+
+
+def _with_comparison(finding: Finding, problem: Problem) -> Finding:
+    """What has no name in several campaigns, with the command that says whether these are of one robot."""
+    advice = [finding.separate_by, by_comparing(problem)]
+    return replace(finding, separate_by="; ".join(filter(None, advice)) or None)
+
+
+def _carried(selection: Selection) -> list[str]:
+    """Remarks on effects of known forms that the model has in it without their being named."""
+    effects = [selection.fit.model.effects[i] for i in selection.nameless]
+    known = [effect for effect in effects if effect.cause != UNKNOWN]
+    held = dict.fromkeys(effect.label for effect in known if effect.is_held)
+    labels = dict.fromkeys(effect.label for effect in known if not effect.is_held)
+    said = []
+    if labels:
+        said.append(
+            "The model carries what has no name by effects of known forms as well, which the data do not "
+            f"settle (model.toml has their numbers, no finding does): {', '.join(labels)}."
+        )
+    if held:
+        said.append(
+            "An arm that yields where it was found to yields elsewhere too, by less than can be told apart: "
+            f"{len(held)} other places are in the model, each held to the size of those that were found, and "
+            "sizes and bounds allow for them."
+        )
+    return said
+
+
+def _left(prepared: Prepared, selection: Selection) -> tuple[Remainder, Remainder]:
+    """What the final fit leaves, and what of that real causes are not off their forms: by the noise that was
+    there before any scatter was seen."""
+    final, known = selection.fit, prepared.noise_known
+    judged = fit(final.model, final.state, prepared.covariance, max_iterations=4, line=final.line)
+    left = remainder(judged, known)
+    companions = _companions(selection, judged) if left.scatter else []
+    return left, beyond_forms(judged, known, companions) if companions else left
+
+
+def _companions(selection: Selection, near: Fit) -> list[tuple[Effect, Array]]:
+    """What real causes have beside the forms that they are fitted in, as large as these are likeliest."""
+    scale = {bare(selection.components[m.component].key): m.scale for m in selection.members}
+    problem = near.model.problem
+    return [
+        (companion, scale[effect.key] * sizes)
+        for effect in near.model.effects
+        if selection.named(effect)
+        for companion, sizes in with_companions(near, (effect,), problem)[1:]
+    ]
+
+
+def _beside_what_is_found(findings: list[Finding]) -> list[Finding]:
+    """Without rivals that are found themselves: these are there whatever it is."""
+    there = {(f.cause, f.where) for f in findings if f.status == "named"}
+    return [
+        replace(f, rivals=tuple(r for r in f.rivals if (r.cause, r.where) not in there)) for f in findings
+    ]
+
+
+def _how_sure(parts: Parts) -> Array:
+    """(P, P) how far the final fit's numbers are off in the mean square, for all that may be there beside."""
+    final = parts.selection.fit
+    return allowing_for_unseen(final, _companions(parts.selection, final), parts.candidates)
+
+
+def _finding(parts: Parts, effect: Effect, own: list[int], sure: Array) -> Finding:
+    """One cause. own: numbers of its effects in the fit; sure: (P, P), see `_how_sure`."""
+    final, selection = parts.selection.fit, parts.selection
+    found = standing(selection, effect)
+    rivals = found.rivals
+    named = found.probability >= PRIORS.named and found.by_data >= PRIORS.by_data
+    read = {(fact.cause, fact.where) for fact in parts.given if fact.given is not None}
+    problem = final.model.problem
+    advice = list(
+        filter(None, (separation_beside(effect.key, (r.cause, r.where), read, problem) for r in rivals))
+    )
+    if any(rival.cause == UNKNOWN for rival in rivals):
+        advice.append("something without a name fits as well: see the unknown structure")
+    parameters, told = _describe(final, own, sure)
+    mains = [i for i in own if final.model.effects[i].key == effect.key]
+    strongest = mains[0] if effect.ordered else max(mains, key=final.wald)
+    return Finding(
+        cause=effect.cause,
+        title=effect.heading,
+        called=effect.called,
+        where=effect.where,
+        status="named" if named else "ambiguous",
+        gain_mm=selection.gains_mm[effect.key],
+        probability=found.probability,
+        variant=_form(final, own, strongest),
+        parameters=parameters,
+        rivals=() if named else rivals,
+        faint=() if named else found.faint,
+        separate_by=None if named else "; ".join(dict.fromkeys(advice)) or ANYTHING,
+        sentence=told.sentence,
+        taken_back=told.taken_back,
+        equation=effect.equation,
+        evidence=evidence(final, final.model.effects[strongest], final.state.values[strongest]),
+    )
+
+
+def _form(final: Fit, own: Sequence[int], strongest: int) -> str:
+    """The form of a finding that shows most; nothing where its cause and place say it."""
+    effect = final.model.effects[strongest]
+    if effect.where.order is not None:
+        return ""
+    places = catalogue()[effect.cause].places(final.model.problem)
+    first = next((e for e in places if e.key == effect.key), effect)
+    return "" if len(own) == 1 and effect.variant == first.variant else effect.variant
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A cause at its place among all that compete. rivals: those that cover the rest, likeliest first, and
+    those that only their prior odds keep from it; faint: the likeliest of the others, without which it would
+    be named were there no rivals; by_data: its probability where no other cause is less likely before the
+    data than it: what the data alone say."""
+
+    probability: float
+    rivals: tuple[Rival, ...]
+    faint: tuple[Rival, ...]
+    by_data: float
+
+
+def standing(selection: Selection, effect: Effect) -> Standing:
+    """How a cause stands at its place, where it is likeliest."""
+    best: tuple[float, Shares, int] | None = None
+    for member, share in zip(selection.members, selection.shares, strict=True):
+        component = selection.components[member.component]
+        same = bare(component.key) == effect.key
+        if same and (best is None or share[member.component] > best[0]):
+            best = share[member.component], share, member.component
+    assert best is not None
+    probability, share, index = best
+    raised = {k: p * _handicap(selection.components, index, k) for k, p in share.items()}
+    total = sum(raised.values())
+    covered, rivals, faint = probability, list[Rival](), list[Rival]()
+    others = sorted(((p, k) for k, p in share.items() if k is not None and k != index), reverse=True)
+    for p, k in others:
+        rival = Rival(*selection.components[k].key, p)
+        close = raised[k] >= (1 - PRIORS.by_data) * total
+        worth_a_word = close or (covered < PRIORS.listed and p >= PRIORS.faintest_rival)
+        if (rival.cause, rival.where) != effect.key:
+            (rivals if worth_a_word else faint).append(rival)
+        covered += p if worth_a_word else 0.0
+    return Standing(probability, tuple(rivals), _not_yet_named(probability, faint), raised[index] / total)
+
+
+def _not_yet_named(probability: float, faint: Sequence[Rival]) -> tuple[Rival, ...]:
+    """The first of these rivals, likeliest first, until the others leave half of what a name leaves."""
+    left = sum(rival.probability for rival in faint)
+    kept = list[Rival]()
+    for rival in faint:
+        if left <= (1 - PRIORS.named) / 2 * probability:
+            break
+        kept.append(rival)
+        left -= rival.probability
+    return tuple(kept)
+
+
+def _handicap(components: Sequence[Component], own: int, other: int | None) -> float:
+    """By how much a cause was less likely than another before the data. A line's odds are also those of its
+    order, and functions without a name stand for what nobody knows: these stay as they are."""
+    if other is None or components[other].nameless or components[other].key[1].order is not None:
+        return 1.0
+    return float(np.exp(max(components[own].log_odds - components[other].log_odds, 0.0)))
+
+
+def _describe(final: Fit, own: Sequence[int], sure: Array) -> tuple[tuple[Parameter, ...], InModel]:
+    """Parameters and sentence; further parts of one cause carry their order or form in the name. Of a gear's
+    further lines a sentence says those that show. sure: (P, P) covariance of the fit's numbers."""
+    parameters: list[Parameter] = []
+    sentences: list[str] = []
+    there = [(final.model.effects[i], final.effect_values(i)[0]) for i in own]
+    given = final.model.given_values(final.state)
+    there += [(item.effect, given[k, None]) for k, item in enumerate(final.model.given)]
+    for n, i in enumerate(own):
+        effect = final.model.effects[i].beside(there)
+        values, part = final.state.values[i], final.columns.effect[i]
+        if n == 0 or not effect.ordered or final.wald(i) > SHOWS:
+            sentences.append(effect.sentence(values + has(final, final.model.effects[i])))
+        for p in effect.report(values, sure[part, part]):
+            clash = n > 0 and any(p.name == other.name for other in parameters)
+            mark = f"order {effect.where.order:g}" if effect.where.order is not None else effect.variant
+            parameters.append(replace(p, name=f"{p.name} ({mark})") if clash else p)
+    told = " ".join(s for s in sentences if s)
+    return tuple(parameters), beside_the_model(final, [final.model.effects[i] for i in own], told)

@@ -1,0 +1,114 @@
+"""How sure a comparison of two causes in one place can be: less than their likelihoods say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...effects.base import Effect
+from ..priors import PRIORS
+from .chosen import Chosen
+from .components import Component, bare
+from .reduced import Reduced
+from .weight import Weight, likelihood
+
+
+def times_too_sure(one: Effect, other: Effect) -> float:
+    """By how much log odds between two causes are too large where it is how they are likely to look that
+    tells them apart, of which little is known. Two laws of one joint's yield are told apart by their
+    freedom."""
+    if one.cause == other.cause or one.kin is None or one.kin != other.kin:
+        return 1.0
+    if one.acts != "yielding":
+        return PRIORS.kin
+    same = one.axial and other.axial and one.where == other.where
+    return 1.0 if same else PRIORS.yields
+
+
+class StandIns:
+    """Components in each other's place at one linearisation.
+
+    That one fits better than another says less than it seems to. No form is quite true: what a large
+    effect's form misses is as large as a small effect (`PRIORS.form`), and some odds are too large by a
+    factor (`times_too_sure`) but for what a cause that may be true to its form wins without its companions.
+    Two orders of one gear are one form. true: components in whose place forms are taken to be true.
+    """
+
+    def __init__(
+        self, reduced: Reduced, components: Sequence[Component], true: frozenset[int] = frozenset()
+    ) -> None:
+        self.reduced, self.components, self.true = reduced, components, true
+
+    def believed(
+        self, chosen: Chosen, i: int, weights: dict[int, Weight], logs: dict[int, float]
+    ) -> dict[int, float]:
+        """log odds of components in the i-th member's place, as far as they can be believed, without those
+        that stand in by their companions alone. weights: of each by itself there, logs: its log odds."""
+        own = chosen.members[i].component
+        takes = {k: self._takes(chosen, i, k, weights[k]) for k in logs}
+        logs = {
+            k: v for k, v in logs.items() if k == own or self._of_itself(chosen, i, k, weights[k], takes[k])
+        }
+        rivals = [k for k in logs if self._differ(k, own)]
+        excused = [] if own in self.true else rivals
+        out = self._no_truer_than_forms(chosen, i, takes, logs, excused)
+        for k in rivals:
+            times = self._times_too_sure(k, own)
+            if times == 1:
+                continue
+            before = self.components[k].log_odds - self.components[own].log_odds
+            odds = out[k] - logs[own] - before
+            winner = k if odds > 0 else own
+            by_itself = abs(odds) - weights[winner].by_companions if self.components[winner].pure else 0.0
+            out[k] = logs[own] + before + np.sign(odds) * max(abs(odds) / times, by_itself)
+        return out
+
+    def _differ(self, k: int, own: int) -> bool:
+        return bare(self.components[k].key) != bare(self.components[own].key)
+
+    def _times_too_sure(self, k: int, own: int) -> float:
+        one, other = (self.components[c] for c in (k, own))
+        if one.nameless or other.nameless or one.effect is None or other.effect is None:
+            return 1.0
+        return times_too_sure(one.effect, other.effect) if one.group == other.group else 1.0
+
+    def _no_truer_than_forms(
+        self,
+        chosen: Chosen,
+        i: int,
+        takes: dict[int, float],
+        logs: dict[int, float],
+        rivals: Sequence[int],
+    ) -> dict[int, float]:
+        """log odds by how much better or worse rivals fit as far as that can be believed; functions without a
+        name, which have no form, may be worse. takes: what each takes off χ² there."""
+        own, left = chosen.members[i].component, self.reduced
+        rest = chosen.explained_without(i)
+        too_sure = 1 + PRIORS.form**2 * (chosen.explained - rest)
+        slope = 0.5 * (left.noise_dof + left.dof) / max(left.noise_dof + left.chi2 - chosen.explained, 1.0)
+        mine, out = takes[own], dict(logs)
+        for k in rivals:
+            theirs = takes[k]
+            if self.components[k].nameless and theirs < mine:
+                continue
+            better = float(likelihood(left, rest, np.array(theirs)) - likelihood(left, rest, np.array(mine)))
+            most = slope * abs(theirs - mine) / too_sure
+            out[k] += float(np.clip(better, -most, most)) - better
+        return out
+
+    def _of_itself(self, chosen: Chosen, i: int, k: int, weight: Weight, takes: float) -> bool:
+        """Whether enough of what a component takes off χ² is the effect's own, and not its companions'."""
+        main, part = self.components[k].forms[weight.form].main, self.reduced.parts[k][weight.form]
+        if not 0 < main < part.stop - part.start:  # no companions follow
+            return True
+        return self._takes(chosen, i, k, weight, main) >= PRIORS.itself * takes
+
+    def _takes(self, chosen: Chosen, i: int, k: int, weight: Weight, first: int | None = None) -> float:
+        """What a component takes off χ² in its likeliest form, or the first columns of that, in the i-th
+        member's place."""
+        part = self.reduced.parts[k][weight.form]
+        columns = np.arange(part.start, part.stop)[None, :first]
+        S, u = (x[0] for x in chosen.left_of(columns, i))
+        S[np.diag_indices_from(S)] += weight.scale**-2
+        return float(u @ np.linalg.solve(S, u))
