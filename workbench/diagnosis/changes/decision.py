@@ -25,7 +25,7 @@ from .search import Search
 from .steadiness import unsteady
 from .system import Mask, Solved, System, reduced_of, relinearised, solve, system_of
 
-SURVIVES = 1e-6  # share of a column's length² that frames, targets and what is common must leave
+SURVIVES = 1e-4  # share of a column's length² that frames, targets and all else must leave; loads leave less
 SAME = 0.9999  # correlation of two numbers of the geometry from which they are one and the same
 ROUNDS = 2
 
