@@ -31,7 +31,7 @@ from workbench.cli.main import main
 from workbench.diagnosis.changes import _apart_in_posture
 from workbench.diagnosis.changes.courses import courses
 from workbench.diagnosis.changes.covered import carried, carried_change, covered
-from workbench.diagnosis.changes.decision import _able
+from workbench.diagnosis.changes.decision import _able, decide
 from workbench.diagnosis.changes.findings import _rivals, of_robot
 from workbench.diagnosis.changes.occasions import occasions_of
 from workbench.diagnosis.changes.result import Change, Comparison, Rival, TargetMoved, TargetsMoved
@@ -415,6 +415,12 @@ def test_nothing_changed_and_what_would_have_been_seen():
     assert same["joint_1 zero"] == same["joint_6 zero"] == "the instrument's frame or the targets"
 
 
+def tried(loaded: bool) -> set[tuple[str, Where]]:
+    """What competes to have changed."""
+    occasions, whole = occasions_of([before(loaded), measured(2, loaded=loaded)], lambda _: None)
+    return {(one.cause, one.where) for one in decide(occasions, whole, []).candidates if one.change}
+
+
 def test_what_geometry_shows_by_its_loads_alone_is_no_change_that_can_be_seen():
     """A base that tilts looks like a move of the instrument, but for where gravity pulls: an IRB 120's would
     have had to tilt by 12 mrad for what its model lacks of loads."""
@@ -422,6 +428,7 @@ def test_what_geometry_shows_by_its_loads_alone_is_no_change_that_can_be_seen():
     tilts = {f"base_link (tilt about {axis} of joint_1)" for axis in "xy"}
     assert tilts <= {item.label for item in comparison.unseen}
     assert not tilts & {item.label for item in comparison.unchanged}
+    assert tried(loaded=True).isdisjoint({("geometry", Where(joint="joint_1", link="base_link"))})
 
 
 def test_the_size_called_detectable_is_found():

@@ -244,7 +244,7 @@ def _distinct(
                 seen.append((label_of(candidate, shape), part.start))
             shapes.append(shape)
             places.append(part)
-        if shapes:
+        if any(len(shape.geometry) < 2 for shape in shapes):  # else no number of it can be seen
             kept.append(replace(candidate, shapes=tuple(shapes)))
             parts.append(tuple(places))
     return kept, replace(reduced, parts=tuple(parts)), hidden
