@@ -445,7 +445,7 @@ def test_a_turn_about_sockets_is_not_in_the_bounds_and_said(truth, tmp_path, mon
     assert told.F.shape[1] > 1
     path = tmp_path / "model.toml"
     monkeypatch.setattr(of_fit, "_idle_turns", lambda points, error: np.eye(6)[:, 5:])
-    write_fit(path, result)
+    write_fit(path, fitted(plan))
     turned = predict(path, LIMITS[None, :, 1])
     assert np.abs(load_robot(path).uncertainty.F[5]).max() < 1e-9  # type: ignore[union-attr]
     assert any("turned" in note for note in turned.notes)
