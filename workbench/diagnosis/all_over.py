@@ -36,11 +36,4 @@ def with_bounds(outcome: Outcome) -> Outcome:
     except (NoRest, InputError):
         return outcome
     near, far = (1e3 * float(np.median(one.worst)) for one in errors)
-    said = (
-        f"After correction the tool stays within {near:.3g} mm at half of the measured poses, and within "
-        f"{far:.3g} mm at half of poses all over the joints' range (95 %). What is held out is of the design "
-        "that was measured; `workbench predict` says it of each pose."
-    )
-    diagnosis = outcome.diagnosis
-    notes = (*diagnosis.notes, said)
-    return replace(outcome, diagnosis=replace(diagnosis, bounds_mm=(near, far), notes=notes))
+    return replace(outcome, diagnosis=replace(outcome.diagnosis, bounds_mm=(near, far)))

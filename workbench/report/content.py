@@ -79,6 +79,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "revealed": asdict(diagnosis.revealed) if diagnosis.revealed else None,
         "tiles": _tiles(diagnosis),
         "start": diagnosis.start,
+        "bounds": _bounds(diagnosis),
         "test": _test(diagnosis),
         "stages": _stages(diagnosis),
         "remainder": _remainder(diagnosis),
@@ -242,6 +243,17 @@ def _stages(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         }
         for name, stage in zip(names, diagnosis.stages, strict=True)
     ]  # fmt: skip
+
+
+def _bounds(diagnosis: Diagnosis) -> str:
+    """What correction leaves, in words; nothing where that is not known."""
+    if diagnosis.bounds_mm is None:
+        return ""
+    near, far = map(mm, diagnosis.bounds_mm)
+    return (
+        f"Once corrected the tool is within {near} mm at half of the measured poses, and within {far} mm "
+        "at half of those all over the joints' range (95 %)."
+    )
 
 
 def _cause(finding: Finding, number: int) -> Content:
