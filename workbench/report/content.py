@@ -22,7 +22,18 @@ from .drawing import Figure
 from .equation import typeset
 from .legible import legible
 from .limits import detectable, not_testable, place, slides, unidentifiable
-from .numbers import MISSING, decimals, mm, mm_change, p_value, probability, quantity, significant, words
+from .numbers import (
+    MISSING,
+    bound,
+    decimals,
+    mm,
+    mm_change,
+    p_value,
+    probability,
+    quantity,
+    significant,
+    words,
+)
 from .reliability import published
 
 Content = dict[str, Any]
@@ -249,10 +260,10 @@ def _bounds(diagnosis: Diagnosis) -> str:
     """What correction leaves, in words; nothing where that is not known."""
     if diagnosis.bounds_mm is None:
         return ""
-    near, far = map(mm, diagnosis.bounds_mm)
+    near, far = map(bound, diagnosis.bounds_mm)
     return (
-        f"Once corrected the tool is within {near} mm at half of the measured poses, and within {far} mm "
-        "at half of those all over the joints' range (95 %)."
+        f"What correction leaves, 95 %: {near} mm at half of the measured poses, {far} mm at half of those all over "
+        "the joints' range."
     )
 
 

@@ -10,6 +10,7 @@ from ..effects import called
 from ..effects.place import Parameter
 
 MISSING = "–"
+FARTHEST = 100.0  # mm: no robot errs by more
 PREFIXES = ((1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"))
 SCALABLE = ("rad", "m", "N", "Nm", "Pa", "s")
 # A pure number is a share of one, in per cent, or below this in ppm; these parameters are something else.
@@ -72,6 +73,11 @@ def significant(value: float, digits: int = 3) -> str:
     if -5 < power < 7:
         return decimals(value, digits - 1 - power)
     return f"{decimals(value / 10.0**power, digits - 1)}·10{str(power).translate(SUPERSCRIPTS)}"
+
+
+def bound(value: float) -> str:
+    """A bound [mm]; beyond `FARTHEST` that it is: what is so unsure is not known at all."""
+    return mm(value) if value < FARTHEST else f"over {FARTHEST:.0f}"
 
 
 def mm(value: float) -> str:

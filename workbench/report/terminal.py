@@ -9,7 +9,7 @@ from pathlib import Path
 from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound
 from ..effects.base import UNKNOWN
 from .content import SOURCES, decision, place, slides, status, to_decide
-from .numbers import mm
+from .numbers import bound, mm
 
 FAULTS = 10  # lines of faults; the rest is counted
 POSES = 12  # by their ids in a line
@@ -57,7 +57,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         f"  held-out error, mm RMS   {'   '.join(_steps(diagnosis))}",
     ]
     if diagnosis.bounds_mm:
-        near, far = map(mm, diagnosis.bounds_mm)
+        near, far = map(bound, diagnosis.bounds_mm)
         lines.append(f"  corrected, 95 %, mm      where measured {near}   all over the joints' range {far}")
     if diagnosis.test:
         t = diagnosis.test
