@@ -262,8 +262,8 @@ def _bounds(diagnosis: Diagnosis) -> str:
         return ""
     near, far = map(bound, diagnosis.bounds_mm)
     return (
-        f"What correction leaves, 95 %: {near} mm at half of the measured poses, {far} mm at half of those all over "
-        "the joints' range."
+        f"What correction leaves, 95 %: {near} mm at half of the measured poses, {far} mm at half of those "
+        "all over the joints' range."
     )
 
 
