@@ -21,7 +21,7 @@ from . import figures
 from .drawing import Figure
 from .equation import typeset
 from .legible import legible
-from .limits import detectable, not_testable, place, slides, unidentifiable
+from .limits import detectable, not_testable, place, place_of, unidentifiable
 from .numbers import (
     MISSING,
     bound,
@@ -272,7 +272,7 @@ def _cause(finding: Finding, number: int) -> Content:
     return {
         "title": finding.title or words(finding.cause),
         "id": finding.cause,
-        "where": place(finding.where, slides(finding)),
+        "where": place_of(finding),
         "status": status(finding),
         "status_label": status(finding).capitalize(),
         "sentence": finding.sentence,

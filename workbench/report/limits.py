@@ -23,9 +23,9 @@ def place(where: Where, slides: bool = False) -> str:
     return " ".join(part for part in parts if part)
 
 
-def slides(finding: Finding) -> bool:
-    """Whether it moves along, not about, its joint."""
-    return any(one.unit == "m" for one in finding.parameters[:1])
+def place_of(finding: Finding) -> str:
+    """Where a finding sits, in words; it slides where its first number is in m."""
+    return place(finding.where, any(one.unit == "m" for one in finding.parameters[:1]))
 
 
 def not_testable(diagnosis: Diagnosis) -> list[list[str]]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound
 from ..effects.base import UNKNOWN
-from .content import SOURCES, decision, place, slides, status, to_decide
+from .content import SOURCES, decision, place, place_of, status, to_decide
 from .numbers import bound, mm
 
 FAULTS = 10  # lines of faults; the rest is counted
@@ -69,7 +69,7 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
         lines += [f"    {line}" for line in fault_lines(t.faults, "data fault of the test")]
     for finding in diagnosis.causes:
         sentence = finding.sentence or finding.structure or ""
-        where = place(finding.where, slides(finding))
+        where = place_of(finding)
         name = f"{finding.cause} ({where})" if where else finding.cause
         name = "structure" if finding.cause == UNKNOWN else name
         lines += ["", f"  {status(finding).upper():<11} {name}   gain {finding.gain_mm * 1e3:.1f} µm"]

@@ -246,7 +246,7 @@ def _growth(occasions: Sequence[Occasion], whole: Problem) -> Iterator[Candidate
     scale that is longer is as another ratio of its joint."""
     warm = [_at(one.problem, 21.0) for one in occasions]
     kinds = [effect for kind in catalogue().values() for effect in kind.places(warm[0])]
-    warmed = [e for e in kinds if e.uses == {"temperature"} and len(e.params) == 1]
+    warmed = [e for e in kinds if e.uses == {"temperature"} and e.where == Where()]
     for effect in filter(occasions[0].may_be, warmed):
         blocks = []
         for one, problem in zip(occasions, warm, strict=True):

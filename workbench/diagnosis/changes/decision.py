@@ -45,9 +45,10 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class Decided:
-    """What the competition found. reduced: over all `candidates`; shares: per member, as in `sets`, by those
-    of the poses that say least for it, together: by all that can speak of it; solved: all numbers with the
-    members' own, held loosely; mute: quantities that differ, but not in a pose that can speak of a change."""
+    """What the competition found. reduced: over all `candidates`; shares: per member, as in `sets`, with as
+    much more noise as it is unsteady by, together: by all poses that can speak of it; solved: all numbers
+    with the members' own, held loosely; mute: quantities that differ, but not in a pose that can speak of a
+    change."""
 
     system: System
     candidates: tuple[Candidate, ...]
@@ -118,8 +119,8 @@ def _shares(
     members: Sequence[Member],
     noise_dof: float,
 ) -> tuple[list[Shares], list[Shares]]:
-    """The probabilities, by all poses that can speak of each member, and by those of them that say least for
-    it. every: all candidates, candidates: those that compete."""
+    """The probabilities, by all poses that can speak of each member, and with as much more noise as it is
+    unsteady by. every: all candidates, candidates: those that compete."""
 
     def shares_of(some: Competition) -> list[Shares]:
         found = zip(members, some.shares(members), strict=True)
@@ -146,14 +147,14 @@ def _shares(
 
 
 def _is_there(candidate: Candidate, together: Shares, least: Shares) -> bool:
-    """Whether the poses that say least for a member show it; or all together surely do, if it has a name:
+    """Whether a member shows as unsteady as it is (`least`); or surely does by all poses, if it has a name:
     what has none differs where the model does not fit for that alone."""
     sure = together[None] < 1.0 - PRIORS.named and candidate.cause != UNKNOWN
     return sure or least[None] < PRIORS.absent
 
 
 def _told(together: Shares, least: Shares) -> Shares:
-    """Of a member, by all poses and by those that say least for it: where these say that it may be nothing,
+    """Of a member, by all poses and as unsteady as it is: where that says that it may be nothing,
     what it is if it is something is told by all."""
     nothing = least[None]
     if nothing < PRIORS.absent or together[None] >= PRIORS.absent:

@@ -77,15 +77,14 @@ def worse(before: Array, after: Array, beyond: NDArray[np.bool_]) -> list[str]:
     was measured. before, after: (N, T) [m], NaN where not seen; beyond: (N,)."""
     seen = np.isfinite(after).any(axis=1)
     was, now = (np.array([np.nanmean(row) for row in one[seen]]) for one in (before, after))
-    out = f"{beyond.sum()} of the test campaign's {len(beyond)} poses"
     every, some = np.ones(int(seen.sum()), dtype=bool), beyond[seen]
     if _larger(now - was):
         here, where = every, "At the test campaign's poses"
-        where += f", of which {out.split(' of ')[0]} lie beyond the joints' measured ranges," * bool(
-            beyond.any()
-        )
+        if beyond.any():
+            where += f", of which {beyond.sum()} lie beyond the joints' measured ranges,"
     elif _larger((now - was)[some]):
-        here, where = some, f"At {out}, which lie beyond the joints' measured ranges,"
+        of = f"{beyond.sum()} of the test campaign's {len(beyond)} poses"
+        here, where = some, f"At {of}, which lie beyond the joints' measured ranges,"
     else:
         return []
     mm = (1e3 * float(one[here].mean()) for one in (now, was))

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import Arm, Array
 from ...robot.rotations import skew
-from ..base import Depends
-from ..kinds import DirectEffect
 from ..place import Where
-from .base import Unnamed
-
-LEAST = 1e-3  # N·m: what bears no more turns nothing
+from .loads import Uneven
 
 
 def at_carriage(arm: Arm, slot: int) -> Array:
@@ -25,18 +20,12 @@ def at_carriage(arm: Arm, slot: int) -> Array:
 
 
 @dataclass(frozen=True)
-class UnevenCarriage(Unnamed, DirectEffect):
+class UnevenCarriage(Uneven):
     """A carriage on its guide is not as stiff in roll as in pitch and yaw, which a long one hardly does, nor
     in these alike, whichever two axes across the guide they go about: its compliance is a symmetrical tensor
-    that is more about one axis and less about others. largest [N·m]: moment on it in the campaign."""
+    that is more about one axis and less about others."""
 
     variant: str = "uneven carriage"
-    size: float = 5e-5
-    largest: float = 1.0
-
-    depends: ClassVar[Depends] = frozenset({"load"})
-    by_loads: ClassVar[bool] = True
-    settings: ClassVar[tuple[str, ...]] = ("size", "largest")
 
     @property
     def functions(self) -> int:
@@ -46,15 +35,8 @@ class UnevenCarriage(Unnamed, DirectEffect):
     def variable(self) -> str:
         return f"moment on the carriage of {self.where.joint}"
 
-    @property
-    def unit(self) -> str:
-        return "N·m"
-
     def slot(self, arm: Arm) -> int:
         return arm.slot_of_joint(str(self.where.joint)) + 1
-
-    def x(self, problem: Problem) -> Array:
-        return np.asarray(np.linalg.norm(self.moment(problem), axis=1))
 
     def moment(self, problem: Problem) -> Array:
         """(N, 3) [N·m] at the carriage, on the axes of its joint."""
@@ -81,6 +63,4 @@ class UnevenCarriage(Unnamed, DirectEffect):
     def sites(cls, problem: Problem) -> Sequence[UnevenCarriage]:
         """Sliding joints that carry a moment."""
         names = problem.arm.names
-        places = [cls(Where(joint=names[j])) for j in np.flatnonzero(problem.arm.prismatic)]
-        most = [float(one.x(problem).max(initial=0.0)) for one in places]
-        return [replace(one, largest=m) for one, m in zip(places, most, strict=True) if m > LEAST]
+        return cls.bearing(problem, [Where(joint=names[j]) for j in np.flatnonzero(problem.arm.prismatic)])

@@ -3,9 +3,10 @@ function of the fitted load, with masses fitted beside it, makes a product of tw
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from ..kinds import DirectEffect, LoadEffect
 from ..place import Where
 from .base import Unnamed, each
 
+LEAST = 1e-3  # N·m: what bears no more turns nothing
 LEVELS = 1e-3  # of a lever: a joint as upright as that bears no weight
 SHIFT = 0.3  # m: a shift's usual size is that of a turn at this distance
 FOOT = 1.5  # m: with what is uneven a third of the tilt, a base half a metre above where it turns is usual
@@ -180,19 +182,43 @@ def _down(arm: Arm) -> Array:
 
 
 @dataclass(frozen=True)
-class UnevenTilt(Unnamed, DirectEffect):
-    """What tilts under moment, a base or a joint's bearing, does not do so alike in all directions, nor
-    evenly: softer about one axis across than about the other, whichever these are, and softer or stiffer
-    under a large moment. A base does not turn about its own origin either, but about the foot of a pedestal.
-    largest [N·m]: overturning moment of the campaign."""
+class Uneven(Unnamed, DirectEffect):
+    """What yields to a moment, but not alike in all directions. largest [N·m]: moment of the campaign."""
 
-    variant: str = "uneven tilt"
     size: float = 5e-5
     largest: float = 1.0
 
     depends: ClassVar[Depends] = frozenset({"load"})
     by_loads: ClassVar[bool] = True
     settings: ClassVar[tuple[str, ...]] = ("size", "largest")
+
+    @property
+    def unit(self) -> str:
+        return "N·m"
+
+    def x(self, problem: Problem) -> Array:
+        return np.asarray(np.linalg.norm(self.moment(problem), axis=1))
+
+    @abstractmethod
+    def moment(self, problem: Problem) -> Array:
+        """(N, ·) [N·m] the moment's components."""
+
+    @classmethod
+    def bearing(cls, problem: Problem, places: Iterable[Where]) -> list[Self]:
+        """At those places that bear a moment."""
+        every = [cls(where) for where in places]
+        most = [float(one.x(problem).max(initial=0.0)) for one in every]
+        return [replace(one, largest=m) for one, m in zip(every, most, strict=True) if m > LEAST]
+
+
+@dataclass(frozen=True)
+class UnevenTilt(Uneven):
+    """What tilts under moment, a base or a joint's bearing, does not do so alike in all directions, nor
+    evenly: softer about one axis across than about the other, whichever these are, and softer or stiffer
+    under a large moment. A base does not turn about its own origin either, but about the foot of a pedestal.
+    The moment is the overturning one."""
+
+    variant: str = "uneven tilt"
 
     @property
     def of_base(self) -> bool:
@@ -205,13 +231,6 @@ class UnevenTilt(Unnamed, DirectEffect):
     @property
     def variable(self) -> str:
         return "overturning moment" if self.of_base else f"overturning moment on {self.where.joint}"
-
-    @property
-    def unit(self) -> str:
-        return "N·m"
-
-    def x(self, problem: Problem) -> Array:
-        return np.asarray(np.linalg.norm(self.moment(problem), axis=1))
 
     def moment(self, problem: Problem) -> Array:
         """(N, 2) [N·m] overturning moment, about both axes across."""
@@ -249,9 +268,7 @@ class UnevenTilt(Unnamed, DirectEffect):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[UnevenTilt]:
         """The base and the joints, where there is a moment on them."""
-        places = [cls(), *(cls(Where(joint=name)) for name in problem.arm.names)]
-        most = [float(one.x(problem).max(initial=0.0)) for one in places]
-        return [replace(one, largest=m) for one, m in zip(places, most, strict=True) if m > 1e-3]
+        return cls.bearing(problem, [Where(), *(Where(joint=name) for name in problem.arm.names)])
 
 
 @dataclass(frozen=True)
