@@ -1,5 +1,7 @@
 """A sliding joint's error along its travel: what a screw or a rack does, in metres."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis_cases import found, measured, named
@@ -69,3 +71,14 @@ def test_the_pitch_error_of_a_screw_is_named():
     assert "travel" in cause.title
     assert "travel" in cause.sentence
     assert told.stages[-1].heldout_rms_mm < 0.75 * told.stages[1].heldout_rms_mm
+
+
+def test_a_lift_does_not_reach_farther():
+    """A hall's lift of 9.5 m under an arm of one metre: poses off its axis and above the floor are found."""
+    robot = load_robot("cylindrical")
+    lift = replace(robot.joints[1], upper=9.5)
+    q = random_poses(
+        replace(robot, joints=(robot.joints[0], lift, robot.joints[2])), 20, np.random.default_rng(3)
+    )
+    assert len(q) == 20
+    assert np.ptp(q[:, 1]) > 5

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..files.faults import Fault, InputError
 from ..robot.description import Robot
-from ..robot.kinematics import Array, frames
+from ..robot.kinematics import Arm, Array, frames
 from ..robot.rigid_plant import arrays
 from . import Campaign, Target
 from .poses import Poses
@@ -52,7 +52,7 @@ def random_poses(
     arm = arrays(robot)
     lower, upper = joint_ranges(robot)
     middle, half = (lower + upper) / 2, share * (upper - lower) / 2
-    reach = float(np.linalg.norm(arm.p[2:], axis=1).sum() + upper[arm.prismatic].sum())
+    reach = _reach(arm, lower, upper)
     floor = 0.05 * reach if floor is None else floor
     clear = 0.1 * reach if clear is None else clear
     kept: list[Array] = []
@@ -69,6 +69,15 @@ def random_poses(
             return np.array(kept[:count])
     what = f"hardly any pose keeps the flange above {floor:.2f} m and {clear:.2f} m off the first axis"
     raise InputError(Fault(robot.name, what, "check the joint limits, or give the poses"))
+
+
+def _reach(arm: Arm, lower: Array, upper: Array) -> float:
+    """[m] of the stretched arm; with joints that slide, how far off the first axis they get the flange: a
+    lift does not reach farther."""
+    if not arm.prismatic.any():
+        return float(np.linalg.norm(arm.p[2:], axis=1).sum())
+    anywhere = np.random.default_rng(0).uniform(lower, upper, (1000, arm.n))
+    return float(np.hypot(*frames(arm, anywhere).p[-1, :, :2].T).max())
 
 
 def planned(
