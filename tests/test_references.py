@@ -12,7 +12,8 @@ ROOT = Path(__file__).resolve().parents[1]
 REFERENCES = (ROOT / "docs/references.md").read_text(encoding="utf-8")
 HEADS = {*re.findall(r"^\*\*([^*]+?)\.?\*\*", REFERENCES, flags=re.MULTILINE)}
 INNER = r"\b(source \d{3}|catalogue no|contract\b|contract's|house plan)"  # our own numbers and papers
-MENTION = re.compile(r"([A-Z]\w+) (et al\.|(?:&|and) [A-Z]\w+),?\s*\(?(\d{4})?")
+MENTION = re.compile(r"([A-Z]\w+) (et al\.|(?:&|and) (?:O')?[A-Z]\w+),?\s*\(?(\d{4})?")
+ALONE = re.compile(r"[(,;:] ?((?:De )?[A-Z][a-z][a-zA-Z]*) ((?:19|20)\d{2})\b[):,;]")  # in a bracket
 TEXTS = {".py", ".md", ".toml", ".html", ".typ", ".css"}
 PLACES = (
     "workbench",
@@ -58,6 +59,18 @@ def test_no_source_has_a_number_of_our_own():
 def test_every_author_and_year_is_a_reference(source):
     known = {head.rstrip(".") for head in HEADS} | {"Landgraf et al"}
     assert source.rstrip(".") in known, mentions()[source]
+
+
+def test_authors_alone_are_references():
+    """(Dahl 1968) and the like, in code; a place or a month before a year is in no bracket there."""
+    named = [
+        (name, year, path.name)
+        for path in sorted((ROOT / "workbench").rglob("*.py"))
+        for name, year in ALONE.findall(path.read_text(encoding="utf-8"))
+    ]
+    assert named
+    heads = " ".join(HEADS)
+    assert not [item for item in named if f"{item[0]} {item[1]}" not in heads]
 
 
 @pytest.mark.parametrize("room", ["effects", "measurement", "identification", "correction"])

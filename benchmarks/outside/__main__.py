@@ -7,7 +7,8 @@ campaign's files. The project's models are read as files too; ten more robots ar
 
 Each case has its campaign and truth in FOLDER/cases, and a line in FOLDER/results.jsonl when it is done: what
 was done before, by the same seed on the same commit, is not done again. Writes
-`benchmarks/results/outside.json` unless the checkout has changes: its figures belong to a commit.
+`benchmarks/results/outside.json` and `workbench/report/outside.json`, which pages draw, unless the checkout
+has changes: its figures belong to a commit.
 """
 
 import sys
@@ -55,7 +56,7 @@ def main(folder: Path, cases: int = CASES, seed: int = SEED) -> int:
     lines = run.lines(cases, done, truth)
     found = tables([line for line in lines if "found" in line])
     print_tables(found)
-    return run.keep("outside.json", lines, found)
+    return run.keep("outside.json", lines, found, drawn=("probability",))
 
 
 if __name__ == "__main__":

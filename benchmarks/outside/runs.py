@@ -61,8 +61,9 @@ class Run:
             raise SystemExit(f"{path} is of another seed or commit: give another folder")
         return {line["case"]: line for line in lines}
 
-    def keep(self, name: str, lines: list[Json], found: Json) -> int:
-        """Writes `benchmarks/results/NAME`, unless the checkout has changes: figures belong to a commit."""
+    def keep(self, name: str, lines: list[Json], found: Json, drawn: tuple[str, ...] = ()) -> int:
+        """Writes `benchmarks/results/NAME`, unless the checkout has changes: figures belong to a commit.
+        drawn: what of it pages draw, into `workbench/report/NAME`."""
         failed = {line["case"]: line["failed"].split(":")[0] for line in lines if "failed" in line}
         if self.stamp["commit"].endswith("+"):
             print(f"not written to {name}: the checkout has changes")
@@ -70,4 +71,7 @@ class Run:
             kept = {"commit": self.stamp["commit"], "seed": self.stamp["seed"], "cases": len(lines)}
             text = json.dumps(kept | {"failed": failed} | found, ensure_ascii=False, indent=1)
             (ROOT / "benchmarks/results" / name).write_text(text + "\n", encoding="utf-8")
+            if drawn:
+                few = json.dumps(kept | {key: found[key] for key in drawn}, ensure_ascii=False, indent=1)
+                (ROOT / "workbench/report" / name).write_text(few + "\n", encoding="utf-8")
         return int(bool(failed))

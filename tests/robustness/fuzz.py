@@ -27,8 +27,9 @@ BLOCK = 500
 DRAWS = {"quick": QUICK, "long": LONG}
 HEAD = """# What was tried to break it
 
-Written by `make fuzz`: {cases} spoilt inputs, of which `make test` tries 2,000. Each is a sound campaign,
-robot, model, path or command line with one to three things spoilt at random (`tests/robustness/mutators.py`):
+Written by `make fuzz` (commit {commit}): {cases} spoilt inputs; `make test` tries 2,000. Each is a sound
+campaign, robot, model, path or command line with one to three things spoilt at random
+(`tests/robustness/mutators.py`):
 cells, rows, columns, units and separators of tables; values, keys and sections of TOML; attributes and
 elements of URDF; cut, empty, repeated and scrambled files; numbers that are none, not finite, or beyond all
 measure; texts that would act in a terminal, a page or a program; arguments dropped, doubled, exchanged.
@@ -98,7 +99,8 @@ def table(found: list[dict[str, Any]]) -> str:
             f"| {kind} | {len(cases)} | {' | '.join(map(str, counts))} | {other} | {slowest:.1f} s |"
         )
     memory = max(one["memory"] for one in found)
-    head = HEAD.format(cases=f"{len(found):,}")
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    head = HEAD.format(cases=f"{len(found):,}", commit=commit.stdout.strip())
     return (
         head + "\n".join(lines) + f"\n\nPeak memory of a process that ran {BLOCK} of them: {memory:.0f} MB.\n"
     )

@@ -193,10 +193,10 @@ def _next(diagnosis: Diagnosis) -> str:
 
 
 def _remainder(diagnosis: Diagnosis) -> str:
-    """What any smooth model could still gain, and whether what is left looks like noise."""
+    """What all smooth terms together could still gain, and whether what is left looks like noise."""
     last, best = diagnosis.stages[-1].heldout_rms_mm, diagnosis.ceiling_mm
     return (
-        f"Any smooth function of joints, loads, time and place reaches {mm(best)} mm RMS on held-out poses, "
+        f"All smooth terms tried (of joints, loads, time, place) reach {mm(best)} mm RMS on held-out poses, "
         f"this model {mm(last)} mm. {_left(diagnosis)}"
     )
 

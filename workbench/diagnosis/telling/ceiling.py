@@ -1,4 +1,4 @@
-"""What any smooth model could still reach: all components at once, each as large as the data want it.
+"""What a smooth model could still reach: all our components at once, each as large as the data want it.
 
 Automatic relevance determination (MacKay 1992): the prior variance of each component's weights maximises the
 evidence, by its fixed-point iteration; what the data do not want goes to zero. Then every pose is predicted

@@ -27,7 +27,7 @@ def verdict_of(
     findings: Sequence[Finding], nameless: Sequence[Finding], brought_mm: float, rest_mm: float
 ) -> Verdict:
     """The one word for all findings: unknown where what has no name is worth more than a share of what the
-    causes brought. brought_mm, rest_mm: held-out gain of the causes, and of any smooth model beyond them."""
+    causes brought. brought_mm, rest_mm: held-out gain of the causes, and of all smooth terms beyond them."""
     if nameless and (not findings or much_left(brought_mm, rest_mm)):
         return "unknown"
     if not findings:
@@ -94,7 +94,7 @@ def headline(
     if few and base.heldout_rms_mm > stages[0].heldout_rms_mm:
         said = f"Too few poses to be sure{f' ({said[0].lower()}{said[1:]})' if said else ''}"
     best = max(base.heldout_rms_mm - ceiling_mm, 0.0)
-    gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that any smooth model brings."
+    gain += f"; the causes bring {brought_mm:.3f} of the {best:.3f} mm that all smooth terms tried bring."
     if verdict == "unknown":
         left = "Something is left that no known cause explains"
         if any(f.cause == UNKNOWN and f.rivals for f in findings):

@@ -125,7 +125,7 @@ def _own_load(problem: Problem, j: int) -> Array:
 @dataclass(frozen=True)
 class OwnWeights(Unnamed, DirectEffect):
     """What a joint gives under the weights beyond it, where the model has none: its torque is linear in the
-    links' first moments, whatever these are (Atkeson, An, Hollerbach 1986). links: so many lie beyond."""
+    links' first moments, whatever these are (Atkeson et al. 1986). links: so many lie beyond."""
 
     variant: str = "own weights"
     links: int = 1

@@ -50,9 +50,9 @@ def temper(leaver: Leaver, instrument_known: bool) -> tuple[Tempering, float]:
     that its numbers are less sure than as many independent errors would make them: by how much, regions of
     joint space say that are predicted from all others, as block cross-validation does (Roberts et al. 2017).
     The bounds so grow with leverage, which joints far from the data have together even where none is alone.
-    The factor is the conformal quantile of error over bound (Vovk 2005, Lei 2018: it holds for a further pose
-    whatever the errors' distribution); the growth is what the ends of the joints' ranges, predicted from all
-    others, ask for beside.
+    The factor is the conformal quantile of error over bound (Vovk et al. 2005, Lei et al. 2018: it holds for
+    a further pose whatever the errors' distribution); the growth is what the ends of the joints' ranges,
+    predicted from all others, ask for beside.
 
     Errors M of the robot are seen under noise R that is known. A factor f on what is seen is then one of g on
     the robot's part, f² (M + R) = g² M + R: d log f = w d log g with w = M / (M + R), and says the less of g,
