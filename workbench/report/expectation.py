@@ -233,7 +233,8 @@ def _shares(expected: Expected, e: ToolErrors) -> Figure:
         ):
             axes.plot(1e3 * np.sort(bound), share, color=colour, label=label)
         if expected.tolerance is not None:
-            axes.axvline(1e3 * expected.tolerance, color=MIDDLE, lw=1)
+            label = f"tolerance, {1e3 * expected.tolerance:g} mm"
+            axes.axvline(1e3 * expected.tolerance, color=MIDDLE, ls="--", lw=1.2, label=label)
         axes.set_xscale("log")
         plain_log(axes.xaxis)
         axes.set_xlabel("95 % bound of the error, mm")

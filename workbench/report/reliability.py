@@ -26,7 +26,7 @@ def reliability(classes: Sequence[Mapping[str, Any]], cases: int) -> Figure | No
     """classes: of stated probabilities, as `studies.blind.tally.reliability` counts them in so many cases."""
     if not classes:
         return None
-    with drawing("reliability", 2.9) as (axes, svg):
+    with drawing("reliability", 2.5) as (axes, svg):
         axes.plot([0, 100], [0, 100], "--", color=NOISE, lw=1.4, label="stated as it is")
         last, under = -NEAR, False
         for row in classes:
@@ -46,7 +46,7 @@ def reliability(classes: Sequence[Mapping[str, Any]], cases: int) -> Figure | No
     return Figure(
         "reliability",
         f"Of what is stated with {percent(most['from'], 0)} or more, {percent(most['true'], 0)} was true "
-        f"({cases} simulated campaigns with foreign forms)",
+        f"({cases} simulated campaigns, their faults in forms that the program does not have)",
         "Stated probabilities of causes and rivals against the share that was true, with 95 % intervals and "
         "numbers of statements",
         svg[0],
