@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from workbench.report.content import content, gather
 from workbench.report.first_look import _along
 from workbench.report.numbers import mm
 from workbench.report.page import page
+from workbench.report.residuals import residuals
 from workbench.report.terminal import short_verdict
 from workbench.robot.new_robot import new_robot
 
@@ -39,6 +42,25 @@ def test_the_worst_poses_stand_by_name() -> None:
     assert [row[3] for row in said["worst"]] == [mm(float(value)) for value in np.sort(by_pose)[::-1][:5]]
     assert said["worst"][0][0] in page(gather(replace(plain, errors=named)))
     assert content(replace(plain, errors=None))["worst"] == []
+
+
+def test_every_residual_is_in_the_table() -> None:
+    """As the figures have it: its length is that of its parts, and the RMS that of the stage."""
+    made = example.diagnosis(n_poses=40)
+    assert made.errors is not None
+    table = residuals(made)["residuals.csv"].decode()
+    head, *rows = csv.reader(io.StringIO(table))
+    assert len(rows) == len(made.errors.points)
+    numbers = {name: np.array([float(row[k]) for row in rows]) for k, name in enumerate(head) if k > 1}
+    parts = np.column_stack([numbers[f"d{axis}_mm"] for axis in "xyz"])
+    np.testing.assert_allclose(np.linalg.norm(parts, axis=1), numbers["error_mm"], atol=2e-4)
+    np.testing.assert_allclose(1e3 * made.errors.error_final, parts, atol=1e-4)
+    geometry = 1e3 * np.linalg.norm(made.errors.error_geometry, axis=1)
+    np.testing.assert_allclose(geometry, numbers["geometry_mm"], atol=1e-4)
+    assert 'href="residuals.csv"' in page(gather(made))
+    nothing = replace(made, errors=None)
+    assert residuals(nothing) == {}
+    assert "residuals.csv" not in page(gather(nothing))
 
 
 @pytest.mark.parametrize(

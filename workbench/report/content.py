@@ -109,6 +109,7 @@ def content(diagnosis: Diagnosis) -> Content:
         "unidentifiable": unidentifiable(diagnosis),
         "unidentifiable_said": UNIDENTIFIABLE,
         "geometry": [_geometry(parameter) for parameter in diagnosis.geometry],
+        "residuals": {"residuals.csv": "Residuals"} if diagnosis.errors is not None else {},
         "worst": worst_poses(diagnosis),
         "worst_head": worst_head(diagnosis),
         "worst_said": worst_said(diagnosis),

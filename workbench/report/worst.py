@@ -7,6 +7,7 @@ import numpy as np
 from ..diagnosis.result import Diagnosis
 from .figures import SELDOM, before_of, norm_mm
 from .numbers import mm
+from .residuals import called
 
 LISTED = 5
 
@@ -22,11 +23,8 @@ def worst_poses(diagnosis: Diagnosis) -> list[list[str]]:
     for point in np.argsort(-after, kind="stable"):
         worst.setdefault(int(errors.pose[point]), int(point))
     rows = []
-    for pose, point in list(worst.items())[:LISTED]:
-        target = int(errors.target[point])
-        name = errors.pose_ids[pose] if errors.pose_ids else str(pose + 1)
-        seen = errors.target_names[target] if errors.target_names else str(target + 1)
-        rows.append([name, seen, mm(float(before[point])), mm(float(after[point]))])
+    for point in list(worst.values())[:LISTED]:
+        rows.append([*called(errors, point), mm(float(before[point])), mm(float(after[point]))])
     return rows
 
 
