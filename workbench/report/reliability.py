@@ -46,7 +46,7 @@ def reliability(classes: Sequence[Mapping[str, Any]], cases: int) -> Figure | No
     return Figure(
         "reliability",
         f"Of what is stated with {percent(most['from'], 0)} or more, {percent(most['true'], 0)} was true "
-        f"({cases} simulated campaigns, their faults in forms that the program does not have)",
+        f"({cases} simulated campaigns, faults in other forms than ours)",
         "Stated probabilities of causes and rivals against the share that was true, with 95 % intervals and "
         "numbers of statements",
         svg[0],
