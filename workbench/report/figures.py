@@ -178,7 +178,7 @@ def evidence(finding: Finding, number: int) -> Figure | None:
         axes[0].set_ylabel(_axis_label(seen.y_name, y_scale))
         axes[0].set_ylim(*(y_scale.factor * _range(seen)))
     alt = f"{seen.y_name} against {seen.x_name}: " + ", ".join(title for *_, title in panels)
-    return Figure(name, _evidence_title(finding.cause, seen), alt, svg[0])
+    return Figure(name, _evidence_title(finding.cause, seen, y_scale), alt, svg[0])
 
 
 def _range(seen: Evidence) -> Array:
@@ -189,9 +189,9 @@ def _range(seen: Evidence) -> Array:
     return np.array([low - room, high + room])
 
 
-def _evidence_title(cause: str, seen: Evidence) -> str:
+def _evidence_title(cause: str, seen: Evidence, scale: Scale) -> str:
+    """In the unit of the axis below it."""
     before, after = (float(np.sqrt(np.nanmean(y**2))) for y in (seen.before, seen.after))
-    scale = axis_scale([before], seen.y_unit)
     first = significant(before * scale.factor)
     if cause == "unknown":
         return f"What is left has an RMS of {first} {scale.unit} and goes with {seen.x_name}"
