@@ -32,7 +32,7 @@ demo: $(STAMP)
 # Without the closed loop's own page and the first campaign's, whose scenes are as large again, and without links to them.
 example: demo
 	mkdir -p reports/example
-	cp $(addprefix reports/demo/,report.pdf scene.html result.json model.toml) reports/example
+	cp $(addprefix reports/demo/,report.pdf scene.html result.json residuals.csv model.toml) reports/example
 	cp -r reports/demo/urdf reports/example
 	sed -e 's|<a href="path/verify.html">\(.*\)</a>|\1|' -e '/href="first\/index.html"/d' \
 		reports/demo/index.html > reports/example/index.html

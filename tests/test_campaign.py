@@ -147,6 +147,17 @@ def test_names_are_advised_as_toml_has_them(tmp_path: Path) -> None:
     assert any(f'targets."{name}".on: ' in told for told in faults(path))
 
 
+def test_targets_that_nobody_declared_are_told_together(tmp_path: Path) -> None:
+    points = "pose_id,target,x_mm,y_mm,z_mm\n" + "".join(f"a,SMR{i},{i},2,3\n" for i in (1, 2, 3))
+    (said,) = [
+        line for line in warnings(load_campaign(write_example(tmp_path, points=points))) if "declared" in line
+    ]
+    assert said == (
+        "points.csv line 2: targets 'SMR1', 'SMR2', 'SMR3' are not declared: taken on the flange, their "
+        "places unknown; declare [targets.SMR1] and so on"
+    )
+
+
 def test_what_is_left_out_is_told(tmp_path: Path) -> None:
     points = "pose_id,target,x_mm,y_mm,z_mm\nc,T1,1000,2,3\nz,T1,1,2,3\nz,T1,1,2,3\na,t1,4,5,6\n"
     campaign = load_campaign(write_example(tmp_path, points=points))

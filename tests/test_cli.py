@@ -28,7 +28,7 @@ EFFECTS = [
     "--effect", "backlash:joint=joint_5,half_width=1e-4",
 ]  # fmt: skip
 DESIGN = ["--random", "40", "--payload", "heavy=250:0,0,150", "--tool", "60:0,0,80", "--approach"]
-FILES = {"result.json", "index.html", "report.pdf", "scene.html", "model.toml", "urdf"}
+FILES = {"result.json", "index.html", "report.pdf", "scene.html", "residuals.csv", "model.toml", "urdf"}
 KEYS = {
     "schema", "robot", "campaign", "n_poses", "n_points", "noise", "stages", "test", "verdict", "causes",
     "remainder", "not_testable", "detectable", "faults",

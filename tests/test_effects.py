@@ -275,6 +275,11 @@ def test_a_stiffness_is_told_as_tables_have_it():
     stated = JointCompliance(Where(joint="joint_5"), nominal=1 / 219000)
     said = stated.sentence(np.array([1 / 0.75 - 1])).replace("\N{NO-BREAK SPACE}", " ")
     assert said == "joint_5 is softer than the model: 25.0 % less stiffness (164 000 N·m/rad)."
+    said = stated.sentence(np.array([1 / 30 - 1])).replace("\N{NO-BREAK SPACE}", " ")
+    assert said == "joint_5 is 30 times as stiff as in the model (6 570 000 N·m/rad)."
+    for nothing in (-0.999, -1.006):  # noise may put it beyond
+        said = stated.sentence(np.array([nothing])).replace("\N{NO-BREAK SPACE}", " ")
+        assert said == "joint_5 is as good as rigid, where the model has it yield (219 000 N·m/rad)."
     rigid = JointCompliance(Where(joint="elbow"))
     said = rigid.sentence(np.array([1 / 30000])).replace("\N{NO-BREAK SPACE}", " ")
     assert said == "elbow yields 33.3 µrad per N·m (30 000 N·m/rad); the model has it rigid."

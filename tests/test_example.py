@@ -13,7 +13,15 @@ FOLDER = Path(__file__).resolve().parents[1] / "reports/example"
 
 def test_the_example_is_whole_and_small():
     names = {path.name for path in FOLDER.iterdir()}
-    assert names == {"index.html", "report.pdf", "scene.html", "result.json", "model.toml", "urdf"}
+    assert names == {
+        "index.html",
+        "report.pdf",
+        "scene.html",
+        "result.json",
+        "residuals.csv",
+        "model.toml",
+        "urdf",
+    }
     assert sum(path.stat().st_size for path in FOLDER.rglob("*")) < 4_000_000
     assert load_robot(FOLDER / "model.toml").joint_names == load_robot("kr500").joint_names
     result = json.loads((FOLDER / "result.json").read_text(encoding="utf-8"))

@@ -99,7 +99,10 @@ def test_check_shows_what_is_suspicious(measured, monkeypatch, tmp_path, capsys)
     Path("mine/poses.csv").write_text(header + "\n".join(rows))
     capsys.readouterr()
     assert main(["check", "mine/campaign.toml", "--out", "seen"]) == 0
-    said = capsys.readouterr().out
+    told = capsys.readouterr()
+    said = told.out
+    assert "declared" in said
+    assert "declared" not in told.err  # once is enough
     assert "1 suspicious" in said
     assert "pose 7 T1: " in said
     assert "backlash: no column dir1..dir6" in said

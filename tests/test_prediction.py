@@ -34,6 +34,7 @@ from workbench.identification.prediction import of_fit, uncertainty
 from workbench.identification.prediction.bound import length_bound
 from workbench.identification.prediction.left_out import LeftOut
 from workbench.identification.prediction.tempering import Tempering, temper
+from workbench.report.expectation import Expected
 from workbench.robot.rotations import body_jacobian
 
 SIGMA = 2e-5
@@ -122,6 +123,18 @@ def test_outside_of_what_was_measured_it_grows_and_says_so(lacking):
     assert errors.outside == ("", "", "joint_1", "joint_1")
     near, _, far, farther = errors.worst
     assert 1.1 * near < far < farther
+
+
+def test_each_reason_to_be_outside_is_counted_by_itself(lacking):
+    """Nobody reads 57 combinations; the joint that most poses are beyond is what to measure next."""
+    errors = predict(lacking, np.tile([0.0, 0.3, 0.3], (4, 1)))
+    beyond = replace(errors, outside=("joint_2", "joint_1; joint_2", "", "joint_2; temperature"))
+    first, *counts = Expected(load_robot("cylindrical"), beyond).outside
+    assert first.startswith("3 of 4 poses lie outside of what was measured")
+    assert "one pose by several" in first
+    assert counts == ["joint_2: 3 poses", "joint_1: 1 pose", "temperature: 1 pose"]
+    alone = replace(errors, outside=("", "", "", "joint_2"))
+    assert "several" not in Expected(load_robot("cylindrical"), alone).outside[0]
 
 
 def test_a_load_that_was_not_measured_is_outside(model):

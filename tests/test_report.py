@@ -26,7 +26,7 @@ from workbench.report.scene import scene
 from workbench.robot.description import Robot, load_robot
 
 VARIANTS = [example.diagnosis, example.nothing_missing, example.unknown, example.bare]
-FILES = ("result.json", "index.html", "report.pdf", "scene.html")
+FILES = ("result.json", "index.html", "report.pdf", "scene.html", "residuals.csv")
 HOME = np.zeros(6)
 
 
@@ -39,8 +39,9 @@ def robot() -> Robot:
 def test_everything_is_written(make: Callable[[], Diagnosis], robot: Robot, tmp_path: Path) -> None:
     diagnosis = make()
     written = write_all(diagnosis, robot, tmp_path / "out", HOME)
-    assert [path.name for path in written] == list(FILES)
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(FILES)
+    files = FILES if diagnosis.errors is not None else FILES[:-1]
+    assert [path.name for path in written] == list(files)
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(files)
     assert json.loads(written[0].read_text(encoding="utf-8"))["verdict"] == diagnosis.verdict
     assert written[2].read_bytes().startswith(b"%PDF")
     assert written[3].stat().st_size < 5e6
@@ -53,7 +54,7 @@ def test_page_stands_alone(make: Callable[[], Diagnosis]) -> None:
     without_namespaces = re.sub(r'xmlns(:\w+)?="[^"]*"', "", html)
     assert "://" not in without_namespaces
     assert not re.findall(
-        r"""(?:src|href)=["'](?!#|scene\.html|report\.pdf|result\.json|model\.toml)""", html
+        r"""(?:src|href)=["'](?!#|scene\.html|report\.pdf|result\.json|residuals\.csv|model\.toml)""", html
     )
     assert html.count("<svg") == html.count('role="img"')
     assert html.count("<th") > html.count("<thead>")
@@ -122,7 +123,11 @@ def test_scene_carries_robot_points_and_both_poses(robot: Robot) -> None:
 def test_report_of_a_large_campaign_stays_small(robot: Robot, tmp_path: Path) -> None:
     """Twenty times the poses: more dots, each of a few bytes; that is what makes a page quick as well."""
     sizes = [
-        [path.stat().st_size for path in write_all(example.diagnosis(n, 1), robot, tmp_path / str(n), HOME)]
+        [
+            path.stat().st_size
+            for path in write_all(example.diagnosis(n, 1), robot, tmp_path / str(n), HOME)
+            if path.suffix != ".csv"  # a row per point
+        ]
         for n in (20, 400)
     ]
     assert all(large < 2 * small for small, large in zip(*sizes, strict=True))

@@ -169,18 +169,33 @@ def _targets(
         targets.append(Target(name, xyz, on, data.fixed, data.opens))
         if name not in present:
             warnings.append(f"{points.path}: target {name!r} was never measured, left out")
-    for name in present:
-        if name in file.targets:
-            continue
-        targets.append(Target(name))
-        if file.points.turned_mm is None:  # that makes targets of its own
-            line = points.lines[names.index(name)]
-            close = suggest(name, file.targets)
-            warnings.append(
-                f"{points.path} line {line}: target {name!r} is not declared: taken on the flange, its place "
-                f"unknown; {close or f'declare [targets.{toml_key(name)}]'}"
-            )
-    return tuple(targets), warnings
+    unknown = [name for name in present if name not in file.targets]
+    targets += [Target(name) for name in unknown]
+    if file.points.turned_mm is not None:  # that makes targets of its own
+        return tuple(targets), warnings
+    return tuple(targets), warnings + _undeclared(unknown, file, names, points)
+
+
+def _undeclared(unknown: Sequence[str], file: CampaignFile, names: Sequence[str], points: Table) -> list[str]:
+    """What is said of targets that only the points name: each that may be a slip, the others together."""
+    slips = {name: close for name in unknown if (close := suggest(name, file.targets))}
+    told = []
+    for name, close in slips.items():
+        line = points.lines[names.index(name)]
+        told.append(
+            f"{points.path} line {line}: target {name!r} is not declared: taken on the flange, its place "
+            f"unknown; {close}"
+        )
+    if new := [name for name in unknown if name not in slips]:
+        line = points.lines[names.index(new[0])]
+        which = f"target {new[0]!r} is" if len(new) == 1 else f"targets {some(new)} are"
+        place = "its place" if len(new) == 1 else "their places"
+        more = " and so on" if len(new) > 1 else ""
+        told.append(
+            f"{points.path} line {line}: {which} not declared: taken on the flange, {place} unknown; "
+            f"declare [targets.{toml_key(new[0])}]{more}"
+        )
+    return told
 
 
 def _column(table: Table, name: str, kept: NDArray[np.bool_]) -> list[str]:

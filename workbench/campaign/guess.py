@@ -48,6 +48,7 @@ TARGET = (
     "target", "smr", "reflector", "reflektor", "marker", "marke", "ziel", "targetname", "pointname",
     "punktname", "point", "punkt", "name",
 )  # fmt: skip
+TEMPERATURE = ("temp", "temperature", "temperatur", "tempdegc", "tempc", "armtemp", "robottemp")  # in °C
 JOINT = re.compile(r"(?:a|j|q|ax|axis|achse|joint|jt|theta|actualq|targetq)(?:pos|cmd)?0?(\d\d?)(?:pos|cmd)?")
 
 
@@ -59,6 +60,7 @@ class Guessed:
     lacking: list[str] = field(default_factory=list)
     header: list[str] = field(default_factory=list)
     why: str = ""
+    targets: list[str] = field(default_factory=list)  # of a table of points, by name
 
 
 def guess_poses(path: Path, joints: Sequence[MovingJoint]) -> Guessed:
@@ -106,6 +108,9 @@ def _of_joints(
         columns[f"q{i}_{unit}"] = text.name(numbers[i])
     if identity is not None and not repeats(text.columns[identity]):
         columns = {"pose_id": text.name(identity), **columns}
+    warmth = _first(text, TEMPERATURE, set(numbers.values())) if text.header else None
+    if warmth is not None and is_numbers(text.columns[warmth]) and "f]" not in text.header[warmth].lower():
+        columns["temp_degC"] = text.name(warmth)
     return _mapped(found, columns)
 
 
@@ -165,12 +170,14 @@ def _of_places(
         target = _first(text, TARGET, taken if text.header else {*taken, *_measured(text)})
         if target is not None and repeats(text.columns[target]):
             columns["target"] = text.name(target)
+            found.targets = list(dict.fromkeys(text.columns[target]))
         (triple,) = places.values()
         columns |= {f"{axis}_{unit}": text.name(i) for axis, i in zip("xyz", triple, strict=True)}
         if turned := _quaternion(text):
             columns |= turned
             found.keys["turned_mm"] = TURNED
         return _mapped(found, columns)
+    found.targets = list(places)
     found.keys["wide"] = {name: [text.name(i) for i in triple] for name, triple in places.items()}
     if unit != "mm":
         found.keys["units"] = {f"{axis}_mm": unit for axis in "xyz"}

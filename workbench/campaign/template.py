@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from ..files.toml import toml_key
 from ..robot.new_robot import NewRobot
 from .guess import Guessed, Misfit, guess_both, guess_points, guess_poses
 
+MOST_TARGETS = 8  # with a place for each in the template
 LACKING = "# NOT FOUND: "
 POINTS = "pose_id,target,x_mm,y_mm,z_mm\n"
 
@@ -47,12 +48,25 @@ def template_files(
         told = _section(poses, folder, both[0] if both else guess_poses(poses, joints))
     if points is None:
         files[Path("points.csv")] = POINTS
-        seen = _POINTS
+        seen, targets = _POINTS, ["T1"]
     else:
-        seen = _section(points, folder, both[1] if both else guess_points(points))
+        guessed = both[1] if both else guess_points(points)
+        seen, targets = _section(points, folder, guessed), guessed.targets or ["T1"]
     names = ", ".join(joint.name for joint in joints)
-    files[Path("campaign.toml")] = _TOML.format(robot=robot.name, joints=names, poses=told, points=seen)
+    files[Path("campaign.toml")] = _TOML.format(
+        robot=robot.name, joints=names, poses=told, points=seen, targets=_targets(targets)
+    )
     return files
+
+
+def _targets(names: Sequence[str]) -> str:
+    """A place to fill in for each target, as far as they are few."""
+    told = [
+        f"# [targets.{toml_key(name)}]\n# xyz_mm = [0.0, 0.0, 100.0]"
+        for name in (names if len(names) <= MOST_TARGETS else names[:1])
+    ]
+    told[0] += "      # about where it sits in the flange's frame; absent = unknown"
+    return "\n".join(told)
 
 
 def _section(table: Path, folder: Path, guessed: Guessed) -> str:
@@ -93,8 +107,7 @@ robot  = "{robot}.toml"
 [points]
 {points}
 
-# [targets.T1]
-# xyz_mm = [0.0, 0.0, 100.0]      # about where it sits in the flange's frame; absent = unknown
+{targets}
 
 # [noise]
 # sigma_mm = 0.03                 # of the instrument, per axis; absent = estimated from repeated poses

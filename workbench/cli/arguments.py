@@ -213,8 +213,9 @@ def check_folder(out: Path | None) -> None:
         raise InputError(Fault(str(there), "nobody may write there", "name another place with --out"))
 
 
-def load_all(paths: Sequence[str]) -> list[Campaign]:
-    """All campaigns, their warnings told; `InputError` with the faults of all."""
+def load_all(paths: Sequence[str], *, tell: bool = True) -> list[Campaign]:
+    """All campaigns, their warnings told (unless the command says them itself); `InputError` with the faults
+    of all."""
     from ..campaign import load_campaign
 
     campaigns: list[Campaign] = []
@@ -226,7 +227,7 @@ def load_all(paths: Sequence[str]) -> list[Campaign]:
             faults += error.faults
     if faults:
         raise InputError(faults)
-    for campaign in campaigns:
+    for campaign in campaigns if tell else []:
         for warning in campaign.warnings:
             warn(warning)
     return campaigns

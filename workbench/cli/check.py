@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     folder: Path = arguments.out
     check_folder(folder)
-    source = read_source(arguments.source)
+    source = read_source(arguments.source, tell=False)  # the page and its text say the warnings
     wrong: tuple[Fault, ...] = ()
     if isinstance(source, Campaign):
         look = first_look(source)

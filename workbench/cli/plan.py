@@ -164,8 +164,9 @@ def read_sources(texts: Sequence[str]) -> Campaign | Robot:
     return join(campaigns)
 
 
-def read_source(text: str) -> Campaign | Robot:
-    """A robot by its name or its TOML, which names a URDF; else a campaign. Raises InputError."""
+def read_source(text: str, *, tell: bool = True) -> Campaign | Robot:
+    """A robot by its name or its TOML, which names a URDF; else a campaign, its warnings told. Raises
+    InputError."""
     from ..campaign.load import campaign_file
     from ..files.toml import read_toml
     from ..robot.description import load_robot
@@ -183,7 +184,7 @@ def read_source(text: str) -> Campaign | Robot:
         return load_robot(text)
     if "urdf" in read_toml(Path(text)):
         return load_robot(text)
-    (campaign,) = load_all([text])
+    (campaign,) = load_all([text], tell=tell)
     return campaign
 
 

@@ -303,7 +303,7 @@ def _posture(trajectory: Trajectory, start: Array | None) -> Iterator[str]:
     """A note on the posture of a path of tool poses, where nobody chose it."""
     if trajectory.path.q is None and start is None:
         shown = zip(trajectory.q[0], trajectory.nominal.prismatic, strict=True)
-        said = ",".join(f"{1e3 * q:.0f}" if slides else f"{np.degrees(q):.0f}" for q, slides in shown)
+        said = ",".join(f"{1e3 * q if slides else np.degrees(q):z.0f}" for q, slides in shown)
         units = "deg, mm" if any(trajectory.nominal.prismatic) else "deg"
         yield (
             f"the posture at the first pose is chosen here: joints {said} ({units}); where the arm stands "

@@ -212,7 +212,8 @@ class PoseErrors:
     """Per measured point, for figures and the scene. All in the robot's base frame, metres.
 
     `points`: (k, 3) measured places; `error_nominal`, `error_geometry`, `error_final`: (k, 3)
-    measured minus predicted; `pose`: (k,) index of the pose; `target`: (k,) index of the target.
+    measured minus predicted; `pose`: (k,) index of the pose; `target`: (k,) index of the target;
+    `pose_ids`, `target_names`: what they are called in the campaign, by that index.
     """
 
     points: Array
@@ -221,6 +222,8 @@ class PoseErrors:
     error_final: Array
     pose: NDArray[np.int64]
     target: NDArray[np.int64]
+    pose_ids: tuple[str, ...] = ()
+    target_names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

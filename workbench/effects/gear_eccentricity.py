@@ -71,9 +71,10 @@ class GearEccentricity(Harmonic):
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)
+        cycles = "1 cycle" if self.cycles == 1 else f"{self.cycles} cycles"
         return (
-            Parameter("amplitude", a, sa, "rad", f"of {self.cycles} cycle(s) per joint turn"),
-            Parameter("phase", f, sf, "rad"),
+            Parameter("amplitude", a, sa, "rad", f"of {cycles} per joint turn"),
+            Parameter("phase", f, sf, "rad", "at joint zero"),
         )
 
     def sentence(self, values: Array) -> str:

@@ -17,6 +17,7 @@ from .unnamed.curved_yield import CurvedYield
 from .unnamed.loads import Torque
 
 ONE_SIDED = 0.15  # of the yield, that depends on the torque's sign
+RIGID = 0.01  # of the model's compliance: below that a fit tells it from none on no robot
 CURVED = 0.2  # of the yield, that is not in proportion to the torque
 
 
@@ -95,13 +96,16 @@ class JointCompliance(AxialYield, LinearYield):
 
     def sentence(self, values: Array) -> str:
         if self.nominal > 0:
-            word = "softer" if values[0] > 0 else "stiffer"
-            change = abs(1 / (1 + values[0]) - 1)
-            less = "less" if values[0] > 0 else "more"
-            whole = self._stiffness(self.nominal * (1 + float(values[0])))
-            return (
-                f"{self.where.joint} is {word} than the model: {100 * change:.1f} % {less} stiffness{whole}."
-            )
+            left = 1 + float(values[0])  # of the model's compliance
+            whole = self._stiffness(self.nominal * left)
+            if left < RIGID:
+                has = self._stiffness(self.nominal)
+                return f"{self.where.joint} is as good as rigid, where the model has it yield{has}."
+            if left < 0.5:
+                return f"{self.where.joint} is {1 / left:.3g} times as stiff as in the model{whole}."
+            word, less = ("softer", "less") if left > 1 else ("stiffer", "more")
+            change = 100 * abs(1 / left - 1)
+            return f"{self.where.joint} is {word} than the model: {change:.1f} % {less} stiffness{whole}."
         unit = "µm per N" if self.sliding else "µrad per N·m"
         whole = self._stiffness(float(values[0]))
         return f"{self.where.joint} yields {values[0] * 1e6:.3g} {unit}{whole}; the model has it rigid."

@@ -141,7 +141,8 @@ class JointMap(OverTravel, TransmissionEffect):
                 f"({low:.0f} … {high:.0f} mm): screw or rack, scale or guide."
             )
         low, high = np.degrees(ends)
+        over = f"{low:z.0f} … {high:z.0f}°".replace("-", "−")
         return (
-            f"{self.where.joint} errs by {size} RMS as a function of its own angle "
-            f"({low:.0f} … {high:.0f}°): gear, encoder or bearing."
+            f"{self.where.joint} errs by {size} RMS as a function of its own angle ({over}): "
+            "gear, encoder or bearing."
         )

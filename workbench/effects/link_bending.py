@@ -130,7 +130,7 @@ class LinkBending(LinearYield):
         total = values[0] + self.nominal
         if total <= 0:
             return f"{self.where.link} does not bend."
-        return f"{self.where.link} bends: its stiffness EI is {1 / total:.2g} N·m²."
+        return f"{self.where.link} bends: its stiffness EI is {_grouped(1 / total)} N·m²."
 
 
 @dataclass(frozen=True)
@@ -223,4 +223,10 @@ class RamBending(LinkBending):
         return []
 
     def sentence(self, values: Array) -> str:
-        return f"{self.where.link} bends where it stands out: its stiffness EI is {1 / values[0]:.2g} N·m²."
+        stiffness = _grouped(1 / values[0])
+        return f"{self.where.link} bends where it stands out: its stiffness EI is {stiffness} N·m²."
+
+
+def _grouped(stiffness: float) -> str:
+    """Two digits, thousands apart, as tables have it."""
+    return f"{float(f'{stiffness:.2g}'):,.0f}".replace(",", "\N{NO-BREAK SPACE}")

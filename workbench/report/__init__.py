@@ -20,7 +20,7 @@ def write_all(
     ghost_label: str = "",
     beside: Mapping[str, bytes] = MappingProxyType({}),
 ) -> tuple[Path, ...]:
-    """Write `result.json`, `index.html`, `report.pdf` and `scene.html`; their paths.
+    """Write `result.json`, `index.html`, `report.pdf`, `scene.html` and `residuals.csv`; their paths.
 
     Everything is made before anything is written, so a failure leaves the folder as it was.
     `q`, `ghost_q`, `ghost_label`: of the scene, see `scene.Shown`. beside: more files, by name.
@@ -28,6 +28,7 @@ def write_all(
     from .content import gather
     from .page import page
     from .pdf import pdf
+    from .residuals import residuals
     from .scene import scene
 
     material = gather(diagnosis)
@@ -36,6 +37,7 @@ def write_all(
         "index.html": page(material).encode(),
         "report.pdf": pdf(material),
         "scene.html": scene(diagnosis, robot, q, ghost_q, ghost_label).encode(),
+        **residuals(diagnosis),
         **beside,
     }
     return write_together(Path(folder), made)

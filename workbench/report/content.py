@@ -7,6 +7,7 @@ downstream formats a number again.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -18,6 +19,7 @@ from ..diagnosis.telling.headline import listed, words_of
 from ..effects.base import UNKNOWN
 from ..effects.place import Parameter
 from . import figures
+from .dataset import SUPPORT, facts
 from .drawing import Figure
 from .equation import typeset
 from .legible import legible
@@ -35,6 +37,7 @@ from .numbers import (
     words,
 )
 from .reliability import published
+from .worst import worst_head, worst_poses, worst_said
 
 Content = dict[str, Any]
 
@@ -55,7 +58,6 @@ VERDICTS = {
     "unknown": "Unexplained structure",
 }
 COUNT = ("no", "the", "the two", "the three", "the four", "the five", "the six", "the seven", "the eight")
-SUPPORT = "95 %, plus and minus 1.96 standard deviations (normal)"
 LAMBDA = (
     "λ is how far apart two explanations are in the data: the squared distance between what they predict, in "
     "standard deviations of the noise, with the rival as large as imitates best. It takes both as exactly of "
@@ -70,12 +72,13 @@ UNIDENTIFIABLE = (
     "These corrections of the joints' frames (tx, ty, tz: shifts; rx, ry, rz: turns; z is the axis of "
     "motion) stay as the model has them: in these poses they move no point, or as others do."
 )
+GEOMETRY = (
+    "Corrections of the joints' frames to the model: tx, ty, tz shifts, rx, ry, rz turns; z is the axis of "
+    f"motion. Intervals: {SUPPORT}. Where one is wide, other rows move the points alike: what they make "
+    "together is known, each by itself is not."
+)
+IN_TILES = re.compile(r"Held-out error [^()]*?\.(?=\s|$)")  # of the headline: tiles and stages say it
 OUTSIDE = "something that no cause of the catalogue explains"
-SOURCES = {
-    "stated": "stated in the campaign",
-    "repeats": "measured",
-    "residual": "from the residual",
-}
 
 
 def content(diagnosis: Diagnosis) -> Content:
@@ -83,9 +86,11 @@ def content(diagnosis: Diagnosis) -> Content:
     return {
         "robot": diagnosis.robot_title or diagnosis.robot,
         "campaign": diagnosis.campaign,
+        "origin": " · ".join(dict.fromkeys((diagnosis.robot_title or diagnosis.robot, diagnosis.campaign))),
         "verdict": _verdict(diagnosis),
         "summary": _summary(diagnosis),
-        "next": _next(diagnosis),
+        "next": next_step(diagnosis)[0],
+        "next_command": next_step(diagnosis)[1],
         "proof": list(diagnosis.proof) if diagnosis.proof else None,
         "revealed": asdict(diagnosis.revealed) if diagnosis.revealed else None,
         "tiles": _tiles(diagnosis),
@@ -104,7 +109,12 @@ def content(diagnosis: Diagnosis) -> Content:
         "unidentifiable": unidentifiable(diagnosis),
         "unidentifiable_said": UNIDENTIFIABLE,
         "geometry": [_geometry(parameter) for parameter in diagnosis.geometry],
-        "facts": [[name, value] for name, value in _facts(diagnosis)],
+        "residuals": {"residuals.csv": "Residuals"} if diagnosis.errors is not None else {},
+        "worst": worst_poses(diagnosis),
+        "worst_head": worst_head(diagnosis),
+        "worst_said": worst_said(diagnosis),
+        "geometry_said": GEOMETRY,
+        "facts": [[name, value] for name, value in facts(diagnosis)],
         "notes": list(diagnosis.notes),
         "given": [_given(fact) for fact in diagnosis.given],
         "support": SUPPORT,
@@ -129,6 +139,7 @@ def gather(diagnosis: Diagnosis) -> Material:
 def _verdict(diagnosis: Diagnosis) -> dict[str, str]:
     """The headline is the first sentence; what more there is comes below it."""
     headline, _, more = diagnosis.headline.partition(". ")
+    more = IN_TILES.sub("", more).strip()
     return {
         "kind": diagnosis.verdict,
         "label": _label(diagnosis),
@@ -173,23 +184,23 @@ def _summary(diagnosis: Diagnosis) -> str:
     return " ".join(said)
 
 
-def _next(diagnosis: Diagnosis) -> str:
-    """What to do next, in a sentence: what the model lacks, what would decide the largest open cause, or
-    what to record."""
+def next_step(diagnosis: Diagnosis) -> tuple[str, str]:
+    """What to do next, in a sentence, and the command for it where there is one: what the model lacks, what
+    would decide the largest open cause, or what to record."""
     for finding in diagnosis.causes:
         if finding.cause == UNKNOWN and finding.separate_by:
-            return f"What has no name may get one: {finding.separate_by}."
+            return f"What has no name may get one: {finding.separate_by}.", ""
     for finding in sorted(diagnosis.causes, key=lambda finding: -finding.gain_mm):
-        offered = [decision(one) for one in to_decide(finding)][:1] or [finding.separate_by or ""]
+        offered = [one.words for one in to_decide(finding)][:1] or [finding.separate_by or ""]
         if offered[0]:
-            return f"To decide {words_of(finding.cause, finding.where)}: {offered[0]} (under Causes)."
+            return f"To decide {words_of(finding.cause, finding.where)}: {offered[0]} (under Causes).", ""
     if any(finding.cause == UNKNOWN for finding in diagnosis.causes):
         whys = [item.why for item in diagnosis.not_testable if item.why.startswith("no column")]
         steps = ["repeat ten poses five times", *dict.fromkeys(why.partition(": ")[2] for why in whys)]
-        return f"What has no name may get one in a campaign with more in it: {listed(steps)}."
+        return f"What has no name may get one in a campaign with more in it: {listed(steps)}.", ""
     if diagnosis.verdict == "named" and not diagnosis.proof:
-        return "Correct programs with this model: workbench compensate PATH.csv --model model.toml."
-    return ""
+        return "Correct programs with this model:", "workbench compensate PATH.csv --model model.toml"
+    return "", ""
 
 
 def _remainder(diagnosis: Diagnosis) -> str:
@@ -365,18 +376,3 @@ def _given(fact: GivenFact) -> list[str]:
         if fact.obeyed
         else "contradicted, not kept to",
     ]
-
-
-def _facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """The dataset in figures; what the diagnosis says itself comes after the counts."""
-    noise = diagnosis.noise
-    facts = [
-        ("Robot", f"{diagnosis.robot_title} ({diagnosis.robot})"),
-        ("Campaign", diagnosis.campaign),
-        ("Measured", f"{diagnosis.n_poses} poses, {diagnosis.n_points} points"),
-        ("Noise, one sigma", noise.sentence or f"{mm(noise.sigma_mm)} mm per axis, {SOURCES[noise.source]}"),
-    ]
-    if noise.repeatability_mm is not None:
-        facts.append(("Repeatability", f"{mm(noise.repeatability_mm)} mm per axis, one sigma"))
-    more = [(name, value) for name, value in diagnosis.facts.items() if name not in ("Poses", "Points")]
-    return [*facts, *more, ("Intervals", SUPPORT)]

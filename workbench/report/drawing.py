@@ -21,6 +21,7 @@ INK, MUTED, GRID = "#1b2430", "#667080", "#dfe3e8"
 BEFORE, MIDDLE, AFTER = "#c9622c", "#8e98a6", "#0f6f9f"
 MODEL, NOISE = "#1b2431", "#3f7f4f"
 MOST_DOTS = 1200
+TICK = 1.05  # half the length of a stroke on a logarithmic axis, as a factor
 FIGURE_WIDTH = 8.0  # inches
 
 STYLE: dict[str, Any] = {
@@ -127,6 +128,16 @@ def dots(axes: Any, x: Array, y: Array, colour: str, label: str | None = None) -
     axes.plot(path_x, path_y, color=colour, lw=size, alpha=0.5, solid_capstyle="round")
     if label:
         axes.plot([], [], "o", color=colour, ms=4, mec="none", label=label)
+
+
+def ticks(axes: Any, x: Array, y: Array, colour: str, label: str) -> None:
+    """Many short upright strokes as one path, on a logarithmic y axis: no dots, even without colour."""
+    step = max(1, -(-len(x) // MOST_DOTS))
+    x, y = x[::step], y[::step]
+    path_x = np.column_stack([x, x, np.full(len(x), np.nan)]).ravel()
+    path_y = np.column_stack([y / TICK, y * TICK, np.full(len(y), np.nan)]).ravel()
+    axes.plot(path_x, path_y, color=colour, lw=1.6, alpha=0.7, solid_capstyle="butt")
+    axes.plot([], [], "|", color=colour, ms=7, mew=1.6, label=label)
 
 
 def plain_log(axis: Any) -> None:

@@ -28,7 +28,8 @@ HEAD = (
     "error_mm", "nominal_bound_mm", "corrected_bound_mm", "outside", "beyond_limits",
 )  # fmt: skip
 MISSED, LEFT = "What an uncorrected program misses", "What is left after correction (95 % bound)"
-LISTED = 6  # places outside of what was measured, by name
+LISTED = 6  # poses beyond limits, by name
+REASONS = 10  # why poses lie outside of what was measured
 WORDS = (
     "Errors are those of the tool's points with base and tool set up as well as the campaign allows.",
     "A bound holds for one standstill with 95 %: uncertainty of the fitted numbers, what is left unknown, "
@@ -103,17 +104,18 @@ class Expected:
     @property
     def outside(self) -> list[str]:
         """Which poses lie outside of what was measured, in words."""
-        found = Counter(said for said in self.errors.outside if said)
-        if not found:
+        beyond = [said for said in self.errors.outside if said]
+        if not beyond:
             return ["All poses lie inside of what was measured."]
-        out = sum(found.values())
+        out, why = len(beyond), Counter(one for said in beyond for one in said.split("; "))
+        many = ", one pose by several" if sum(why.values()) > out else ""
         lines = [
             f"{out} of {len(self.errors.outside)} poses {'lies' if out == 1 else 'lie'} outside of what was "
-            "measured, by these joints, by what they carry or how warm it is: what the table has of them is "
-            "extrapolated"
+            f"measured, by these joints, by what they carry or how warm it is{many}: what the table has of "
+            "them is extrapolated"
         ]
-        lines += [f"{said}: {count} pose{'s' * (count > 1)}" for said, count in found.most_common(LISTED)]
-        return lines + ([f"and {len(found) - LISTED} more combinations"] if len(found) > LISTED else [])
+        lines += [f"{said}: {count} pose{'s' * (count > 1)}" for said, count in why.most_common(REASONS)]
+        return lines + ([f"and {len(why) - REASONS} more"] if len(why) > REASONS else [])
 
     @property
     def text(self) -> str:
@@ -233,7 +235,8 @@ def _shares(expected: Expected, e: ToolErrors) -> Figure:
         ):
             axes.plot(1e3 * np.sort(bound), share, color=colour, label=label)
         if expected.tolerance is not None:
-            axes.axvline(1e3 * expected.tolerance, color=MIDDLE, lw=1)
+            label = f"tolerance, {1e3 * expected.tolerance:g} mm"
+            axes.axvline(1e3 * expected.tolerance, color=MIDDLE, ls="--", lw=1.2, label=label)
         axes.set_xscale("log")
         plain_log(axes.xaxis)
         axes.set_xlabel("95 % bound of the error, mm")

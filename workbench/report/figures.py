@@ -27,9 +27,11 @@ from .drawing import (
     dots,
     drawing,
     plain_log,
+    ticks,
 )
 from .numbers import Scale, axis_scale, change, mm, mm_change, significant, words
 
+SELDOM = 3.4  # σ per axis: the 3-D length that noise alone exceeds in a point of a hundred
 ZERO_SHOWN = 1e-5  # mm: what a logarithmic axis shows for zero
 
 
@@ -86,8 +88,8 @@ def histogram(diagnosis: Diagnosis) -> Figure | None:
     """How the 3-D errors are spread before and after, against what the noise alone would do."""
     if diagnosis.errors is None:
         return None
-    before, label = _before(diagnosis, diagnosis.errors)
-    after = _norm_mm(diagnosis.errors.error_final)
+    before, label = before_of(diagnosis, diagnosis.errors)
+    after = norm_mm(diagnosis.errors.error_final)
     sigma = diagnosis.noise.sigma_mm
     top = max(float(np.quantile(before, 0.995)), 5 * sigma)
     wide = top > 15 * np.median(after)
@@ -122,20 +124,20 @@ def campaign(diagnosis: Diagnosis) -> Figure | None:
     if diagnosis.errors is None:
         return None
     errors = diagnosis.errors
-    before, label = _before(diagnosis, errors)
-    after = _norm_mm(errors.error_final)
+    before, label = before_of(diagnosis, errors)
+    after = norm_mm(errors.error_final)
     poses, at = np.unique(errors.pose, return_inverse=True)
     worst_before, worst_after = (np.full(len(poses), ZERO_SHOWN) for _ in range(2))
     np.maximum.at(worst_before, at, before)
     np.maximum.at(worst_after, at, after)
     odd = _odd(diagnosis, worst_after)
     with drawing("campaign", 2.6) as (axes, svg):
-        dots(axes, poses + 1.0, worst_before, BEFORE, label)
+        ticks(axes, poses + 1.0, worst_before, BEFORE, label)
         dots(axes, poses + 1.0, worst_after, AFTER, "after")
         axes.set_yscale("log")
         plain_log(axes.yaxis)
         axes.axhline(
-            3.4 * diagnosis.noise.sigma_mm, color=NOISE, ls="--", lw=1.2, label="noise alone: seldom more"
+            SELDOM * diagnosis.noise.sigma_mm, color=NOISE, ls="--", lw=1.2, label="noise alone: seldom more"
         )
         if len(odd):
             ring = {"ms": 10, "mfc": "none", "mec": INK, "mew": 1.2}
@@ -176,7 +178,7 @@ def evidence(finding: Finding, number: int) -> Figure | None:
         axes[0].set_ylabel(_axis_label(seen.y_name, y_scale))
         axes[0].set_ylim(*(y_scale.factor * _range(seen)))
     alt = f"{seen.y_name} against {seen.x_name}: " + ", ".join(title for *_, title in panels)
-    return Figure(name, _evidence_title(finding.cause, seen), alt, svg[0])
+    return Figure(name, _evidence_title(finding.cause, seen, y_scale), alt, svg[0])
 
 
 def _range(seen: Evidence) -> Array:
@@ -187,9 +189,9 @@ def _range(seen: Evidence) -> Array:
     return np.array([low - room, high + room])
 
 
-def _evidence_title(cause: str, seen: Evidence) -> str:
+def _evidence_title(cause: str, seen: Evidence, scale: Scale) -> str:
+    """In the unit of the axis below it."""
     before, after = (float(np.sqrt(np.nanmean(y**2))) for y in (seen.before, seen.after))
-    scale = axis_scale([before], seen.y_unit)
     first = significant(before * scale.factor)
     if cause == "unknown":
         return f"What is left has an RMS of {first} {scale.unit} and goes with {seen.x_name}"
@@ -205,11 +207,11 @@ def _noise_floor(axes: Any, floor: float, label: str) -> None:
                   textcoords="offset points", ha="center")  # fmt: skip
 
 
-def _before(diagnosis: Diagnosis, errors: PoseErrors) -> tuple[Array, str]:
+def before_of(diagnosis: Diagnosis, errors: PoseErrors) -> tuple[Array, str]:
     """What "before" means: the calibrated geometry when causes were found, else what it began with."""
     if len(diagnosis.stages) > 2:
-        return _norm_mm(errors.error_geometry), "with geometry alone"
-    return _norm_mm(errors.error_nominal), f"with the {diagnosis.start}"
+        return norm_mm(errors.error_geometry), "with geometry alone"
+    return norm_mm(errors.error_nominal), f"with the {diagnosis.start}"
 
 
 def _odd(diagnosis: Diagnosis, worst: Array) -> NDArray[np.int64]:
@@ -219,7 +221,7 @@ def _odd(diagnosis: Diagnosis, worst: Array) -> NDArray[np.int64]:
     return np.asarray(largest[worst[largest] > 6 * diagnosis.noise.sigma_mm], dtype=np.int64)
 
 
-def _norm_mm(errors: Array) -> Array:
+def norm_mm(errors: Array) -> Array:
     return np.asarray(1e3 * np.linalg.norm(errors, axis=1))
 
 

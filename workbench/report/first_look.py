@@ -19,8 +19,10 @@ from ..robot.rigid_plant import arrays
 from .drawing import AFTER, BEFORE, INK, MUTED, Figure, dots, drawing
 from .folder import json_bytes, write_together
 from .markup import render
+from .numbers import decimals
 from .scene import Shown, scene_of
 
+NAMES = ("x", "y", "z", "out along the arm")  # of the axes
 LISTED = 12  # suspicious points by name
 
 
@@ -125,7 +127,7 @@ def _noise(look: FirstLook) -> str:
 def _known(robot: Robot) -> list[str]:
     """What of the robot is stated, and what follows where it is not."""
     arm = arrays(robot)
-    lines = [f"moving links weigh {arm.mass[1:].sum():.1f} kg; gravity {_vector(robot.gravity)} m/s²"]
+    lines = [f"moving links weigh {arm.mass[1:].sum():.4g} kg; gravity {_vector(robot.gravity)} m/s²"]
     lacking = (
         ("stiffness", [j.data.stiffness for j in robot.joints], "rigid until loads say otherwise"),
         ("gear ratio", [j.data.gear_ratio for j in robot.joints], "gear errors are found by scan"),
@@ -144,7 +146,7 @@ def _known(robot: Robot) -> list[str]:
 
 
 def _vector(values: Sequence[float]) -> str:
-    return " ".join(f"{value:.2f}" for value in values)
+    return " ".join(decimals(value, 2) for value in values)
 
 
 def write_check(checked: Checked, folder: Path) -> None:
@@ -171,20 +173,31 @@ def write_check(checked: Checked, folder: Path) -> None:
 
 def _picture(checked: Checked, where: Frames) -> Figure:
     """The arm as a line through its joints, and the points, from the side and from above."""
-    shown, joints = checked.shown, where.p[:, 0]
+    shown = checked.shown
+    along = _along(where.p[:, 0])
+    joints, points = where.p[:, 0] @ along, shown.points @ along
     bad = np.zeros(len(shown.points), dtype=bool) if shown.suspicious is None else shown.suspicious
     with drawing("check", 3.6, columns=2) as (axes, svg):
-        for ax, (a, b) in zip(axes, ((0, 2), (0, 1)), strict=True):
+        for ax, (a, b) in zip(axes, ((3, 2), (0, 1)), strict=True):
             ax.plot(joints[:, a], joints[:, b], "-o", color=MUTED, lw=4, ms=6, mfc=INK, mec="none", zorder=1)
-            _scatter(ax, shown.points[~bad], a, b, AFTER, "measured")
-            _scatter(ax, shown.points[bad], a, b, BEFORE, "suspicious")
-            ax.set_xlabel(f"{'xyz'[a]}, m")
-            ax.set_ylabel(f"{'xyz'[b]}, m")
+            _scatter(ax, points[~bad], a, b, AFTER, "measured")
+            _scatter(ax, points[bad], a, b, BEFORE, "suspicious")
+            ax.set_xlabel(f"{NAMES[a]}, m")
+            ax.set_ylabel(f"{NAMES[b]}, m")
             ax.set_aspect("equal", adjustable="datalim")
         if len(shown.points):
             axes[0].legend()
     alt = f"The arm from the side and from above; {checked.headline}"
     return Figure("check", "The arm at one pose, from the side and from above", alt, svg[0])
+
+
+def _along(joints: Array) -> Array:
+    """(3, 4) that gives x, y, z and what a point is out from the base towards where the arm (joints, (n, 3))
+    points: from that side it is seen in full."""
+    far = joints[np.argmax(np.linalg.norm(joints[:, :2], axis=1)), :2]
+    reach = float(np.linalg.norm(far))
+    out = far / reach if reach > 1e-6 else np.array([1.0, 0.0])
+    return np.column_stack([np.eye(3), [*out, 0.0]])
 
 
 def _scatter(ax: Any, points: Array, a: int, b: int, colour: str, label: str) -> None:

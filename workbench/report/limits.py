@@ -56,10 +56,11 @@ def detectable(diagnosis: Diagnosis) -> list[list[str]]:
 
 
 def unidentifiable(diagnosis: Diagnosis) -> list[str]:
-    """As said; `frame/parameter` grouped by frame."""
+    """As said; `frame/parameter` grouped by frame, the frames in one line."""
     frames: dict[str, list[str]] = {}
     for item in diagnosis.unidentifiable:
         frame, slash, name = item.removeprefix("geometry/").partition("/")
         plain = slash and " " not in item
         frames.setdefault(frame if plain else item, []).extend([name] if plain else [])
-    return [f"{frame}: {', '.join(names)}" if names else frame for frame, names in frames.items()]
+    grouped = " · ".join(f"{frame} {', '.join(names)}" for frame, names in frames.items() if names)
+    return ([grouped] if grouped else []) + [said for said, names in frames.items() if not names]

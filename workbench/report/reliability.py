@@ -33,7 +33,7 @@ def reliability(
     judged: `cases` and `probability` of the outside simulator, as its `score.py` counts them."""
     if not classes:
         return None
-    with drawing("reliability", 2.9) as (axes, svg):
+    with drawing("reliability", 2.5) as (axes, svg):
         axes.plot([0, 100], [0, 100], "--", color=NOISE, lw=1.4, label="stated as it is")
         last, under = -NEAR, False
         for row in classes:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from ..diagnosis.result import NAMELESS, Diagnosis, FaultFound
 from ..effects.base import UNKNOWN
-from .content import SOURCES, decision, place, place_of, status, to_decide
+from .content import decision, next_step, place, place_of, status, to_decide
+from .dataset import SOURCES
 from .numbers import bound, mm
 
 FAULTS = 10  # lines of faults; the rest is counted
@@ -90,7 +91,10 @@ def short_verdict(diagnosis: Diagnosis, folder: Path | None) -> str:
     if causes:
         lines += ["", f"  not testable with these data: {', '.join(causes)}"]
     if folder is not None:
+        step, command = next_step(diagnosis)
+        command = command.replace("model.toml", f"{folder}/model.toml")
         lines += [
+            *(["", f"  next: {step} {command}"] if command else []),
             "",
             f"  page: {folder}/index.html   report: {folder}/report.pdf   model: {folder}/model.toml",
         ]

@@ -114,7 +114,8 @@ def _notes(decided: Decided) -> list[str]:
     for one in decided.system.occasions:
         out += [f"{one.label}: {note}" for note in one.prepared.notes]
         if one.prepared.faults:
-            out.append(f"{one.label}: {len(one.prepared.faults)} data faults left out")
+            many = len(one.prepared.faults)
+            out.append(f"{one.label}: {many} data fault{'s' if many > 1 else ''} left out")
     off = loads_off(decided)
     out += [f"{listed(off)}: not as stated, in all campaigns that have it: no change."] if off else []
     if decided.system.misfit:

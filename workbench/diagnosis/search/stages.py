@@ -90,4 +90,6 @@ def pose_errors(prepared: Prepared, geometry: Fit, final: Fit) -> PoseErrors:
         turned(final),
         n.astype(np.int64),
         t.astype(np.int64),
+        tuple(c.poses.ids),
+        tuple(target.name for target in c.targets),
     )

@@ -81,7 +81,7 @@ def facts(problem: Problem, final: Fit) -> dict[str, str]:
             f"{low * 1e3:.0f} … {high * 1e3:.0f} mm"
             if problem.arm.prismatic[j]
             else f"{np.degrees(low):.1f} … {np.degrees(high):.1f}°"
-        )
+        ).replace("-", "−")
     if c.poses.temperature is not None and np.isfinite(c.poses.temperature).any():
         said["Temperature"] = (
             f"{np.nanmin(c.poses.temperature):.1f} … {np.nanmax(c.poses.temperature):.1f} °C"

@@ -86,9 +86,9 @@ class AccuracyPlan(DrivenPlan):
         lines = [
             "Expected error of the calibrated model, 3-D, one sigma, from noise alone",
             f"({self.noise}):",
-            *([] if self.now_mm is None else [f"  now                    {mm(self.now_mm):>8} mm"]),
-            f"  after {n:4d} random poses {mm(self.random_mm):>8} mm",
-            f"  after this plan        {mm(self.plan_mm):>8} mm; it takes {same} random poses for the same",
+            *([] if self.now_mm is None else [f"  {'now':<24} {mm(self.now_mm):>8} mm"]),
+            f"  {f'after {n} random poses':<24} {mm(self.random_mm):>8} mm",
+            f"  {'after this plan':<24} {mm(self.plan_mm):>8} mm; it takes {same} random poses for the same",
         ]
         if self.drive is not None:
             lines.append(self.drive.text)

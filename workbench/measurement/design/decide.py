@@ -238,7 +238,8 @@ def _readings(problem: Problem, tie: Tie, offers: Offers, now: float) -> list[De
                 continue
             std = float(f"{spread * effect.params[0].typical / slope:.1g}")
             where = f" of {effect.where}" if str(effect.where) else ""
-            words = f"read {name}{where} to ± {std:.10g} {unit}".removesuffix(" 1")
+            exactly = f"{std:,.10g}".replace(",", "\N{NO-BREAK SPACE}")
+            words = f"read {name}{where} to ± {exactly} {unit}".removesuffix(" 1")
             words += "" if only or effect is tie.effect else f": whether it is {effect.label}"
             place = _text(effect, _form_said(effect, problem))
             fact = f"{place}{',' if ':' in place else ':'}{name}=VALUE,std={std:.10g}"

@@ -157,7 +157,7 @@ def sweep_picture(sweep: Sweep, repeatability: Repeatability) -> Figure:
 def _beside(axes: Any, repeatability: Repeatability) -> list[float]:
     """Lines at the repeatability of data sheet and joints, named in the legend; their heights [mm]."""
     lines = (
-        ("Repeatability by data sheet", repeatability.data_sheet_mm, "-"),
+        ("Repeatability by data sheet", repeatability.data_sheet_mm, "--"),
         ("Repeatability of the joints", repeatability.joints_mm, ":"),
     )
     heights = []
