@@ -1,4 +1,4 @@
-"""Noise of 6-D measurements: shifts of the point that is measured, turns of which nobody states any, joints."""
+"""Noise of 6-D measurements: shifts of the point that is measured, turns, of which nobody states any."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnosis_cases import measured
 from scipy.spatial.transform import Rotation
 
-from diagnosis_cases import measured
 from workbench.campaign import Target
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.prepared import prepare

@@ -65,6 +65,7 @@ from .result import FaultFound, Noise
 from .weighing.replication import enough_for_halves
 
 SIX_DOF = 3  # targets that make a 6-D measurement
+TURNS = "Turns of the 6-D measurement scatter"
 MOST_MOVES = 6  # of single targets in a campaign: one with more has other faults
 MOST_POSES = 4000  # that a fit is made on: more say hardly more, and take room and time
 
@@ -120,8 +121,9 @@ class Prepared:
         if covariance is None:
             return None
         turn = f"{1e3 * turn_rad(result, covariance):.2g} mrad about each axis"
-        note = f"Turns of the 6-D measurement scatter by {turn}: that is used, none is stated."
-        return replace(self._under(covariance), notes=(*self.notes, note))
+        before = [note for note in self.notes if not note.startswith(TURNS)]
+        note = f"{TURNS} by {turn}: that is used, none is stated."
+        return replace(self._under(covariance), notes=(*before, note))
 
     def with_distances(self, result: Fit) -> Prepared | None:
         """The same with the noise that distances between targets show, where nobody stated one and a better
