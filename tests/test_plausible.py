@@ -249,6 +249,14 @@ READ = {
         lambda R, p: (rotations.from_zyx(rotations.xyz_angles(R)[:, ::-1]), p),
         "the turns are angles about x, y, z that turn along",
     ),
+    "angles in their order": (
+        lambda R, p: (rotations.from_xyz(rotations.zyx_angles(R)), p),
+        "the turns are angles about z, y, x",
+    ),
+    "places mirrored": (
+        lambda R, p: (R, p * [1.0, -1.0, 1.0]),
+        "y of the places has the wrong sign, the turns have not",
+    ),
 }
 
 

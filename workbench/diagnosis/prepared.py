@@ -56,15 +56,16 @@ from .noise.noise_choice import (
     choose,
     from_residual,
     of_distances,
-    of_turns,
     rigid_targets,
     without_wild_repeats,
 )
+from .noise.six_dof import of_repeats, of_turns, turn_rad
 from .noise.torque_noise import torque_noise
 from .result import FaultFound, Noise
 from .weighing.replication import enough_for_halves
 
 SIX_DOF = 3  # targets that make a 6-D measurement
+TURNS = "Turns of the 6-D measurement scatter"
 MOST_MOVES = 6  # of single targets in a campaign: one with more has other faults
 MOST_POSES = 4000  # that a fit is made on: more say hardly more, and take room and time
 
@@ -110,13 +111,19 @@ class Prepared:
 
     def with_turns_of(self, result: Fit) -> Prepared | None:
         """The same with the noise of a 6-D measurement's turns that a better fit leaves; None where that is
-        as stated."""
-        covariance = of_turns(result)
+        as it was taken for; where repeats show it; and where nobody knows the noise: it has its part in
+        that."""
+        if not self.noise_known or not self.problem.campaign.six_dof:
+            return None
+        if of_repeats(self.problem, result.line) is not None:
+            return None
+        covariance = of_turns(result, self.covariance)
         if covariance is None:
             return None
-        share = covariance.turn_ratio
-        note = f"Turns of the 6-D measurement scatter {share:.2g} times as points of the stated noise would"
-        return replace(self._under(covariance), notes=(*self.notes, f"{note}: that is used."))
+        turn = f"{1e3 * turn_rad(result, covariance):.2g} mrad about each axis"
+        before = [note for note in self.notes if not note.startswith(TURNS)]
+        note = f"{TURNS} by {turn}: that is used, none is stated."
+        return replace(self._under(covariance), notes=(*before, note))
 
     def with_distances(self, result: Fit) -> Prepared | None:
         """The same with the noise that distances between targets show, where nobody stated one and a better

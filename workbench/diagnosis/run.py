@@ -28,6 +28,7 @@ from .search.worth import worth_it
 from .telling.findings import Parts, assemble
 
 Given = Campaign | str | Path
+NOISES = 2  # times a noise is taken from a fit: what joints scatter shows once turns are as fine as they are
 CLEANED_AGAIN = 2  # times: what causes were explained by data faults hides others
 
 
@@ -122,8 +123,10 @@ def _searched(prepared: Prepared, seed: int, progress: Progress) -> tuple[Search
 def _search(prepared: Prepared, candidates: Sequence[Effect], seed: int) -> tuple[Prepared, Selection]:
     """The causes that explain the data, and the noise that they leave where there was none."""
     selection = compete(prepared, candidates)
-    finer = prepared.with_turns_of(selection.fit) or prepared.with_distances(selection.fit)
-    if finer is not None:
+    for _ in range(NOISES):
+        finer = prepared.with_turns_of(selection.fit) or prepared.with_distances(selection.fit)
+        if finer is None:
+            break
         prepared, selection = finer, compete(finer, candidates)
     if not prepared.noise_known and selection.fit.model.effects:
         prepared = prepared.with_noise_of(selection.fit)

@@ -21,6 +21,7 @@ from .repeats import scatter_of_repeats
 
 NOTHING = 2 * np.log(1e-12)  # logarithm of a variance [m² or rad²] that is none
 FEWEST_DOF = 12  # degrees of freedom from which repeats or shots show a noise
+EXACT = 1e-12  # of the largest: what is less is rounding
 LEAST = 1e-6  # m: no instrument that sees a robot is better; a fit that believes one bends to what it rounds
 
 
@@ -30,7 +31,9 @@ class Covariance:
 
     sigma: (N, T) [m] per axis; joint: (n,) [rad or m] one sigma of the joints' repeatability; weight:
     (N,) factor on each pose (0 leaves it out). dof: degrees of freedom behind the noise (inf: known).
-    turn_ratio: for 6-D measurements, noise of the turning part over that of the shifting part.
+    turn_ratio: for 6-D measurements, noise of the turning part over that which points of the shifting part's
+    would make; about: target at which both are independent, -1 the middle of all: shifts of an instrument's
+    own origin do not know how its turns move the points beside it.
     torque: (n,) one sigma of the drive torques [N·m, N], infinite where they say nothing; None: unused.
     body: one sigma of shifts [m] and turns [rad] of the points on a pose's last body, all together.
     """
@@ -40,6 +43,7 @@ class Covariance:
     weight: Array
     dof: float = np.inf
     turn_ratio: float = 1.0
+    about: int = -1
     torque: Array | None = None
     body: tuple[float, float] = (0.0, 0.0)
 
@@ -97,7 +101,7 @@ def whitener(problem: Problem, covariance: Covariance, axial: Array | None, turn
     n_poses, rows = seen.shape
     sigma = np.repeat(covariance.sigma, 3, axis=1)
     if turned is not None:
-        W = _six(problem, covariance, turned)
+        W = _six(problem, covariance, axial, turned)
     elif not covariance.joint.any() and not any(covariance.body):
         W = np.zeros((n_poses, rows, rows))
         W[:, np.arange(rows), np.arange(rows)] = np.where(seen, 1 / sigma, 0.0)
@@ -115,10 +119,13 @@ def whitener(problem: Problem, covariance: Covariance, axial: Array | None, turn
 
 
 def log_precision(W: Array) -> float:
-    """Half the log determinant of the data's precision, of a whitener (N, D, K): triangular, or of a 6-D
-    measurement's orthogonal motions."""
-    triangular = W.shape[1] == W.shape[2]
-    size = np.abs(np.einsum("nkk->nk", W)) if triangular else np.linalg.norm(W, axis=2)
+    """Half the log determinant of the data's precision, of a whitener (N, D, K): triangular, or of the six
+    motions of a 6-D measurement."""
+    if W.shape[1] == W.shape[2]:
+        size = np.abs(np.einsum("nkk->nk", W))
+    else:
+        size = np.linalg.svd(W, compute_uv=False)
+        size = np.where(size > EXACT * size.max(axis=1, keepdims=True), size, 0.0)
     return float(np.log(size[size > 0]).sum())
 
 
@@ -133,17 +140,36 @@ def body_motion(problem: Problem) -> Array:
     return np.asarray(motion.reshape(len(mine), -1, 6))
 
 
-def _six(problem: Problem, covariance: Covariance, turned: Array) -> Array:
-    """Projection on the six motions of a rigid pose, each with its own noise."""
-    A = np.where(problem.seen[..., None, None], body_jacobian(turned), 0.0)
-    Q, R = np.linalg.qr(A.reshape(len(A), -1, 6))
-    Q = Q * np.sign(np.diagonal(R, axis1=1, axis2=2))[:, None, :]
-    count = problem.seen.sum(axis=1)
-    sigma = np.where(problem.seen, covariance.sigma, 0.0).sum(axis=1) / np.maximum(count, 1)
-    ratio = np.array([1.0] * 3 + [covariance.turn_ratio] * 3)
-    scale = np.sqrt(np.maximum(count, 1))[:, None] * np.maximum(sigma, 1e-12)[:, None] * ratio
-    W = Q.transpose(0, 2, 1) / scale[:, :, None]
-    return np.asarray(np.where((count >= 3)[:, None, None], W, 0.0))
+def _six(problem: Problem, covariance: Covariance, axial: Array | None, turned: Array) -> Array:
+    """The six motions of a rigid pose, shifts before turns, each with its own noise, whitened with what the
+    joints and the body that carries the targets scatter."""
+    seen = problem.seen
+    count = seen.sum(axis=1)
+    whole = count >= 3
+    own = turned if covariance.about < 0 else turned - turned[:, covariance.about, None]
+    A = np.where(seen[..., None, None], body_jacobian(own), 0.0).reshape(len(own), -1, 6)
+    square = A.transpose(0, 2, 1) @ A
+    least = np.where(whole, EXACT * np.trace(square, axis1=1, axis2=2), 1.0)
+    motions = np.linalg.solve(square + least[:, None, None] * np.eye(6), A.transpose(0, 2, 1))
+    sigma = np.maximum(np.where(seen, covariance.sigma, 0.0).sum(axis=1) / np.maximum(count, 1), 1e-12)
+    turn = np.where(whole, covariance.turn_ratio * turn_of_points(problem, turned), 1.0)
+    scale = sigma[:, None] * np.repeat(np.stack([np.ones_like(turn), turn], axis=1), 3, axis=1)
+    W = motions / scale[:, :, None]
+    J = np.zeros((*W.shape[:2], 0)) if axial is None else W @ (axial * covariance.joint)
+    if any(covariance.body):
+        J = np.concatenate([J, W @ (body_motion(problem) * np.repeat(covariance.body, 3))], axis=2)
+    if J.any():
+        W = np.linalg.solve(np.linalg.cholesky(np.eye(6) + J @ J.transpose(0, 2, 1)), W)
+    return np.asarray(np.where(whole[:, None, None], W, 0.0))
+
+
+def turn_of_points(problem: Problem, turned: Array) -> Array:
+    """(N,) [rad/m] by which a pose would turn about each axis per noise of points (N, T, 3) from their
+    middle, were they as far from it in all directions."""
+    seen = problem.seen[..., None]
+    square = np.where(seen, turned, 0.0)
+    size = 2 * (square**2).sum(axis=(1, 2))
+    return np.asarray(np.sqrt(3 * problem.seen.sum(axis=1) / np.where(size > 0, size, np.inf)))
 
 
 @dataclass(frozen=True)

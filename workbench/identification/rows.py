@@ -17,12 +17,7 @@ from .parameters import Columns, body_motion
 
 def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array:
     """(N, D, R) that whitens the residuals of points and drive torques."""
-    turned = None
-    if problem.campaign.six_dof:
-        points = line.prediction.points
-        seen = problem.seen[..., None]
-        middle = np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
-        turned = points - middle[:, None]
+    turned = from_middle(problem, line.prediction.points) if problem.campaign.six_dof else None
     W = whitener(problem, noise, line.by_joint if noise.joint.any() else None, turned)
     if not problem.drives:
         return W
@@ -34,6 +29,13 @@ def whitening(problem: Problem, line: Linearisation, noise: Covariance) -> Array
         for j in range(problem.drives):
             out[:, rows + j, columns_ + j] = weight[:, j]
     return out
+
+
+def from_middle(problem: Problem, points: Array) -> Array:
+    """(N, T, 3) points from the middle of those of their pose that were seen."""
+    seen = problem.seen[..., None]
+    middle = np.where(seen, points, 0.0).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+    return np.asarray(points - middle[:, None])
 
 
 @dataclass(frozen=True, eq=False)

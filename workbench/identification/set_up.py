@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from .fit import Fit, fit
@@ -14,7 +16,13 @@ def fit_set_up(model: Model, start: State, noise: Covariance) -> Fit:
 
     What the robot errs by counts as noise: by the instrument's alone a target that poses hardly tell from the
     frame (a tool that never turns) would go metres away for the micrometres of error that it takes in there.
+
+    Turns of a 6-D measurement count as much as they move its points: what such a robot errs by is neither the
+    instrument's noise of turns nor what its joints scatter.
     """
+    if model.problem.campaign.six_dof:
+        none = np.zeros_like(noise.joint)
+        noise = replace(noise, joint=none, body=(0.0, 0.0), turn_ratio=1.0, about=-1)
     found = fit(model, start, noise, geometry=False)
     free = max(found.point_rows - found.rank, 1)
     times = float(np.sqrt(found.chi2 / free))

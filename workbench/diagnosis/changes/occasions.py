@@ -135,7 +135,8 @@ def _with_noise_of_others(
                 one.covariance, joint=np.maximum(one.covariance.joint, usual.joint), body=usual.body
             )
             if one.noise.source == "residual":
-                own = replace(own, sigma=np.full_like(own.sigma, usual.usual), turn_ratio=usual.turn_ratio)
+                sigma = np.full_like(own.sigma, usual.usual)
+                own = replace(own, sigma=sigma, turn_ratio=usual.turn_ratio, about=usual.about)
                 one = replace(one, noise=source.noise)
             one, found = replace(one, covariance=own), replace(found, noise=own)
         told.append(one)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import minimize
 from scipy.special import chdtrc
 
 from ...campaign.problem import Problem
@@ -24,18 +21,16 @@ from ...identification.noise import (
     stated_noise,
 )
 from ...identification.repeats import repeat_groups, within
-from ...identification.variances import cost_of
 from ...robot.kinematics import Array
 from ..priors import PRIORS
 from ..result import Noise
 from .distances import shown_by_distances
+from .likeliest import CLEARLY, likeliest
+from .six_dof import of_poses, of_repeats
 
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
 
 RIGID = 0.1  # of the noise: measured targets change their distances by more
-EXACT, BEYOND = 1e-9, 100.0  # of the variance that one part would have alone: what is fitted lies between
-CLEARLY = 20.0  # twice the log likelihood that a further part of the noise must bring
-LESS = 0.8  # times the noise of a turn: by less it is as stated
 WILD_REPEAT = 15.0  # times the usual deviation from the mean of its repeats: no noise
 
 
@@ -48,8 +43,11 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
     """Noise before the residual is seen: stated or measured; else provisional, source "residual"."""
     axial = line.by_joint
     said = stated_noise(problem)
-    measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
     notes = _too_fine(problem)
+    if problem.campaign.six_dof and (repeated := of_repeats(problem, line)) is not None:
+        covariance, noise, said_so = _of_repeated_poses(said, repeated)
+        return covariance, noise, [*notes, *said_so]
+    measured = None if problem.campaign.six_dof else measure_noise(problem, axial)
     if measured is not None and (said is None or measured.dof >= BELIEVED_DOF):
         if said is not None:
             disagree = _disagree(problem, said, measured, axial)
@@ -72,6 +70,25 @@ def choose(problem: Problem, line: Linearisation) -> tuple[Covariance, Noise, li
     if shown_by_rows is not None:
         return *shown_by_rows, notes
     return provisional(problem), Noise(0.1, "residual"), notes
+
+
+def _of_repeated_poses(said: Covariance | None, found: Covariance) -> tuple[Covariance, Noise, list[str]]:
+    """Noise of a 6-D measurement whose poses were repeated: its shifts as stated, where these agree or few
+    were repeated, and its turns as they scatter."""
+    shown = f"repeated poses scatter by {1e3 * found.usual:.4f} mm per axis"
+    if said is not None:
+        chi2 = found.dof * (found.usual / said.usual) ** 2
+        agree = 1e-4 < chdtrc(found.dof, chi2) < 1 - 1e-4
+        if agree or found.dof < BELIEVED_DOF:
+            kept = replace(said, turn_ratio=found.turn_ratio * found.usual / said.usual)
+            words = f"{1e3 * said.usual:.4f} mm per axis, as stated in the campaign ({shown})."
+            return kept, Noise(1e3 * said.usual, "stated", words, None, None), []
+    notes = []
+    if said is not None:
+        what = f"{shown[0].upper()}{shown[1:]}, stated is {1e3 * said.usual:.4f} mm"
+        notes = [f"{what}: the measured noise is used."]
+    words = f"{1e3 * found.usual:.4f} mm per axis, measured from repeated poses."
+    return found, Noise(1e3 * found.usual, "repeats", words, None, found.dof), notes
 
 
 def _of_rows(problem: Problem) -> tuple[Covariance, Noise] | None:
@@ -174,17 +191,13 @@ def _figures(noise: Covariance, source: str, axial: Array, measured: MeasuredNoi
 def from_residual(result: Fit) -> tuple[Covariance, Noise]:
     """Noise from the residual of a fit: one sigma, and, with several targets or a 6-D measurement, further
     parts (the robot's repeatability, the body's; the turning part of the measurement)."""
-    problem, noise = result.model.problem, result.noise
+    problem = result.model.problem
     if problem.campaign.six_dof:
-        r = result.point_residual[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
-        shift, turn = (float(np.sqrt(np.mean(r[:, part] ** 2))) for part in (slice(0, 3), slice(3, 6)))
-        free = np.sqrt(r.size / max(r.size - result.rank, 1))
-        ratio = noise.turn_ratio * turn / shift
-        new = replace(noise, sigma=noise.sigma * shift * free, turn_ratio=ratio)
+        new = of_poses(result)
     elif problem.seen.sum(axis=1).max() > 1:
         new = _parts(result)
     else:
-        new = replace(noise, sigma=np.full_like(noise.sigma, _left(result)))
+        new = replace(result.noise, sigma=np.full_like(result.noise.sigma, _left(result)))
     sigma = new.usual * 1e3
     sentence = (
         f"No noise was stated and no pose repeated: {sigma:.4f} mm per axis is what the model leaves. "
@@ -197,19 +210,6 @@ def _left(result: Fit) -> float:
     """[m] per axis, root mean square: what a fit leaves, were it all noise of single points."""
     rows = result.model.problem.seen.sum() * 3
     return float(np.sqrt(np.nansum(result.residual**2) / max(rows - result.rank, 1)))
-
-
-def of_turns(result: Fit) -> Covariance | None:
-    """The noise of a 6-D measurement with that of its turning part, which nobody states, from the residual of
-    a fit; None where it is no smaller than that of three points of the stated noise: a model's errors turn
-    the tool too."""
-    problem, noise = result.model.problem, result.noise
-    if not problem.campaign.six_dof or not np.isinf(noise.dof):
-        return None
-    r = result.point_residual[np.abs(result.whitener).sum(axis=(1, 2)) > 0]
-    free = np.sqrt(r.size / max(r.size - result.rank, 1))
-    turn = float(np.sqrt(np.mean(r[:, 3:6] ** 2))) * free
-    return replace(noise, turn_ratio=noise.turn_ratio * turn) if turn < LESS else None
 
 
 def _parts(result: Fit) -> Covariance:
@@ -225,30 +225,12 @@ def _parts(result: Fit) -> Covariance:
     parts = [mask[:, :, None] * np.eye(mask.shape[1]), *(A @ A.transpose(0, 2, 1) for A in moved)]
     d = np.nan_to_num(result.residual).reshape(len(mask), -1)
     lost = mask.sum() / max(mask.sum() - result.rank, 1)
-    two, cost_two = _likeliest(d, mask, parts[:2], lost)
-    four, cost_four = _likeliest(d, mask, parts, lost)
+    two, cost_two = likeliest(d, mask, parts[:2], lost)
+    four, cost_four = likeliest(d, mask, parts, lost)
     variances = four if cost_two - cost_four >= CLEARLY else np.append(two, [0.0, 0.0])
     sigma, joint, shift, turn = np.sqrt(variances).tolist()
     every = np.full(problem.seen.shape, sigma)
     return replace(result.noise, sigma=every, joint=joint * turning, body=(shift, turn))
-
-
-def _likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: float) -> tuple[Array, float]:
-    """Variances (k,) of covariances that add up to that of d (N, D), parts: k of (N, D, D), and twice the
-    negative log likelihood of them. lost: by how much a fit made d smaller."""
-    unseen = np.where(mask, 0.0, 1.0)[:, :, None] * np.eye(mask.shape[1])
-
-    def cost(x: Array) -> tuple[float, Array]:
-        """By the variances' logarithms, and its gradient."""
-        variances = np.exp(x)
-        value, slope = cost_of(variances, d, unseen, parts, lost)
-        return value, variances * slope
-
-    each = np.array([np.trace(part, axis1=1, axis2=2).sum() for part in parts])
-    alone = np.log(float((d**2).sum()) / np.maximum(each, 1e-300))  # were it all there is
-    bounds = [(one + np.log(EXACT), one + np.log(BEYOND)) for one in alone]
-    found = minimize(cost, alone - np.log(len(parts)), jac=True, method="L-BFGS-B", bounds=bounds)
-    return np.exp(found.x), float(found.fun)
 
 
 def rigid_targets(geometry: Fit) -> list[str]:

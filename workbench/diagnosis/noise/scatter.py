@@ -147,10 +147,8 @@ def _motions(fit: Fit, noise: Covariance) -> _Motions:
     problem = fit.model.problem
     W, g = _by_joint(fit, noise)
     n = g.shape[2]
-    of = np.arange(n)
-    if not problem.campaign.six_dof:
-        g = np.concatenate([g, W @ body_motion(problem)], axis=2)
-        of = np.append(of, np.repeat([n, n + 1], 3))
+    g = np.concatenate([g, W @ body_motion(problem)], axis=2)
+    of = np.append(np.arange(n), np.repeat([n, n + 1], 3))
     turning = np.append(~problem.arm.prismatic, np.zeros(len(of) - n, bool))
     each = np.vstack([of == np.arange(n + 2)[:, None], turning]).astype(float)
     r = np.einsum("nde,ne->nd", W, np.nan_to_num(fit.residual).reshape(len(W), -1))

@@ -110,7 +110,7 @@ def scattering(selection: Selection, left: Remainder, noise: Covariance, rms_mm:
         size = motion_said(selection.scatter[j], bool(problem.arm.prismatic[j]))
         place = f", sits in {where.joint} ({size} from pose to pose)"
     elif any(selection.fit.noise.body):
-        single = problem.seen.sum(axis=1).max() == 1
+        single = problem.campaign.six_dof or problem.seen.sum(axis=1).max() == 1
         place = ", as of a noise stated too small" if single else ", moves all targets of a pose together"
     unseen = [name for name, column in _columns(problem) if column is None]
     record = f", and record {listed(unseen)}" if unseen else ""

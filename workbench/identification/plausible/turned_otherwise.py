@@ -7,6 +7,7 @@ and read in other ways.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -37,6 +38,12 @@ def turned_otherwise(problem: Problem, data: Sample) -> Iterator[Hypothesis]:
     mend = "make the quaternions anew"
     yield _read(f"the turns are {FIXED}, and were taken for {ALONG}", mend, _fixed)
     yield _read(f"the turns are {ALONG}, and were taken for {FIXED}", mend, _along)
+    in_order = "the turns are angles about z, y, x as they turn along (KUKA's A, B, C), in this order"
+    yield _read(f"{in_order}, and were taken for angles about x, y, z", mend, _in_order)
+    mend = "turn its sign, as the quaternions have it"
+    for k, axis in enumerate("xyz"):
+        what = f"{axis} of the places has the wrong sign, the turns have not"
+        yield Hypothesis("points", what, mend, partial(_mirrored, axis=k))
 
 
 def _read(what: str, mend: str, turns: Turns) -> Hypothesis:
@@ -59,6 +66,15 @@ def _fixed(R: Array) -> Array:
 
 def _along(R: Array) -> Array:
     return rotations.from_xyz(rotations.zyx_angles(R)[:, ::-1])
+
+
+def _in_order(R: Array) -> Array:
+    return rotations.from_zyx(rotations.xyz_angles(R))
+
+
+def _mirrored(data: Sample, axis: int) -> Sample:
+    place, R = _frames(data.points)
+    return _with(data, place * np.where(np.arange(3) == axis, -1.0, 1.0), R)
 
 
 def _inverse(data: Sample) -> Sample:

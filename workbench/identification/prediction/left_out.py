@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...robot.kinematics import Array
 from ..fit import Fit
 from ..heldout import folds_of, without_rows
+from ..rows import whitening
 
 FOLDS = 10
 PARTS = 5  # of the campaign, one after the other
@@ -141,7 +142,8 @@ def _noise(fit: Fit) -> tuple[Array, Array]:
     scatter = np.einsum("ntik,ntjk->ntij", joint, joint)
     sigma = np.broadcast_to((fit.noise.sigma**2)[..., None, None] * np.eye(3), scatter.shape)
     if fit.model.problem.campaign.six_dof:
-        W = fit.whitener[:, : fit.point_residual.shape[1], : 3 * targets]
+        alone = replace(fit.noise, joint=np.zeros_like(fit.noise.joint))
+        W = whitening(fit.model.problem, fit.line, alone)[:, : fit.point_residual.shape[1], : 3 * targets]
         half = np.linalg.pinv(W).reshape(count, targets, 3, -1)
         sigma = np.einsum("ntik,ntjk->ntij", half, half)
     return np.asarray(sigma), np.asarray(scatter)

@@ -75,6 +75,7 @@ class PriorInformation:
     sigma: Array
     joint: Array
     turn_ratio: float
+    about: int
     noise: str
     shown: NDArray[np.bool_]
     places: Array
@@ -133,7 +134,9 @@ class PriorInformation:
             records = records.with_poses(torque=np.zeros_like(records.poses.q))
         sigma = np.tile(self.sigma[self._targets(records)], (len(records.poses.q), 1))
         every = np.ones(len(records.poses.q))
-        noise = Covariance(sigma, self.joint, every, turn_ratio=self.turn_ratio, body=self.body)
+        noise = Covariance(
+            sigma, self.joint, every, turn_ratio=self.turn_ratio, about=self.about, body=self.body
+        )
         if records.poses.torque is not None:
             noise = replace(noise, torque=self._torque_noise(records, effects))
         return self._sensitivity(records, noise, effects)
@@ -235,7 +238,7 @@ def from_robot(robot: Robot, known: Sequence[str] = ()) -> PriorInformation:
     effects = tuple(stated_effects(nothing))
     shown = np.ones(len(TARGETS), dtype=bool)
     places = nothing.stated_targets
-    return PriorInformation(nothing, effects, None, sigma, joint, 1.0, noise, shown, places, given=given)
+    return PriorInformation(nothing, effects, None, sigma, joint, 1.0, -1, noise, shown, places, given=given)
 
 
 def from_campaign(
@@ -270,6 +273,7 @@ def from_prepared(prepared: Prepared) -> PriorInformation:
         sigma,
         covariance.joint,
         covariance.turn_ratio,
+        covariance.about,
         words,
         shown,
         places,
