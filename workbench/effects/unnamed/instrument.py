@@ -17,10 +17,12 @@ import numpy as np
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ...robot.rotations import cross, nearest_turn
+from ..base import Param
 from ..kinds import InstrumentEffect
 from .base import MOVES, Unnamed, waves
 
 CLOSEST = 0.5  # m: no tracker measures nearer points; where some are, the points' origin is no instrument
+WAVES_IN_TIME = 6
 STEEPEST = 0.1  # cosine of the elevation: nor does its head look straight up
 
 
@@ -113,6 +115,51 @@ class Head(FromHead):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[Unnamed]:
         return cls.at_hand(problem)
+
+
+@dataclass(frozen=True)
+class Ranging(FromHead):
+    """The range moves with time, as that of a head that warms up. start, span [s]: of the campaign."""
+
+    variant: str = "ranging"
+    start: float = 0.0
+    span: float = 1.0
+
+    settings: ClassVar[tuple[str, ...]] = (*FromHead.settings, "start", "span")
+
+    @property
+    def functions(self) -> int:
+        return WAVES_IN_TIME
+
+    @property
+    def variable(self) -> str:
+        return "time (the instrument's range moves)"
+
+    @property
+    def unit(self) -> str:
+        return "s"
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        slower = np.arange(1, self.functions + 1) ** -1.5
+        each = self.size * slower / np.linalg.norm(slower)
+        return tuple(Param(f"weight_{k}", "rad", s, spread=s) for k, s in enumerate(map(float, each), 1))
+
+    def x(self, problem: Problem) -> Array:
+        return np.zeros(len(problem.q)) if problem.time is None else np.asarray(problem.time)
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        share = (self.x(problem) - self.start) / self.span
+        cosines = np.cos(np.pi * np.outer(share, np.arange(1, self.functions + 1)))
+        _, _, _, ray, _ = _polar(problem)
+        return np.asarray(self.distance * ray[..., None] * cosines[:, None, None, :])
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        if problem.time is None or np.ptp(problem.time) == 0:
+            return []
+        first, span = float(problem.time.min()), float(np.ptp(problem.time))
+        return [cls(distance=one.distance, start=first, span=span) for one in cls.at_hand(problem)]
 
 
 @dataclass(frozen=True)
