@@ -229,8 +229,8 @@ class Views(OfReflectors):
 @dataclass(frozen=True)
 class Room(ByInstrument):
     """A smooth error by place, as cameras, measuring arms and air that is not alike everywhere make it: every
-    polynomial of the third degree. middle_x, middle_y, middle_z, reach [m]: of the points, and how far these
-    go from there."""
+    polynomial of the third degree, but for a motion of the whole and a scale, which has a name. middle_x,
+    middle_y, middle_z, reach [m]: of the points, and how far these go from there."""
 
     variant: str = "room"
     size: float = 5e-5
@@ -243,7 +243,7 @@ class Room(ByInstrument):
 
     @property
     def functions(self) -> int:
-        return 57
+        return 53
 
     @property
     def variable(self) -> str:
@@ -252,13 +252,17 @@ class Room(ByInstrument):
     def seen(self, problem: Problem, points: Array) -> Array:
         middle = np.array([self.middle_x, self.middle_y, self.middle_z])
         x, y, z = np.moveaxis((_places(problem) - middle) / self.reach, -1, 0)
-        first, second = [x, y, z], [x * x, x * y, x * z, y * y, y * z, z * z]
+        second = [x * x, x * y, x * z, y * y, y * z, z * z]
         third = [x * s for s in second] + [y * s for s in second[3:]] + [z**3]
-        by = np.stack([*first, *second, *third], axis=-1)
-        return np.asarray((np.eye(3)[..., None] * by[..., None, None, :]).reshape(*by.shape[:2], 3, -1))
+        by = np.stack([*second, *third], axis=-1)
+        curved = (np.eye(3)[..., None] * by[..., None, None, :]).reshape(*by.shape[:2], 3, -1)
+        o = np.zeros_like(x)
+        sheared = [(x, -y, o), (o, y, -z), (y, x, o), (o, z, y), (z, o, x)]
+        even = np.stack([np.stack(way, axis=-1) for way in sheared], axis=-1)
+        return np.concatenate([even, curved], axis=-1)
 
     @classmethod
-    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+    def sites(cls, problem: Problem) -> Sequence[Room]:
         points = problem.campaign.points[problem.seen]
         middle = points.mean(axis=0)
         reach = float(np.linalg.norm(points - middle, axis=1).max())
