@@ -87,7 +87,8 @@ class Finding:
     this one, of all that competed; variant: its form, of several the one that shows most, where
     place and order do not say it; called: what the field calls it, where its cause does not say it; faint:
     rivals that are not worth a word, but would stand in the way of its name were the others gone;
-    taken_back: it undoes what the robot's own model has of it."""
+    taken_back: it undoes what the robot's own model has of it; of_instrument: it goes by what the instrument
+    sees, and is not the robot's."""
 
     cause: str
     title: str
@@ -104,6 +105,7 @@ class Finding:
     structure: str | None = None
     sentence: str = ""
     taken_back: bool = False
+    of_instrument: bool = False
     equation: str = ""
     evidence: Evidence | None = None
     called: str = ""

@@ -83,7 +83,8 @@ class Acting:
         if all(effect.acts != "instrument" for effect, _ in self.items):
             return None
         axes = np.broadcast_to(np.eye(3)[:, None, None], (3, *problem.campaign.points.shape))
-        return np.stack([self.seen(problem, axis) for axis in axes], axis=-1)
+        still = self.seen(problem, np.zeros_like(axes[0]))
+        return np.stack([self.seen(problem, axis) - still for axis in axes], axis=-1)
 
     def gear_error(self, q: Array, side: Array | None, joints: tuple[str, ...]) -> Array:
         """(K, n) motion of each joint beyond its drive's, at joints q (K, n) reached from `side` (K, n)."""

@@ -266,7 +266,7 @@ class LoadEffect(Effect):
 
 
 class InstrumentEffect(Effect):
-    """How the points are seen; linear in its parameters and in the points."""
+    """How the points are seen; linear in its parameters, even in the points."""
 
     acts: ClassVar[Acts] = "instrument"
     in_drake: ClassVar[str] = "nothing: the measured points change"

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtr, chdtri
 
 from ...campaign.problem import Problem
+from ...effects.unnamed.instrument import may_be_head
 from ...identification.noise import Covariance
 from ...robot.kinematics import Array
 
@@ -17,6 +19,8 @@ FEWEST = 8  # poses that see the same targets, from which their usual distances 
 SURE = 3.72  # standard deviations: one chance in ten thousand
 SHOWN = 0.03  # of the best shown: a combination of distances that noise moves less, as of targets in a plane
 WILD = 1e-3  # chance from which a pose's distances are no noise
+CAUCHY = 3.5  # usual distances off: 95 % as good as least squares where there is noise alone
+ROUNDS = 5  # of a fit that wild distances do not pull at
 
 
 @dataclass(frozen=True)
@@ -70,7 +74,7 @@ def _of(points: Array, sigma: Array) -> tuple[Array, int]:
     pairs = np.array(list(combinations(range(points.shape[1]), 2)))
     apart = points[:, pairs[:, 0]] - points[:, pairs[:, 1]]
     length = np.linalg.norm(apart, axis=2)
-    off = length - np.median(length, axis=0)
+    off = _without_ranges(length - np.median(length, axis=0), points, pairs, apart / length[..., None])
     way = apart[0] / np.maximum(length[0], 1e-12)[:, None]  # turned alike at all poses
     usual = np.sqrt(np.mean(sigma**2, axis=0))
     slope = np.zeros((len(pairs), points.shape[1], 3))
@@ -81,3 +85,25 @@ def _of(points: Array, sigma: Array) -> tuple[Array, int]:
     kept = s > SHOWN * s[0]
     U, s = U[:, kept], s[kept]
     return np.asarray((((off @ U) / s) ** 2).sum(axis=1)), len(s)
+
+
+def _without_ranges(off: Array, points: Array, pairs: NDArray[np.int64], way: Array) -> Array:
+    """(N, P) what distances are off, without what reflectors make whose range is off by a constant each: this
+    is the same error at every pose and no noise. pairs: (P, 2) of points (N, T, 3); way: (N, P, 3) between
+    them. Fitted with weights by which wild ones do not count (Cauchy's)."""
+    if not may_be_head(points.reshape(-1, 3)):
+        return off
+    ray = points / np.linalg.norm(points, axis=2, keepdims=True)
+    slope = np.zeros((*off.shape, points.shape[1]))
+    for p, (a, b) in enumerate(pairs):
+        slope[:, p, a] = (ray[:, a] * way[:, p]).sum(axis=1)
+        slope[:, p, b] = -(ray[:, b] * way[:, p]).sum(axis=1)
+    own = np.broadcast_to(np.eye(len(pairs)), (len(off), len(pairs), len(pairs)))  # medians are off with it
+    A, y = np.concatenate([slope, own], axis=2).reshape(off.size, -1), off.ravel()
+    left = y
+    for _ in range(ROUNDS):
+        scale = max(float(np.median(np.abs(left))), 1e-12)
+        weight = 1 / np.sqrt(1 + (left / (CAUCHY * scale)) ** 2)
+        found = np.linalg.lstsq(weight[:, None] * A, weight * y)[0]
+        left = y - A @ found
+    return np.asarray(left.reshape(off.shape))

@@ -17,6 +17,7 @@ from ...identification.noise import Covariance, log_precision
 from ..noise.noise_choice import from_residual
 from ..noise.scatter import CLEAR, alike, beyond_all, with_scatter
 from ..weighing.acts_through import needs_of
+from ..weighing.by_itself import worth_offering
 from ..weighing.chosen import Chosen, Member
 from ..weighing.components import (
     Component,
@@ -199,12 +200,12 @@ def _of_scattering(at: Fit, base: Covariance) -> Iterator[Effect]:
 def _competition(
     at: Fit, candidates: Sequence[Effect], lines: Sequence[Line], base: Covariance, noise_dof: float
 ) -> Competition:
-    """All that competes, at a fit."""
+    """All that competes, at a fit: an instrument's own errors where they show there, or are in it."""
     functions = [*unnamed(at.model.problem), *_of_scattering(at, base)]
     components = [
         *cause_components(at, candidates),
         *(_line(at, line) for line in lines),
-        *nameless_components(at, functions),
+        *worth_offering(at, nameless_components(at, functions), noise_dof),
     ]
     return Competition(reduce(at, components, noise_dof), components, needs_of(at, components))
 

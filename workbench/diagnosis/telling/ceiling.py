@@ -18,6 +18,7 @@ from ...effects.base import Effect
 from ...effects.unnamed import unnamed
 from ...identification.fit import Fit
 from ...robot.kinematics import Array
+from ..weighing.by_itself import worth_offering
 from ..weighing.chosen import Chosen
 from ..weighing.components import Component, Form, cause_components, nameless_components, sized
 from ..weighing.gram import Stored
@@ -41,7 +42,8 @@ def ceiling_mm(final: Fit, candidates: Sequence[Effect]) -> float:
     step = max(1, int(np.ceil(every * final.r.shape[1] / MOST_ROWS)))
     some = np.arange(0, every, step)
     near = [e for e in candidates if e.key not in {own.key for own in final.model.effects}]
-    components = [*cause_components(final, near), *nameless_components(final, unnamed(problem))]
+    nameless = worth_offering(final, nameless_components(final, unnamed(problem)), 0.0)
+    components = [*cause_components(final, near), *nameless]
     blocks = [form.columns[some] * form.sizes for form in _worth_trying(final, components)]
     J = final.J[some] * final.columns.prior
     r = (final.r + explained(final))[some]

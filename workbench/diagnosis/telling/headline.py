@@ -99,6 +99,8 @@ def headline(
         left = "Something is left that no known cause explains"
         if any(f.cause == UNKNOWN and f.rivals for f in findings):
             left = "Something is left whose cause is not decided"
+        elif any(f.of_instrument for f in findings):
+            left = "Something is left that looks like the instrument's own error, not the robot's"
         first, then = (said, left) if brought_mm > best / 2 else (left, said)  # what is most of it leads
         return f"{first}{f'; {then[0].lower()}{then[1:]}' if then else ''}. {gain}"
     return f"{said}. {gain}"

@@ -10,16 +10,17 @@ from collections.abc import Iterator
 
 from ...campaign.problem import Problem
 from .base import Unnamed
-from .campaign import Along, Attitude, Bearing, Clock, PerPayload, Warmth, Zeros
+from .campaign import Along, Attitude, Clock, PerPayload, Warmth, Zeros
 from .carriage import UnevenCarriage
 from .curved_yield import CurvedYield
+from .instrument import Bearing, Head, Ranging, Reflectors, Room, Views
 from .joints import Pair, Product, Side, SideBands, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
 from .loads import Load, OwnWeights, StatedForces, Torque, UnevenTilt
 
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Along, Zeros, Warmth, PerPayload, Attitude, Bearing,
-    Product,
+    Head, Ranging, Reflectors, Room, Views, Product,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (

@@ -1,4 +1,4 @@
-"""Motions of base, tool and instrument: with time, temperature, payload, attitude, bearing."""
+"""Motions of base and tool: with time, temperature, payload, attitude."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ...campaign.problem import Problem
 from ...robot.kinematics import Array
 from ..base import Depends, Param
 from ..coming_to_rest import SHARES, gone, since_start, start_and_span
-from ..kinds import DirectEffect, InstrumentEffect
+from ..kinds import DirectEffect
 from ..place import Where
-from .base import MOVES, Unnamed, each, moving, waves
+from .base import Unnamed, each, moving
 
 WAVES_IN_TIME = 6
 VISITS_PER_WAVE = 10  # a joint position that is measured several times on end is one look at time
@@ -265,32 +265,6 @@ class Attitude(Unnamed, DirectEffect):
         return [cls()]
 
 
-@dataclass(frozen=True)
-class Bearing(Unnamed, InstrumentEffect):
-    """The instrument turns about its vertical by the bearing."""
-
-    variant: str = "bearing"
-
-    @property
-    def functions(self) -> int:
-        return 10
-
-    @property
-    def variable(self) -> str:
-        return "bearing from the instrument"
-
-    def x(self, problem: Problem) -> Array:
-        return _bearing(problem.campaign.points)
-
-    def seen(self, problem: Problem, points: Array) -> Array:
-        turn = np.stack([-points[..., 1], points[..., 0], np.zeros_like(points[..., 0])], axis=-1)
-        return np.asarray(turn[..., None] * waves(self.x(problem), 5)[:, None, None, :])
-
-    @classmethod
-    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
-        return [cls()] if np.ptp(_bearing(problem.campaign.points)) > MOVES else []
-
-
 def _turning(problem: Problem) -> list[int]:
     """Columns of the joints that turn."""
     return [int(column) for column in problem.arm.axial[~problem.arm.prismatic]]
@@ -300,11 +274,3 @@ def _flange(problem: Problem) -> range:
     """Columns of the flange's motions."""
     first = 6 * (problem.arm.n + 1)
     return range(first, first + 6)
-
-
-def _bearing(points: Array) -> Array:
-    """(N,) direction [rad] in which the points (N, T, 3) of a pose stand."""
-    seen = np.asarray(np.isfinite(points).all(axis=2))
-    count = np.maximum(seen.sum(axis=1), 1)[:, None]
-    middle = np.where(seen[..., None], points, 0.0).sum(axis=1) / count
-    return np.asarray(np.arctan2(middle[:, 1], middle[:, 0]))

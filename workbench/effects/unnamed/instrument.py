@@ -1,0 +1,309 @@
+"""How the instrument errs: by where it looks, by what it looks at, and by where that is in the room.
+
+What a tracker's axes, encoders and range do wrong goes by its own polar coordinates (Loser & Kyle 1999,
+Muralikrishnan et al. 2009), and by those of an arm or a camera it
+goes smoothly by place. None of it is the robot's: without these such an error would be looked for there.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from ...campaign.problem import Problem
+from ...robot.kinematics import Array
+from ...robot.rotations import cross, nearest_turn
+from ..base import Param
+from ..kinds import InstrumentEffect
+from .base import MOVES, Unnamed, waves
+
+CLOSEST = 0.5  # m: no tracker measures nearer points; where some are, the points' origin is no instrument
+WAVES_IN_TIME = 6
+STEEPEST = 0.1  # cosine of the elevation: nor does its head look straight up
+
+
+@dataclass(frozen=True)
+class ByInstrument(Unnamed, InstrumentEffect):
+    """An error of the instrument. It is the robot's no more than the room's: seen from another place it goes
+    elsewhere."""
+
+    lacks: ClassVar[str] = (
+        "measure some of the poses from another place of the instrument, as another `setup`: what is of the "
+        "robot stays, what is of the instrument goes along with it"
+    )
+
+    def x(self, problem: Problem) -> Array:
+        return _bearing(problem.campaign.points)
+
+    @property
+    def lasting(self) -> bool:
+        return False
+
+
+@dataclass(frozen=True)
+class Bearing(ByInstrument):
+    """The instrument turns about its vertical by the bearing."""
+
+    variant: str = "bearing"
+
+    @property
+    def functions(self) -> int:
+        return 10
+
+    @property
+    def variable(self) -> str:
+        return "bearing from the instrument"
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        turn = np.stack([-points[..., 1], points[..., 0], np.zeros_like(points[..., 0])], axis=-1)
+        return np.asarray(turn[..., None] * waves(self.x(problem), 5)[:, None, None, :])
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        return [cls()] if np.ptp(_bearing(problem.campaign.points)) > MOVES else []
+
+
+@dataclass(frozen=True)
+class FromHead(ByInstrument):
+    """An error in the polar coordinates of a head in the points' origin. distance [m]: a usual one of the
+    campaign, at which it is as large as `size`."""
+
+    distance: float = 3.0
+
+    settings: ClassVar[tuple[str, ...]] = ("size", "distance")
+
+    @classmethod
+    def at_hand(cls, problem: Problem) -> list[Self]:
+        """Where a head may stand in the points' origin."""
+        points = problem.campaign.points[problem.seen]
+        return [cls(distance=float(np.median(np.linalg.norm(points, axis=1))))] if may_be_head(points) else []
+
+
+@dataclass(frozen=True)
+class Head(FromHead):
+    """The tracker's own geometry: range by a constant and by elevation, azimuth and elevation by offsets and
+    tilts of beam and axes and by encoders that run out, and by air that bends the beam."""
+
+    variant: str = "head"
+
+    @property
+    def functions(self) -> int:
+        return 19
+
+    @property
+    def variable(self) -> str:
+        return "range, azimuth and elevation from the instrument"
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        away, azimuth, elevation, ray, across = _polar(problem)
+        near, up, level = self.distance / away, np.sin(elevation), np.cos(elevation)
+        turns = waves(azimuth.ravel(), 2).reshape(*azimuth.shape, 4)
+        ranging = [near, level * near]
+        even, both = np.ones_like(up), np.moveaxis(turns, -1, 0)
+        turning = [even, up, near, *(level * both)]  # times the cosine of the elevation
+        nodding = [near, even, up, level, np.sin(2 * elevation), np.cos(2 * elevation)]
+        nodding += [up * near, 1 / near, *both[2:]]
+        rise = cross(ray, across)
+        ways = [(ray, ranging), (across, turning), (rise, nodding)]
+        out = [way[..., None] * np.stack(by, axis=-1)[..., None, :] for way, by in ways]
+        return np.asarray(away[..., None, None] * np.concatenate(out, axis=-1))
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        return cls.at_hand(problem)
+
+
+@dataclass(frozen=True)
+class Ranging(FromHead):
+    """The range moves with time, as that of a head that warms up. start, span [s]: of the campaign."""
+
+    variant: str = "ranging"
+    start: float = 0.0
+    span: float = 1.0
+
+    settings: ClassVar[tuple[str, ...]] = (*FromHead.settings, "start", "span")
+
+    @property
+    def functions(self) -> int:
+        return WAVES_IN_TIME
+
+    @property
+    def variable(self) -> str:
+        return "time (the instrument's range moves)"
+
+    @property
+    def unit(self) -> str:
+        return "s"
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        slower = np.arange(1, self.functions + 1) ** -1.5
+        each = self.size * slower / np.linalg.norm(slower)
+        return tuple(Param(f"weight_{k}", "rad", s, spread=s) for k, s in enumerate(map(float, each), 1))
+
+    def x(self, problem: Problem) -> Array:
+        return np.zeros(len(problem.q)) if problem.time is None else np.asarray(problem.time)
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        share = (self.x(problem) - self.start) / self.span
+        cosines = np.cos(np.pi * np.outer(share, np.arange(1, self.functions + 1)))
+        _, _, _, ray, _ = _polar(problem)
+        return np.asarray(self.distance * ray[..., None] * cosines[:, None, None, :])
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        if problem.time is None or np.ptp(problem.time) == 0:
+            return []
+        first, span = float(problem.time.min()), float(np.ptp(problem.time))
+        return [cls(distance=one.distance, start=first, span=span) for one in cls.at_hand(problem)]
+
+
+@dataclass(frozen=True)
+class OfReflectors(FromHead):
+    """Each of so many reflectors shows its own error of range, by functions of how it is looked at."""
+
+    reflectors: float = 1.0
+
+    settings: ClassVar[tuple[str, ...]] = (*FromHead.settings, "reflectors")
+    each: ClassVar[int] = 1
+
+    @property
+    def functions(self) -> int:
+        return self.each * int(self.reflectors)
+
+    @abstractmethod
+    def by(self, problem: Problem, ray: Array) -> Array:
+        """(N, T, f) the functions, from the rays (N, T, 3)."""
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        _, _, _, ray, _ = _polar(problem)
+        by = self.by(problem, ray)
+        own = np.eye(ray.shape[1])[None, :, :, None] * by[:, :, None, :]  # (N, T, T, f)
+        own = own.reshape(*ray.shape[:2], -1)
+        return np.asarray(self.distance * ray[..., None] * own[..., None, :])
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Unnamed]:
+        count = len(problem.campaign.targets)
+        return [cls(distance=one.distance, reflectors=float(count)) for one in cls.at_hand(problem)]
+
+
+@dataclass(frozen=True)
+class Reflectors(OfReflectors):
+    """A reflector of another radius, or of another glass, than the instrument was told: its range is off."""
+
+    variant: str = "reflectors"
+
+    @property
+    def variable(self) -> str:
+        return "the reflector, whose range from the instrument is off"
+
+    def by(self, problem: Problem, ray: Array) -> Array:
+        return np.ones((*ray.shape[:2], 1))
+
+
+@dataclass(frozen=True)
+class Views(OfReflectors):
+    """A reflector's range goes by how it is turned to the instrument, as glass and a ball off its centre
+    make it."""
+
+    variant: str = "views"
+    each: ClassVar[int] = 9
+
+    @property
+    def variable(self) -> str:
+        return "how each reflector is turned to the instrument"
+
+    def by(self, problem: Problem, ray: Array) -> Array:
+        u = ray @ _turn_of(problem)  # in the base
+        frames, on = problem.rigid.R, problem.on
+        u = np.stack([np.einsum("nij,ni->nj", frames[k], u[:, t]) for t, k in enumerate(on)], axis=1)
+        x, y, z = np.moveaxis(u, -1, 0)
+        return np.stack([np.ones_like(x), x, y, z, x * y, y * z, z * x, x**2 - y**2, 3 * z**2 - 1], axis=-1)
+
+
+@dataclass(frozen=True)
+class Room(ByInstrument):
+    """A smooth error by place, as cameras, measuring arms and air that is not alike everywhere make it: every
+    polynomial of the third degree, but for a motion of the whole and a scale, which has a name. middle_x,
+    middle_y, middle_z, reach [m]: of the points, and how far these go from there."""
+
+    variant: str = "room"
+    size: float = 5e-5
+    middle_x: float = 0.0
+    middle_y: float = 0.0
+    middle_z: float = 0.0
+    reach: float = 1.0
+
+    settings: ClassVar[tuple[str, ...]] = ("size", "middle_x", "middle_y", "middle_z", "reach")
+
+    @property
+    def functions(self) -> int:
+        return 53
+
+    @property
+    def variable(self) -> str:
+        return "the place in the room where the instrument sees it"
+
+    def seen(self, problem: Problem, points: Array) -> Array:
+        middle = np.array([self.middle_x, self.middle_y, self.middle_z])
+        x, y, z = np.moveaxis((_places(problem) - middle) / self.reach, -1, 0)
+        second = [x * x, x * y, x * z, y * y, y * z, z * z]
+        third = [x * s for s in second] + [y * s for s in second[3:]] + [z**3]
+        by = np.stack([*second, *third], axis=-1)
+        curved = (np.eye(3)[..., None] * by[..., None, None, :]).reshape(*by.shape[:2], 3, -1)
+        o = np.zeros_like(x)
+        sheared = [(x, -y, o), (o, y, -z), (y, x, o), (o, z, y), (z, o, x)]
+        even = np.stack([np.stack(way, axis=-1) for way in sheared], axis=-1)
+        return np.concatenate([even, curved], axis=-1)
+
+    @classmethod
+    def sites(cls, problem: Problem) -> Sequence[Room]:
+        points = problem.campaign.points[problem.seen]
+        middle = points.mean(axis=0)
+        reach = float(np.linalg.norm(points - middle, axis=1).max())
+        if reach <= MOVES:
+            return []
+        x, y, z = map(float, middle)
+        return [cls(middle_x=x, middle_y=y, middle_z=z, reach=reach)]
+
+
+def may_be_head(points: Array) -> bool:
+    """Whether the origin of points (M, 3) [m] may be the head that measured them."""
+    away = np.linalg.norm(points, axis=1)
+    level = np.hypot(points[:, 0], points[:, 1])
+    return bool(away.min() >= CLOSEST and (level >= STEEPEST * away).all())
+
+
+def _places(problem: Problem) -> Array:
+    """(N, T, 3) [m] the measured points; where nothing was seen, the mean of all."""
+    points, seen = problem.campaign.points, problem.seen[..., None]
+    return np.where(seen, points, points[problem.seen].mean(axis=0))
+
+
+def _polar(problem: Problem) -> tuple[Array, Array, Array, Array, Array]:
+    """Distances, azimuths, elevations (N, T), rays and horizontal directions across them (N, T, 3)."""
+    points = _places(problem)
+    away = np.linalg.norm(points, axis=2)
+    azimuth = np.arctan2(points[..., 1], points[..., 0])
+    across = np.stack([-np.sin(azimuth), np.cos(azimuth), np.zeros_like(azimuth)], axis=-1)
+    return away, azimuth, np.arcsin(points[..., 2] / away), points / away[..., None], across
+
+
+def _turn_of(problem: Problem) -> Array:
+    """(3, 3) turn from the base to the instrument's frame, as the nominal arm has it."""
+    middle = _places(problem).mean(axis=1)
+    hand = problem.rigid.p[-1]
+    return nearest_turn(hand - hand.mean(axis=0), middle - middle.mean(axis=0))
+
+
+def _bearing(points: Array) -> Array:
+    """(N,) direction [rad] in which the points (N, T, 3) of a pose stand."""
+    seen = np.asarray(np.isfinite(points).all(axis=2))
+    count = np.maximum(seen.sum(axis=1), 1)[:, None]
+    middle = np.where(seen[..., None], points, 0.0).sum(axis=1) / count
+    return np.asarray(np.arctan2(middle[:, 1], middle[:, 0]))
