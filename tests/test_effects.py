@@ -17,7 +17,7 @@ from workbench.effects.joint_compliance import JointCompliance
 from workbench.effects.lost_motion import LostMotion
 from workbench.effects.place import Where
 from workbench.effects.records import effect_text, from_record, parse_effect, record, stated_effects
-from workbench.effects.unnamed.instrument import Bearing, Head, Room, Views
+from workbench.effects.unnamed.instrument import Bearing, Head, Views
 from workbench.effects.unnamed.loads import Load
 from workbench.files.faults import InputError
 from workbench.identification.model import Model, State
@@ -132,7 +132,7 @@ def test_every_column_knows_what_acts_beside_it(name):
     case, state = job(name)
     each = {effect.acts: effect for effect in places(name)}
     seen = measured_as(case, state)
-    by_place = (one for kind in (Bearing, Head, Room, Views) for one in kind.sites(seen))
+    by_place = (one for kind in (Bearing, Head, Views) for one in kind.sites(seen))
     effects = (*each.values(), *by_place, *Load.sites(seen)[-1:])
     values = tuple(0.3 * values_of(effect) for effect in effects)
     model, state = Model(seen, effects), replace(state, values=values)

@@ -13,7 +13,7 @@ from workbench.campaign import Campaign
 from workbench.campaign.problem import problem_of
 from workbench.diagnosis.run import diagnose
 from workbench.effects.base import UNKNOWN
-from workbench.effects.unnamed.instrument import Head, Reflectors, Room, Views, may_be_head
+from workbench.effects.unnamed.instrument import Head, Reflectors, Views, may_be_head
 from workbench.robot.kinematics import Array
 
 STANDS = np.array([3.5, 1.5, 0.3])  # m: the robot, from the head
@@ -116,4 +116,3 @@ def test_points_about_the_robots_own_base_have_no_head_in_their_origin(sound):
     near = replace(problem, campaign=replace(sound, points=sound.points - sound.points[0, 0]))
     assert not may_be_head(near.campaign.points.reshape(-1, 3))
     assert not any(kind.sites(near) for kind in (Head, Reflectors, Views))
-    assert Room.sites(near)

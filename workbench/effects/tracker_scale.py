@@ -11,13 +11,9 @@ import numpy as np
 from ..campaign.calibrated import contradicted
 from ..campaign.problem import Problem
 from ..robot.kinematics import Array
-from .base import Effect, Param, Rest
+from .base import Param, Rest
 from .drawn import Drawn
 from .kinds import InstrumentEffect
-from .unnamed.instrument import Room
-
-USUAL = 1e-5  # 10 ppm
-UNEVEN = 0.2  # share of what it makes at the edge of the points
 
 
 @dataclass(frozen=True)
@@ -38,7 +34,7 @@ class TrackerScale(InstrumentEffect):
 
     @property
     def params(self) -> tuple[Param, ...]:
-        return (Param("scale", "1", USUAL, "of all measured distances; 1e-6 is 1 ppm"),)
+        return (Param("scale", "1", 1e-5, "of all measured distances; 1e-6 is 1 ppm"),)
 
     @classmethod
     def needs(cls, problem: Problem) -> str | None:
@@ -59,10 +55,6 @@ class TrackerScale(InstrumentEffect):
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[TrackerScale]:
         return [cls()]
-
-    def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A real one is not alike all over the room."""
-        return [(UNEVEN * USUAL * one.reach / one.size, one) for one in Room.sites(problem)]
 
     def seen(self, problem: Problem, points: Array) -> Array:
         return points[..., None]

@@ -13,14 +13,14 @@ from .base import Unnamed
 from .campaign import Along, Attitude, Clock, PerPayload, Warmth, Zeros
 from .carriage import UnevenCarriage
 from .curved_yield import CurvedYield
-from .instrument import Bearing, Head, Ranging, Reflectors, Room, Views
+from .instrument import Bearing, Head, Ranging, Reflectors, Views
 from .joints import Pair, Product, Side, SideBands, Tilt
 from .link_ends import OwnWeight, PivotForce, UnevenBending
 from .loads import Load, OwnWeights, StatedForces, Torque, UnevenTilt
 
 KINDS: tuple[type[Unnamed], ...] = (
     Tilt, Pair, Torque, Load, OwnWeights, Side, Clock, Along, Zeros, Warmth, PerPayload, Attitude, Bearing,
-    Head, Ranging, Reflectors, Room, Views, Product,
+    Head, Ranging, Reflectors, Views, Product,
 )  # fmt: skip
 # what stands beside causes, and for nothing by itself
 BESIDE: tuple[type[Unnamed], ...] = (

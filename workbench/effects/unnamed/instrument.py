@@ -1,8 +1,9 @@
-"""How the instrument errs: by where it looks, by what it looks at, and by where that is in the room.
+"""How the instrument errs: by where it looks, and by what it looks at.
 
 What a tracker's axes, encoders and range do wrong goes by its own polar coordinates (Loser & Kyle 1999,
-Muralikrishnan et al. 2009), and by those of an arm or a camera it
-goes smoothly by place. None of it is the robot's: without these such an error would be looked for there.
+Muralikrishnan et al. 2009). None of it is the robot's: without these such an error would be looked for there.
+An error that goes smoothly by place, as of cameras, is not among them: from one set-up a robot's own smooth
+errors look the same, and these are to be corrected.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from .base import MOVES, Unnamed, waves
 
 CLOSEST = 0.5  # m: no tracker measures nearer points; where some are, the points' origin is no instrument
 WAVES_IN_TIME = 6
+IN_ORDER = 1e-5  # rad, or of the distance: what a tracker in order errs by, 15 µm + 6 µm/m
 STEEPEST = 0.1  # cosine of the elevation: nor does its head look straight up
 
 
@@ -72,6 +74,7 @@ class FromHead(ByInstrument):
     """An error in the polar coordinates of a head in the points' origin. distance [m]: a usual one of the
     campaign, at which it is as large as `size`."""
 
+    size: float = IN_ORDER
     distance: float = 3.0
 
     settings: ClassVar[tuple[str, ...]] = ("size", "distance")
@@ -224,52 +227,6 @@ class Views(OfReflectors):
         u = np.stack([np.einsum("nij,ni->nj", frames[k], u[:, t]) for t, k in enumerate(on)], axis=1)
         x, y, z = np.moveaxis(u, -1, 0)
         return np.stack([np.ones_like(x), x, y, z, x * y, y * z, z * x, x**2 - y**2, 3 * z**2 - 1], axis=-1)
-
-
-@dataclass(frozen=True)
-class Room(ByInstrument):
-    """A smooth error by place, as cameras, measuring arms and air that is not alike everywhere make it: every
-    polynomial of the third degree, but for a motion of the whole and a scale, which has a name. middle_x,
-    middle_y, middle_z, reach [m]: of the points, and how far these go from there."""
-
-    variant: str = "room"
-    size: float = 5e-5
-    middle_x: float = 0.0
-    middle_y: float = 0.0
-    middle_z: float = 0.0
-    reach: float = 1.0
-
-    settings: ClassVar[tuple[str, ...]] = ("size", "middle_x", "middle_y", "middle_z", "reach")
-
-    @property
-    def functions(self) -> int:
-        return 53
-
-    @property
-    def variable(self) -> str:
-        return "the place in the room where the instrument sees it"
-
-    def seen(self, problem: Problem, points: Array) -> Array:
-        middle = np.array([self.middle_x, self.middle_y, self.middle_z])
-        x, y, z = np.moveaxis((_places(problem) - middle) / self.reach, -1, 0)
-        second = [x * x, x * y, x * z, y * y, y * z, z * z]
-        third = [x * s for s in second] + [y * s for s in second[3:]] + [z**3]
-        by = np.stack([*second, *third], axis=-1)
-        curved = (np.eye(3)[..., None] * by[..., None, None, :]).reshape(*by.shape[:2], 3, -1)
-        o = np.zeros_like(x)
-        sheared = [(x, -y, o), (o, y, -z), (y, x, o), (o, z, y), (z, o, x)]
-        even = np.stack([np.stack(way, axis=-1) for way in sheared], axis=-1)
-        return np.concatenate([even, curved], axis=-1)
-
-    @classmethod
-    def sites(cls, problem: Problem) -> Sequence[Room]:
-        points = problem.campaign.points[problem.seen]
-        middle = points.mean(axis=0)
-        reach = float(np.linalg.norm(points - middle, axis=1).max())
-        if reach <= MOVES:
-            return []
-        x, y, z = map(float, middle)
-        return [cls(middle_x=x, middle_y=y, middle_z=z, reach=reach)]
 
 
 def may_be_head(points: Array) -> bool:
