@@ -76,8 +76,11 @@ def significant(value: float, digits: int = 3) -> str:
 
 
 def bound(value: float) -> str:
-    """A bound [mm]; beyond `FARTHEST` that it is: what is so unsure is not known at all."""
-    return mm(value) if value < FARTHEST else f"over {FARTHEST:.0f}"
+    """A bound [mm], from a centimetre in whole ones; beyond `FARTHEST` that it is: what is so unsure is not
+    known at all."""
+    if value >= FARTHEST:
+        return f"over {FARTHEST:.0f}"
+    return mm(value) if value < 10 else f"{value:.0f}"
 
 
 def mm(value: float) -> str:
