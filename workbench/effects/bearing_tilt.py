@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
-from .base import Effect, Param
+from .base import Effect, Param, short
 from .kinds import LinearYield
 from .place import Where
 from .unnamed.carriage import UnevenCarriage, at_carriage
@@ -91,6 +91,6 @@ class BearingTilt(LinearYield):
         return GUIDE if arm.prismatic[arm.slot_of_joint(str(self.where.joint)) - 1] else 1.0
 
     def sentence(self, values: Array) -> str:
-        size = f"{values[0] * 1e9:.2g} µrad per kN·m"
+        size = f"{short(values[0] * 1e9)} µrad per kN·m"
         what = "carriage" if self.is_carriage else "bearing"
         return f"The {what} of {self.where.joint} tilts by {size} more than modelled."

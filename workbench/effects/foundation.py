@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import RX, RY, Arm, Array
-from .base import Effect, Param
+from .base import Effect, Param, short
 from .kinds import LinearYield
 from .unnamed.loads import UnevenTilt
 
@@ -57,4 +57,4 @@ class Foundation(LinearYield):
         return out
 
     def sentence(self, values: Array) -> str:
-        return f"The base tilts by {values[0] * 1e9:.2g} µrad per kN·m of overturning moment."
+        return f"The base tilts by {short(values[0] * 1e9)} µrad per kN·m of overturning moment."

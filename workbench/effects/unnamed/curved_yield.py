@@ -9,6 +9,7 @@ import numpy as np
 
 from ...campaign.problem import Problem
 from ...robot.kinematics import Array
+from ..base import motion_said
 from .loads import Torque
 
 
@@ -26,5 +27,5 @@ class CurvedYield(Torque):
         return {column: np.column_stack([third, fifth])}
 
     def sentence(self, values: Array) -> str:
-        size = 1e6 * np.abs(values).max()
-        return f"It does not yield in proportion to its torque: what is off is {size:.2g} µrad."
+        size = motion_said(float(np.abs(values).max()))
+        return f"It does not yield in proportion to its torque: what is off is {size}."

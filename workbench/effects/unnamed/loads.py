@@ -14,7 +14,7 @@ from ...campaign.problem import Problem
 from ...robot.kinematics import RX, RZ, TX, Arm, Array, Frames
 from ...robot.loads import Loads, wrenches
 from ...robot.rotations import cross
-from ..base import Depends, Param
+from ..base import Depends, Param, short
 from ..kinds import DirectEffect, LoadEffect
 from ..place import Where
 from .base import Unnamed, each
@@ -255,14 +255,14 @@ class UnevenTilt(Uneven):
         size, softest = np.hypot(*per_kNm[:2]), np.degrees(np.arctan2(per_kNm[1], per_kNm[0])) / 2 % 180
         frame = "the base's" if self.of_base else f"{self.where.joint}'s"
         said = (
-            f"It is not alike in all directions: {size:.2g} µrad per kN·m more about the axis at "
+            f"It is not alike in all directions: {short(size)} µrad per kN·m more about the axis at "
             f"{softest:.0f}° to {frame} x, as much less across it"
         )
         if not self.of_base:
             return f"{said}."
         return (
-            f"{said}; and the base's origin moves by {abs(per_kNm[3]) * FOOT:.2g} µm per kN·m, as where it "
-            "turns about a foot."
+            f"{said}; and the base's origin moves by {short(abs(per_kNm[3]) * FOOT)} µm per kN·m, as where "
+            "it turns about a foot."
         )
 
     @classmethod
