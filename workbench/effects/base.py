@@ -42,6 +42,11 @@ def short(size: float) -> str:
     return f"{size:.0f}" if abs(size) >= 9.95 else f"{size:.2g}"
 
 
+def grouped(size: float, digits: int) -> str:
+    """A large size of so many digits, thousands apart, as tables of stiffness have it: `4 660 000`."""
+    return f"{float(f'{size:.{digits}g}'):,.0f}".replace(",", "\N{NO-BREAK SPACE}")
+
+
 def motion_said(size: float, sliding: bool = False) -> str:
     """A joint's motion [rad; sliding: m] in a sentence: `60 µrad`, from five thousandths on `16.4 mrad`."""
     unit = "m" if sliding else "rad"

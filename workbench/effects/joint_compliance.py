@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.problem import Problem
 from ..robot.kinematics import Arm, Array
-from .base import Effect, Param
+from .base import Effect, Param, grouped
 from .kinds import AxialYield, LinearYield
 from .place import Where
 from .unnamed.curved_yield import CurvedYield
@@ -115,5 +115,4 @@ class JointCompliance(AxialYield, LinearYield):
         unit = "N/m" if self.sliding else "N·m/rad"
         if compliance <= 0:
             return ""
-        digits = f"{float(f'{1 / compliance:.3g}'):,.0f}".replace(",", "\N{NO-BREAK SPACE}")
-        return f" ({digits} {unit})"
+        return f" ({grouped(1 / compliance, 3)} {unit})"

@@ -12,7 +12,7 @@ from ..campaign.problem import Problem
 from ..robot.beam import bending_compliance
 from ..robot.kinematics import RX, Arm, Array
 from ..robot.rotations import skew
-from .base import Depends, Effect, Param, Rest, Slopes
+from .base import Depends, Effect, Param, Rest, Slopes, grouped
 from .bearing_tilt import BearingTilt
 from .drawn import Drawn
 from .kinds import MOST_SHIFT, MOST_TURN, DirectEffect, LinearYield
@@ -130,7 +130,7 @@ class LinkBending(LinearYield):
         total = values[0] + self.nominal
         if total <= 0:
             return f"{self.where.link} does not bend."
-        return f"{self.where.link} bends: its stiffness EI is {_grouped(1 / total)} N·m²."
+        return f"{self.where.link} bends: its stiffness EI is {grouped(1 / total, 2)} N·m²."
 
 
 @dataclass(frozen=True)
@@ -223,10 +223,5 @@ class RamBending(LinkBending):
         return []
 
     def sentence(self, values: Array) -> str:
-        stiffness = _grouped(1 / values[0])
+        stiffness = grouped(1 / values[0], 2)
         return f"{self.where.link} bends where it stands out: its stiffness EI is {stiffness} N·m²."
-
-
-def _grouped(stiffness: float) -> str:
-    """Two digits, thousands apart, as tables have it."""
-    return f"{float(f'{stiffness:.2g}'):,.0f}".replace(",", "\N{NO-BREAK SPACE}")

@@ -83,14 +83,15 @@ OUTSIDE = "something that no cause of the catalogue explains"
 
 def content(diagnosis: Diagnosis) -> Content:
     """All text and numbers of the report, in its order."""
+    step, command = next_step(diagnosis)
     return {
         "robot": diagnosis.robot_title or diagnosis.robot,
         "campaign": diagnosis.campaign,
         "origin": " · ".join(dict.fromkeys((diagnosis.robot_title or diagnosis.robot, diagnosis.campaign))),
         "verdict": _verdict(diagnosis),
         "summary": _summary(diagnosis),
-        "next": next_step(diagnosis)[0],
-        "next_command": next_step(diagnosis)[1],
+        "next": step,
+        "next_command": command,
         "proof": list(diagnosis.proof) if diagnosis.proof else None,
         "revealed": asdict(diagnosis.revealed) if diagnosis.revealed else None,
         "tiles": _tiles(diagnosis),

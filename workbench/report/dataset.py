@@ -25,10 +25,15 @@ def facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     ]
     if noise.repeatability_mm is not None:
         facts.append(("Repeatability", f"{mm(noise.repeatability_mm)} mm per axis, one sigma"))
-    more = {name: value for name, value in diagnosis.facts.items() if name not in ("Poses", "Points")}
-    ranges = [name for name in more if name.startswith(RANGE)]
-    if ranges:  # in one row, where the first of them stands
-        said = " · ".join(f"{name.removeprefix(RANGE)} {more[name]}" for name in ranges)
-        more = {("Ranges" if name == ranges[0] else name): value for name, value in more.items()
-                if name not in ranges[1:]} | {"Ranges": said}  # fmt: skip
+    ranges = [
+        f"{name.removeprefix(RANGE)} {value}"
+        for name, value in diagnosis.facts.items()
+        if name.startswith(RANGE)
+    ]
+    one_row = ("Ranges", " · ".join(ranges))  # where the first of them stands
+    more = dict(
+        one_row if name.startswith(RANGE) else (name, value)
+        for name, value in diagnosis.facts.items()
+        if name not in ("Poses", "Points")
+    )
     return [*facts, *more.items(), ("Intervals", SUPPORT)]

@@ -15,6 +15,18 @@ EXACT, BEYOND = 1e-9, 100.0  # of the variance that one part would have alone: w
 CLEARLY = 20.0  # twice the log likelihood that a further part of the noise must bring
 
 
+def with_more(
+    d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], few: int, lost: float
+) -> list[float]:
+    """One sigma of each of the parts, as `likeliest`: zero of those after the first few, where it is not
+    clear that these are there."""
+    least, cost_least = likeliest(d, mask, parts[:few], lost)
+    every, cost_every = likeliest(d, mask, parts, lost)
+    clear = cost_least - cost_every >= CLEARLY
+    variances = every if clear else np.append(least, np.zeros(len(parts) - few))
+    return [float(sigma) for sigma in np.sqrt(variances)]
+
+
 def likeliest(d: Array, mask: NDArray[np.bool_], parts: Sequence[Array], lost: float) -> tuple[Array, float]:
     """Variances (k,) of covariances that add up to that of d (N, D), parts: k of (N, D, D), and twice the
     negative log likelihood of them. lost: by how much a fit made d smaller."""

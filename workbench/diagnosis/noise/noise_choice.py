@@ -25,7 +25,7 @@ from ...robot.kinematics import Array
 from ..priors import PRIORS
 from ..result import Noise
 from .distances import shown_by_distances
-from .likeliest import CLEARLY, likeliest
+from .likeliest import with_more
 from .six_dof import of_poses, of_repeats
 
 BELIEVED_DOF = 60  # degrees of freedom from which measured noise stands in for stated noise
@@ -225,10 +225,7 @@ def _parts(result: Fit) -> Covariance:
     parts = [mask[:, :, None] * np.eye(mask.shape[1]), *(A @ A.transpose(0, 2, 1) for A in moved)]
     d = np.nan_to_num(result.residual).reshape(len(mask), -1)
     lost = mask.sum() / max(mask.sum() - result.rank, 1)
-    two, cost_two = likeliest(d, mask, parts[:2], lost)
-    four, cost_four = likeliest(d, mask, parts, lost)
-    variances = four if cost_two - cost_four >= CLEARLY else np.append(two, [0.0, 0.0])
-    sigma, joint, shift, turn = np.sqrt(variances).tolist()
+    sigma, joint, shift, turn = with_more(d, mask, parts, 2, lost)
     every = np.full(problem.seen.shape, sigma)
     return replace(result.noise, sigma=every, joint=joint * turning, body=(shift, turn))
 

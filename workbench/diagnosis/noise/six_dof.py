@@ -13,7 +13,7 @@ from ...identification.noise import FEWEST_DOF, LEAST, Covariance, turn_of_point
 from ...identification.repeats import scatter_of_repeats
 from ...identification.rows import from_middle, whitening
 from ...robot.kinematics import Array
-from .likeliest import CLEARLY, likeliest
+from .likeliest import CLEARLY, with_more
 
 LESS = 0.8  # times the noise of a turn: by less it is as it was taken for
 SIX = 6  # motions of a rigid pose
@@ -30,12 +30,7 @@ def of_poses(result: Fit) -> Covariance:
     J = W @ (result.line.by_joint * turning)[_used(result)]
     each = [np.repeat([1.0, 0.0], 3), np.repeat([0.0, 1.0], 3)]
     parts = [*(np.broadcast_to(np.diag(one), (len(d), SIX, SIX)) for one in each), J @ J.transpose(0, 2, 1)]
-    every = np.ones(d.shape, bool)
-    lost = _lost(result, d)
-    two, cost_two = likeliest(d, every, parts[:2], lost)
-    three, cost_three = likeliest(d, every, parts, lost)
-    variances = three if cost_two - cost_three >= CLEARLY else np.append(two, 0.0)
-    shift, turn, joint = np.sqrt(variances).tolist()
+    shift, turn, joint = with_more(d, np.ones(d.shape, bool), parts, 2, _lost(result, d))
     return replace(unit, sigma=shift * unit.sigma, turn_ratio=turn / shift, joint=joint * turning)
 
 
