@@ -175,6 +175,30 @@ def test_what_kin_win_by_their_companions_counts_a_third():
         assert kin_odds(joint_map, by) == pytest.approx(-least)  # a map's win is none of a pure form
 
 
+def test_a_run_out_twice_a_turn_brings_its_own_harmonic():
+    """It took a map of the joint to hold four cycles a turn, which was named at 1.0 in its place."""
+    robot = load_robot("ur10")
+    plan = planned(robot, random_poses(robot, 80, np.random.default_rng(3)))
+    problem = problem_of(plan)
+    about = "joint=shoulder_pan_joint"
+    hidden = [
+        f"gear_eccentricity:{about},variant=2,amplitude=6e-4,phase=0.9",
+        f"gear_eccentricity:{about},variant=4,amplitude=1.3e-4,phase=2",
+        f"gear_kinematic_error:{about},order=6,amplitude=1.5e-5,phase=0.3",
+    ]
+    truth = Truth(effects=tuple(parse_effect(one, problem) for one in hidden), sigma=2e-5)
+    outcome = diagnose(simulate(plan, truth, seed=5))
+    first = outcome.diagnosis.causes[0]
+    assert (first.cause, first.where.joint) == ("gear_eccentricity", "shoulder_pan_joint")
+    sizes = {
+        effect.cycles: np.hypot(*values)
+        for effect, values in zip(outcome.fit.model.effects, outcome.fit.state.values, strict=True)
+        if isinstance(effect, GearEccentricity)
+    }
+    assert sizes[2] == pytest.approx(6e-4, rel=0.03)
+    assert sizes[4] == pytest.approx(1.3e-4, rel=0.15)
+
+
 def kin_odds(logs, by_companions):
     """log odds of a run-out over a map that are believed."""
     effects = GearEccentricity(Where(joint="joint_1"), "1"), JointMap(Where(joint="joint_1"), "smooth")

@@ -15,12 +15,12 @@ from .harmonics import Harmonic, amplitude_phase
 from .joint_map import JointMap
 from .place import Parameter, Where
 
-OTHER, HIGHER = 0.3, 0.1  # shares of the amplitude: the other of one and two cycles, higher ones
+OTHER, HIGHER = 0.3, 0.1  # shares of the amplitude: half and twice as many cycles, whatever else
 
 
 @dataclass(frozen=True)
 class GearEccentricity(Harmonic):
-    """Δq = a sin(k q) + b cos(k q), k = 1 or 2 cycles per joint turn (`variant`).
+    """Δq = a sin(k q) + b cos(k q), k = 1 or 2 cycles per joint turn (`variant`); of 2 there may be 4 beside.
 
     Run-out of the output gear or of an encoder on the output.
     """
@@ -56,18 +56,24 @@ class GearEccentricity(Harmonic):
 
     @classmethod
     def sites(cls, problem: Problem) -> Sequence[GearEccentricity]:
+        return cls._over(problem, ("1", "2"))
+
+    @classmethod
+    def places(cls, problem: Problem) -> Sequence[GearEccentricity]:
+        return cls._over(problem, ("1", "2", "4"))  # the last beside the second: no run-out by itself
+
+    @classmethod
+    def _over(cls, problem: Problem, variants: Sequence[str]) -> list[GearEccentricity]:
+        """Of all joints that turn."""
         arm = problem.arm
-        return [
-            cls(Where(joint=name), variant)
-            for name, sliding in zip(arm.names, arm.prismatic, strict=True)
-            if not sliding
-            for variant in ("1", "2")
-        ]
+        turning = [name for name, sliding in zip(arm.names, arm.prismatic, strict=True) if not sliding]
+        return [cls(Where(joint=name), variant) for name in turning for variant in variants]
 
     def companions(self, problem: Problem) -> Sequence[tuple[float, Effect]]:
-        """A real run-out has the other of one and two cycles as well, and a little of higher ones."""
-        higher = JointMap.off(problem, problem.joint(self.where.joint), HIGHER * self.params[0].typical)
-        return [(OTHER, replace(self, variant=str(3 - self.cycles))), *higher]
+        """A real run-out has twice as many cycles as well, and of two one; and a little of all others."""
+        harmonics: dict[int, Sequence[str]] = {1: ("2",), 2: ("1", "4")}
+        others = JointMap.off(problem, problem.joint(self.where.joint), HIGHER * self.params[0].typical)
+        return [*((OTHER, replace(self, variant=one)) for one in harmonics.get(self.cycles, ())), *others]
 
     def report(self, values: Array, covariance: Array) -> tuple[Parameter, ...]:
         (a, sa), (f, sf) = amplitude_phase(values, covariance)
@@ -79,5 +85,5 @@ class GearEccentricity(Harmonic):
 
     def sentence(self, values: Array) -> str:
         size = motion_said(np.hypot(*values))
-        cycles = "once" if self.cycles == 1 else "twice"
-        return f"The gear of {self.where.joint} runs out {cycles} per turn, by {size}."
+        often = {1: "once", 2: "twice"}.get(self.cycles, f"{self.cycles} times")
+        return f"The gear of {self.where.joint} runs out {often} per turn, by {size}."

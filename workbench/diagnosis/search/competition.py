@@ -85,7 +85,7 @@ class Selection:
                 own.sort(key=self._shown, reverse=True)
         lead = {key: effects[own[0]] for key, own in found.items()}
         for i, effect in enumerate(effects):
-            if self.beside.get(effect) in found:
+            if self.beside.get(effect) in found and not self.named(effect):
                 found[self.beside[effect]].append(i)
         return [(lead[key], own) for key, own in found.items()]
 

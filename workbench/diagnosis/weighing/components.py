@@ -264,16 +264,17 @@ def with_companions(
 def beside_forms(
     scaled: Iterable[tuple[Effect, float]], about: Problem, there: Iterable[Effect]
 ) -> dict[Effect, Key]:
-    """What effects in their scales have beside their forms that no law names, and whose it is: of each
-    function the first, and none that is there already."""
+    """What effects in their scales have beside their forms, further parts of their own law and what none
+    names, and whose it is: of each function the first, and none that is there already."""
 
     def place(one: Effect) -> tuple[str, str, Where]:
-        return one.cause, one.variant if one.cause == UNKNOWN else "", one.where
+        return one.cause, "" if one.local and one.cause != UNKNOWN else one.variant, one.where
 
     found, had = dict[Effect, Key](), {place(e) for e in there}
     for effect, scale in scaled:
         for share, companion in (*effect.companions(about), *effect.rarer(about)):
-            if (companion.cause == UNKNOWN or companion.local) and place(companion) not in had:
+            of_it = companion.local or companion.cause in (UNKNOWN, effect.cause)
+            if of_it and place(companion) not in had:
                 found[companion.sized(scale * share)] = effect.key
                 had.add(place(companion))
     return found
